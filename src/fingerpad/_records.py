@@ -1,10 +1,31 @@
 """Records, whose keys carry units, as lines of text."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
-from fingerpad._display import short_text
+from fingerpad._display import Displayed, short_text
 from fingerpad.units import value_with_uncertainty
+
+
+class Recorded(Displayed):
+    """Base of results whose summary is their record of plain values."""
+
+    __slots__ = ()
+    _title: ClassVar[str]
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers by names that end in units."""
+        raise NotImplementedError
+
+    def summary(self) -> str:
+        """Return the numbers as text, one line each.
+
+        Returns
+        -------
+        str
+            With units and uncertainties.
+        """
+        return record_text(self._title, self.as_record())
 
 
 def record_text(title: str, record: Mapping[str, Any]) -> str:

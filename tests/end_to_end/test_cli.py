@@ -200,7 +200,7 @@ def test_text_output_with_units() -> None:
         ),
         (
             ["hertz", "--radii-mm", "12", "14", "--modulus-kpa", "9"],
-            "give either --load-n or --indentation-mm",
+            "give exactly one of --load-n and --indentation-mm",
         ),
         (
             ["correct", "--ellipse-mm", "5.0", "7.4", "--radius-mm", "18"],

@@ -9,9 +9,10 @@ import pytest
 from benchmarks import fingertips
 from benchmarks.finger_shapes import SHAPES, SIDES, render, tip_outline
 
-from fingerpad.image import Scale, measure_photograph
+from fingerpad.image import Scale, measure_photograph, photograph_from_ellipse
 from fingerpad.image.photograph._departure import PadShape, departure_of, is_significant
 from fingerpad.image.photograph._outline_radius import radius_of_outline
+from fingerpad.image.photograph._reach import with_reach
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse
 
 ACROSS, ALONG = 180.0, 250.0
@@ -154,3 +155,51 @@ def test_a_side_face_tells_its_own_curvature_from_the_ellipses():
     assert (at_30["outline_mm"], at_30["ellipse_mm"]) == (radius, seen.ellipse_radius(angle))
     assert "outline_radius_mm_30deg" in seen.summary()
     assert palmar.side_radii() == []
+
+
+def outline_of(points, semi_axes, face, lean=0.0):
+    """Return the fit of a face with these semi-axes, mm, whose outline is given in their frame."""
+    fit = photograph_from_ellipse(face, Scale(1.0), centre=(0, 0), semi_axes=semi_axes)
+    return replace(fit, outline=np.asarray(points) @ fit.directions, lean=lean, lean_std=0.001)
+
+
+@pytest.mark.parametrize(
+    ("face", "arc"), [("radial", (-60, 150)), ("distal", (-20, 200)), ("palmar", (-10, 190))]
+)
+def test_the_lengths_of_an_ellipses_outline_are_its_semi_axes(face, arc):
+    fit = outline_of(ellipse_arc(*arc), (ACROSS, ALONG), face)
+    same = with_reach(fit, (0.0, 0.05))
+    np.testing.assert_allclose(same.edge_covariance, fit.edge_covariance)
+    assert same.flags == fit.flags
+    # Of other semi-axes the outline itself says by how much they are wrong, and the flag that it is none.
+    wrong = with_reach(replace(fit, semi_axes=fit.semi_axes * [1.0, 0.85]), (0.0, 0.05))
+    along = math.sqrt(wrong.edge_covariance[1, 1] - fit.edge_covariance[1, 1])
+    assert 0.5 * 0.15 * ALONG < along < 0.15 * ALONG
+    assert "not_an_ellipse" in wrong.flags
+
+
+def test_a_shaft_a_little_wider_than_the_pad_tells_nothing_of_its_height():
+    widening = ellipse_arc(-10, 190)
+    widening[widening[:, 1] < 0.2 * ALONG, 0] *= 1.02
+    fit = outline_of(widening, (ACROSS, ALONG), "palmar")
+    np.testing.assert_allclose(with_reach(fit, (0.0, 0.05)).edge_covariance, fit.edge_covariance)
+
+
+def test_an_ellipse_that_leans_otherwise_than_the_finger_is_doubted():
+    straight, turned = (
+        with_reach(outline_of(ellipse_arc(-60, 150), (ACROSS, ALONG), "radial", lean), (0.0, 0.05))
+        for lean in (0.02, 0.1)
+    )
+    assert "not_an_ellipse" not in straight.flags
+    assert "not_an_ellipse" in turned.flags
+    assert turned.lean_std > 0.05 > straight.lean_std
+    stds = np.sqrt(np.diagonal(turned.edge_covariance)) / turned.semi_axes
+    assert (stds > 0.05).all()
+
+
+@pytest.mark.parametrize("face", ["distal", "radial"])
+def test_the_interval_of_a_flat_pad_holds_its_semi_axes(face):
+    truth = fingertips.render(np.random.default_rng([3, 9]), "flat pad", face)
+    seen = measure_photograph(truth.pixels, face, Scale(truth.mm_per_px), palmar=SIDES[face])
+    assert (np.abs(seen.semi_axes - truth.semi_axes) < 1.96 * np.sqrt(np.diagonal(seen.covariance))).all()
+    assert "not_an_ellipse" in seen.flags

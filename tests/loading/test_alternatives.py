@@ -93,3 +93,38 @@ def test_smoothed_areas_are_flagged() -> None:
     smooth = np.convolve(noise, np.ones(21) / 4.6, "valid")
     ideal = curve.area - (curve.area - np.pi * 15 * np.maximum(curve.indentation - 0.3, 0))
     assert "correlated_area" in fit_loading_curve(replace(curve, area=ideal + smooth)).flags
+
+
+def without_areas(name: str):
+    radius = Estimate.symmetric(1.02 * PAD.radius, 0.03 * PAD.radius)
+    return fit_loading_curve(replace(curve_of(name), area=None), loading_radius=radius)
+
+
+def test_a_layer_that_no_area_tells_from_a_growing_modulus_is_within_the_interval() -> None:
+    fit = without_areas("layer of 8 mm on bone")
+    assert "untested_without_area" in fit.flags
+    assert fit.initial_modulus.lower < PAD.modulus < fit.initial_modulus.upper
+    assert fit.initial_modulus.value > 1.5 * PAD.modulus
+    # What a layer cannot have made is not widened.
+    grows = without_areas("growing modulus, white noise")
+    assert grows.initial_modulus.lower < PAD.modulus < grows.initial_modulus.upper
+    assert grows.initial_modulus.upper < 1.2 * PAD.modulus
+
+
+def test_a_stage_that_yields_a_little_is_within_the_interval_of_the_radius() -> None:
+    held = [
+        fit.loading_radius.lower < PAD.radius < fit.loading_radius.upper
+        for fit in (fit_loading_curve(curve_of("stage yields 0.06 mm/N", seed)) for seed in range(4))
+    ]
+    assert sum(held) >= 3
+
+
+def test_a_zero_that_drifts_may_bend() -> None:
+    warm, steady = (
+        fit_loading_curve(curve_of(name)) for name in ("force warms up by 40 mN", "Hertz, white noise")
+    )
+    assert warm.initial_modulus.lower < PAD.modulus < warm.initial_modulus.upper
+    curve = curve_of("Hertz, white noise")
+    drifts = fit_loading_curve(replace(curve, load=curve.load + 0.03 * curve.time))
+    assert drifts.initial_modulus.std > 1.5 * steady.initial_modulus.std
+    assert abs(drifts.initial_modulus.value / steady.initial_modulus.value - 1) < 1e-3

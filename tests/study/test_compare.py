@@ -20,7 +20,7 @@ from fingerpad.figures.panels import PanelFigure
 from fingerpad.report.compare import forest_plot, write_comparison_page
 from fingerpad.study.compare import FinishedStudy, Person, Value, compare_studies, write_comparison
 from fingerpad.study.compare.means import means_of
-from fingerpad.study.compare.values import values_of
+from fingerpad.study.compare.values import _of_placements, _verdicts, values_of
 from fingerpad.study.pipeline import run_study
 
 
@@ -290,11 +290,13 @@ def test_tables_hold_all_values_and_means(runs: list[Path], tmp_path: Path) -> N
         rows = list(csv.DictReader(file))
     assert [float(row["value"]) for row in rows] == [v.value for v in found.values]
     assert {row["person"] for row in rows} == {"P01", "P02", ""}
-    assert {row["unit"] for row in rows} == {"mm", "1"}
+    assert {row["unit"] for row in rows} == {"mm", "kPa", "1"}
     record = json.loads((tmp_path / "compare.json").read_text())
     assert len(record["values"]) == len(rows)
     assert [mean["people"] for mean in record["means"]] == [len(mean.people) for mean in found.means]
-    assert sum(mean["synthetic"] for mean in record["means"]) == 7  # three axes, two radii at two angles
+    assert (
+        sum(mean["synthetic"] for mean in record["means"]) == 9
+    )  # three axes, two radii and E at two angles
 
 
 def test_no_spreadsheet_evaluates_a_title(tmp_path: Path) -> None:
@@ -313,7 +315,7 @@ def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tm
     assert not re.search(r'(?:src|href)="(?!#|data:)', page)
     rows = re.findall(r"<tr>.*?</tr>", page, re.DOTALL)
     of_pad = [row for row in rows if "<td>pad" in row]
-    assert len(of_pad) == 8
+    assert len(of_pad) == 12
     assert all('<span class="synthetic">' in row for row in of_pad)
     drawn = (tmp_path / "figures" / "compare_radius_from_indentation_mm.svg").read_text(encoding="utf-8")
     assert "Lab B, pad (synthetic)" in drawn
@@ -327,7 +329,9 @@ def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
         value(13.0 + n % 7 / 10, 0.1, person=f"P{n // 30}", finger=f"f{n}", quantity="palmar_mm")
         for n in range(120)
     ]
-    crowd = type(found)(studies=found.studies, values=tuple(many), means=tuple(means_of(many)), notes=())
+    crowd = type(found)(
+        studies=found.studies, values=tuple(many), means=tuple(means_of(many)), verdicts=(), notes=()
+    )
     (plot,) = forest_plot(crowd, "palmar_mm")
     assert isinstance(plot.figure, PanelFigure)
     assert plot.figure.panels[0].last("set_yticks").args[1] == [
@@ -394,3 +398,58 @@ def test_from_the_command_line(runs: list[Path], tmp_path: Path) -> None:
     code, _, error = cli(runs[0], runs[0])
     assert code == 2
     assert error.startswith("fingerpad: ")
+
+
+def test_verdicts_name_the_checks_that_say_so(runs: list[Path], tmp_path: Path) -> None:
+    found = compare_studies(runs)
+    summaries = [s for run in runs for s in json.loads((run / "summary.json").read_text())["summaries"]]
+    hertz = [one for one in found.verdicts if one.model == "Hertz theory"]
+    assert [one.verdict for one in hertz] == [s["validity"]["verdict"] for s in summaries]
+    for one, summary in zip(hertz, summaries, strict=True):
+        said = {check["check"]: check["verdict"] for check in summary["validity"]["checks"]}
+        assert one.checks
+        assert {said[name] for name in one.checks} == {one.verdict}
+    write_comparison(found, tmp_path)
+    with (tmp_path / "compare_validity.csv").open(encoding="utf-8") as file:
+        assert [row["verdict"] for row in csv.DictReader(file)] == [one.verdict for one in found.verdicts]
+    page = write_comparison_page(found, tmp_path).read_text(encoding="utf-8")
+    for one in found.verdicts:
+        assert f"{one.verdict}</span>" in page
+        assert one.compared[0].split(",")[0].replace("R_g", "R<sub>g</sub>") in page
+
+
+def test_the_modulus_on_the_layer_stands_beside_that_of_hertz_theory() -> None:
+    layer = {"highest_load": {"youngs_modulus_on_layer_kpa": 49.2, "youngs_modulus_on_layer_kpa_std": 5.0}}
+    headline = {"youngs_modulus_kpa": {"verdict": "fails", "value": 66.9, "value_std": 3.7}}
+    checks = [
+        {"check": "shape_on_layer", "verdict": "holds", "compared": "length over width"},
+        {"check": "modulus_on_layer", "verdict": "not tested", "compared": "E"},
+    ]
+    placement = {
+        "finger": "index",
+        "wedge_angle_deg": 30.0,
+        "roll_angle_deg": 0.0,
+        "synthetic": False,
+        "mean_curvature_radius_mm": 13.6,
+        "radius_from_indentation_mm": 13.8,
+        "area_exponent": 0.6,
+        "on_layer": {"effective_thickness_mm": 7.9, **layer},
+        "validity": {
+            "verdict": "fails",
+            "headlines": headline,
+            "checks": [],
+            "on_layer": {"verdict": "holds", "checks": checks},
+        },
+    }
+    summary = {"fingers": [], "curves": [], "summaries": [placement]}
+    study = FinishedStudy(
+        folder=Path(), title="A", version="", made="", failures=0, inputs={}, summary=summary
+    )
+    owners = {"index": Person("P01", True)}
+    values = {one.quantity: one for one in _of_placements(study, owners)}
+    assert (values["youngs_modulus_kpa"].value, values["youngs_modulus_kpa"].verdict) == (66.9, "fails")
+    on_layer = values["youngs_modulus_on_layer_kpa"]
+    assert (on_layer.value, on_layer.std, on_layer.verdict) == (49.2, 5.0, "holds")
+    hertz, layered = _verdicts(study, owners)
+    assert (hertz.verdict, hertz.checks) == ("fails", ())
+    assert (layered.model, layered.checks) == ("7.9 mm of tissue over bone", ("shape_on_layer",))

@@ -42,6 +42,23 @@ def test_the_ellipsoids_radius_is_as_uncertain_as_its_semi_axes_make_it():
     assert finger().in_plane_radius_std(30) == pytest.approx(0.1 * np.linalg.norm(slopes), rel=1e-5)
 
 
+def test_the_pads_radius_lies_between_ellipsoid_and_outline_and_near_the_latter_where_they_disagree():
+    true = radius_along(AXES)
+    agrees, differs = (finger(((30.0, factor * true, 0.06 * true),)) for factor in (1.02, 1.4))
+    along, along_std, across_std = agrees.shape_deviation(30, 0)
+    assert 0 < along < np.log(1.02)
+    assert along_std < 0.06 < across_std
+    along, along_std, _ = differs.shape_deviation(30, 0)
+    assert 0.9 * np.log(1.4) < along < np.log(1.4)
+    own = differs.in_plane_radius_std(30) / true
+    assert np.hypot(along_std, own) == pytest.approx(0.06 / 1.4, rel=0.1)
+    # Where no outline shows the place, nothing moves, and more is open than where none was looked at.
+    assert differs.shape_deviation(30, 5)[:2] == (0.0, pytest.approx(0.1))
+    assert differs.shape_deviation(60, 0)[:2] == (0.0, pytest.approx(0.2))
+    given = FingerResult(name="f", semi_axes=AXES, covariance=np.eye(3), source="given")
+    assert given.shape_deviation(30, 0) == (0.0, 0.0, 0.0)
+
+
 @pytest.mark.parametrize(("roll", "factor", "disagrees"), [(0, 1.0, False), (0, 1.4, True), (5, 1.4, False)])
 def test_a_radius_that_disagrees_is_noted_where_the_plane_is_seen(roll, factor, disagrees):
     true = radius_along(AXES)

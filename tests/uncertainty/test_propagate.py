@@ -189,10 +189,29 @@ def test_invalid_pad_quantities(changed: dict[str, Any], message: str) -> None:
         pad_uncertainty(**{**PAD, **changed})
 
 
+def test_a_pad_whose_radii_deviate_from_the_ellipsoids() -> None:
+    ball = {**EXACT, "palmar": 10.0, "distal": 10.0, "radial_ulnar": 10.0}
+    along = pad_uncertainty(**ball, in_plane_deviation=(np.log(1.2), 0.1))
+    assert_allclose(along["mean_curvature_radius"].value, 2 / (1 / 12 + 1 / 10))
+    assert_allclose(along["geometric_mean_radius"].value, np.sqrt(120))
+    # Of 1/H = (1/R' + 1/R'')/2 a radius has the share of its curvature.
+    share = (1 / 12) / (1 / 12 + 1 / 10)
+    assert_allclose(
+        along["mean_curvature_radius"].std / along["mean_curvature_radius"].value, 0.1 * share, rtol=1e-4
+    )
+    assert_allclose(along.budget("mean_curvature_radius")["pad shape"], 1)
+    both = pad_uncertainty(**ball, in_plane_deviation=np.log(1.2), transverse_deviation=np.log(1.2))
+    larger = pad_uncertainty(**{**ball, "palmar": 12.0, "distal": 12.0, "radial_ulnar": 12.0})
+    assert_allclose(both.value, larger.value, rtol=1e-12)
+
+
 def test_invalid_pad_inputs() -> None:
     with pytest.raises(UncertaintyError, match="no input 'distal'; there are palmar"):
         pad_inputs(Inputs.of(palmar=7.9))
-    measured = Inputs.of(**PAD).with_covariance(["semi_major", "semi_minor"], [[1.0, 2.0], [2.0, 1.0]])
+    exact = {"in_plane_deviation": 0.0, "transverse_deviation": 0.0}
+    measured = Inputs.of(**PAD, **exact).with_covariance(
+        ["semi_major", "semi_minor"], [[1.0, 2.0], [2.0, 1.0]]
+    )
     with pytest.raises(UncertaintyError, match="covariance of semi_major and semi_minor .* found 2"):
         pad_inputs(measured)
 

@@ -9,7 +9,7 @@ from fingerpad.cli.shared import AsJson, print_json
 from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
-    from fingerpad.study.compare import Comparison, Mean, Value
+    from fingerpad.study.compare import Comparison, Mean, Value, Verdict
 
 
 def compare(
@@ -59,15 +59,22 @@ def _print_tables(found: "Comparison") -> None:
         width, place = (max(len(row[column]) for row in rows) for column in (0, 1))
         for who, where, text in rows:
             typer.echo(f"  {who:<{width}}  {where:<{place}}  {text}")
+    if found.verdicts:
+        typer.echo("validity: whether the model holds, and which checks say so")
+        lines = [(_who(one), _place(one), one.model, one.verdict) for one in found.verdicts]
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        for line, one in zip(lines, found.verdicts, strict=True):
+            cells = "  ".join(f"{text:<{width}}" for text, width in zip(line, widths, strict=True))
+            typer.echo(f"  {cells}  {', '.join(one.checks)}".rstrip())
     for note in found.notes:
         typer.echo(f"note: {note}")
 
 
-def _who(value: "Value") -> str:
+def _who(value: "Value | Verdict") -> str:
     return f"{value.person.name}, {value.finger}{'  (synthetic)' if value.synthetic else ''}"
 
 
-def _place(item: "Value | Mean") -> str:
+def _place(item: "Value | Mean | Verdict") -> str:
     if item.wedge_angle_deg is None:
         return ""
     return f"{item.wedge_angle_deg:g}°" + (f", roll {item.roll_angle_deg:g}°" if item.roll_angle_deg else "")

@@ -20,6 +20,7 @@ from fingerpad.cli.shared import (
     YoungsModulus,
     checked_pad,
     only_one,
+    pressed_record,
     print_json,
     require_positive,
 )
@@ -133,9 +134,7 @@ def _record(field: "ContactField", depths: "FloatArray") -> dict[str, Any]:
     strain = field.strain(stress)
     highest, where = field.highest_shear_on_axis()
     record: dict[str, Any] = {
-        "load_N": field.load,
-        "area_mm2": field.area,
-        "indentation_mm": field.indentation,
+        **pressed_record(field),
         "peak_pressure_kpa": KPA_PER_MPA * field.peak_pressure,
         "highest_shear_on_axis_kpa": KPA_PER_MPA * highest,
         "highest_shear_on_axis_depth_mm": where,

@@ -15,6 +15,8 @@ from fingerpad.cli.shared import (
     Thickness,
     WedgeAngle,
     checked_pad,
+    only_one,
+    pressed_record,
     print_json,
     print_record,
     require_positive,
@@ -76,14 +78,8 @@ def hertz(
     """
     from fingerpad.contact import HertzGeometry, indentation_factor, size_factor
 
-    if (load_n is None) == (indentation_mm is None):
-        raise typer.BadParameter("give either --load-n or --indentation-mm")
-    for flag, value in (
-        ("--modulus-kpa", modulus_kpa),
-        ("--load-n", load_n),
-        ("--indentation-mm", indentation_mm),
-        ("--thickness-mm", thickness_mm),
-    ):
+    only_one({"--load-n": load_n, "--indentation-mm": indentation_mm})
+    for flag, value in (("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
         require_positive(flag, value)
     for radius in radii_mm:
         require_positive("--radii-mm", radius)
@@ -94,11 +90,9 @@ def hertz(
     else:
         contact = pair.at_indentation(indentation_mm or 0.0, reduced_modulus=modulus)
     record = {
-        "load_N": contact.load,
+        **pressed_record(contact),
         "semi_major_mm": contact.semi_major,
         "semi_minor_mm": contact.semi_minor,
-        "area_mm2": contact.area,
-        "indentation_mm": contact.indentation,
         "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
         "mean_pressure_kpa": KPA_PER_MPA * contact.mean_pressure,
         "stiffness_N_per_mm": contact.stiffness,
@@ -127,13 +121,7 @@ def _on_layer(radii_mm: tuple[float, float], **press: Any) -> dict[str, Any]:
     from fingerpad.contact import PadGap, fast_contact
 
     contact = fast_contact(PadGap.paraboloid(*radii_mm), **press)
-    return {
-        "load_N": contact.load,
-        "area_mm2": contact.area,
-        "indentation_mm": contact.indentation,
-        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
-        "flag": str(contact.flag) or None,
-    }
+    return {**pressed_record(contact), "flag": str(contact.flag) or None}
 
 
 def correct(

@@ -13,6 +13,7 @@ from fingerpad.cli.shared import (
     WedgeAngle,
     checked_pad,
     only_one,
+    pressed_record,
     print_json,
     print_law_flag,
     print_side_by_side,
@@ -76,10 +77,7 @@ def modulus(
 def _record(contact: "LayeredContact") -> dict[str, Any]:
     flag = str(contact.flag)
     return {
-        "load_N": contact.load,
-        "area_mm2": contact.area,
-        "indentation_mm": contact.indentation,
-        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
+        **pressed_record(contact),
         "reduced_modulus_kpa": KPA_PER_MPA * contact.reduced_modulus,
         "youngs_modulus_kpa": KPA_PER_MPA * contact.youngs_modulus,
         "flag": flag or None,

@@ -161,6 +161,16 @@ def only_one(given: Mapping[str, float | None]) -> str:
     return found[0]
 
 
+def pressed_record(contact: Any) -> dict[str, Any]:
+    """Return how a pad is pressed, from anything that has a load, an area and an indentation."""
+    return {
+        "load_N": contact.load,
+        "area_mm2": contact.area,
+        "indentation_mm": contact.indentation,
+        "area_over_pi_indentation_mm": contact.area / (math.pi * contact.indentation),
+    }
+
+
 def print_record(record: Mapping[str, Any], as_json: bool) -> None:
     """Print a record as JSON or as lines of text."""
     if as_json:

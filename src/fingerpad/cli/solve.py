@@ -21,6 +21,7 @@ from fingerpad.cli.shared import (
     YoungsModulus,
     checked_pad,
     only_one,
+    pressed_record,
     print_json,
     print_law_flag,
     print_side_by_side,
@@ -113,8 +114,6 @@ def _solved_record(
     return {
         **_sizes(solution),
         "long_axis_along": _long_axis(solution.axis_ratio, abs(math.sin(turn)) > abs(math.cos(turn))),
-        "indentation_mm": solution.indentation,
-        "area_over_pi_indentation_mm": solution.area_over_pi_indentation,
         "peak_pressure_kpa": KPA_PER_MPA * solution.peak_pressure,
         "relative_error_estimate": solution.relative_error,
     }
@@ -133,14 +132,11 @@ def _fast_record(
     ratio = form.semi_major / form.semi_minor
     flag = str(contact.flag)
     return {
-        "load_N": contact.load,
-        "area_mm2": contact.area,
+        **pressed_record(contact),
         "semi_major_mm": form.semi_major,
         "semi_minor_mm": form.semi_minor,
         "aspect_ratio": ratio,
         "long_axis_along": None if flag else _long_axis(float(1 / ratio), bool(form.long_axis)),
-        "indentation_mm": contact.indentation,
-        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
         "peak_pressure_kpa": KPA_PER_MPA * form.peak_over_mean_pressure * contact.load / contact.area,
         "relative_error_estimate": None
         if flag
@@ -163,8 +159,6 @@ def _hertz_record(
     record = {
         **_sizes(contact),
         "long_axis_along": _long_axis(float(geometry.axis_ratio), float(geometry.long_axis) == 1),
-        "indentation_mm": contact.indentation,
-        "area_over_pi_indentation_mm": contact.area / (math.pi * contact.indentation),
         "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
     }
     departures = [abs(record[key] / solved[key] - 1) for key in ("load_N", "area_mm2", "indentation_mm")]
@@ -177,8 +171,7 @@ def _long_axis(axis_ratio: float, along_second: bool) -> str:
 
 def _sizes(contact: "ContactSolution | HertzContact") -> dict[str, Any]:
     return {
-        "load_N": contact.load,
-        "area_mm2": contact.area,
+        **pressed_record(contact),
         "semi_major_mm": contact.semi_major,
         "semi_minor_mm": contact.semi_minor,
         "aspect_ratio": contact.semi_major / contact.semi_minor,

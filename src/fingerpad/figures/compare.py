@@ -86,6 +86,7 @@ def plot_forest(
     *,
     colours: Sequence[str],
     synthetic: ArrayLike,
+    symbols: Sequence[str] = (),
     means: Sequence[tuple[float, MeanMark]] = (),
     title: str = "",
 ) -> AnyAxes:
@@ -105,6 +106,8 @@ def plot_forest(
         One for each value.
     synthetic : array_like of bool, shape (n,)
         Which were rendered or simulated: hollow.
+    symbols : sequence of str
+        One for each value, at the right end of its row: whether the model holds.
     means : sequence of (row, MeanMark)
         The means, at their rows.
     title : str
@@ -138,6 +141,10 @@ def plot_forest(
     if every.size:
         room = 0.08 * (np.ptp(every) or abs(every[0]) or 1.0)
         axes.set_xlim(every.min() - room, every.max() + room)
+    for line, symbol in zip(y, symbols, strict=bool(symbols)):
+        axes.annotate(
+            symbol, (1.015, line), xycoords=("axes fraction", "data"), va="center", annotation_clip=False
+        )
     axes.set_title(title)
     axes.grid(visible=False, axis="y")
     axes.tick_params(axis="y", length=0)

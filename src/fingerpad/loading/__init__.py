@@ -7,7 +7,8 @@ from fingerpad.loading.contact_point import ESTIMATORS
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
 from fingerpad.loading.force_models import FittedForceModel
-from fingerpad.loading.layer_thickness import LayerThicknessFit, fit_layer_thickness
+from fingerpad.loading.layer_result import LayerThicknessFit
+from fingerpad.loading.layer_thickness import fit_layer_thickness
 from fingerpad.loading.least_squares import LeastSquaresFit, effective_count, fit_least_squares
 from fingerpad.loading.models import (
     area_from_load,

@@ -17,7 +17,9 @@ from fingerpad.loading.estimate import Estimate, Quantity
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 
 # AICc by which an explanation must be ahead to count, to be named in a flag, and to exclude others.
-COUNTS, FLAGGED, EXCLUDES = 2.0, 7.0, 6.0
+COUNTS, FLAGGED, EXCLUDES = 2.0, 5.0, 6.0
+# Every stage yields and every finger has a bone: these count unless the curve speaks against them.
+_EVERYWHERE_COUNTS: Final = -0.5
 # Deviations by which residuals of one sign follow each other too often.
 TOO_FEW_RUNS = -3.5
 _MIN_AREAS = 20
@@ -30,9 +32,17 @@ EXPLANATIONS: Final = {
     "stage_compliance": "a stage that yields under load",
     "inverse_thickness": "a layer of tissue on bone",
     "exact_sphere": "a sphere instead of its paraboloid",
+    "hertz_stage_compliance": "one modulus, and a stage that yields under load",
+    "hertz_inverse_thickness": "one modulus, and a layer of tissue on bone",
 }
+# Of a pad of one modulus, β = 0, which makes room for what looks like a growing one.
+_ONE_MODULUS: Final = "hertz_"
 # Below zero these say something else in disguise.
 _POSITIVE: Final = {"stage_compliance", "inverse_thickness"}
+_WITHOUT_AREAS: Final = tuple(name for name in EXPLANATIONS if name.removeprefix(_ONE_MODULUS) in _POSITIVE)
+# A zero of the force that drifts does so in no straight line: standard deviation of its bend over the press,
+# as a share of the drift.
+_BENT: Final = 0.4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -49,12 +59,15 @@ class Comparison(Displayed):
         That of the least AICc, with noise of its own where it is far ahead.
     doubts : mapping of str to str
         Flags, and what they mean here in plain words.
+    reference : float
+        AICc that explanations must be ahead of: that of the model, or of a pad of one modulus if less.
     """
 
     main: JointFit
     rivals: Mapping[str, JointFit]
     best: JointFit
     doubts: Mapping[str, str]
+    reference: float
 
     def widened(self, name: str, estimate: Quantity, gradient: Mapping[str, float]) -> tuple[Quantity, float]:
         """Return a quantity whose interval holds the values of better explanations, and by how much it moved.
@@ -71,7 +84,7 @@ class Comparison(Displayed):
         if not isinstance(estimate, Estimate):
             return estimate, 0.0
         others = []
-        for rival in self._better():
+        for rival in self.others:
             value = sum(rival.values.get(key, 0.0) * weight for key, weight in gradient.items())
             try:
                 others.append(rival.combined(value, gradient))
@@ -86,13 +99,20 @@ class Comparison(Displayed):
         whole = estimate.including(*others)
         return whole, math.sqrt(max(whole.std**2 - estimate.std**2, 0.0))
 
-    def _better(self) -> list[JointFit]:
-        """Return the explanations that are ahead of the model and not excluded by the best."""
-        least = min([self.main.aicc, *(rival.aicc for rival in self.rivals.values())])
+    def _limit(self, name: str) -> float:
+        """Return the AICc below which an explanation counts."""
+        if name.removeprefix(_ONE_MODULUS) in _POSITIVE:
+            return self.reference - _EVERYWHERE_COUNTS
+        return self.main.aicc - (0.0 if name == "area_offset" else COUNTS)
+
+    @property
+    def others(self) -> list[JointFit]:
+        """The explanations that count beside the model and are not excluded by the best."""
+        least = min([self.reference, *(rival.aicc for rival in self.rivals.values())])
         ahead = [
             rival
-            for rival in self.rivals.values()
-            if rival.aicc < self.main.aicc - COUNTS and rival.aicc < least + EXCLUDES
+            for name, rival in self.rivals.items()
+            if rival.aicc < self._limit(name) and rival.aicc < least + EXCLUDES
         ]
         return ahead if self.best is self.main else [self.best, *ahead]
 
@@ -113,12 +133,27 @@ def fit_growing(record: FitData, start: Mapping[str, float], held: Mapping[str, 
     return fit_joint(record, law, start, held)
 
 
+def allow_for_bend(main: JointFit) -> JointFit:
+    """Return a fit that allows for a force whose zero drifts in no straight line, as while a sensor warms up.
+
+    Before contact the bend is less than the noise, and under load it looks like a change of the modulus.
+    """
+    std = _BENT * abs(main.values.get("force_tilt", 0.0)) * float(main.record.clock[-1])
+    if not std > 0:
+        return main
+    start = {name: main.values[name] for name in main.fit.names}
+    held = {**main.held, "force_bend": Estimate.symmetric(0.0, std)}
+    return fit_joint(main.record, main.law, start, held, main.noise)
+
+
 def compare(main: JointFit) -> Comparison:
-    """Fit the other explanations of a curve; without areas there is nothing to tell them by."""
+    """Fit the other explanations of a curve; without areas few differ from it."""
     if not main.record.area.size:
-        return Comparison(main=main, rivals={}, best=main, doubts={})
+        return _compare_without_areas(main)
     rivals = dict(_rivals(main))
-    gains = {name: main.aicc - rival.aicc for name, rival in rivals.items()}
+    plain = [rival.aicc for _, rival in _rivals(main, (_ONE_MODULUS,))]
+    reference = min([main.aicc, *plain])
+    gains = {name: reference - rival.aicc for name, rival in rivals.items()}
     doubts = {}
     if gains.get("area_offset", 0.0) > FLAGGED:
         doubts["area_offset"] = _offset_note(main, rivals["area_offset"])
@@ -126,6 +161,7 @@ def compare(main: JointFit) -> Comparison:
     best = main
     if name == "area_offset" and gains[name] > FLAGGED:
         main = best = rivals.pop(name)
+        reference = main.aicc
         # With an offset of their own the areas may still not be proportional to the indentation.
         both = dict(_rivals(main, ("area_growth",)))
         if both and main.aicc - both["area_growth"].aicc > FLAGGED:
@@ -143,22 +179,39 @@ def compare(main: JointFit) -> Comparison:
             f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
             "deviations): the areas are smoothed, or none of the models has their shape"
         )
-    return Comparison(main=main, rivals=rivals, best=best, doubts=doubts)
+    return Comparison(main=main, rivals=rivals, best=best, doubts=doubts, reference=reference)
+
+
+def _compare_without_areas(main: JointFit) -> Comparison:
+    """Compare by the force alone, which a layer and a yielding stage shape as a changing modulus does."""
+    rivals = dict(_rivals(main, _WITHOUT_AREAS))
+    doubts = {}
+    if "loading_radius" in main.held:
+        doubts["untested_without_area"] = (
+            "without areas a layer on bone, or a stage that yields, looks like a modulus that changes with "
+            "load: where they explain the force as well, intervals are widened to hold what follows"
+        )
+    return Comparison(main=main, rivals=rivals, best=main, doubts=doubts, reference=main.aicc)
 
 
 def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[str, JointFit]]:
     """Return those explanations that can be fitted, under the noise of the model."""
     found = []
     for name in names:
-        if name in main.held:
+        added = name.removeprefix(_ONE_MODULUS)
+        if added in main.held:
             continue
-        sphere = name == "exact_sphere"
-        start = main.values if sphere else {**main.values, name: 0.0}
+        sphere, held = name == "exact_sphere", main.held
+        if added != name:
+            held = {**held, "load_coefficient": Estimate.symmetric(0.0, 0.0)}
+        start = {key: value for key, value in main.values.items() if key not in held}
+        if added and not sphere:
+            start[added] = 0.0
         try:
-            rival = fit_joint(main.record, name if sphere else main.law, start, main.held, main.noise)
+            rival = fit_joint(main.record, name if sphere else main.law, start, held, main.noise)
         except FAILURES:
             continue
-        if name not in _POSITIVE or rival.values[name] > 0:
+        if added not in _POSITIVE or rival.values[added] > 0:
             found.append((name, rival))
     return found
 

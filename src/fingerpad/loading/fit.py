@@ -3,16 +3,15 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from fingerpad._display import Displayed
 from fingerpad._loading_curve import LoadingCurve
-from fingerpad._records import record_text
+from fingerpad._records import Recorded
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, fixed_quantities, instrument_quantities, prepare, start_values
-from fingerpad.loading.alternatives import compare, fit_growing
+from fingerpad.loading.alternatives import allow_for_bend, compare, fit_growing
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.force_models import FittedForceModel
@@ -28,7 +27,7 @@ _DECISIVE = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class LoadingFit(Displayed):
+class LoadingFit(Recorded):
     """Results of fitting one press. Quantities are an `Estimate`, or `Undetermined` with the reason.
 
     Attributes
@@ -59,7 +58,8 @@ class LoadingFit(Displayed):
         That of the least AICc.
     alternatives : mapping of str to FittedForceModel
         Other explanations of the curve under the same noise, by key of `EXPLANATIONS`: an offset or another
-        growth of the areas, a stage that yields, a layer on bone, an exact sphere.
+        growth of the areas, a stage that yields, a layer on bone, both also with one modulus, an exact
+        sphere.
     misfit_std : mapping of str to float
         What better explanations add to the standard uncertainty of a quantity; 0 where there are none.
     secant : Secant
@@ -76,6 +76,8 @@ class LoadingFit(Displayed):
     >>> print(f"E_0g = {1000 * fit.initial_modulus.value:.0f} kPa (truth: 40), {fit.preferred_model}")
     E_0g = 40 kPa (truth: 40), load_dependent
     """
+
+    _title: ClassVar[str] = "Fit of a loading curve"
 
     loading_radius: Quantity
     reduced_modulus: Quantity
@@ -135,16 +137,6 @@ class LoadingFit(Displayed):
             },
             flags=(*self.flags, "constraint_assumed"),
         )
-
-    def summary(self) -> str:
-        """Return the fitted numbers as text, one line each.
-
-        Returns
-        -------
-        str
-            With units and uncertainties.
-        """
-        return record_text("Fit of a loading curve", self.as_record())
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers by names that end in units.
@@ -316,7 +308,7 @@ def _fit_curve(
     press = prepare(curve, poisson_ratio, cycle)
     held = fixed_quantities(press, loading_radius) | instrument
     main, limits, doubts = _main_fit(press, held, contact_point, region)
-    compared = compare(main)
+    compared = compare(allow_for_bend(main))
     main = compared.main
     models = _models(main)
     preferred = min(models, key=lambda name: models[name].aicc)

@@ -135,4 +135,6 @@ def indentation_of(values: Values, law: str, displacement: FloatArray, poisson_r
 
 def force_zero(values: Values, clock: FloatArray) -> FloatArray:
     """Return what the sensor shows without contact, N."""
-    return values.get("force_zero", 0.0) + values.get("force_tilt", 0.0) * clock
+    line = values.get("force_zero", 0.0) + values.get("force_tilt", 0.0) * clock
+    bend = values.get("force_bend", 0.0)
+    return line + bend * (clock / clock[-1]) ** 2 if bend else line

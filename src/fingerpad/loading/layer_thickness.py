@@ -2,15 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final, Self
+from typing import Final
 
 import numpy as np
 
-from fingerpad._display import Displayed
 from fingerpad._loading_curve import LoadingCurve
-from fingerpad._records import record_text
 from fingerpad.contact import PadGap
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading._prepare import Press, instrument_quantities, prepare, start_values
@@ -22,11 +19,11 @@ from fingerpad.loading.alternatives import (
     TOO_FEW_RUNS,
     runs_deviation,
 )
-from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
+from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
+from fingerpad.loading.layer_result import LayerThicknessFit
 from fingerpad.loading.noise import Noise
 from fingerpad.loading.shapes import PAD_FORM
-from fingerpad.units import KPA_PER_MPA
 
 # What may be added to either body: nothing, β of a modulus that grows with load, an offset of the areas.
 _ADDED: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
@@ -40,157 +37,6 @@ _NO_AREA: Final = (
     "no contact area in the curve: load and indentation alone cannot tell a layer from a modulus that grows "
     "with load"
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class LayerThicknessFit(Displayed):
-    """Thickness and modulus of a layer of tissue over bone that explain one loading curve.
-
-    Attributes
-    ----------
-    thickness : Quantity
-        Effective thickness t, mm. The upper end of its interval is infinite where the curve says only how
-        thick the tissue is at least, its value too where a half-space fits best.
-    youngs_modulus : Quantity
-        E of the tissue, MPa.
-    contact_offset : Quantity
-        Displacement at first contact, mm.
-    radius : Quantity
-        1/H of the pad, mm: the given one, improved by the curve.
-    contact_over_thickness : float
-        a/t at the largest area, by the best thickness; 0 on a half-space.
-    correlation : float
-        Of the errors of 1/t and E.
-    aicc : mapping of str to float
-        Corrected Akaike criterion of ``layer`` and ``half_space``, each also ``_load_dependent`` (a modulus
-        that grows with load) and ``_area_offset`` (areas with a zero of their own), under one noise.
-    weights : mapping of str to float
-        Akaike weights of the same models; their sum is 1.
-    notes : mapping of str to str
-        What a flag means for this curve.
-    flags : tuple of str
-        Doubts.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1, load_coefficient=0)
-    >>> deep = fit_layer_thickness(curve, gap=PadGap.paraboloid(15.0, 15.0), radius_std=0.3)
-    >>> deep.thickness.upper, round(sum(deep.weights.values()), 6)
-    (inf, 1.0)
-    """
-
-    thickness: Quantity
-    youngs_modulus: Quantity
-    contact_offset: Quantity
-    radius: Quantity
-    contact_over_thickness: float
-    correlation: float
-    aicc: Mapping[str, float]
-    weights: Mapping[str, float]
-    notes: Mapping[str, str]
-    flags: tuple[str, ...]
-
-    @property
-    def preferred_model(self) -> str:
-        """That of the least AICc; empty where nothing was fitted."""
-        return min(self.aicc, key=self.aicc.__getitem__, default="")
-
-    @property
-    def layer_weight(self) -> float:
-        """Akaike weight of all models with a layer, against those of a half-space."""
-        return sum(weight for name, weight in self.weights.items() if name.startswith("layer"))
-
-    @property
-    def conclusion(self) -> str:
-        """Thickness and modulus with their intervals and the evidence, or why they are unknown, as text."""
-        t, modulus = self.thickness, self.youngs_modulus.times(KPA_PER_MPA)
-        if isinstance(t, Undetermined):
-            return f"thickness of the tissue undetermined: {t.reason}"
-        if t.upper < math.inf and t.lower > 0:
-            said = f"tissue {t.value:.3g} mm thick (95 %: {t.lower:.3g} to {t.upper:.3g} mm)"
-        elif t.lower > 0:
-            said = f"tissue thicker than {t.lower:.3g} mm (95 %)"
-        else:
-            said = f"tissue thinner than {t.upper:.3g} mm (95 %)"
-        if isinstance(modulus, Estimate):
-            said += f", E = {modulus.value:.3g} kPa (95 %: {modulus.lower:.3g} to {modulus.upper:.3g} kPa)"
-        weight = self.layer_weight
-        certain = "above 0.999" if weight > 0.999 else "below 0.001" if weight < 0.001 else f"{weight:.3f}"
-        return f"{said}; Akaike weight of a layer against a half-space {certain}"
-
-    @classmethod
-    def undetermined(cls, reason: str, flags: tuple[str, ...] = ()) -> Self:
-        """Return a result that nothing could be fitted for.
-
-        Parameters
-        ----------
-        reason : str
-            Why.
-        flags : tuple of str
-            Doubts about the curve.
-
-        Returns
-        -------
-        LayerThicknessFit
-            With that reason for every quantity.
-
-        Examples
-        --------
-        >>> LayerThicknessFit.undetermined("no contact area").conclusion
-        'thickness of the tissue undetermined: no contact area'
-        """
-        unknown = Undetermined(reason)
-        return cls(
-            thickness=unknown,
-            youngs_modulus=unknown,
-            contact_offset=unknown,
-            radius=unknown,
-            contact_over_thickness=0.0,
-            correlation=0.0,
-            aicc={},
-            weights={},
-            notes={},
-            flags=flags,
-        )
-
-    def summary(self) -> str:
-        """Return the fitted numbers as text, one line each.
-
-        Returns
-        -------
-        str
-            With units and uncertainties.
-        """
-        return record_text("Layer of tissue over bone", self.as_record())
-
-    def as_record(self) -> dict[str, Any]:
-        """Return the numbers by names that end in units.
-
-        Returns
-        -------
-        dict
-            Each with ``_std`` and ``_ci95``; None where unknown, and for an end that is infinite.
-        """
-        record = estimates_record(
-            {
-                "thickness_mm": self.thickness,
-                "youngs_modulus_kpa": self.youngs_modulus.times(KPA_PER_MPA),
-                "contact_offset_mm": self.contact_offset,
-                "radius_mm": self.radius,
-            }
-        )
-        return {
-            **{name: _finite(value) for name, value in record.items()},
-            "contact_over_thickness": self.contact_over_thickness,
-            "correlation": _finite(self.correlation),
-            "preferred_model": self.preferred_model or None,
-            "layer_weight": self.layer_weight if self.weights else None,
-            "aicc": dict(self.aicc),
-            "weights": dict(self.weights),
-            "notes": dict(self.notes),
-            "flags": list(self.flags),
-        }
 
 
 def fit_layer_thickness(
@@ -366,6 +212,10 @@ def _result(
         for name, value in aicc.items()
         if name.startswith("layer_") and value < min(main.aicc - COUNTS, least + EXCLUDES)
     ]
+    # Areas that are late by a frame move the place of contact before anything else shows it.
+    unsynchronised = [
+        models[name] for name in ("layer_area_offset",) if name in models and aicc[name] < least + EXCLUDES
+    ]
     inverse = main.estimate("inverse_thickness").including(
         *(model.estimate("inverse_thickness") for model in better)
     )
@@ -378,7 +228,7 @@ def _result(
         thickness=undetermined if reason else _thickness(inverse, widest),
         youngs_modulus=undetermined if reason else _bounded(modulus),
         contact_offset=_first_order(main, "contact_offset").including(
-            *(_first_order(one, "contact_offset") for one in better)
+            *(_first_order(one, "contact_offset") for one in (*better, *unsynchronised))
         ),
         radius=_first_order(main, "loading_radius"),
         contact_over_thickness=widest * max(inverse.value, 0.0),
@@ -495,10 +345,3 @@ def _notes(
             "deviations)"
         )
     return notes
-
-
-def _finite(value: Any) -> Any:
-    """Return a value with None for what is infinite."""
-    if isinstance(value, list):
-        return [_finite(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

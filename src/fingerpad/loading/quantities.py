@@ -70,13 +70,17 @@ def _quantity(fit: JointFit, name: str) -> Quantity:
 
 
 def _area_exponent(compared: Comparison) -> Quantity:
-    """Return n by the best explanation; where that moves the areas, with n of the areas as they are."""
+    """Return n by the best explanation; where one that counts moves the areas, with n by both."""
     best = compared.best
     found = _exponent(best, best.areas(), zeroed=True)
-    if "area_offset" not in best.values or not isinstance(found, Estimate):
+    if not isinstance(found, Estimate):
         return found
-    plain = _exponent(best, best.record.area, zeroed=False)
-    return found.including(plain) if isinstance(plain, Estimate) else found
+    others = [
+        _exponent(one, one.areas(), zeroed=True) for one in compared.others if "area_offset" in one.values
+    ]
+    if "area_offset" in best.values:
+        others.append(_exponent(best, best.record.area, zeroed=False))
+    return found.including(*(one for one in others if isinstance(one, Estimate)))
 
 
 def _exponent(main: JointFit, areas: FloatArray, *, zeroed: bool) -> Quantity:

@@ -14,6 +14,7 @@ from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_for
 from fingerpad.report.plot import Plot, save_plot
 from fingerpad.report.plots import by_wedge_plot
 from fingerpad.report.templates import templates
+from fingerpad.report.text import VERDICT_SYMBOLS
 from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
 from fingerpad.units import MM_PER_INCH, two_digits, value_with_uncertainty
 
@@ -27,6 +28,8 @@ _SYMBOLS: Final = {
     "radial_ulnar_mm": "ℓ<sub>c</sub>",
     "mean_curvature_radius_mm": "R<sub>0g</sub>",
     "radius_from_indentation_mm": "R<sub>g</sub><sup>corr</sup>",
+    "youngs_modulus_kpa": "E",
+    "youngs_modulus_on_layer_kpa": "E<sub>layer</sub>",
     "initial_modulus_kpa": "E<sub>0g</sub>",
     "load_exponent": "m",
     "curve_area_exponent": "n",
@@ -44,7 +47,7 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
     """
     make_folder(out / "figures")
     environment = templates()
-    environment.globals |= {"interval": _interval, "two": _two_digits}
+    environment.globals |= {"interval": _interval, "two": _two_digits, "symbols": VERDICT_SYMBOLS}
     path = out / "compare.html"
     try:
         page = environment.get_template("compare.html.jinja").render(
@@ -58,6 +61,7 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
                     "words": kind.words,
                     "values": comparison.of(name)[0],
                     "means": comparison.of(name)[1],
+                    "judged": any(value.verdict for value in comparison.of(name)[0]),
                     "figures": _drawn(forest_plot(comparison, name), out),
                 }
                 for name, kind in QUANTITIES.items()
@@ -97,6 +101,7 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
             [value.std for _, value in here],
             colours=[colours[value.person.name] for _, value in here],
             synthetic=[value.synthetic for _, value in here],
+            symbols=[VERDICT_SYMBOLS.get(value.verdict, "") for _, value in here],
             means=[
                 (places[mean.synthetic], _mark(mean))
                 for mean in means
@@ -113,8 +118,15 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
         caption=f"{kind.words[0].upper()}{kind.words[1:]}, with one standard uncertainty"
         + ("; diamonds: means over people with their 95 % interval, which may leave the frame; bar: one "
            "standard deviation between people" if any(len(mean.people) > 1 for mean in means) else "")
-        + (". Hollow: synthetic." if any(value.synthetic for value in values) else "."),
+        + (". Hollow: synthetic" if any(value.synthetic for value in values) else "")
+        + (f". At the right: the model {_key()}" if any(value.verdict for value in values) else "")
+        + ".",
     )  # fmt: skip
+
+
+def _key() -> str:
+    """Return what the symbols of the verdicts mean."""
+    return ", ".join(f"{verdict} {symbol}" for verdict, symbol in VERDICT_SYMBOLS.items())
 
 
 def _rows(

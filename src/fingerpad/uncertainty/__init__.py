@@ -11,6 +11,7 @@ from fingerpad.uncertainty.layer import (
     layer_model,
     with_thickness,
 )
+from fingerpad.uncertainty.model_discrepancy import ModelDiscrepancy, model_discrepancy
 from fingerpad.uncertainty.monte_carlo import (
     MonteCarloResult,
     Validation,
@@ -18,6 +19,7 @@ from fingerpad.uncertainty.monte_carlo import (
     validate_linear_approximation,
 )
 from fingerpad.uncertainty.pad import PAD_OUTPUTS, PAD_SOURCES, pad_inputs, pad_model, pad_uncertainty
+from fingerpad.uncertainty.pad_shape import ELLIPSOID_STD, HIDDEN_STD, radius_deviation
 from fingerpad.uncertainty.placement import placement_model
 from fingerpad.uncertainty.pool import (
     Pooled,
@@ -45,12 +47,10 @@ from fingerpad.uncertainty.validity import (
     STRAINED,
     STRAINED_BELOW_P,
     VERDICTS,
-    ModelDiscrepancy,
     ValidityCheck,
     compare_difference,
     compare_ratio,
     known_error,
-    model_discrepancy,
     overall_verdict,
     p_value_of,
     verdict_of,
@@ -58,7 +58,9 @@ from fingerpad.uncertainty.validity import (
 )
 
 __all__ = [
+    "ELLIPSOID_STD",
     "FAILS",
+    "HIDDEN_STD",
     "HOLDS",
     "LAYER_OUTPUTS",
     "LAYER_SOURCES",
@@ -108,6 +110,7 @@ __all__ = [
     "pool_random_effects",
     "propagate",
     "proportional_stds",
+    "radius_deviation",
     "run_monte_carlo",
     "sobol_indices",
     "validate_linear_approximation",

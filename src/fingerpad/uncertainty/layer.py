@@ -213,7 +213,10 @@ def indentation_model(
 @np.errstate(all="ignore")
 def _contact_of(thickness: FloatArray, pad: Mapping[str, FloatArray]) -> LayeredContact:
     """Return the contact of a pad whose area is that of the contact ellipse."""
-    axes = (pad[name] for name in PAD_SOURCES["semi-axes"])
+    # Of a pad that is larger as a whole all radii are larger by as much.
+    deviations = (pad.get(name, 0.0) for name in PAD_SOURCES["pad shape"])
+    larger = np.exp(sum(deviations) / 2)
+    axes = (larger * pad[name] for name in PAD_SOURCES["semi-axes"])
     hertz = pad_model(**pad)
     radius = hertz["contact_radius_ratio"] * hertz["geometric_mean_radius"]
     return layered_contact_kernel(

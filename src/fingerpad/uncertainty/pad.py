@@ -18,6 +18,7 @@ from fingerpad.uncertainty.quantities import Groups, Inputs, Quantity
 # Sources of an uncertainty budget, by the names of their inputs.
 PAD_SOURCES: Final[Groups] = {
     "semi-axes": ("palmar", "distal", "radial_ulnar"),
+    "pad shape": ("in_plane_deviation", "transverse_deviation"),
     "wedge angle": ("wedge_angle",),
     "roll angle": ("roll_angle",),
     "Poisson's ratio": ("poisson_ratio",),
@@ -49,6 +50,8 @@ def pad_model(
     elongation: FloatArray,
     radius_deviation: FloatArray | float = 0.0,
     elongation_deviation: FloatArray | float = 0.0,
+    in_plane_deviation: FloatArray | float = 0.0,
+    transverse_deviation: FloatArray | float = 0.0,
 ) -> dict[str, FloatArray]:
     """Return the fields of `PadContact` by name.
 
@@ -78,6 +81,9 @@ def pad_model(
     radius_deviation, elongation_deviation : ndarray
         By how much the logarithm of the radius, and the elongation, of one impression differ from those of
         others under the same load, zero: inputs of their own, whose uncertainty is the repeatability.
+    in_plane_deviation, transverse_deviation : ndarray
+        By how much the logarithms of the pad's principal radii along the finger and across it differ at the
+        place of contact from those of the ellipsoid: no finger is one.
 
     Returns
     -------
@@ -105,8 +111,10 @@ def pad_model(
     half = np.exp(0.5 * (elongation + elongation_deviation))
     radius = image_scale * contact_radius * np.exp(radius_deviation)
     normal = platen_normal_kernel(wedge_angle, roll_angle)
+    deviations = np.broadcast_arrays(in_plane_deviation, transverse_deviation)
     contact = pad_contact_kernel(
-        principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal),
+        principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
+        * np.exp(np.stack(deviations, axis=-1)),
         load=load,
         semi_major=radius * half + edge_offset,
         semi_minor=radius / half + edge_offset,
@@ -151,6 +159,8 @@ def pad_inputs(measured: Inputs) -> Inputs:
     ...     semi_minor=(5.0, 0.1),
     ...     radius_deviation=0.0,
     ...     elongation_deviation=0.0,
+    ...     in_plane_deviation=0.0,
+    ...     transverse_deviation=0.0,
     ... )
     >>> inputs = pad_inputs(measured)
     >>> inputs.mean[inputs.places(["contact_radius", "elongation"])].round(3)
@@ -204,6 +214,8 @@ def pad_uncertainty(
     edge_offset: Quantity = 0.0,
     radius_deviation: Quantity = 0.0,
     elongation_deviation: Quantity = 0.0,
+    in_plane_deviation: Quantity = 0.0,
+    transverse_deviation: Quantity = 0.0,
     correlations: Mapping[tuple[str, str], ArrayLike] | None = None,
 ) -> Propagated:
     """Return everything that follows from an observed contact ellipse, with uncertainty.
@@ -232,6 +244,9 @@ def pad_uncertainty(
     radius_deviation, elongation_deviation : float, or pair of array_like
         By how much one impression differs from others under the same load, in ln √(ℓd ℓe) and ln(ℓd/ℓe): as
         (0, 0.02) with a repeatability of 2 %.
+    in_plane_deviation, transverse_deviation : float, or pair of array_like
+        By how much the logarithms of the pad's principal radii along the finger and across it differ at the
+        place of contact from those of the ellipsoid: as (0, 0.1) of a pad that is no ellipsoid.
     correlations : mapping, optional
         From pairs of these names to correlation coefficients.
 
@@ -282,6 +297,8 @@ def pad_uncertainty(
         edge_offset=edge_offset,
         radius_deviation=radius_deviation,
         elongation_deviation=elongation_deviation,
+        in_plane_deviation=in_plane_deviation,
+        transverse_deviation=transverse_deviation,
         load=load,
         semi_major=semi_major,
         semi_minor=semi_minor,

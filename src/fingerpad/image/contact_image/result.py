@@ -2,15 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, TypedDict
+from typing import Any, ClassVar, TypedDict
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad._display import Displayed
-from fingerpad._records import record_text
+from fingerpad._records import Recorded
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.contact_image._ridge_map import RidgeMap
 from fingerpad.image.contact_image._working_image import WorkingImage
@@ -57,7 +56,7 @@ class ContactImageSettings(TypedDict):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class ContactImageResult(Displayed):
+class ContactImageResult(Recorded):
     """Measurement of one contact in a contact image.
 
     Attributes
@@ -109,6 +108,8 @@ class ContactImageResult(Displayed):
     (2, ())
     """
 
+    _title: ClassVar[str] = "Contact image"
+
     ellipse: Ellipse
     orientation: float
     centroid: tuple[float, float]
@@ -132,16 +133,6 @@ class ContactImageResult(Displayed):
     def picture(self) -> npt.NDArray[Any] | None:
         """The grey levels that were measured, None where they are not kept."""
         return self._picture
-
-    def summary(self) -> str:
-        """Return the measured numbers as text, one line each.
-
-        Returns
-        -------
-        str
-            With units and uncertainties.
-        """
-        return record_text("Contact image", self.as_record())
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers by names that end in units.

@@ -72,6 +72,8 @@ class PadArc:
         What the points can be off together: a least value, px, and a share of the noise over the step.
     departure : Departure or None
         How the pad's outline departs from the ellipse, None where that is not known.
+    lean : (float, float)
+        Lean of the finger's axis, as its sides show it, and its standard uncertainty, radians.
     """
 
     fit: OutlineFit
@@ -79,6 +81,7 @@ class PadArc:
     rejected: IndexArray
     shared_px: tuple[float, float] = _SHARED_PX
     departure: Departure | None = None
+    lean: tuple[float, float] = (0.0, math.inf)
 
 
 def candidate_points(points: FloatArray, face: Face) -> IndexArray:
@@ -216,7 +219,7 @@ def add_departure(
     half_width = float(np.ptp(across)) / 2 if face in ("palmar", "distal") else math.nan
     shape = PadShape(lean=lean, half_width=half_width, noise=fit.residual_std)
     departure = departure_of(points[order[pad]], fit.ellipse, fit.covariance[2:4, 2:4], shape)
-    return replace(arc, departure=departure)
+    return replace(arc, departure=departure, lean=lean)
 
 
 def _inliers(off: FloatArray) -> BoolArray:

@@ -40,6 +40,7 @@ from fingerpad.image.photograph._input import (
     pad_sides,
     within,
 )
+from fingerpad.image.photograph._reach import with_reach
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
 from fingerpad.image.photograph.outline_fit import parametric_angles
 from fingerpad.image.photograph.result import PhotographFit, size_flags
@@ -122,17 +123,19 @@ def measure_photograph(
     marks = None if points is None else check_marks(points, size)
     silhouette = find_silhouette(light, None if face == "distal" else opposite(tip), window)
     edges = _outline(light, silhouette)
+    marked = window is not None or marks is not None
     tried: list[PhotographFit] = []
     errors: list[ImageError | FitError] = []
     for side in sides:
         try:
-            if window is None and marks is None:
+            if not marked:
                 check_not_cut(silhouette, pad_sides(face, tip, side), tip)
             axes = face_axes(face, tip, side)
             arc, place = _pad_arc(edges, face, axes, window, marks)
             found = _result(arc, (axes, place), (edges, silhouette), face, scale)
             order = candidate_points((edges.points - place) @ axes.T, face)
-            tried.append(replace(found, outline=edges.points[order[edges.found[order]]]))
+            found = replace(found, outline=edges.points[order[edges.found[order]]])
+            tried.append(found if marked else with_reach(found, arc.lean))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:

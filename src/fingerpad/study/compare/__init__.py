@@ -3,7 +3,7 @@
 from fingerpad.study.compare.comparison import Comparison, compare_studies, write_comparison
 from fingerpad.study.compare.finished import FinishedStudy, read_finished
 from fingerpad.study.compare.means import Mean, PersonMean
-from fingerpad.study.compare.values import QUANTITIES, Kind, Person, Value
+from fingerpad.study.compare.values import QUANTITIES, Kind, Person, Value, Verdict
 
 __all__ = [
     "QUANTITIES",
@@ -14,6 +14,7 @@ __all__ = [
     "Person",
     "PersonMean",
     "Value",
+    "Verdict",
     "compare_studies",
     "read_finished",
     "write_comparison",

@@ -11,7 +11,7 @@ from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.compare.finished import FinishedStudy, read_finished
 from fingerpad.study.compare.means import Mean, means_of
-from fingerpad.study.compare.values import QUANTITIES, Value, values_of
+from fingerpad.study.compare.values import QUANTITIES, Value, Verdict, values_of, verdicts_of
 
 # Curves whose velocities differ by more are not of one kind: moduli grow with velocity.
 _SAME_VELOCITY: Final = 1.5
@@ -29,6 +29,8 @@ class Comparison:
         Every value of every finger.
     means : tuple of Mean
         Over people, for each quantity and placement, real and synthetic apart.
+    verdicts : tuple of Verdict
+        Whether Hertz theory, and the layer where there is one, hold for each finger at each placement.
     notes : tuple of str
         What a reader must know.
     """
@@ -36,6 +38,7 @@ class Comparison:
     studies: tuple[FinishedStudy, ...]
     values: tuple[Value, ...]
     means: tuple[Mean, ...]
+    verdicts: tuple[Verdict, ...]
     notes: tuple[str, ...]
 
     def of(self, quantity: str) -> tuple[list[Value], list[Mean]]:
@@ -74,6 +77,7 @@ class Comparison:
                 }
                 for mean in self.means
             ],
+            "verdicts": [{**verdict.as_record(), "compared": verdict.compared} for verdict in self.verdicts],
             "notes": self.notes,
         }
 
@@ -100,6 +104,7 @@ def compare_studies(paths: Sequence[Path]) -> Comparison:
         studies=tuple(studies),
         values=tuple(values),
         means=tuple(means),
+        verdicts=tuple(verdict for study in studies for verdict in verdicts_of(study)),
         notes=tuple(_notes(studies, values)),
     )
 
@@ -135,7 +140,7 @@ def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterato
 
 
 def write_comparison(comparison: Comparison, out: Path) -> None:
-    """Write ``compare.csv``, ``compare_means.csv`` and ``compare.json`` into a folder.
+    """Write ``compare*.csv`` (values, means, verdicts) and ``compare.json`` into a folder.
 
     Raises
     ------
@@ -144,7 +149,11 @@ def write_comparison(comparison: Comparison, out: Path) -> None:
     """
     make_folder(out)
     try:
-        for name, rows in (("compare", comparison.values), ("compare_means", comparison.means)):
+        for name, rows in (
+            ("compare", comparison.values),
+            ("compare_means", comparison.means),
+            ("compare_validity", comparison.verdicts),
+        ):
             records = [row.as_record() for row in rows]
             if records:
                 write_csv(out / f"{name}.csv", [records[0], *(record.values() for record in records)])

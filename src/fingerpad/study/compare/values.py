@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from fingerpad.study.compare.finished import FinishedStudy, not_understood
+from fingerpad.uncertainty import NOT_TESTED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,6 +49,14 @@ QUANTITIES: Final[Mapping[str, Kind]] = {
     ),
     "radius_from_indentation_mm": Kind(
         symbol=r"$R_\mathrm{g}^\mathrm{corr}$", unit="mm", words="corrected radius, pooled over contacts"
+    ),
+    "youngs_modulus_kpa": Kind(
+        symbol="$E$", unit="kPa", words="Young's modulus by Hertz theory, at the highest load"
+    ),
+    "youngs_modulus_on_layer_kpa": Kind(
+        symbol=r"$E_\mathrm{layer}$",
+        unit="kPa",
+        words="Young's modulus on tissue of the stated thickness over bone, from the same contact",
     ),
     "initial_modulus_kpa": Kind(
         symbol=r"$E_\mathrm{0g}$", unit="kPa", words="Young's modulus at small load, from loading curves"
@@ -107,6 +116,8 @@ class Value:
         Loading curve that it comes from, if one.
     velocity_mm_per_s : float
         How fast that was; NaN where not known.
+    verdict : str
+        Whether the model that it comes from holds there; empty where it comes from none.
     """
 
     quantity: str
@@ -121,6 +132,7 @@ class Value:
     shared_std: float = 0.0
     source: str = ""
     velocity_mm_per_s: float = math.nan
+    verdict: str = ""
 
     @property
     def place(self) -> tuple[str, float | None, float | None, bool]:
@@ -142,7 +154,103 @@ class Value:
             "std": self.std,
             "curve": self.source or None,
             "velocity_mm_per_s": self.velocity_mm_per_s,
+            "verdict": self.verdict or None,
         }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """Whether a model holds for a finger at one placement, and which checks say so.
+
+    Attributes
+    ----------
+    study, finger : str
+        Title of the study, and the finger's name there.
+    person : Person
+        Whose finger it is.
+    wedge_angle_deg, roll_angle_deg : float
+        The placement.
+    synthetic : bool
+        Whether anything of it was rendered or simulated.
+    model : str
+        ``Hertz theory``, or the layer with its thickness.
+    verdict : str
+        ``holds``, ``strained``, ``fails`` or ``not tested``.
+    checks : tuple of str
+        Names of the checks with that verdict.
+    compared : tuple of str
+        What each of them compared.
+    """
+
+    study: str
+    finger: str
+    person: Person
+    wedge_angle_deg: float
+    roll_angle_deg: float
+    synthetic: bool
+    model: str
+    verdict: str
+    checks: tuple[str, ...]
+    compared: tuple[str, ...]
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the verdict as one row of a table."""
+        return {
+            "study": self.study,
+            "person": self.person.name if self.person.named else None,
+            "finger": self.finger,
+            "wedge_angle_deg": self.wedge_angle_deg,
+            "roll_angle_deg": self.roll_angle_deg,
+            "synthetic": self.synthetic,
+            "model": self.model,
+            "verdict": self.verdict,
+            "checks": " ".join(self.checks),
+        }
+
+
+def verdicts_of(study: FinishedStudy) -> list[Verdict]:
+    """Return the verdicts of a study on Hertz theory and on its layers, in its own order.
+
+    Raises
+    ------
+    FingerpadError
+        If its summary is not as a run writes it.
+    """
+    try:
+        return list(_verdicts(study, _owners(study)))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise not_understood(study.folder, error) from error
+
+
+def _verdicts(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Verdict]:
+    for summary in study.summary["summaries"]:
+        validity = summary.get("validity") or {}
+        models = [("Hertz theory", validity)]
+        if layer := validity.get("on_layer"):
+            models.append(
+                (f"{summary['on_layer']['effective_thickness_mm']:g} mm of tissue over bone", layer)
+            )
+        for model, found in models:
+            checks = [one for one in found.get("checks", ()) if one["verdict"] == found["verdict"]]
+            yield Verdict(
+                study=study.title,
+                finger=summary["finger"],
+                person=owners[summary["finger"]],
+                wedge_angle_deg=summary["wedge_angle_deg"],
+                roll_angle_deg=summary["roll_angle_deg"],
+                synthetic=summary["synthetic"],
+                model=model,
+                verdict=found.get("verdict", NOT_TESTED),
+                checks=tuple(one["check"] for one in checks),
+                compared=tuple(one["compared"] for one in checks),
+            )
+
+
+def _owners(study: FinishedStudy) -> dict[str, Person]:
+    return {
+        finger["finger"]: Person(finger.get("person") or study.title, bool(finger.get("person")))
+        for finger in study.summary["fingers"]
+    }
 
 
 def values_of(study: FinishedStudy) -> list[Value]:
@@ -154,10 +262,7 @@ def values_of(study: FinishedStudy) -> list[Value]:
         If its summary is not as a run writes it.
     """
     try:
-        owners = {
-            finger["finger"]: Person(finger.get("person") or study.title, bool(finger.get("person")))
-            for finger in study.summary["fingers"]
-        }
+        owners = _owners(study)
         found = [
             *_of_fingers(study, owners), *_of_placements(study, owners), *_of_curves(study, owners)
         ]  # fmt: skip
@@ -184,15 +289,27 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
     for summary in study.summary["summaries"]:
         shares = summary.get("radius_from_indentation_variance_shares") or {}
         angles = shares.get("wedge angle", 0.0) + shares.get("roll angle", 0.0)
-        pad = shares.get("semi-axes", 0.0) + angles
+        pad = shares.get("semi-axes", 0.0) + shares.get("pad shape", 0.0) + angles
         # Of what is uncertain in the place of contact the angles have one share in both radii: they reach
         # the corrected radius through R_0g alone.
         shared = {
             "mean_curvature_radius_mm": angles / pad if pad > 0 else 0.0,
             "radius_from_indentation_mm": angles,
         }
-        for quantity in (*shared, "area_exponent"):
-            std = _number(summary.get(f"{quantity}_std"))
+        validity = summary.get("validity") or {}
+        headlines = validity.get("headlines") or {}
+        modulus = headlines.get("youngs_modulus_kpa") or {}
+        layer = (summary.get("on_layer") or {}).get("highest_load") or {}
+        on_layer = "youngs_modulus_on_layer_kpa"
+        found = {
+            **{name: (summary[name], summary.get(f"{name}_std")) for name in (*shared, "area_exponent")},
+            "youngs_modulus_kpa": (modulus.get("value"), modulus.get("value_std")),
+            on_layer: (layer.get(on_layer), layer.get(f"{on_layer}_std")),
+        }
+        verdicts = {name: one["verdict"] for name, one in headlines.items()}
+        verdicts[on_layer] = (validity.get("on_layer") or {}).get("verdict", "")
+        for quantity, (value, each_std) in found.items():
+            std = _number(each_std)
             yield Value(
                 quantity=quantity,
                 study=study.title,
@@ -201,9 +318,10 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
                 synthetic=summary["synthetic"],
                 wedge_angle_deg=summary["wedge_angle_deg"],
                 roll_angle_deg=summary["roll_angle_deg"],
-                value=_number(summary[quantity]),
+                value=_number(value),
                 std=std,
                 shared_std=std * math.sqrt(shared.get(quantity, 0.0)),
+                verdict=verdicts.get(quantity, ""),
             )
 
 

@@ -28,6 +28,7 @@ from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
+from fingerpad.uncertainty import ELLIPSOID_STD, radius_deviation
 
 # Wedge angles between which an outline's radius of curvature is interpolated.
 _WEDGE_STEP_DEG: Final = 5
@@ -130,12 +131,32 @@ class FingerResult:
         radius = float(np.exp(relative @ np.log(found[:, 0]) / relative.sum()))
         return radius, radius / float(np.sqrt(relative.sum()))
 
+    def shape_deviation(self, wedge_deg: float, roll_deg: float) -> tuple[float, float, float]:
+        """Return how far the pad's radii of curvature lie from the ellipsoid's where a wedge touches.
+
+        Returns
+        -------
+        (float, float, float)
+            Deviation of the logarithm of the radius along the finger and its standard uncertainty, by
+            `radius_deviation`, and that of the radius across, which no outline shows; zero for semi-axes that
+            were given.
+        """
+        if self.source == "given":
+            return 0.0, 0.0, 0.0
+        if roll_deg != 0 or not any(one.outline_radii for one in self.photographs):
+            return 0.0, ELLIPSOID_STD, ELLIPSOID_STD
+        ellipsoid, std = self._in_plane_radius(wedge_deg), self.in_plane_radius_std(wedge_deg)
+        return *radius_deviation(ellipsoid, std, *self.outline_radius(wedge_deg)), ELLIPSOID_STD
+
+    def _in_plane_radius(self, wedge_deg: float) -> float:
+        angle, axes = np.radians(wedge_deg), self.semi_axes[:2]
+        return float(axes.prod() ** 2 / np.linalg.norm(axes * [np.cos(angle), np.sin(angle)]) ** 3)
+
     def in_plane_radius_std(self, wedge_deg: float) -> float:
         """Return the standard uncertainty of the ellipsoid's radius along the finger there, mm."""
         angle, axes = np.radians(wedge_deg), self.semi_axes[:2]
         shares = np.square(axes * [np.cos(angle), np.sin(angle)])
-        radius = axes.prod() ** 2 / shares.sum() ** 1.5
-        slope = radius * (2 - 3 * shares / shares.sum()) / axes
+        slope = self._in_plane_radius(wedge_deg) * (2 - 3 * shares / shares.sum()) / axes
         return float(np.sqrt(slope @ self.covariance[:2, :2] @ slope))
 
 

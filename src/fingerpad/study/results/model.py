@@ -6,6 +6,7 @@ parts, one for each of its independent errors, so that contacts which share a so
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from types import MappingProxyType
 from typing import Any, Final, Self, TypeAlias
 
@@ -32,7 +33,7 @@ POOLED_OUTPUTS: Final = ("radius_from_indentation", "radius_from_compliance")
 
 # Sources that belong to the finger on its wedge. A scale is shared by the contacts that name it, and so is
 # the place of their edges.
-GEOMETRY: Final = ("semi-axes", "wedge angle", "roll angle")
+GEOMETRY: Final = ("semi-axes", "pad shape", "wedge angle", "roll angle")
 OF_THE_PLACEMENT: Final = (*GEOMETRY, "Poisson's ratio")
 OF_THE_DEVICE: Final = ("image scale", "contact edge")
 
@@ -146,6 +147,14 @@ def contact_inputs(
         [(one.load_N, one.relative_scale_std, one.edge_offset_mm_std) for _, one in seen], (count, 3)
     ).T
     axes = np.reshape([(one.semi_major_mm, one.semi_minor_mm) for _, one in seen], (count, 2))
+    deviation = cache(FingerResult.shape_deviation)  # a film has thousands of rows at one angle
+    along, along_std, across_std = np.reshape(
+        [
+            deviation(pad, one.wedge_angle_deg, one.roll_angle_deg)
+            for pad, (one, _) in zip(pads, seen, strict=True)
+        ],
+        (count, 3),
+    ).T
     geometry = np.zeros((count, 4, 4))
     geometry[:, :3, :3] = np.reshape([pad.covariance for pad in pads], (count, 3, 3))
     geometry[:, 3, 3] = scale_std**2
@@ -169,6 +178,8 @@ def contact_inputs(
         semi_minor=(axes[:, 1], 0.0),
         radius_deviation=(np.zeros(count), 0.0),
         elongation_deviation=(0.0, 0.0),
+        in_plane_deviation=(along, along_std),
+        transverse_deviation=(0.0, across_std),
     )
     if repeatability:
         synthetic = [one.synthetic or pad.synthetic for (one, _), pad in zip(seen, pads, strict=True)]

@@ -8,7 +8,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import PadGap, fast_contact
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.validity.place import (
     HEADLINES,
@@ -115,12 +115,12 @@ def _errors(
 ) -> Iterator[ValidityCheck]:
     """Yield the errors of E and ξ at the contact's load and area, or at the largest area with a law."""
     area = math.pi * row["semi_major_mm"] * row["semi_minor_mm"]
+    angles = {name: math.radians(row[f"{name}_deg"]) for name in ("wedge_angle", "roll_angle")}
+    pad = Ellipsoid(*place.pad.semi_axes)
+    # Where the outline shows another radius than the ellipsoid's, the pad is larger as a whole.
+    larger = row["geometric_mean_radius_mm"] / float(Placement(pad, **angles).curvature.geometric_mean_radius)
     better = fast_contact(
-        PadGap.of(
-            Ellipsoid(*place.pad.semi_axes),
-            wedge_angle=math.radians(row["wedge_angle_deg"]),
-            roll_angle=math.radians(row["roll_angle_deg"]),
-        ),
+        PadGap.of(Ellipsoid(*(larger * place.pad.semi_axes)), **angles),
         reduced_modulus=1.0,
         thickness=thickness,
         poisson_ratio=place.study.poisson_ratio,

@@ -25,7 +25,7 @@ _WORDS: Final = {
 _ON_LAYER: Final = ("loading_radius_on_layer_mm", "youngs_modulus_on_layer_kpa", "indentation_on_layer_mm")
 # A larger radius makes E from the area larger and E from the indentation smaller; thicker tissue makes both
 # larger.
-_OPPOSITE: Final = ("semi-axes", "wedge angle", "roll angle")
+_OPPOSITE: Final = ("semi-axes", "pad shape", "wedge angle", "roll angle")
 _ALIKE: Final = ("thickness", "Poisson's ratio")
 # On a layer a slope of area against πξ and the ratio at one load differ by so much (see "Bone explains R_g").
 _READING: Final = 0.05

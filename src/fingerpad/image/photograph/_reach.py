@@ -1,0 +1,122 @@
+"""Semi-axes as lengths of the outline itself: a second way to them, which supposes no ellipse."""
+
+import math
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray
+from fingerpad.image.photograph.result import PhotographFit
+
+# Half of the window about a place where the outline turns back, in radii of curvature; how much of it must be
+# seen on either side.
+_WINDOW: Final = 0.35
+_SHARE: Final = 0.6
+_MIN_POINTS: Final = 12
+_ROUNDS: Final = 8
+# Shares of half of the width at which the height of the tip is read where the shaft hides the widest place.
+_WIDTHS: Final = (0.95, 0.97, 0.98)
+# A shaft wider than the pad by a share between these hides which place is the widest.
+_WIDER_SHAFT: Final = (0.005, 0.04)
+# What lengths are off relatively on an ellipse, across and along, in a side face and in others; and what the
+# finger's axis is off in a side face beyond the ellipse's own: benchmarks/finger_shapes.py and fingertips.py.
+_SIDE_STD: Final = (0.015, 0.02)
+_FRONT_STD: Final = (0.015, 0.03)
+_AXIS_STD: Final = math.radians(1.0)
+# The share of the difference that is added to the uncertainty. Turns by so many standard uncertainties of the
+# finger's axis are common.
+_ADDED: Final = 0.6
+_OF_LEAN_STD: Final = 0.5
+# A difference so large shows that the outline is no ellipse.
+_NO_ELLIPSE: Final = 0.04
+
+
+def with_reach(found: PhotographFit, lean: tuple[float, float]) -> PhotographFit:
+    """Return a measured face whose uncertainty allows for the lengths that its outline has.
+
+    The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse goes on, or less
+    far, nothing tells which of the two is the pad: the semi-axes stay, and are as uncertain as that. Where
+    the ellipse leans otherwise than the finger, another curve was taken for a turned ellipse: its axis is
+    uncertain by that turn, and its semi-axes by about as many radians.
+
+    Parameters
+    ----------
+    found : PhotographFit
+        With its outline.
+    lean : (float, float)
+        Lean of the finger's axis and its standard uncertainty, radians.
+
+    Returns
+    -------
+    PhotographFit
+    """
+    points = (found.outline - found.centre) @ found.directions.T * found.scale.mm_per_px
+    if len(points) < _MIN_POINTS:
+        return found
+    across, along = found.semi_axes
+    if found.face in ("radial", "ulnar"):
+        lengths = _side_lengths(points, across, along)
+        axis = math.hypot(found.lean_std, _AXIS_STD)
+        stds = np.hypot(_SIDE_STD, np.array([across / along, along / across]) * axis)
+    else:
+        lengths, stds = _front_lengths(points, across, along), np.array(_FRONT_STD)
+    if found.face == "palmar" and _WIDER_SHAFT[0] < lengths[0] / across - 1 < _WIDER_SHAFT[1]:
+        lengths = np.full(2, math.nan)
+    off = np.nan_to_num(lengths / found.semi_axes - 1)
+    beyond = np.sign(off) * np.sqrt(np.maximum(off**2 - stds**2, 0))
+    turn = found.lean - lean[0] if found.face != "distal" else 0.0
+    turn = math.sqrt(max(turn**2 - (_OF_LEAN_STD * lean[1]) ** 2, 0.0))
+    added, turned = _ADDED * beyond * found.semi_axes, _ADDED * turn * found.semi_axes
+    no_ellipse = {"not_an_ellipse"} if max(turn, *np.abs(beyond)) > _NO_ELLIPSE else set()
+    return replace(
+        found,
+        lean_std=math.hypot(found.lean_std, _ADDED * turn),
+        edge_covariance=found.edge_covariance + np.outer(added, added) + np.outer(turned, turned),
+        flags=found.flags | no_ellipse,
+    )
+
+
+def _side_lengths(points: FloatArray, across: float, along: float) -> FloatArray:
+    """Return how far the palmar side lies from the tip, and the tip from the palmar side."""
+    tip_x, tip_y = _turning_point(points, across**2 / along)
+    side_y, side_x = _turning_point(points[:, ::-1], along**2 / across)
+    return np.array([side_x - tip_x, tip_y - side_y])
+
+
+def _front_lengths(points: FloatArray, across: float, along: float) -> FloatArray:
+    """Return half of the width, and the height of the tip above the widest place.
+
+    The shaft hides that place: its height is that of an ellipse through the places of nearly that width.
+    """
+    tip_y = _turning_point(points, across**2 / along)[1]
+    half_width = float(np.ptp(points[:, 0])) / 2
+    x = points[:, 0] - (points[:, 0].max() + points[:, 0].min()) / 2
+    top = int(points[:, 1].argmax())
+    heights = []
+    for side in (slice(top, None), slice(top, None, -1)):
+        out, y = np.abs(x[side]), points[side, 1]
+        for share in _WIDTHS:
+            first = int(np.argmax(out >= share * half_width))
+            heights.append((tip_y - y[first]) / (1 - math.sqrt(1 - share**2)))
+    return np.array([half_width, np.mean(heights)])
+
+
+def _turning_point(points: FloatArray, radius: float) -> tuple[float, float]:
+    """Return x and y of the place where y is greatest, NaN where the outline does not show it."""
+    x, y = points.T
+    place, half = float(x[y.argmax()]), _WINDOW * radius
+    for _ in range(_ROUNDS):
+        near = (np.abs(x - place) < half) & (y > y.max() - half)
+        s = (x[near] - place) / half
+        if near.sum() < _MIN_POINTS or s.min() > -_SHARE or s.max() < _SHARE:
+            return math.nan, math.nan
+        curve = np.polynomial.Polynomial.fit(s, y[near], 3, domain=[-1, 1])
+        slope, bend = float(curve.deriv(1)(0)), float(curve.deriv(2)(0))
+        if not bend < 0:
+            return math.nan, math.nan
+        step = float(np.clip(-slope / bend, -0.4, 0.4))
+        place += step * half
+        if abs(step) < 0.01:
+            break
+    return place, float(curve(step))

@@ -1,0 +1,162 @@
+"""What one loading curve says of the tissue over bone: thickness, modulus and the evidence for a layer."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+from fingerpad._records import Recorded
+from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
+from fingerpad.units import KPA_PER_MPA
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class LayerThicknessFit(Recorded):
+    """Thickness and modulus of a layer of tissue over bone that explain one loading curve.
+
+    Attributes
+    ----------
+    thickness : Quantity
+        Effective thickness t, mm. The upper end of its interval is infinite where the curve says only how
+        thick the tissue is at least, its value too where a half-space fits best.
+    youngs_modulus : Quantity
+        E of the tissue, MPa.
+    contact_offset : Quantity
+        Displacement at first contact, mm.
+    radius : Quantity
+        1/H of the pad, mm: the given one, improved by the curve.
+    contact_over_thickness : float
+        a/t at the largest area, by the best thickness; 0 on a half-space.
+    correlation : float
+        Of the errors of 1/t and E.
+    aicc : mapping of str to float
+        Corrected Akaike criterion of ``layer`` and ``half_space``, each also ``_load_dependent`` (a modulus
+        that grows with load) and ``_area_offset`` (areas with a zero of their own), under one noise.
+    weights : mapping of str to float
+        Akaike weights of the same models; their sum is 1.
+    notes : mapping of str to str
+        What a flag means for this curve.
+    flags : tuple of str
+        Doubts.
+
+    Examples
+    --------
+    >>> from fingerpad.contact import PadGap
+    >>> from fingerpad.loading import fit_layer_thickness
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1, load_coefficient=0)
+    >>> deep = fit_layer_thickness(curve, gap=PadGap.paraboloid(15.0, 15.0), radius_std=0.3)
+    >>> deep.thickness.upper, round(sum(deep.weights.values()), 6)
+    (inf, 1.0)
+    """
+
+    _title: ClassVar[str] = "Layer of tissue over bone"
+
+    thickness: Quantity
+    youngs_modulus: Quantity
+    contact_offset: Quantity
+    radius: Quantity
+    contact_over_thickness: float
+    correlation: float
+    aicc: Mapping[str, float]
+    weights: Mapping[str, float]
+    notes: Mapping[str, str]
+    flags: tuple[str, ...]
+
+    @property
+    def preferred_model(self) -> str:
+        """That of the least AICc; empty where nothing was fitted."""
+        return min(self.aicc, key=self.aicc.__getitem__, default="")
+
+    @property
+    def layer_weight(self) -> float:
+        """Akaike weight of all models with a layer, against those of a half-space."""
+        return sum(weight for name, weight in self.weights.items() if name.startswith("layer"))
+
+    @property
+    def conclusion(self) -> str:
+        """Thickness and modulus with their intervals and the evidence, or why they are unknown, as text."""
+        t, modulus = self.thickness, self.youngs_modulus.times(KPA_PER_MPA)
+        if isinstance(t, Undetermined):
+            return f"thickness of the tissue undetermined: {t.reason}"
+        if t.upper < math.inf and t.lower > 0:
+            said = f"tissue {t.value:.3g} mm thick (95 %: {t.lower:.3g} to {t.upper:.3g} mm)"
+        elif t.lower > 0:
+            said = f"tissue thicker than {t.lower:.3g} mm (95 %)"
+        else:
+            said = f"tissue thinner than {t.upper:.3g} mm (95 %)"
+        if isinstance(modulus, Estimate):
+            said += f", E = {modulus.value:.3g} kPa (95 %: {modulus.lower:.3g} to {modulus.upper:.3g} kPa)"
+        weight = self.layer_weight
+        certain = "above 0.999" if weight > 0.999 else "below 0.001" if weight < 0.001 else f"{weight:.3f}"
+        return f"{said}; Akaike weight of a layer against a half-space {certain}"
+
+    @classmethod
+    def undetermined(cls, reason: str, flags: tuple[str, ...] = ()) -> Self:
+        """Return a result that nothing could be fitted for.
+
+        Parameters
+        ----------
+        reason : str
+            Why.
+        flags : tuple of str
+            Doubts about the curve.
+
+        Returns
+        -------
+        LayerThicknessFit
+            With that reason for every quantity.
+
+        Examples
+        --------
+        >>> LayerThicknessFit.undetermined("no contact area").conclusion
+        'thickness of the tissue undetermined: no contact area'
+        """
+        unknown = Undetermined(reason)
+        return cls(
+            thickness=unknown,
+            youngs_modulus=unknown,
+            contact_offset=unknown,
+            radius=unknown,
+            contact_over_thickness=0.0,
+            correlation=0.0,
+            aicc={},
+            weights={},
+            notes={},
+            flags=flags,
+        )
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers by names that end in units.
+
+        Returns
+        -------
+        dict
+            Each with ``_std`` and ``_ci95``; None where unknown, and for an end that is infinite.
+        """
+        record = estimates_record(
+            {
+                "thickness_mm": self.thickness,
+                "youngs_modulus_kpa": self.youngs_modulus.times(KPA_PER_MPA),
+                "contact_offset_mm": self.contact_offset,
+                "radius_mm": self.radius,
+            }
+        )
+        return {
+            **{name: _finite(value) for name, value in record.items()},
+            "contact_over_thickness": self.contact_over_thickness,
+            "correlation": _finite(self.correlation),
+            "preferred_model": self.preferred_model or None,
+            "layer_weight": self.layer_weight if self.weights else None,
+            "aicc": dict(self.aicc),
+            "weights": dict(self.weights),
+            "notes": dict(self.notes),
+            "flags": list(self.flags),
+        }
+
+
+def _finite(value: Any) -> Any:
+    """Return a value with None for what is infinite."""
+    if isinstance(value, list):
+        return [_finite(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
