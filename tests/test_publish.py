@@ -145,7 +145,7 @@ def test_from_the_command_line(figure, tmp_path) -> None:
     for arguments, words in (
         ((tmp_path / "radius.gif",), "--out: a figure is written as .svg, .pdf, .png or .csv"),
         ((out, "--y-range", "1"), "--y-range: takes two numbers separated by a colon, found '1'"),
-        ((out, "--width-mm", 1), "width_mm: a figure is 20 to 500 mm wide and high, found 1"),
+        ((out, "--width-mm", 1), "--width-mm: a figure is 20 to 500 mm wide and high, found 1"),
     ):
         code, said = cli(*arguments)
         assert code != 0

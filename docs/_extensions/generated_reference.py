@@ -15,6 +15,8 @@ _TABLES = {
     "PitchScale": "`[scales.NAME]`: millimetres per pixel",
     "LineScale": "`[scales.NAME]`: a line of known length",
     "CoinScale": "`[scales.NAME]`: a coin",
+    "CircleScale": "`[scales.NAME]`: a circle by three points",
+    "GridScale": "`[scales.NAME]`: a checkerboard or a grid of dots",
     "Finger": "`[[fingers]]`",
     "SemiAxes": "`semi_axes_mm` of a finger",
     "SemiAxesStd": "`semi_axes_mm_std` of a finger",

@@ -13,6 +13,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
+from fingerpad.figures import new_panels, plot_uncertainty_budget
 from fingerpad.simulate import render_coin, render_contact_image, render_finger, simulate_loading_curve
 
 ABSURD = (
@@ -58,6 +59,7 @@ VALID = {
     "fields": "--semi-axes-mm 8 14 12 --wedge-deg 30 --modulus-kpa 70 --load-n 1 --depth-mm 1 --grid 64",
     "correct": "--ellipse-mm 7 5 --radius-mm 18",
     "fit": "curve.csv",
+    "figure": "figure.json --out figure.svg",
     "run": "study.toml",
     "app": "nowhere.toml",
     "measure print": "print.png --ppi 500",
@@ -120,6 +122,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
     (folder / "force.csv").write_text("time_s,force_N\n" + "".join(f"{t / 10},{t}\n" for t in range(9)))
     (folder / "Results.csv").write_text(" ,Major,Minor,Angle\n1,300,200,90\n", encoding="utf-8")
+    drawn, (panel,) = new_panels()
+    plot_uncertainty_budget(panel, {"load": 0.1, "scale": 0.9})
+    (folder / "figure.json").write_text(drawn.to_json(), encoding="utf-8")
     curve = simulate_loading_curve()
     assert curve.time is not None
     rows = np.column_stack((curve.time, curve.load, curve.indentation))[::20]

@@ -1,7 +1,5 @@
 """The radius of curvature that side faces show, beside the ellipsoid's."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -13,9 +11,12 @@ AXES = np.array([7.9, 13.8, 11.8])
 
 
 def finger(*sides, std=0.1):
-    photographs = tuple(SimpleNamespace(outline_radii=radii) for radii in sides)
     return FingerResult(
-        name="f", semi_axes=AXES, covariance=std**2 * np.eye(3), source="photographs", photographs=photographs
+        name="f",
+        semi_axes=AXES,
+        covariance=std**2 * np.eye(3),
+        source="photographs",
+        outline_radii=tuple(filter(None, sides)),
     )
 
 

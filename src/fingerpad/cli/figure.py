@@ -37,17 +37,21 @@ def figure(
     kind = next((each for each in FORMATS if out.suffix.lower() == f".{each}"), None)
     if kind is None:
         raise FigureError(f"--out: a figure is written as .svg, .pdf, .png or .csv, found {out.name}")
-    settings = FigureSettings(
-        width_mm=width_mm,
-        height_mm=height_mm,
-        font_pt=font_pt,
-        x_range=_range("--x-range", x_range),
-        y_range=_range("--y-range", y_range),
-        x_scale=x_scale,  # type: ignore[arg-type]  # checked there
-        y_scale=y_scale,  # type: ignore[arg-type]
-        colours=tuple(filter(None, colours.split(","))),
-        dpi=dpi,
-    )
+    ranges = {"x_range": _range("--x-range", x_range), "y_range": _range("--y-range", y_range)}
+    try:
+        settings = FigureSettings(
+            width_mm=width_mm,
+            height_mm=height_mm,
+            font_pt=font_pt,
+            **ranges,
+            x_scale=x_scale,  # type: ignore[arg-type]  # checked there
+            y_scale=y_scale,  # type: ignore[arg-type]
+            colours=tuple(filter(None, colours.split(","))),
+            dpi=dpi,
+        )
+    except FigureError as error:
+        name, _, words = str(error).partition(":")
+        raise FigureError(f"--{name.replace('_', '-')}:{words}") from None
     try:
         drawn = PanelFigure.of_json(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:

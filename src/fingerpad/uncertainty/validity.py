@@ -287,6 +287,7 @@ def compare_difference(
     --------
     An exponent of the area of 0.4 where Hertz theory has 2/3, over loads of 1 to 4 N, changes the modulus:
 
+    >>> import numpy as np
     >>> effect = 1.5 * np.log(4)
     >>> check = compare_difference("area", "n of A ∝ Wⁿ", ["E"], (0.4, 0.03), (2 / 3, 0.0), effect=-effect)
     >>> check.verdict, f"{check.relative_difference:+.0%}"

@@ -223,6 +223,11 @@ def known_finger(opened: StudySession, name: str) -> FingerResult | None:
         semi_axes=np.array([record[f"{axis}_mm"] for axis in ("palmar", "distal", "radial_ulnar")]),
         covariance=np.array(record["covariance_mm2"]),
         source="photographs",
+        outline_radii=tuple(
+            tuple(map(tuple, radii))
+            for photograph in record["photographs"]
+            if (radii := photograph["outline_radii_deg_mm"])
+        ),
         scale=record.get("scale"),
         pad_thickness=finger.pad_thickness_mm,
         effective_thickness=finger.effective_thickness_mm,

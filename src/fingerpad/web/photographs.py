@@ -23,7 +23,7 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
-from fingerpad.study.measuring.fingers import FingerResult, photograph_item
+from fingerpad.study.measuring.fingers import FingerResult, outline_radii, photograph_item
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Point
 from fingerpad.web.errors import RequestError
@@ -191,7 +191,13 @@ def measured_finger(opened: StudySession, name: str) -> FingerResult | None:
     finger = next((one for one in opened.study().fingers if one.name == name), None)
     if finger is None or (found := known_finger(opened, name)) is not None:
         return found if finger is not None else None
-    outlines = combine_faces(_faces(opened, finger).values())
+    faces = _faces(opened, finger)
+    outlines = combine_faces(faces.values())
+    sides = [
+        outline_radii(_stored_fit(opened, item, one))
+        for one in finger.photographs
+        if one.outline is None and (item := photograph_item(finger, one)) in faces
+    ]
     names = {face.scale for face in outlines.faces}
     return FingerResult(
         name=name,
@@ -199,6 +205,7 @@ def measured_finger(opened: StudySession, name: str) -> FingerResult | None:
         covariance=outlines.covariance,
         source="photographs",
         outlines=outlines,
+        outline_radii=tuple(filter(None, sides)),
         scale=names.pop() if len(names) == 1 else None,
         pad_thickness=finger.pad_thickness_mm,
         effective_thickness=finger.effective_thickness_mm,
@@ -231,9 +238,16 @@ def _faces(
             points = read_outline(opened.folder / one.outline)
             faces[own] = face_from_outline(one.face, points, one.outline_relative_std)
         else:
-            stored = change if isinstance(change, PhotographCorrection) else PhotographCorrection()
-            faces[own] = replace(_fit(opened, own, one, stored).face_semi_axes, scale=scale)
+            faces[own] = replace(_stored_fit(opened, own, one).face_semi_axes, scale=scale)
     return faces
+
+
+def _stored_fit(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit:
+    """Return the fit of a photograph under the correction that is stored."""
+    active_correction = opened.corrections.active_correction(item)
+    change = None if active_correction is None else active_correction.change
+    stored = change if isinstance(change, PhotographCorrection) else PhotographCorrection()
+    return _fit(opened, item, photograph, stored)
 
 
 def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:

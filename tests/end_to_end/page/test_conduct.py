@@ -119,8 +119,8 @@ def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo
     drag(two, two.get_by_role("button", name="End of the semi-major axis", exact=True), -20, 0)
     changed(two, before)
     one.wait_for_function("() => document.querySelectorAll('.history li').length === 1")
-    one.get_by_label("Threshold").fill("70")
-    one.get_by_label("Threshold").press("Enter")
+    one.get_by_label("Threshold, grey levels").fill("70")
+    one.get_by_label("Threshold, grey levels").press("Enter")
     two.wait_for_function("() => document.querySelectorAll('.history li').length === 2")
     last = json.loads((demo / "corrections.jsonl").read_text().splitlines()[-1])
     assert set(last["change"]) == {"ellipse_px", "threshold"}
@@ -173,8 +173,8 @@ def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) ->
     one.mouse.move(x - 25, y, steps=5)
     moving(one, before)
     with one.expect_response("**/api/corrections?*"):
-        two.get_by_label("Threshold").fill("70")
-        two.get_by_label("Threshold").press("Enter")
+        two.get_by_label("Threshold, grey levels").fill("70")
+        two.get_by_label("Threshold, grey levels").press("Enter")
     one.wait_for_timeout(1000)  # in which a measurement under their correction would move it
     held = one.get_by_role("button", name="End of the semi-major axis", exact=True)
     assert middle(held)[0] == pytest.approx(x - 25, abs=2)
@@ -195,8 +195,8 @@ def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None
     before = numbers(two)
     focus(two, "End of the semi-major axis").press("Shift+ArrowRight")
     changed(two, before)
-    one.get_by_label("Threshold").fill("70")
-    one.get_by_label("Threshold").press("Enter")
+    one.get_by_label("Threshold, grey levels").fill("70")
+    one.get_by_label("Threshold, grey levels").press("Enter")
     one.get_by_role("dialog", name="Another window corrected this image").wait_for()
     one.get_by_role("button", name="Apply mine as well").click()
     one.wait_for_function("() => document.querySelectorAll('.history li').length === 2")

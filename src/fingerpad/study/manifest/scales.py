@@ -62,19 +62,28 @@ class CircleScale(ManifestModel):
     """Three points (row, column), px, on the rim of a coin or another circle of known diameter."""
 
     circle: Annotated[list[Mark], Field(min_length=3, max_length=3)]
+    """The three points, each (row, column), px."""
     diameter_mm: Length
+    """Diameter of the circle, mm."""
     diameter_mm_std: MarkStd = 0.0
+    """Standard uncertainty of the diameter, mm."""
     points_px_std: MarkStd = 0.0
+    """Standard uncertainty of each point, px."""
 
 
 class GridScale(ManifestModel):
     """A checkerboard or a grid of dots in a picture taken like those to measure."""
 
     grid: str
+    """Picture of the grid, in the plane of what is measured."""
     points: Annotated[list[Annotated[int, Field(ge=3, le=200)]], Field(min_length=2, max_length=2)]
+    """Number of inner corners or of dots down and across."""
     spacing_mm: Length
+    """Distance of neighbouring points, mm."""
     spacing_mm_std: MarkStd = 0.0
+    """Standard uncertainty of the distance, mm."""
     pattern: Literal["checkerboard", "dots"] = "checkerboard"
+    """What the grid consists of."""
 
 
 ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale | CircleScale | GridScale

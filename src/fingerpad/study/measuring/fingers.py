@@ -86,6 +86,8 @@ class FingerResult:
         The faces combined, with their consistency.
     photographs : tuple of PhotographResult
         The photographs measured.
+    outline_radii : tuple
+        Of each side face what `PhotographResult.outline_radii` holds.
     scale : str or None
         Name of the scale that all its photographs share: one uncertain number for all of them.
     pad_thickness : float or None
@@ -104,6 +106,7 @@ class FingerResult:
     source: str
     outlines: OutlineSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
+    outline_radii: tuple[tuple[tuple[float, float, float], ...], ...] = ()
     scale: str | None = None
     pad_thickness: float | None = None
     effective_thickness: float | None = None
@@ -121,9 +124,7 @@ class FingerResult:
             Mean over the side faces, weighted by their uncertainties, and its standard uncertainty, mm; NaN
             where no outline shows the place.
         """
-        found = np.array(
-            [_interpolated(one.outline_radii, wedge_deg) for one in self.photographs if one.outline_radii]
-        ).reshape(-1, 2)
+        found = np.array([_interpolated(radii, wedge_deg) for radii in self.outline_radii]).reshape(-1, 2)
         found = found[np.isfinite(found).all(axis=1)]
         if not len(found):
             return np.nan, np.nan
@@ -143,7 +144,7 @@ class FingerResult:
         """
         if self.source == "given":
             return 0.0, 0.0, 0.0
-        if roll_deg != 0 or not any(one.outline_radii for one in self.photographs):
+        if roll_deg != 0 or not self.outline_radii:
             return 0.0, ELLIPSOID_STD, ELLIPSOID_STD
         ellipsoid, std = self._in_plane_radius(wedge_deg), self.in_plane_radius_std(wedge_deg)
         return *radius_deviation(ellipsoid, std, *self.outline_radius(wedge_deg)), ELLIPSOID_STD
@@ -229,13 +230,15 @@ def finger_result(
             **common,
         )
     names = {face.scale for face in joint.faces}
+    photographs = tuple(result for _, result in seen if result is not None)
     return FingerResult(
         semi_axes=joint.semi_axes,
         covariance=joint.covariance,
         source="photographs",
         scale=names.pop() if len(names) == 1 else None,
         outlines=joint,
-        photographs=tuple(result for _, result in seen if result is not None),
+        photographs=photographs,
+        outline_radii=tuple(one.outline_radii for one in photographs if one.outline_radii),
         **common,
     )
 
@@ -295,18 +298,18 @@ def face_record(
         "overlay": overlay,
         "arc_deg": found.arc_deg,
         "exponent": None if np.isnan(found.exponent) else (found.exponent, found.exponent_std),
-        "outline_radii": _outline_radii(found),
+        "outline_radii": outline_radii(found),
         "flags": [*sorted(found.flags), *known.flags],
     }
 
 
-def _outline_radii(found: PhotographFit) -> list[tuple[float, float, float]]:
-    """Return wedge angles, degrees, and the radii, mm, that a side face's outline shows there."""
+def outline_radii(found: PhotographFit) -> tuple[tuple[float, float, float], ...]:
+    """Return wedge angles, degrees, and radii with standard uncertainties, mm, of a side face's outline."""
     if found.face not in ("radial", "ulnar"):
-        return []
+        return ()
     angles = range(0, 90, _WEDGE_STEP_DEG)
     radii = [(float(angle), *found.outline_radius(math.radians(angle))) for angle in angles]
-    return [one for one in radii if math.isfinite(one[1])]
+    return tuple(one for one in radii if math.isfinite(one[1]))
 
 
 def _face(

@@ -48,7 +48,7 @@ export class NewFileTools {
     const area = h("textarea", {
       rows: 5,
       "aria-label": "Cells of a spreadsheet",
-      placeholder: "file\tfinger\twedge\tload (N)\nIMG_0031\tleft_index\t30\t0.5",
+      placeholder: "file\tfinger\twedge\tload (N)\nIMG_0031\tindex\t30\t0.5",
       spellcheck: "false",
     });
     return h(
