@@ -60,7 +60,7 @@ def plot_uncertainty_budget(
             fontsize=6.8,
         )
     axes.set_yticks(places, names)
-    axes.set_xlim(min(0, *(100 * share for share in first_order.values())), 112)
+    axes.set_xlim(min(0, *(100 * share for share in first_order.values())), 118)
     axes.grid(visible=False, axis="y")
     axes.set_xlabel("share of the variance (%)")
     if synthetic:
