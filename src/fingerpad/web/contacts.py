@@ -19,8 +19,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import contact_correction, measured_under, place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.key_frames import with_interpolated
-from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.corrections.key_frames import frame_correction
 from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
@@ -119,8 +118,7 @@ def correction_of(opened: StudySession, item: str) -> ContactCorrection:
     name, mark, number = item.rpartition("#")
     if not mark:
         return contact_correction(opened.corrections.active_correction(item))
-    frames = with_interpolated(frames_of(opened.corrections.active_corrections(), name), name)
-    return contact_correction(frames.get(int(number)))
+    return contact_correction(frame_correction(opened.corrections.active_corrections(), name, int(number)))
 
 
 def _prepared(

@@ -17,7 +17,7 @@ from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, ActiveCorrection
-from fingerpad.study.corrections.key_frames import InterpolatedCorrection, with_interpolated
+from fingerpad.study.corrections.key_frames import InterpolatedCorrection, frame_corrections
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import LoadedStudy, Study
@@ -337,7 +337,7 @@ def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]
     total = opened.count_frames(opened.film_name(name)) or 0
     rows = found.frames(name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
-    ruled = with_interpolated(frames_of(opened.corrections.active_corrections(), name), name)
+    ruled = frame_corrections(opened.corrections.active_corrections(), name)
     return {
         "total": total,
         "frames": [_frame(name, number, rows.get(number), ruled.get(number)) for number in shown],

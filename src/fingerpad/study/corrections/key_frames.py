@@ -1,7 +1,7 @@
 """Ellipses of key frames, carried to the frames of a sequence that lie between them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 
@@ -11,6 +11,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.image import ContactImageResult, ImageEllipse, interpolated_ellipse
 from fingerpad.study.corrections.changes import ContactCorrection, ManualContactEllipse
 from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.log import frames_of
 
 
 class InterpolatedCorrection(ContactCorrection):
@@ -32,31 +33,55 @@ class InterpolatedCorrection(ContactCorrection):
         )
 
 
-def with_interpolated(frames: Mapping[int, ActiveCorrection], sequence: str) -> dict[int, ActiveCorrection]:
-    """Return what rules for frames, with the ellipses between key frames for those without a correction.
+def frame_corrections(
+    active_corrections: Mapping[str, ActiveCorrection], sequence: str
+) -> dict[int, ActiveCorrection]:
+    """Return what rules for the frames of a sequence, by number, ellipses between key frames included.
 
     Parameters
     ----------
-    frames : mapping of int to ActiveCorrection
-        What people decided, by the number of the frame.
+    active_corrections : mapping of str to ActiveCorrection
+        What people decided, by item; no frame that they corrected takes a carried ellipse.
     sequence : str
         Name of the sequence.
     """
+    frames = frames_of(active_corrections, sequence)
     found = dict(frames)
-    keys = sorted(frame for frame, one in frames.items() if _is_key(one))
-    for first, last in pairwise(keys):
-        one, other = (_ellipse(frames[frame]) for frame in (first, last))
+    for first, last in _key_pairs(frames):
         for frame in range(first + 1, last):
             if frame not in frames:
-                found[frame] = replace(
-                    frames[first],
-                    item=f"{sequence}#{frame}",
-                    change=_between(one, other, (frame - first) / (last - first)),
-                    picture="",
-                    pooling_who="",
-                    pooling_when="",
-                )
+                found[frame] = _carried(frames, first, last, sequence, frame)
     return found
+
+
+def frame_correction(
+    active_corrections: Mapping[str, ActiveCorrection], sequence: str, frame: int
+) -> ActiveCorrection | None:
+    """Return what rules for one frame, as `frame_corrections` has it, without those of all others."""
+    frames = frames_of(active_corrections, sequence)
+    if frame in frames:
+        return frames[frame]
+    pair = next(((first, last) for first, last in _key_pairs(frames) if first < frame < last), None)
+    return None if pair is None else _carried(frames, *pair, sequence, frame)
+
+
+def _key_pairs(frames: Mapping[int, ActiveCorrection]) -> Iterator[tuple[int, int]]:
+    """Return the key frames next to each other."""
+    return pairwise(sorted(frame for frame, one in frames.items() if _is_key(one)))
+
+
+def _carried(
+    frames: Mapping[int, ActiveCorrection], first: int, last: int, sequence: str, frame: int
+) -> ActiveCorrection:
+    """Return what two key frames say of a frame between them."""
+    return replace(
+        frames[first],
+        item=f"{sequence}#{frame}",
+        change=_between(_ellipse(frames[first]), _ellipse(frames[last]), (frame - first) / (last - first)),
+        picture="",
+        pooling_who="",
+        pooling_when="",
+    )
 
 
 def _is_key(one: ActiveCorrection) -> bool:

@@ -31,7 +31,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.history import ActiveCorrection
-from fingerpad.study.corrections.key_frames import with_interpolated
+from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work
 from fingerpad.study.error_text import in_study
@@ -122,7 +122,7 @@ class Film:
         frames = Frames(
             path=context.folder / sequence.file, **_good(context, header.name, header.key)["header"]
         )
-        ruled = with_interpolated(frames_of(context.active_corrections, sequence.name), sequence.name)
+        ruled = frame_corrections(context.active_corrections, sequence.name)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         force = read_force_signal(context.folder / sequence.force, columns)
         return cls(
@@ -306,7 +306,7 @@ def frame_count(sequence: ContactSequence, context: RunContext) -> int:
 
 def film_key(sequence: ContactSequence, context: RunContext) -> str:
     """Return the key of all that is known of a film."""
-    frames = with_interpolated(frames_of(context.active_corrections, sequence.name), sequence.name)
+    frames = frame_corrections(context.active_corrections, sequence.name)
     return context.key(
         sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)}
     )
