@@ -6,7 +6,7 @@ import zipfile
 import pytest
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.new_files import join_files, match_file_names, read_file_table
+from fingerpad.study.new_files import join_files, match_file_names, parse_file_table, read_file_table
 from fingerpad.study.new_files.quantities import FileValues, read_value
 
 MAIN = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
@@ -101,7 +101,7 @@ def test_hostile_workbooks(tmp_path) -> None:
     ],
 )
 def test_headers_and_cells(header: str, cell: str, values: FileValues) -> None:
-    table = read_file_table(f"Filename\t{header}\na.png\t{cell}", pasted=True)
+    table = parse_file_table(f"Filename\t{header}\na.png\t{cell}")
     assert table.rows[0].values == values
     assert table.unknown_columns == ([] if values else [header])
     assert not table.rows[0].problems
@@ -119,7 +119,7 @@ def test_headers_and_cells(header: str, cell: str, values: FileValues) -> None:
     ],
 )
 def test_a_cell_that_cannot_be_read_is_named(header: str, cell: str) -> None:
-    row = read_file_table(f"file,{header},session\na,{cell},1", pasted=True).rows[0]
+    row = parse_file_table(f"file,{header},session\na,{cell},1").rows[0]
     assert row.values == {"session": "1"}
     assert len(row.problems) == 1
     assert repr(cell) in row.problems[0]
@@ -135,18 +135,18 @@ def test_a_cell_that_cannot_be_read_is_named(header: str, cell: str) -> None:
 )
 def test_tables_that_cannot_be_joined(text: str, words: str) -> None:
     with pytest.raises(ManifestError, match=words):
-        read_file_table(text, pasted=True)
+        parse_file_table(text)
 
 
 def test_hand_and_digit_in_two_columns() -> None:
-    table = read_file_table("hand;digit;image\nL;index;1\nright;Thumb;2", pasted=True)
+    table = parse_file_table("hand;digit;image\nL;index;1\nright;Thumb;2")
     assert [row.values["finger"] for row in table.rows] == ["left_index", "right_thumb"]
 
 
 def test_join_lists_what_is_unmatched_and_what_is_named_twice() -> None:
     files = ["uploads/a-1.png", "uploads/b.png", "uploads/b.tif", "uploads/c_0.5N.png", "uploads/d.png"]
-    table = read_file_table(
-        "file,load\nA (1).PNG,1\nb,2\nb.tif,3\nc_0.5N,4\nd,5\nD.png,6\nnowhere.png,7\n,8", pasted=True
+    table = parse_file_table(
+        "file,load\nA (1).PNG,1\nb,2\nb.tif,3\nc_0.5N,4\nd,5\nD.png,6\nnowhere.png,7\n,8"
     )
     found = join_files(table, files)
     loads = {file: values["load_N"] for file, values in found.values.items()}

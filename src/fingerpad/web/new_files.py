@@ -10,6 +10,7 @@ from fingerpad.study.new_files import (
     identify_file,
     join_files,
     match_file_names,
+    parse_file_table,
     read_file_table,
 )
 from fingerpad.web import answers
@@ -64,7 +65,7 @@ def join(workspace: Workspace, _: Any, params: TableParams) -> dict[str, Any]:
     if params.file is not None:
         table = read_file_table(workspace.study.file(params.file))
     elif params.text is not None:
-        table = read_file_table(params.text, pasted=True)
+        table = parse_file_table(params.text)
     else:
         raise RequestError.impossible("give a file or a text")
     found = join_files(table, params.files)

@@ -1,6 +1,13 @@
 """New files of a study: what each is, and what a spreadsheet or their names say of them."""
 
-from fingerpad.study.new_files.file_table import FileRow, FileTable, JoinedFiles, join_files, read_file_table
+from fingerpad.study.new_files.file_table import (
+    FileRow,
+    FileTable,
+    JoinedFiles,
+    join_files,
+    parse_file_table,
+    read_file_table,
+)
 from fingerpad.study.new_files.identify import FileIdentity, identify_file
 from fingerpad.study.new_files.name_pattern import PatternMatch, match_file_names
 from fingerpad.study.new_files.quantities import FileValues
@@ -15,5 +22,6 @@ __all__ = [
     "identify_file",
     "join_files",
     "match_file_names",
+    "parse_file_table",
     "read_file_table",
 ]

@@ -96,7 +96,7 @@ class JoinedFiles:
     files_without_row: list[str]
 
 
-def read_file_table(source: str | PathLike[str], *, pasted: bool = False) -> FileTable:
+def read_file_table(path: str | PathLike[str]) -> FileTable:
     r"""Read a spreadsheet of which each row names a file and states something of it.
 
     One column names the file; others are person, finger, hand, face, type, wedge angle, load, scale and
@@ -105,10 +105,8 @@ def read_file_table(source: str | PathLike[str], *, pasted: bool = False) -> Fil
 
     Parameters
     ----------
-    source : path-like or str
-        A CSV, TSV or XLSX file; with `pasted` the text itself, as cells copied from a spreadsheet.
-    pasted : bool
-        Whether `source` is the text.
+    path : path-like
+        A CSV, TSV or XLSX file.
 
     Returns
     -------
@@ -121,14 +119,46 @@ def read_file_table(source: str | PathLike[str], *, pasted: bool = False) -> Fil
 
     Examples
     --------
-    >>> table = read_file_table("file\tfinger\tload, mN\tmood\nIMG_1\tLI\t500\tgood", pasted=True)
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "files.csv")
+    ...     _ = path.write_text("file,load (mN)\nIMG_1,500\n")
+    ...     read_file_table(path).rows[0].values
+    {'load_N': 0.5}
+    """
+    return file_table(read_cells(Path(path)), Path(path).name)
+
+
+def parse_file_table(text: str) -> FileTable:
+    r"""Read a spreadsheet, as `read_file_table` does, from text: cells that were copied, tabs between them.
+
+    Parameters
+    ----------
+    text : str
+        A line of headers and the rows.
+
+    Returns
+    -------
+    FileTable
+
+    Raises
+    ------
+    ManifestError
+        If it cannot be read, has no column of files, or two columns of one meaning.
+
+    Examples
+    --------
+    >>> table = parse_file_table("file\tfinger\tload, mN\tmood\nIMG_1\tLI\t500\tgood")
     >>> table.rows[0].values
     {'finger': 'left_index', 'load_N': 0.5}
     >>> table.unknown_columns
     ['mood']
     """
-    cells = cells_of_text(str(source)) if pasted else read_cells(Path(source))
-    name = "the pasted text" if pasted else Path(source).name
+    return file_table(cells_of_text(text), "the pasted text")
+
+
+def file_table(cells: Sequence[Sequence[str]], name: str) -> FileTable:
+    """Return the table in cells, the first row of which holds the headers; errors as of `read_file_table`."""
     if len(cells) < 2:
         raise ManifestError(f"{name}: a line of headers and at least one row are expected")
     columns = tuple(_column(header) for header in cells[0])
@@ -196,7 +226,7 @@ def join_files(table: FileTable, files: Iterable[str]) -> JoinedFiles:
 
     Examples
     --------
-    >>> table = read_file_table("file,load\nIMG 1,2\nIMG_3.png,4", pasted=True)
+    >>> table = parse_file_table("file,load\nIMG 1,2\nIMG_3.png,4")
     >>> found = join_files(table, ["uploads/img_1.PNG", "uploads/img_2.PNG"])
     >>> found.values, found.files_without_row
     ({'uploads/img_1.PNG': {'load_N': 2.0}}, ['uploads/img_2.PNG'])

@@ -10,7 +10,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames, read_colour_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.new_files.file_names import Kind, names_a_scale, read_file_name
-from fingerpad.study.new_files.file_table import read_file_table
+from fingerpad.study.new_files.file_table import file_table
 from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES, cells_of_text, read_cells
 
 Content: TypeAlias = Literal[
@@ -176,7 +176,7 @@ def _table_contents(path: Path) -> dict[Content, float]:
     }
     if has["force"] and has["travel"]:
         return {"loading curve": 0.95, "force table": 0.04, "other": 0.01}
-    if _names_files(path):
+    if _names_files(cells, path):
         return {"table of files": 0.95, "other": 0.05}
     if has["force"] and has["time"]:
         return {"force table": 0.95, "loading curve": 0.03, "other": 0.02}
@@ -190,9 +190,9 @@ def _begins(header: str, words: Iterable[str]) -> bool:
     return any(header == word or header.startswith((f"{word}_", f"{word} ", f"{word}(")) for word in words)
 
 
-def _names_files(path: Path) -> bool:
+def _names_files(cells: list[list[str]], path: Path) -> bool:
     try:
-        table = read_file_table(path)
+        table = file_table(read_cells(path) if path.suffix.lower() == ".csv" else cells, path.name)
     except ManifestError:
         return False
     return any(row.values for row in table.rows)
