@@ -22,6 +22,7 @@ from PIL import Image
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.panels import Panel
+from fingerpad.figures.svg_text import escaped
 from fingerpad.units import MM_PER_INCH
 
 Arguments = ParamSpec("Arguments")
@@ -168,7 +169,7 @@ def figure_svg(figure: Figure, name: str, *, description: str = "") -> str:
     drawing = re.sub(r'href="#([^"]+)"', rf'href="#{prefix}-\1"', drawing)
     drawing = re.sub(r"url\(#([^)]+)\)", rf"url(#{prefix}-\1)", drawing)
     drawing = re.sub(r'(<style type="text/css">)\*', rf"\1#{prefix} *", drawing)
-    label = f' role="img" aria-label="{_escaped(description)}"' if description else ""
+    label = f' role="img" aria-label="{escaped(description)}"' if description else ""
     return drawing.replace("<svg ", f'<svg id="{prefix}"{label} ', 1)
 
 
@@ -225,10 +226,6 @@ def save_figure(
     finally:
         figure.set_layout_engine(layout)
     return svg, png
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
 
 
 def pair(point: ArrayLike) -> tuple[float, float]:

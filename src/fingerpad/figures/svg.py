@@ -5,8 +5,7 @@ Lengths are points, 1/72 inch, from the upper left corner.
 
 import hashlib
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -18,14 +17,15 @@ from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.panels import Call, Panel, PanelFigure, numbers
 from fingerpad.figures.style import BLACK, GRID, LOG_SUBS
+from fingerpad.figures.svg_axes import Limits, decimal_labels
+from fingerpad.figures.svg_labels import TextBox
+from fingerpad.figures.svg_paths import fill, marker_look, markers, polyline, stroke
 from fingerpad.figures.svg_text import FONT_FAMILY, LINE_HEIGHT, escaped, line_width, text_element
 from fingerpad.units import MM_PER_INCH
 
 _POINTS_PER_MM: Final = 72 / MM_PER_INCH
 _SIZE, _TICK_SIZE, _LEGEND_SIZE = 7.5, 7.0, 6.8  # of fonts
-_ASCENT: Final = 0.76  # of digits and capitals, of the font size
 _TICK, _PAD, _EDGE = 3.5, 3.0, 3.0
-_DASHES: Final = {"--": (3.7, 1.6), ":": (1.0, 1.65), "-.": (6.4, 1.6, 1.0, 1.6)}  # of the line's width
 _CAP: Final = 1.8
 _ROW, _HANDLE, _COLUMN_GAP = 1.45 * _LEGEND_SIZE, 1.8 * _LEGEND_SIZE, 1.4 * _LEGEND_SIZE
 _MOST_TICKS: Final = 9
@@ -132,71 +132,6 @@ def _place(drawings: list["_Drawing"], figure: PanelFigure, width: float, height
             margins[place] = np.add(drawing.margins(), _EDGE)
 
 
-@dataclass(slots=True)
-class _Scale:
-    """From data to points along one axis."""
-
-    low: float
-    high: float
-    log: bool
-    begin: float = 0.0
-    end: float = 1.0
-
-    def __call__(self, values: Any) -> Any:
-        low, high = self.low, self.high
-        if self.log:
-            with np.errstate(all="ignore"):
-                values, low, high = np.log10(values), math.log10(low), math.log10(high)
-        return self.begin + (values - low) / (high - low) * (self.end - self.begin)
-
-
-class _Text(NamedTuple):
-    """Text at a place, its lines separated by newlines."""
-
-    text: str
-    x: float
-    y: float
-    size: float
-    horizontal: str = "left"
-    vertical: str = "baseline"
-    colour: str = BLACK
-    extra: str = ""
-    boxed: bool = False
-
-    def baselines(self) -> list[float]:
-        step, ascent = LINE_HEIGHT * self.size, _ASCENT * self.size
-        count = self.text.count("\n")
-        height = step * count + ascent
-        above = {
-            "top": 0.0,
-            "center": height / 2,
-            "bottom": height + 0.2 * self.size,
-            "baseline": height,
-        }[self.vertical]
-        return [self.y - above + ascent + step * number for number in range(count + 1)]
-
-    def box(self) -> tuple[float, float, float, float]:
-        """Return left, right, top and bottom."""
-        width = line_width(self.text, self.size)
-        left = self.x - {"left": 0.0, "center": width / 2, "right": width}[self.horizontal]
-        baselines = self.baselines()
-        return left, left + width, baselines[0] - _ASCENT * self.size, baselines[-1] + 0.2 * self.size
-
-    def element(self) -> str:
-        anchor = {"left": "start", "center": "middle", "right": "end"}[self.horizontal]
-        drawn = ""
-        if self.boxed:
-            left, right, top, bottom = self.box()
-            drawn = (
-                f'<rect x="{left - 1:.2f}" y="{top - 1:.2f}" width="{right - left + 2:.2f}" '
-                f'height="{bottom - top + 1:.2f}" fill="#fff" fill-opacity=".7"/>'
-            )
-        for line, y in zip(self.text.split("\n"), self.baselines(), strict=True):
-            inner = text_element(line, self.size, self.colour, anchor, self.extra)
-            drawn += f'<text x="{self.x:.2f}" y="{y:.2f}" {inner}'
-        return drawn
-
-
 class _Sample(NamedTuple):
     """What a legend shows beside a label."""
 
@@ -215,12 +150,12 @@ class _Drawing:
         self.by_name: dict[str, list[Call]] = {}
         for call in panel.calls:
             self.by_name.setdefault(call.name, []).append(call)
-        limits = _Limits(panel, self.by_name)
+        limits = Limits(panel, self.by_name)
         self.x, self.y = limits.scale("x"), limits.scale("y")
         self.framed = "set_axis_off" not in self.by_name
         self.equal = "set_aspect" in self.by_name
         self.layers: list[tuple[float, str]] = []
-        self.texts: list[_Text] = []
+        self.texts: list[TextBox] = []
         self.samples: list[_Sample] = []
 
     def place(self, left: float, top: float, width: float, height: float) -> None:
@@ -302,7 +237,7 @@ class _Drawing:
             most = min(max(int(abs(scale.end - scale.begin) / size), 1), _MOST_TICKS)
             ticks = MaxNLocator(most, steps=(1, 2, 2.5, 5, 10)).tick_values(scale.low, scale.high)
             places = np.asarray(ticks).tolist()
-            labels = _decimal(places)
+            labels = decimal_labels(places)
         room = 1e-9 * abs(scale.high - scale.low)
         return [
             (float(scale(place)), label)
@@ -321,11 +256,11 @@ class _Drawing:
         for x, label in self._ticks("x"):
             grid += "" if hidden & {"x", "both"} else f"M{x:.2f} {self.top:.2f}V{self.bottom:.2f}"
             marks += f"M{x:.2f} {self.bottom:.2f}v{_TICK}"
-            self.texts.append(_Text(label, x, self.bottom + _TICK + _PAD, _TICK_SIZE, "center", "top"))
+            self.texts.append(TextBox(label, x, self.bottom + _TICK + _PAD, _TICK_SIZE, "center", "top"))
         for y, label in self._ticks("y"):
             grid += "" if hidden & {"y", "both"} else f"M{self.left:.2f} {y:.2f}H{self.right:.2f}"
             marks += "" if "tick_params" in self.by_name else f"M{self.left:.2f} {y:.2f}h-{_TICK}"
-            self.texts.append(_Text(label, self.left - _TICK - _PAD, y, _TICK_SIZE, "right", "center"))
+            self.texts.append(TextBox(label, self.left - _TICK - _PAD, y, _TICK_SIZE, "right", "center"))
         self.layers.append((_BELOW, f'<path d="{grid}" stroke="{GRID}" stroke-width=".5"/>'))
         self.layers.append((2.5, f'<path d="{marks}" fill="none" stroke="{BLACK}" stroke-width=".6"/>'))
 
@@ -333,9 +268,9 @@ class _Drawing:
         label = self._label("set_xlabel")
         if label and self.framed:
             low = self.bottom + _TICK + _PAD + LINE_HEIGHT * _TICK_SIZE + 1
-            self.texts.append(_Text(label, (self.left + self.right) / 2, low, _SIZE, "center", "top"))
+            self.texts.append(TextBox(label, (self.left + self.right) / 2, low, _SIZE, "center", "top"))
         if title := self._label("set_title"):
-            self.texts.append(_Text(title, self.left, self.top - 4, _SIZE))
+            self.texts.append(TextBox(title, self.left, self.top - 4, _SIZE))
 
     # What is drawn on axes, by the name of Matplotlib's method
 
@@ -353,14 +288,14 @@ class _Drawing:
         px, py = self.x(xs), self.y(ys)
         layer, colour = options.get("zorder", _DATA), options.get("color", BLACK)
         clipped = options.get("clip_on", True)
-        look, spots = _stroke(colour, options.get("linewidth", 1.2), line, options.get("alpha")), ""
+        look, spots = stroke(colour, options.get("linewidth", 1.2), line, options.get("alpha")), ""
         sample: dict[str, Any] = {"line": look} if line else {}
         if line and px.size:
-            self._add(layer, f'<path d="{_polyline(px, py)}" {look}/>', clipped=clipped)
+            self._add(layer, f'<path d="{polyline(px, py)}" {look}/>', clipped=clipped)
         if marker:
             size = options.get("markersize", 4.0)
-            spots = _marker_look(options, colour)
-            self._add(layer, f'<path d="{_markers(px, py, marker, size)}" {spots}/>', clipped=clipped)
+            spots = marker_look(options, colour)
+            self._add(layer, f'<path d="{markers(px, py, marker, size)}" {spots}/>', clipped=clipped)
             sample |= {"marker": (marker, size), "look": spots}
         self._sample(options.get("label"), **sample)
 
@@ -373,7 +308,7 @@ class _Drawing:
                 path += self._bars(xs, ys, std, horizontal=horizontal)
         colour, layer = options.get("color", BLACK), options.get("zorder", _DATA)
         if path:
-            self._add(layer, f'<path d="{path}" {_stroke(colour, options.get("elinewidth", 1.2), "-")}/>')
+            self._add(layer, f'<path d="{path}" {stroke(colour, options.get("elinewidth", 1.2), "-")}/>')
         plain = {name: value for name, value in options.items() if name not in {"xerr", "yerr", "elinewidth"}}
         self._draw_plot(x, y, fmt, **plain)
 
@@ -400,8 +335,8 @@ class _Drawing:
         xs, below, above = np.broadcast_arrays(*map(numbers, (x, low, high)))
         known = np.isfinite(xs + below + above)
         across = np.concatenate([xs[known], xs[known][::-1]])
-        outline = _polyline(self.x(across), self.y(np.concatenate([below[known], above[known][::-1]])))
-        self._add(_MIDDLE, f'<path d="{outline}" {_fill(options)}/>')
+        outline = polyline(self.x(across), self.y(np.concatenate([below[known], above[known][::-1]])))
+        self._add(_MIDDLE, f'<path d="{outline}" {fill(options)}/>')
 
     def _draw_barh(self, places: Any, widths: Any, **options: Any) -> None:
         half = options.get("height", 0.8) / 2
@@ -411,9 +346,9 @@ class _Drawing:
             self._add(
                 _MIDDLE,
                 f'<rect x="{min(zero, end):.2f}" y="{min(top, bottom):.2f}" width="{abs(end - zero):.2f}" '
-                f'height="{abs(bottom - top):.2f}" {_fill(options)}/>',
+                f'height="{abs(bottom - top):.2f}" {fill(options)}/>',
             )
-        self._sample(options.get("label"), bar=_fill(options))
+        self._sample(options.get("label"), bar=fill(options))
 
     def _draw_axhline(self, y: float, **options: Any) -> None:
         line = f"M{self.left:.2f} {float(self.y(y)):.2f}H{self.right:.2f}"
@@ -424,7 +359,7 @@ class _Drawing:
         self._draw_rule(line, **options)
 
     def _draw_rule(self, path: str, **options: Any) -> None:
-        look = _stroke(
+        look = stroke(
             options.get("color", BLACK), options.get("linewidth", 1.2), options.get("linestyle", "-")
         )
         self._add(options.get("zorder", _DATA), f'<path d="{path}" {look}/>')
@@ -434,7 +369,7 @@ class _Drawing:
         self._add(
             _MIDDLE,
             f'<rect x="{left:.2f}" y="{self.top:.2f}" width="{right - left:.2f}" '
-            f'height="{self.bottom - self.top:.2f}" {_fill(options)}/>',
+            f'height="{self.bottom - self.top:.2f}" {fill(options)}/>',
         )
 
     def _draw_axhspan(self, low: float, high: float, **options: Any) -> None:
@@ -442,7 +377,7 @@ class _Drawing:
         self._add(
             _MIDDLE,
             f'<rect x="{self.left:.2f}" y="{top:.2f}" width="{self.right - self.left:.2f}" '
-            f'height="{bottom - top:.2f}" {_fill(options)}/>',
+            f'height="{bottom - top:.2f}" {fill(options)}/>',
         )
 
     def _draw_annotate(self, text: str, xy: Any, xytext: Any = None, **options: Any) -> None:
@@ -451,7 +386,7 @@ class _Drawing:
         extra = ' font-weight="bold"' if options.get("weight") == "bold" else ""
         extra += ' font-style="italic"' if options.get("style") == "italic" else ""
         self.texts.append(
-            _Text(
+            TextBox(
                 text,
                 x + right,
                 y - up,
@@ -519,7 +454,7 @@ class _Drawing:
             for row, one in enumerate(part):
                 self._add_sample(one, left, top + (row + 0.55) * _ROW)
                 low = top + (row + 0.55) * _ROW
-                self.texts.append(_Text(one.label, left + step, low, _LEGEND_SIZE, vertical="center"))
+                self.texts.append(TextBox(one.label, left + step, low, _LEGEND_SIZE, vertical="center"))
             left += step + width + _COLUMN_GAP
 
     def _add_sample(self, one: _Sample, x: float, y: float) -> None:
@@ -528,83 +463,8 @@ class _Drawing:
             drawn += f'<rect x="{x:.2f}" y="{y - 2.4:.2f}" width="{_HANDLE:.2f}" height="4.8" {one.bar}/>'
         if one.marker:
             middle = np.array([x + _HANDLE / 2]), np.array([y])
-            drawn += f'<path d="{_markers(*middle, *one.marker)}" {one.look}/>'
+            drawn += f'<path d="{markers(*middle, *one.marker)}" {one.look}/>'
         self._add(5.0, drawn, clipped=False)
-
-
-class _Limits:
-    """Ranges of the data of a panel, and what was asked of its axes."""
-
-    def __init__(self, panel: Panel, by_name: dict[str, list[Call]]) -> None:
-        self.calls = by_name
-        self.values: dict[str, list[FloatArray]] = {"x": [], "y": []}
-        for call in panel.calls:
-            for axis, values in _extent(call):
-                self.values[axis].append(np.ravel(values))
-
-    def scale(self, axis: str) -> _Scale:
-        """Return the scale of an axis: as asked, else round the data with a margin."""
-        log = any(call.args[0] == "log" for call in self.calls.get(f"set_{axis}scale", ()))
-        every = np.concatenate([*self.values[axis], np.empty(0)])
-        every = every[np.isfinite(every) & ((every > 0) | (not log))]
-        low, high = (
-            (float(every.min()), float(every.max())) if every.size else (1.0, 10.0) if log else (0.0, 1.0)
-        )
-        if low == high:
-            low, high = (
-                (low / 2, 2 * high) if log else (low - (0.05 * abs(low) or 1), high + (0.05 * abs(low) or 1))
-            )
-        room = 0.05
-        for call in self.calls.get("margins", ()):
-            room = call.options.get(axis, room)
-        if log:
-            factor = (high / low) ** room
-            low, high = low / factor, high * factor
-        else:
-            low, high = low - room * (high - low), high + room * (high - low)
-        for call in self.calls.get(f"set_{axis}ticks", ()):
-            low, high = min(low, *call.args[0]), max(high, *call.args[0])
-        names = ("left", "right") if axis == "x" else ("bottom", "top")
-        for call in self.calls.get(f"set_{axis}lim", ()):
-            given = dict(zip(names, call.args, strict=False)) | call.options
-            low, high = given.get(names[0], low), given.get(names[1], high)
-        return _Scale(low, high, log)
-
-
-def _extent(call: Call) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the data that the axes have to hold."""
-    match call.name:
-        case "plot" | "errorbar":
-            x, y = numbers(call.args[0]), numbers(call.args[1])
-            for axis, values, name in (("x", x, "xerr"), ("y", y, "yerr")):
-                std = np.nan_to_num(numbers(call.options[name])) if name in call.options else 0.0
-                yield axis, values - std
-                yield axis, values + std
-        case "fill_between":
-            yield "x", numbers(call.args[0])
-            for values in call.args[1:]:
-                yield "y", numbers(values)
-        case "barh":
-            half = call.options.get("height", 0.8) / 2
-            yield "x", np.append(numbers(call.args[1]), 0.0)
-            yield "y", np.add.outer((-half, half), numbers(call.args[0]))
-        case "axhline" | "axhspan":
-            yield "y", numbers(list(call.args))
-        case "axvline" | "axvspan":
-            yield "x", numbers(list(call.args))
-        case _:
-            return
-
-
-def _decimal(places: Iterable[float]) -> list[str]:
-    """Return numbers with as many decimals as the finest of them needs."""
-    every = list(places)
-    for decimals in range(8):
-        words = [f"{place + 0.0:.{decimals}f}" for place in every]
-        step = abs(every[1] - every[0]) if len(every) > 1 else 1.0
-        if all(abs(float(word) - place) <= 1e-3 * step for word, place in zip(words, every, strict=True)):
-            break
-    return [word.replace("-", "−") if float(word) else word.lstrip("-") for word in words]
 
 
 def _split(style: str) -> tuple[str, str]:
@@ -616,53 +476,3 @@ def _split(style: str) -> tuple[str, str]:
 def _paired(x: Any, y: Any) -> tuple[FloatArray, FloatArray]:
     xs, ys = np.broadcast_arrays(np.atleast_1d(numbers(x)), np.atleast_1d(numbers(y)))
     return xs.ravel(), ys.ravel()
-
-
-def _stroke(colour: str, width: float, line: str, alpha: float | None = None) -> str:
-    look = f'fill="none" stroke="{colour}" stroke-width="{width:g}"'
-    if line in _DASHES:
-        look += f' stroke-dasharray="{" ".join(f"{part * width:.2g}" for part in _DASHES[line])}"'
-    return look if alpha is None else f'{look} stroke-opacity="{alpha:g}"'
-
-
-def _fill(options: dict[str, Any]) -> str:
-    return f'fill="{options["color"]}" fill-opacity="{options.get("alpha", 1.0):g}"'
-
-
-def _marker_look(options: dict[str, Any], colour: str) -> str:
-    face = options.get("markerfacecolor", colour)
-    edge = options.get("markeredgecolor", colour)
-    return f'fill="{face}" stroke="{edge}" stroke-width="{options.get("markeredgewidth", 1.0):g}"'
-
-
-def _polyline(x: FloatArray, y: FloatArray) -> str:
-    """Return the path of a line, broken where a point is missing."""
-    parts, command = [], "M"
-    for a, b in zip(x.tolist(), y.tolist(), strict=True):
-        if math.isfinite(a + b):
-            parts.append(f"{command}{a:.2f} {b:.2f}")
-            command = "L"
-        else:
-            command = "M"
-    return "".join(parts)
-
-
-def _markers(x: FloatArray, y: FloatArray, marker: str, size: float) -> str:
-    """Return the path of markers of a size, points."""
-    half = size / 2
-    match marker:
-        case "s":
-            shape = f"m{-half:.2f} {-half:.2f}h{size:.2f}v{size:.2f}h{-size:.2f}z"
-        case "D":
-            d = size / math.sqrt(2)
-            shape = f"m0 {-d:.2f}l{d:.2f} {d:.2f}l{-d:.2f} {d:.2f}l{-d:.2f} {-d:.2f}z"
-        case "v":
-            shape = f"m{-half:.2f} {-half:.2f}h{size:.2f}l{-half:.2f} {size:.2f}z"
-        case _:
-            r = half / 2 if marker == "." else half
-            shape = f"m{-r:.2f} 0a{r:.2f} {r:.2f} 0 1 0 {2 * r:.2f} 0a{r:.2f} {r:.2f} 0 1 0 {-2 * r:.2f} 0z"
-    return "".join(
-        f"M{a:.2f} {b:.2f}{shape}"
-        for a, b in zip(x.tolist(), y.tolist(), strict=True)
-        if math.isfinite(a + b)
-    )
