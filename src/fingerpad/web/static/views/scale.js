@@ -255,6 +255,19 @@ class Scales {
       this.#ask();
     };
     const of = (key, more) => number({ value: this.table[key], min: 0, onset: set(key), ...more });
+    const diameter = () => [
+      field(
+        "Coin type",
+        choose({
+          value: String(this.table.diameter_mm ?? ""),
+          options: COINS,
+          onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()),
+        }),
+        { wide: true },
+      ),
+      field("Diameter", of("diameter_mm"), { unit: "mm" }),
+      field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
+    ];
     const ways = {
       line: () => [
         field(
@@ -269,31 +282,9 @@ class Scales {
         field("Uncertainty", of("length_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
         field("Uncertainty of each end", of("ends_px_std", { placeholder: "not stated" }), { unit: "px" }),
       ],
-      coin: () => [
-        field(
-          "Coin type",
-          choose({
-            value: String(this.table.diameter_mm ?? ""),
-            options: COINS,
-            onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()),
-          }),
-          { wide: true },
-        ),
-        field("Diameter", of("diameter_mm"), { unit: "mm" }),
-        field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
-      ],
+      coin: diameter,
       circle: () => [
-        field(
-          "Coin type",
-          choose({
-            value: String(this.table.diameter_mm ?? ""),
-            options: COINS,
-            onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()),
-          }),
-          { wide: true },
-        ),
-        field("Diameter", of("diameter_mm"), { unit: "mm" }),
-        field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
+        ...diameter(),
         field("Uncertainty of each point", of("points_px_std", { placeholder: "not stated" }), {
           unit: "px",
         }),
