@@ -13,6 +13,9 @@ from fingerpad.exceptions import StoreError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import write_report
 from fingerpad.simulate import SyntheticSequence, render_sequence
+from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
@@ -255,6 +258,20 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
     log.append("p#11", {}, who="anna", expected=log.history("p#11").last_id, study=study)
     after = {row["frame"]: row for row in run(film, ("p", CLOCK)).rows}
     assert after[9] == before[9]
+
+
+def test_a_range_of_frames_takes_its_ellipses_and_no_others() -> None:
+    def key(frame: int, size: float) -> ActiveCorrection:
+        ellipse = {"centre": [50, 50], "semi_axes": [size, size]}
+        change = ContactCorrection(ellipse_px=ellipse, key_frame=True)
+        return ActiveCorrection(item=f"p#{frame}", change=change, who="anna", when="")
+
+    active = {"p#2": key(2, 30), "p#9": key(9, 40)}
+    every = frame_corrections(active, "p")
+    assert sorted(every) == [2, 3, 4, 5, 6, 7, 8, 9]
+    some = frame_corrections(active, "p", range(4, 6))
+    assert some == {frame: every[frame] for frame in (2, 4, 5, 9)}
+    assert set(frame_corrections(active, "p", range(20, 30))) == {2, 9}
 
 
 def test_ellipses_between_keep_their_direction_and_turn_the_short_way() -> None:

@@ -19,7 +19,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import contact_correction, measured_under, place_of, prepared_contact
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.key_frames import frame_correction
+from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
@@ -118,7 +118,9 @@ def correction_of(opened: StudySession, item: str) -> ContactCorrection:
     name, mark, number = item.rpartition("#")
     if not mark:
         return contact_correction(opened.corrections.active_correction(item))
-    return contact_correction(frame_correction(opened.corrections.active_corrections(), name, int(number)))
+    frame = int(number)
+    found = frame_corrections(opened.corrections.active_corrections(), name, range(frame, frame + 1))
+    return contact_correction(found.get(frame))
 
 
 def _prepared(

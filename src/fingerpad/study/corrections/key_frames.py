@@ -1,7 +1,7 @@
 """Ellipses of key frames, carried to the frames of a sequence that lie between them."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
 
@@ -34,7 +34,7 @@ class InterpolatedCorrection(ContactCorrection):
 
 
 def frame_corrections(
-    active_corrections: Mapping[str, ActiveCorrection], sequence: str
+    active_corrections: Mapping[str, ActiveCorrection], sequence: str, within: range | None = None
 ) -> dict[int, ActiveCorrection]:
     """Return what rules for the frames of a sequence, by number, ellipses between key frames included.
 
@@ -44,30 +44,19 @@ def frame_corrections(
         What people decided, by item; no frame that they corrected takes a carried ellipse.
     sequence : str
         Name of the sequence.
+    within : range, optional
+        Frames to which ellipses are carried; by default all.
     """
     frames = frames_of(active_corrections, sequence)
     found = dict(frames)
-    for first, last in _key_pairs(frames):
-        for frame in range(first + 1, last):
+    for first, last in pairwise(sorted(frame for frame, one in frames.items() if _is_key(one))):
+        between = range(first + 1, last)
+        if within is not None:
+            between = range(max(between.start, within.start), min(between.stop, within.stop))
+        for frame in between:
             if frame not in frames:
                 found[frame] = _carried(frames, first, last, sequence, frame)
     return found
-
-
-def frame_correction(
-    active_corrections: Mapping[str, ActiveCorrection], sequence: str, frame: int
-) -> ActiveCorrection | None:
-    """Return what rules for one frame, as `frame_corrections` has it, without those of all others."""
-    frames = frames_of(active_corrections, sequence)
-    if frame in frames:
-        return frames[frame]
-    pair = next(((first, last) for first, last in _key_pairs(frames) if first < frame < last), None)
-    return None if pair is None else _carried(frames, *pair, sequence, frame)
-
-
-def _key_pairs(frames: Mapping[int, ActiveCorrection]) -> Iterator[tuple[int, int]]:
-    """Return the key frames next to each other."""
-    return pairwise(sorted(frame for frame, one in frames.items() if _is_key(one)))
 
 
 def _carried(
