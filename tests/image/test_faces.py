@@ -148,9 +148,14 @@ def test_scale_shared_by_two_faces():
     assert std(None, None, None) < std("a", None, "a") < std("a", "a", "a")
 
 
-@pytest.mark.parametrize("names", [("palmar", "radial"), THREE])
 @pytest.mark.parametrize(
-    ("std", "scale_std"), [(1e-6, 0.02), (0.05, 0.0), (0.05, 0.02), (0.4, 0.03), ((0.6, 0.1, 0.2), 0.02)]
+    ("names", "std", "scale_std"),
+    [
+        (("palmar", "radial"), 1e-6, 0.02),
+        (("palmar", "radial"), 0.05, 0.02),
+        (THREE, 0.4, 0.03),
+        (THREE, (0.6, 0.1, 0.2), 0.02),
+    ],
 )
 def test_bias_and_coverage(names, std, scale_std):
     found = pooling.faces(names, np.broadcast_to(std, 3)[: len(names)], scale_std, repeats=1000)

@@ -183,6 +183,7 @@ def test_interval_coverage():
             skin=rng.uniform(0, 1),
             backdrop=("blue", "white", "black")[seed // 4],
             noise_std=rng.uniform(1, 5),
+            mm_per_px=0.1,
             seed=seed,
         )
         found = measured(truth, points=truth.arc_points(9))

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -18,9 +19,17 @@ from fingerpad.image import (
 )
 from fingerpad.simulate import render_finger
 
-TRUTH = render_finger("palmar", semi_axes=(11.8, 13.8), seed=4)
-SCALE = Scale(TRUTH.mm_per_px, 0.01 * TRUTH.mm_per_px)
-FOUND = measure_photograph(TRUTH.pixels, "palmar", SCALE)
+SCALE = Scale(0.05, 0.0005)
+
+
+@cache
+def truth():
+    return render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=SCALE.mm_per_px, seed=4)
+
+
+@cache
+def found():
+    return measure_photograph(truth().pixels, "palmar", SCALE)
 
 
 def placed(face="palmar", **others):
@@ -54,16 +63,16 @@ def test_fit_round_trip():
     again = photograph_from_ellipse(
         "palmar",
         SCALE,
-        centre=FOUND.centre,
-        semi_axes=tuple(FOUND.semi_axes / SCALE.mm_per_px),
-        lean=FOUND.lean,
+        centre=found().centre,
+        semi_axes=tuple(found().semi_axes / SCALE.mm_per_px),
+        lean=found().lean,
     )
-    np.testing.assert_allclose(again.handles, FOUND.handles, atol=1e-9)
-    np.testing.assert_allclose(again.ellipse_points(), FOUND.ellipse_points(), atol=1e-9)
-    assert again.semi_axes_mm == pytest.approx(FOUND.semi_axes_mm)
+    np.testing.assert_allclose(again.handles, found().handles, atol=1e-9)
+    np.testing.assert_allclose(again.ellipse_points(), found().ellipse_points(), atol=1e-9)
+    assert again.semi_axes_mm == pytest.approx(found().semi_axes_mm)
     # A hand is less sure than a fit to four hundred points, and surer than a tenth.
     for name, std in again.semi_axes_mm_std.items():
-        assert FOUND.semi_axes_mm_std[name] < std < 0.1 * again.semi_axes_mm[name]
+        assert found().semi_axes_mm_std[name] < std < 0.1 * again.semi_axes_mm[name]
     assert again.flags == {"by_hand"} <= set(PHOTOGRAPH_FLAGS)
 
 
@@ -81,34 +90,36 @@ def test_manual_face_combines_with_others():
 def test_implausible_manual_size_flagged():
     large = photograph_from_ellipse("palmar", Scale(0.5), centre=(300, 300), semi_axes=(236, 276))
     assert large.flags == {"by_hand", "implausible_size"}
-    doubted = replace(FOUND, flags=FOUND.flags | {"implausible_size"}, semi_axes=10 * FOUND.semi_axes)
-    back = with_marked_points(doubted, erased=[(FOUND.points[:1], 20.0)])
+    doubted = replace(found(), flags=found().flags | {"implausible_size"}, semi_axes=10 * found().semi_axes)
+    back = with_marked_points(doubted, erased=[(found().points[:1], 20.0)])
     assert "implausible_size" not in back.flags
 
 
 def test_overlay_of_manual_ellipse():
-    drawn = draw_photograph_overlay(TRUTH.pixels, placed(), label="synthetic")
+    drawn = draw_photograph_overlay(truth().pixels, placed(), label="synthetic")
     assert max(drawn.shape) == 1100
-    plain = draw_photograph_overlay(TRUTH.pixels, FOUND)
+    plain = draw_photograph_overlay(truth().pixels, found())
     assert (drawn != plain).any()
 
 
 def test_no_edits():
-    assert with_marked_points(FOUND) is FOUND
-    assert with_marked_points(FOUND, erased=[([(0, 0)], 5)]) is FOUND
+    assert with_marked_points(found()) is found()
+    assert with_marked_points(found(), erased=[([(0, 0)], 5)]) is found()
 
 
 def bulged():
     """The fit as it were if a wart had pushed a piece of the outline outwards."""
-    points = FOUND.points.copy()
+    points = found().points.copy()
     wart = slice(len(points) // 4, len(points) // 4 + 50)
-    away = (points[wart] - FOUND.centre) / np.linalg.norm(points[wart] - FOUND.centre, axis=1, keepdims=True)
+    away = (points[wart] - found().centre) / np.linalg.norm(
+        points[wart] - found().centre, axis=1, keepdims=True
+    )
     return points, points[wart] + 14 * away, wart
 
 
 def test_wart_erased():
     points, wart, where = bulged()
-    plain = with_marked_points(FOUND, added=[], erased=[(points[where], 1.5)])
+    plain = with_marked_points(found(), added=[], erased=[(points[where], 1.5)])
     dirty = with_marked_points(plain, added=wart)
     clean = with_marked_points(dirty, erased=[(wart, 2.0)])
     truth = {"radial_ulnar": 11.8, "distal": 13.8}
@@ -121,16 +132,16 @@ def test_wart_erased():
 
 def test_marks_extend_arc():
     """Half of the arc rubbed out and marked again by a few exact points of the true ellipse."""
-    row, column = FOUND.centre
-    rest = FOUND.points[FOUND.points[:, 1] > column]
-    short = with_marked_points(FOUND, erased=[(rest, 1.0)])
-    ellipse = FOUND.ellipse_points(721)
+    row, column = found().centre
+    rest = found().points[found().points[:, 1] > column]
+    short = with_marked_points(found(), erased=[(rest, 1.0)])
+    ellipse = found().ellipse_points(721)
     marks = ellipse[(ellipse[:, 1] > column) & (ellipse[:, 0] < row)][::20]
     longer = with_marked_points(short, added=marks)
     assert longer.arc_deg > short.arc_deg + 40
     for name, std in longer.semi_axes_mm_std.items():
         assert std < short.semi_axes_mm_std[name]
-        assert longer.semi_axes_mm[name] == pytest.approx(FOUND.semi_axes_mm[name], rel=0.01)
+        assert longer.semi_axes_mm[name] == pytest.approx(found().semi_axes_mm[name], rel=0.01)
 
 
 BAD = {
@@ -140,25 +151,29 @@ BAD = {
     "unknown face": (lambda: placed(face="dorsal"), ImageError, "face must be one of"),
     "unknown tip": (lambda: placed(tip="north"), ImageError, "tip must be one of"),
     "all rubbed out": (
-        lambda: with_marked_points(FOUND, erased=[([FOUND.centre], 1e4)]),
+        lambda: with_marked_points(found(), erased=[([found().centre], 1e4)]),
         FitError,
         "eight finite",
     ),
-    "marks not pairs": (lambda: with_marked_points(FOUND, added=[1, 2, 3]), ImageError, "pairs"),
-    "marks not finite": (lambda: with_marked_points(FOUND, added=[(1, math.inf)]), ImageError, "finite"),
-    "mark far away": (lambda: with_marked_points(FOUND, added=[(1e200, 5)]), ImageError, "within 1000000 px"),
+    "marks not pairs": (lambda: with_marked_points(found(), added=[1, 2, 3]), ImageError, "pairs"),
+    "marks not finite": (lambda: with_marked_points(found(), added=[(1, math.inf)]), ImageError, "finite"),
+    "mark far away": (
+        lambda: with_marked_points(found(), added=[(1e200, 5)]),
+        ImageError,
+        "within 1000000 px",
+    ),
     "rubber far away": (
-        lambda: with_marked_points(FOUND, erased=[([(1e200, 0), (0, 0)], 5)]),
+        lambda: with_marked_points(found(), erased=[([(1e200, 0), (0, 0)], 5)]),
         ImageError,
         "within 1000000 px",
     ),
     "rubber of no size": (
-        lambda: with_marked_points(FOUND, erased=[([(1, 1)], 0)]),
+        lambda: with_marked_points(found(), erased=[([(1, 1)], 0)]),
         ImageError,
         "positive radius",
     ),
     "rubber without a way": (
-        lambda: with_marked_points(FOUND, erased=[([], 3)]),
+        lambda: with_marked_points(found(), erased=[([], 3)]),
         ImageError,
         "needs a point",
     ),

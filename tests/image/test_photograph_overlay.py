@@ -1,5 +1,7 @@
 """The photograph's overlay: what is drawn lies where it was measured."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -9,8 +11,15 @@ from fingerpad.image import Scale, draw_photograph_overlay, measure_photograph, 
 from fingerpad.image.photograph.overlay import POINT_COLOUR
 from fingerpad.simulate import render_finger
 
-TRUTH = render_finger("palmar", arc_deg=160, mm_per_px=0.08, seed=2)
-FOUND = measure_photograph(TRUTH.pixels, "palmar", Scale(0.08))
+
+@cache
+def truth():
+    return render_finger("palmar", arc_deg=160, mm_per_px=0.08, seed=2)
+
+
+@cache
+def found():
+    return measure_photograph(truth().pixels, "palmar", Scale(0.08))
 
 
 def near(canvas, colour, tolerance=12):
@@ -18,30 +27,30 @@ def near(canvas, colour, tolerance=12):
 
 
 def test_points_on_outline():
-    canvas = draw_photograph_overlay(TRUTH.pixels, FOUND)
+    canvas = draw_photograph_overlay(truth().pixels, found())
     assert canvas.dtype == np.uint8
     assert max(canvas.shape) == 1100
-    zoom = canvas.shape[0] / TRUTH.pixels.shape[0]
+    zoom = canvas.shape[0] / truth().pixels.shape[0]
     place = np.argwhere(near(canvas, POINT_COLOUR))
     place = (place[place[:, 0] > 130] + 0.5) / zoom - 0.5
-    true = TRUTH.arc_points(2000)
+    true = truth().arc_points(2000)
     away = np.linalg.norm(place[:, None] - true[::10], axis=2).min(axis=1)
     assert len(place) > 500
     assert np.quantile(away, 0.95) < 4 / zoom + 1.5
 
 
 def test_scale_bar_length():
-    canvas = draw_photograph_overlay(np.full_like(TRUTH.pixels, 255), FOUND)
+    canvas = draw_photograph_overlay(np.full_like(truth().pixels, 255), found())
     dark = near(canvas[-40:], (20, 20, 20))
     longest = max(int(row.sum()) for row in dark)
-    assert longest * 0.08 * TRUTH.pixels.shape[0] / canvas.shape[0] == pytest.approx(5, abs=0.1)
+    assert longest * 0.08 * truth().pixels.shape[0] / canvas.shape[0] == pytest.approx(5, abs=0.1)
 
 
 def test_label_and_large_deep_pictures():
-    large = np.repeat(np.repeat(TRUTH.pixels.astype(np.uint16) * 257, 3, axis=0), 3, axis=1)
-    canvas = draw_photograph_overlay(large, FOUND, label="synthetic")
+    large = np.repeat(np.repeat(truth().pixels.astype(np.uint16) * 257, 3, axis=0), 3, axis=1)
+    canvas = draw_photograph_overlay(large, found(), label="synthetic")
     assert max(canvas.shape) == 1100
-    plain = draw_photograph_overlay(large, FOUND)
+    plain = draw_photograph_overlay(large, found())
     changed = np.argwhere((plain != canvas).any(axis=-1))
     assert changed.size
     assert (changed.max(axis=0) < (200, 600)).all()
@@ -49,11 +58,13 @@ def test_label_and_large_deep_pictures():
 
 def test_other_picture_refused():
     with pytest.raises(ImageError, match="the photograph that was measured"):
-        draw_photograph_overlay(TRUTH.pixels[:150], FOUND)
+        draw_photograph_overlay(truth().pixels[:150], found())
 
 
 def test_written_file_equals_drawing(tmp_path):
-    path = write_photograph_overlay(tmp_path / "overlay.png", TRUTH.pixels, FOUND)
-    np.testing.assert_array_equal(np.asarray(Image.open(path)), draw_photograph_overlay(TRUTH.pixels, FOUND))
+    path = write_photograph_overlay(tmp_path / "overlay.png", truth().pixels, found())
+    np.testing.assert_array_equal(
+        np.asarray(Image.open(path)), draw_photograph_overlay(truth().pixels, found())
+    )
     with pytest.raises(ImageError, match="cannot be written"):
-        write_photograph_overlay(tmp_path / "overlay.nothing", TRUTH.pixels, FOUND)
+        write_photograph_overlay(tmp_path / "overlay.nothing", truth().pixels, found())

@@ -202,20 +202,24 @@ class _Curve:
 
     def fitted(self, start: FloatArray) -> OptimizeResult:
         """Return the values of least squares; what is known beforehand counts as more observations."""
-        return least_squares(self._off, start, x_scale="jac", max_nfev=100)
+        return least_squares(self._off, start, self._slopes, x_scale="jac", max_nfev=100)
 
     def bent(self, start: FloatArray, about: float) -> OptimizeResult:
         """Return the best superellipse next to the best one whose exponents depart so far from 2."""
         exponents = np.array([about, 0.0, 0.0, 0.0, 0.0])
         held = least_squares(
-            lambda values: self._off(np.append(values, exponents)), start, x_scale="jac", max_nfev=30
+            lambda values: self._off(np.append(values, exponents)),
+            start,
+            lambda values: self._slopes(np.append(values, exponents))[:, : start.size],
+            x_scale="jac",
+            max_nfev=30,
         )
         return self.fitted(np.append(held.x, exponents))
 
     def quadrants(self, values: FloatArray) -> FloatArray:
         """Return the number of the quadrant in which each point lies."""
         x, y = self._local(values)
-        return np.asarray(np.floor(np.arctan2(y, x) / (math.pi / 2)).astype(int) % 4)
+        return np.asarray(2 * (y < 0) + ((x < 0) ^ (y < 0)))
 
     def deviation(self, values: FloatArray) -> float:
         """Return the points' standard deviation from a superellipse, but for those that stand out.
@@ -229,33 +233,43 @@ class _Curve:
         return math.sqrt(float(off @ off) / max(len(off) - 8, 3) * (1 + alike) / (1 - alike))
 
     def _local(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        cosine, sine = math.cos(values[4]), math.sin(values[4])
-        x, y = (self._points - values[:2]).T
-        return (x * cosine + y * sine) / math.exp(values[2]), (y * cosine - x * sine) / math.exp(values[3])
+        """Return the points' places along the axes, over the semi-axes; values may be stacked."""
+        cosine, sine = np.cos(values[..., 4, None]), np.sin(values[..., 4, None])
+        x, y = (self._points[:, k] - values[..., k, None] for k in range(2))
+        log_a, log_b = values[..., 2, None], values[..., 3, None]
+        return (x * cosine + y * sine) * np.exp(-log_a), (y * cosine - x * sine) * np.exp(-log_b)
 
     def _distances(self, values: FloatArray) -> FloatArray:
         """Return the points' distances from the curve, to first order."""
-        exponent = np.full(len(self._points), 2.0)
-        if values.size > 5:
-            each = values[5] + values[6:][self.quadrants(values)]
+        x, y = self._local(values)
+        exponent: float | FloatArray = 2.0
+        if values.shape[-1] > 5:
+            quadrants = 2 * (y < 0) + ((x < 0) ^ (y < 0))
+            each = values[..., 5, None] + np.take_along_axis(values[..., 6:], quadrants, axis=-1)
             exponent = np.clip(2 + each, *_EXPONENTS)
-        x, y = (np.maximum(np.abs(part), 1e-9) for part in self._local(values))
+        x, y = (np.maximum(np.abs(part), 1e-9) for part in (x, y))
         level = (x**exponent + y**exponent) ** (1 / exponent)
         slope = np.hypot(
-            (x / level) ** (exponent - 1) / math.exp(values[2]),
-            (y / level) ** (exponent - 1) / math.exp(values[3]),
+            (x / level) ** (exponent - 1) * np.exp(-values[..., 2, None]),
+            (y / level) ** (exponent - 1) * np.exp(-values[..., 3, None]),
         )
         return np.asarray((level - 1) / slope)
 
     def _off(self, values: FloatArray) -> FloatArray:
         off = self._weights * self._distances(values) / (_FAR * self._noise)
         robust = _FAR * np.sign(off) * np.sqrt(2 * (np.sqrt(1 + off**2) - 1))
-        known = [(values[4] - self._lean[0]) / self._lean[1]]
+        known = [(values[..., 4:5] - self._lean[0]) / self._lean[1]]
         if not math.isnan(self._log_width):
-            known += [(values[2] - self._log_width) / _WIDTH_STD]
-        if values.size > 5:
-            known += [values[5] / _EXPONENT_STD, *(values[6:] / _QUADRANT_STD)]
-        return np.append(robust, known)
+            known += [(values[..., 2:3] - self._log_width) / _WIDTH_STD]
+        if values.shape[-1] > 5:
+            known += [values[..., 5:6] / _EXPONENT_STD, values[..., 6:] / _QUADRANT_STD]
+        return np.concatenate([robust, *known], axis=-1)
+
+    def _slopes(self, values: FloatArray) -> FloatArray:
+        """Return the derivatives of what is off, from all values stepped at once."""
+        step = 1e-7
+        stepped = self._off(values + step * np.eye(values.size))
+        return np.asarray((stepped - self._off(values)).T / step)
 
 
 def _log_evidence(fit: OptimizeResult) -> float:

@@ -135,8 +135,10 @@ def _sharpness(profiles: FloatArray, offsets: FloatArray, reach: float) -> tuple
     blurs, weights = np.empty(profiles.shape[2]), np.empty(profiles.shape[2])
     freedom = len(offsets) - 5
     for k in range(profiles.shape[2]):
-        own = profiles[..., k : k + 1]
-        left = [np.mean(_residual_squares(own, offsets, blur, reach)[0].min(axis=0)) for blur in _BLURS]
+        left = [
+            np.mean(_residual_squares(profiles[..., k], offsets, blur, reach)[0].min(axis=0))
+            for blur in _BLURS
+        ]
         blurs[k] = _BLURS[int(np.argmin(left))]
         # Rounding to 256 levels is the least noise there is.
         weights[k] = 1 / (min(left) / freedom + _MIN_VARIANCE)
@@ -146,19 +148,17 @@ def _sharpness(profiles: FloatArray, offsets: FloatArray, reach: float) -> tuple
 def _residual_squares(
     profiles: FloatArray, offsets: FloatArray, blur: float, reach: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the squares that the model leaves with the edge at each place tried, and its squared step."""
+    """Return the squares that the model of one channel leaves with the edge at each place, and its step²."""
     tries = _trial_offsets(reach)
-    left = np.empty((len(tries), len(profiles)))
-    steps = np.empty_like(left)
-    total = np.einsum("nok,nok->n", profiles, profiles)
-    for k, place in enumerate(tries):
-        basis, triangle = np.linalg.qr(_model(place - offsets, offsets, blur))
-        parts = np.swapaxes(profiles, 1, 2) @ basis
-        left[k] = total - np.einsum("nkj,nkj->n", parts, parts)
-        # Levels of the model just inside and just outside.
-        across = np.array([1, math.sqrt(2 * blur + 1), -1, -place]) @ np.linalg.inv(triangle)
-        steps[k] = np.sum((parts @ across) ** 2, axis=1)
-    return left, steps
+    basis, triangle = np.linalg.qr(_model(tries[:, None] - offsets, offsets, blur))
+    parts = np.einsum("no,toj->tnj", profiles, basis, optimize=True)
+    # Levels of the model just inside and just outside.
+    ends = np.column_stack(
+        [np.ones_like(tries), np.full_like(tries, math.sqrt(2 * blur + 1)), -np.ones_like(tries), -tries]
+    )
+    across = np.linalg.solve(np.swapaxes(triangle, 1, 2), ends[..., None])
+    left = np.sum(profiles**2, axis=1) - np.sum(parts**2, axis=2)
+    return np.asarray(left), np.asarray((parts @ across)[..., 0] ** 2)
 
 
 def _trial_offsets(reach: float) -> FloatArray:
@@ -169,7 +169,7 @@ def _fit_edges(
     profiles: FloatArray, offsets: FloatArray, blurs: FloatArray, weights: FloatArray, reach: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return each profile's edge, NaN at the end of the reach, and its step over what its model leaves."""
-    each = [_residual_squares(profiles[..., k : k + 1], offsets, blur, reach) for k, blur in enumerate(blurs)]
+    each = [_residual_squares(profiles[..., k], offsets, blur, reach) for k, blur in enumerate(blurs)]
     left = np.sum([weight * squares for weight, (squares, _) in zip(weights, each, strict=True)], axis=0)
     steps = np.sum([weight * step for weight, (_, step) in zip(weights, each, strict=True)], axis=0)
     tries = _trial_offsets(reach)
@@ -190,5 +190,5 @@ def _model(depths: FloatArray, offsets: FloatArray, blur: float) -> FloatArray:
     skin = ndtr(depths / blur)
     fine = np.linspace(-4, 4, 41)
     weights = np.exp(-0.5 * fine**2)
-    limb = np.sqrt(np.maximum(depths[:, None] + blur * fine, 0)) @ (weights / weights.sum())
+    limb = np.sqrt(np.maximum(depths[..., None] + blur * fine, 0)) @ (weights / weights.sum())
     return np.stack([skin, limb, 1 - skin, offsets * (1 - skin)], axis=-1)

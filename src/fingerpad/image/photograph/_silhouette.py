@@ -103,7 +103,7 @@ def find_silhouette(
     small = np.asarray(cv2.resize(light, (columns, rows), interpolation=cv2.INTER_AREA), dtype=np.float32)
     small = np.asarray(cv2.GaussianBlur(small, (0, 0), 1.2), dtype=np.float32).reshape(rows, columns, -1)
     off, noise = _off_backdrop(small, root)
-    distance = np.sqrt(np.einsum("...i,ij,...j->...", off, np.linalg.inv(noise), off))
+    distance = np.sqrt(np.sum(np.tensordot(off, np.linalg.inv(noise), 1) * off, axis=-1))
     mask, contrast = _finger(distance)
     near = tuple(
         slice(int(part.start / reduction), math.ceil(part.stop / reduction))
@@ -133,14 +133,14 @@ def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tup
         factors = np.linalg.lstsq(design[good, :order], colours[good], rcond=None)[0]
         left = colours - design[:, :order] @ factors
         noise = left[good].T @ left[good] / good.sum() + floor
-        far = np.sqrt(np.einsum("ni,ij,nj->n", left, np.linalg.inv(noise), left))
+        far = np.sqrt(np.sum(left @ np.linalg.inv(noise) * left, axis=1))
         good = far < max(4.0, 2 * float(np.median(far[good])))
     if good.mean() < 0.4:
         raise ImageError(
             f"only {good.mean():.0%} of the frame's border shows one backdrop: "
             "photograph the finger before a plain backdrop, and leave a margin round the pad"
         )
-    return small - terms @ factors, noise
+    return np.asarray(small - np.tensordot(terms, factors, 1)), noise
 
 
 def _nearest_half(colours: FloatArray) -> BoolArray:
