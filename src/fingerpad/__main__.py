@@ -9,6 +9,7 @@ from threading import Timer
 from typing import Final, TextIO
 
 from fingerpad._threads import ONE_THREAD
+from fingerpad.exceptions import is_interrupt
 
 _OPTIONAL = {
     "PIL",
@@ -33,9 +34,6 @@ def main() -> None:
     sys.unraisablehook = _raise_interrupt_again
     try:
         code = _run()
-    except KeyboardInterrupt:
-        _say("interrupted")
-        code = _INTERRUPTED
     except ModuleNotFoundError as error:
         if error.name is not None and error.name.partition(".")[0] in _OPTIONAL:
             _say(f"this needs the package {error.name}: pip install 'fingerpad[study]'")
@@ -44,6 +42,11 @@ def main() -> None:
             _say(f"this cannot be done ({error})")
     except OSError as error:  # raised outside of commands, as for --help
         _say(f"cannot write ({error.strerror or error})")
+    except (Exception, KeyboardInterrupt) as error:
+        if not is_interrupt(error):
+            raise
+        _say("interrupted")
+        code = _INTERRUPTED
     finally:
         # From here on an interrupt ends the process at once, without a traceback of what is being closed.
         signal.signal(signal.SIGINT, signal.SIG_DFL)

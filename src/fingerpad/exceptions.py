@@ -64,6 +64,21 @@ class ManifestError(FingerpadError, ValueError):
     """A study manifest that cannot be acted upon."""
 
 
+def is_interrupt(error: BaseException | None) -> bool:
+    """Return whether an interrupt caused an error, as imports raise other errors for one.
+
+    Examples
+    --------
+    >>> is_interrupt(KeyboardInterrupt())
+    True
+    >>> is_interrupt(ImportError("initialization failed"))
+    False
+    """
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__
+    return error is not None
+
+
 def reason_of(error: Exception, otherwise: str) -> str:
     """Return why something went wrong, in one line where the error is not one of fingerpad's.
 

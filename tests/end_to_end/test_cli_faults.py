@@ -208,6 +208,11 @@ def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None
             "fingerpad.published.audit",
             "def instead():\n    raise ImportError('initialization failed') from KeyboardInterrupt()\n",
         ),
+        # A class that is being made turns one into a RuntimeError, before any command runs.
+        (
+            "fingerpad.__main__._open_streams",
+            "def instead():\n    raise RuntimeError('__set_name__') from KeyboardInterrupt()\n",
+        ),
     ],
 )
 def test_wrapped_interrupt_is_interrupt(place: str, function: str) -> None:

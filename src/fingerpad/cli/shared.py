@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from fingerpad._json import dumps, plain
-from fingerpad.exceptions import FingerpadError, GeometryError, reason_of
+from fingerpad.exceptions import FingerpadError, GeometryError, is_interrupt, reason_of
 
 if TYPE_CHECKING:
     from fingerpad.geometry import Ellipsoid
@@ -71,17 +71,10 @@ class Commands(TyperGroup):
         try:
             return super().invoke(ctx)
         except (Exception, KeyboardInterrupt) as error:
-            if not _is_interrupt(error):
+            if not is_interrupt(error):
                 raise
             print_error("interrupted")
             raise typer.Exit(Exit.INTERRUPTED) from None
-
-
-def _is_interrupt(error: BaseException | None) -> bool:
-    """Return whether an interrupt caused an error, as compiled modules raise ImportError for one."""
-    while error is not None and not isinstance(error, KeyboardInterrupt):
-        error = error.__cause__
-    return error is not None
 
 
 class Command(TyperCommand):
