@@ -62,3 +62,31 @@ def digest_of(path: Path) -> str:
         return sha256_of(path)
     except OSError:
         return ""
+
+
+def content_digest(path: Path) -> str:
+    """Return the digest of a file, or that of a folder's names and digests; empty where it is unavailable."""
+    if not path.is_dir():
+        return digest_of(path)
+    try:
+        digests = [f"{item.name}\0{sha256_of(item)}\n" for item in _files(path)]
+    except OSError:
+        return ""
+    return hashlib.sha256("".join(digests).encode()).hexdigest()
+
+
+def content_stamp(path: Path) -> str:
+    """Return what changes with the content of a file or folder, without reading it; empty if unavailable.
+
+    The time of the last change of any kind, which is part of it, cannot be set back.
+    """
+    try:
+        stats = [(item.name, item.stat()) for item in _files(path)]
+    except OSError:
+        return ""
+    parts = [(name, s.st_size, s.st_mtime_ns, s.st_ctime_ns, s.st_ino) for name, s in stats]
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def _files(path: Path) -> list[Path]:
+    return sorted(item for item in path.iterdir() if item.is_file()) if path.is_dir() else [path]

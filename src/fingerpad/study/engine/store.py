@@ -20,7 +20,7 @@ from typing import Any, Final, Literal, Self
 
 from filelock import FileLock, Timeout
 
-from fingerpad._files import make_folder, sha256_of
+from fingerpad._files import content_digest, content_stamp, make_folder
 from fingerpad.exceptions import StoreError
 from fingerpad.study.engine.limits import Limits
 from fingerpad.study.engine.task import Task, TaskResult
@@ -308,20 +308,20 @@ class Store:
 
         The bytes are read again only when size, times or inode have changed.
         """
-        name, stamp = str(path), _stamp(path)
+        name, stamp = str(path), content_stamp(path)
         query = "SELECT path, stamp, digest, checksum FROM input WHERE path = ? AND stamp = ?"
         with _plain_errors(self.path):
             row = self._connection.execute(query, (name, stamp)).fetchone()
         if row is not None and _is_intact(row):
             return str(row[2])
-        digest = _digest(path) if stamp else ""
+        digest = content_digest(path) if stamp else ""
         if not self._read_only:
             self._remember(name, stamp, digest)
         return digest
 
     def remember(self, path: Path, digest: str) -> None:
         """Keep the SHA-256 of the current file, for `digest`."""
-        self._remember(str(path), _stamp(path), digest)
+        self._remember(str(path), content_stamp(path), digest)
 
     def _remember(self, *values: str) -> None:
         with _plain_errors(self.path):
@@ -333,7 +333,7 @@ class Store:
         """Tell whether a file or folder is still what `digest` last read."""
         with _plain_errors(self.path):
             row = self._connection.execute("SELECT stamp FROM input WHERE path = ?", (str(path),)).fetchone()
-        return row is not None and row[0] == _stamp(path)
+        return row is not None and row[0] == content_stamp(path)
 
 
 def _checksum(values: tuple[object, ...]) -> str:
@@ -356,31 +356,6 @@ def _status(row: list[Any]) -> TaskStatus:
         drawn=json.loads(drawn),
         limits=None if stopped_by is None else Limits(**stopped_by),
     )
-
-
-def _files(path: Path) -> list[Path]:
-    return sorted(item for item in path.iterdir() if item.is_file()) if path.is_dir() else [path]
-
-
-def _stamp(path: Path) -> str:
-    """Return what changes with the content: the time of the last change of any kind cannot be set back."""
-    try:
-        stats = [(item.name, item.stat()) for item in _files(path)]
-    except OSError:
-        return ""
-    parts = [(name, s.st_size, s.st_mtime_ns, s.st_ctime_ns, s.st_ino) for name, s in stats]
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
-
-
-def _digest(path: Path) -> str:
-    """Return the digest of a file, or that of a folder's names and digests; empty where it is unavailable."""
-    try:
-        digests = [(item.name, sha256_of(item)) for item in _files(path)]
-    except OSError:
-        return ""
-    if not path.is_dir():
-        return digests[0][1]
-    return hashlib.sha256("".join(f"{name}\0{digest}\n" for name, digest in digests).encode()).hexdigest()
 
 
 @contextmanager
