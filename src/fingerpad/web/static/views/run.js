@@ -109,6 +109,7 @@ class Run {
     const shape = `${run.state}|${ready}|${results?.fresh}|${run.failures?.length}`;
     if (shape === this.shape && this.busy) return this.#progress(run);
     this.shape = shape;
+    const finished = run.state === "done" && results?.fresh;
     const hadFocus = this.status.contains(document.activeElement);
     render(
       this.status,
@@ -117,7 +118,7 @@ class Run {
         null,
         h("h2", null, STATES[run.state] ?? run.state),
         h("span.sr", { role: "status" }, STATES[run.state] ?? run.state),
-        run.state === "done" && workspace.study.results?.fresh && chip("up to date", "good"),
+        finished && chip("up to date", "good"),
         run.state === "failed" && chip("failed", "bad"),
       ),
       this.busy
@@ -170,13 +171,13 @@ class Run {
               "div.actions",
               null,
               (this.main = button("Run", () => this.#start(), {
-                kind: "primary",
+                kind: finished ? "" : "primary",
                 key: "Enter",
                 disabled: !ready,
               })),
               ["done", "cancelled"].includes(run.state) &&
                 workspace.study.results?.there &&
-                h("a.button", { href: "#/results" }, "See the results"),
+                h(finished ? "a.button.primary" : "a.button", { href: "#/results" }, "See the results"),
             ),
           ],
       run.failures?.length > 0 &&

@@ -413,7 +413,8 @@ class Scales {
     );
   }
 
-  #ready() {
+  /** What is still to be entered, null when the scale is complete. */
+  #lacking() {
     const needs = {
       line: ["line", "length_mm"],
       coin: ["coin", "diameter_mm"],
@@ -424,24 +425,24 @@ class Scales {
     }[this.way];
     const given = (value) =>
       value !== undefined && value !== "" && !(Array.isArray(value) && value.includes(null));
-    return needs.every((key) => given(this.table[key]));
+    if (needs.every((key) => given(this.table[key]))) return null;
+    return {
+      line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
+      coin: "Select or enter the coin's diameter.",
+      circle: this.table.circle ? "Enter the diameter." : "Click three points on the rim.",
+      grid: "Count the points of the grid, and enter their spacing.",
+      ppi: "Enter the resolution.",
+      mm_per_px: "Enter the size of a pixel.",
+    }[this.way];
   }
 
   #ask() {
-    if (this.#ready()) this.live.request(this.#definition());
-    else {
+    const lacking = this.#lacking();
+    if (lacking) {
       this.live.cancel();
-      const next = {
-        line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
-        coin: "Select or enter the coin's diameter.",
-        circle: this.table.circle ? "Enter the diameter." : "Click three points on the rim.",
-        grid: "Count the points of the grid, and enter their spacing.",
-        ppi: "Enter the resolution.",
-        mm_per_px: "Enter the size of a pixel.",
-      }[this.way];
-      render(this.result, h("p.soft", null, next));
+      render(this.result, h("p.soft", null, lacking));
       this.line.write("");
-    }
+    } else this.live.request(this.#definition());
   }
 
   /** @param {ScaleMeasurement} answer */
@@ -546,11 +547,14 @@ class Scales {
       ...study.sequences.map((each) => ["sequence", each.name, `sequence ${each.name}`, each.scale]),
     ];
     this.takers = new Map();
-    // Photographs and contact images rarely share a camera: select all only if there is one kind.
-    const oneKind = new Set(rows.filter((row) => !row[3]).map(([kind]) => kind)).size === 1;
+    // Photographs and contact images rarely share a camera: select those of the first kind that lacks a scale.
+    const lacking = rows.find((row) => !row[3])?.[0];
     const boxes = rows.map(([kind, key, label, scale]) => {
       const mine = this.old && scale === this.old.name;
-      const box = h("input", { type: "checkbox", checked: mine || (!this.old && !scale && oneKind) });
+      const box = h("input", {
+        type: "checkbox",
+        checked: mine || (!this.old && !scale && kind === lacking),
+      });
       this.takers.set(box, { kind, key, scale });
       return h(
         "label.check",
@@ -587,7 +591,8 @@ class Scales {
     if (!this.name) return this.#wrong("Enter a name for the scale, for example camera.", this.nameField);
     if (!this.nameField.reportValidity())
       return this.#wrong("Name: letters, digits and . _ + - only.", this.nameField);
-    if (!this.#ready()) return this.#wrong("The scale is incomplete yet.");
+    const lacking = this.#lacking();
+    if (lacking) return this.#wrong(lacking);
     /** @type {Edit[]} */
     const edits = [{ kind: "scale", key: this.name, set: this.#definition() }];
     for (const [box, { kind, key, scale }] of this.takers) {
