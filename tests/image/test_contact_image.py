@@ -538,6 +538,7 @@ def test_order_of_flags():
         "poor_ellipse",
         "scale_doubtful",
         "not_a_contact_image",
+        "ridges_merge",
         "edited_by_person",
     )
 

@@ -291,6 +291,21 @@ def test_limits_of_agreement_add_what_lies_within() -> None:
     assert lines["finger"]["missing"] == "no person has two fingers under one load"
 
 
+def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter() -> None:
+    rng = np.random.default_rng(3)
+    areas = 50 * np.exp(rng.normal(0, 0.02, 8))
+    seen = [contact(k, ridge_area_mm2=area) for k, area in enumerate(areas)]
+    merged = [contact(8 + k, ridge_area_mm2=90.0, flags=("ridges_merge",)) for k in range(4)]
+
+    def ridge_scatter(some: list[Any]) -> Any:
+        rows = model_contacts(STUDY, PADS, some).table
+        return next(one for one in study_scatter(STUDY, rows) if one.quantity == "ridge_area").lines()
+
+    assert ridge_scatter(seen + merged) == ridge_scatter(seen)
+    areas_of_all = model_contacts(STUDY, PADS, seen + merged).table.column("ridge_area_mm2")
+    assert np.count_nonzero(areas_of_all == 90) == 4
+
+
 def test_a_session_measures_nothing_again(tmp_path: Path) -> None:
     out, path = tmp_path / "out", manifest(tmp_path, 2)
     run_study(path, out)

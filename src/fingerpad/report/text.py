@@ -18,6 +18,7 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "cut_by_mask": "the contact is cut by the mask or region of interest",
     "scale_doubtful": "the ridge period is not that of a finger: check the scale",
     "not_a_contact_image": "no finger ridges (0.3–0.7 mm apart) fill it: check picture and scale",
+    "ridges_merge": "sweat or ink may have joined the ridges: their area is an upper bound",
     "edited_by_person": "a person drew part of the contact, or all of it",
     "interpolated": "the ellipse is interpolated between two key frames",
     "coin_shadow": "a shadow beside the coin may make the scale too small",

@@ -1,5 +1,6 @@
 """The measurement of a region of an image: its numbers, their covariance and its flags."""
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -21,6 +22,8 @@ from fingerpad.image.scale import Scale
 LOW_CONTRAST = 5.0
 
 _POOR_OVERLAP = 0.85
+# Share of the contact beyond which its ridges may have been joined by sweat or ink.
+_MANY_RIDGES = 0.59
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,6 +68,7 @@ def assemble_result(
         "poor_ellipse": contact.overlap < _POOR_OVERLAP,
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
         "not_a_contact_image": not shows_ridges(ridged.view, contact.outline, scale.mm_per_px),
+        "ridges_merge": contact.ridge_area > _MANY_RIDGES * contact.moments.area,
         "edited_by_person": edited,
     }
     powers = np.array([1, 1, 2, 2])
@@ -79,6 +83,7 @@ def assemble_result(
         outline=contact.outline[:, ::-1],
         gross_area=gross_area,
         ridge_area=ridge_area,
+        ridge_border=contact.ridge_border * scale.mm_per_px if math.isfinite(period) else math.nan,
         ridge_period=period,
         overlap=contact.overlap,
         noise_covariance=contact.noise_covariance * np.outer(units, units),

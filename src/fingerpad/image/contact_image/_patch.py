@@ -33,7 +33,7 @@ _LEVEL_STD, _GRAINY, _CLIPPED = 0.025, 0.5, 0.13
 _LEAST_STD, _NOISY, _AT_RIM = 0.008, 0.1, 0.5
 # The same where a rim covers ridges; where a contact fades, so that its edge lies `_SHARP` periods further
 # out, or up to `_SOFT` more; and by the share of ridges above `_DRY`, where sweat or ink may fill valleys.
-_RIM_STD, _FADING, _SHARP, _SOFT, _MOIST, _DRY = 0.3, 0.2, 0.08, 0.2, 0.8, 0.55
+_RIM_STD, _FADING, _SHARP, _SOFT, _MOIST, _DRY = 0.3, 0.2, 0.08, 0.2, 1.2, 0.54
 # Over windows of so many periods resolved ridges spread by more than so many levels; where their mean is
 # below this, nothing touches.
 _WINDOW, _MIN_SPREAD, _NOTHING = 3.0, 76.0, 64.0
@@ -50,6 +50,7 @@ class Patch:
     moments: AreaMoments
     outline: npt.NDArray[np.float64]
     ridge_area: float
+    ridge_border: float
     noise_covariance: FloatArray
     edge_effect: FloatArray
     overlap: float
@@ -123,6 +124,7 @@ def measure_patch(
         moments=moments,
         outline=points,
         ridge_area=ridge_area,
+        ridge_border=ridges.border_within(points),
         noise_covariance=noise,
         edge_effect=response @ [offset, offset, offset * edge.steps.sum() * side],
         overlap=_overlap(edge.points, polygon_moments(edge.points)),

@@ -73,11 +73,29 @@ class RidgeMap:
 
         `half` are the unresolved parts, as an image of the map's box: half of them counts as ridge.
         """
-        places = (outline + 0.5 - self.corner[::-1]) / self.step - 0.5
-        inside = filled_polygon(places, self.is_ridge.shape) > 0
+        inside = self._filled(outline)
         unknown = np.count_nonzero(half & inside)
         known = np.count_nonzero(self.is_ridge & ~half & inside)
         return (known + unknown / 2) * float(self.step**2), unknown * float(self.step**2)
+
+    def border_within(self, outline: FloatArray) -> float:
+        """Return the length of the ridges' borders inside an outline (x, y) of the picture, px.
+
+        By Cauchy and Crofton's formula, from crossings along the rows, the columns and both diagonals.
+        """
+        ridges = self.is_ridge & self._filled(outline)
+        straight = np.count_nonzero(ridges[1:] != ridges[:-1]) + np.count_nonzero(
+            ridges[:, 1:] != ridges[:, :-1]
+        )
+        diagonal = np.count_nonzero(ridges[1:, 1:] != ridges[:-1, :-1]) + np.count_nonzero(
+            ridges[1:, :-1] != ridges[:-1, 1:]
+        )
+        return math.pi / 8 * (straight + diagonal / math.sqrt(2)) * self.step
+
+    def _filled(self, outline: FloatArray) -> BoolArray:
+        """Return the inside of an outline (x, y) of the picture, as an image of the map's box."""
+        places = (outline + 0.5 - self.corner[::-1]) / self.step - 0.5
+        return np.asarray(filled_polygon(places, self.is_ridge.shape) > 0)
 
     def sampled(self, mask: BoolArray, view: WorkingImage) -> BoolArray:
         """Return a mask of the working copy as an image of the map's box."""

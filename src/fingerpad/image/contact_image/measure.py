@@ -24,7 +24,8 @@ def measure_contact_image(
     image, what lies in means along the ridges about half-way from the level of the valleys to that of the
     ridges around, inside the outline. That level is shifted by what blur does to ridges of such width, by
     grain within the ridges, and by valleys that the device clips to white; what these leave unknown stands in
-    the uncertainty. Sweat and ink beside a ridge count as ridge.
+    the uncertainty. Sweat and ink beside a ridge count as ridge: where ridges fill more than 59 % of the
+    contact, the ridge area is flagged as an upper bound, and less certain.
 
     The edge of a contact is where its outermost ridges stop touching. A region closed over ridges ends at
     their ends where the outline crosses them, and at the outer border of the last ridge where it follows one.

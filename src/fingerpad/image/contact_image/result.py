@@ -22,6 +22,7 @@ FLAGS = (
     "poor_ellipse",
     "scale_doubtful",
     "not_a_contact_image",
+    "ridges_merge",
     "edited_by_person",
 )
 # Beyond it a ridge period is doubtful, and with it the scale.
@@ -72,7 +73,11 @@ class ContactImageResult(Recorded):
         (row, column) of points round the contact, px; all areas and axes are those of this polygon.
     gross_area, ridge_area : float
         Area inside the outline, and of the ridges within, mm². Parts in which ridges are blurred into one
-        another, or all of a contact without ridges, count as half ridge.
+        another, or all of a contact without ridges, count as half ridge. Sweat or ink beside a ridge counts
+        as ridge: no image tells it from contact.
+    ridge_border : float
+        Length of the borders of these ridges, mm, NaN where no ridges are resolved. A film of width w beside
+        each ridge makes the ridge area larger by w times this.
     ridge_period : float
         Median distance between neighbouring ridges, mm, NaN where no ridges are resolved.
     overlap : float
@@ -116,6 +121,7 @@ class ContactImageResult(Recorded):
     outline: FloatArray
     gross_area: float
     ridge_area: float
+    ridge_border: float
     ridge_period: float
     overlap: float
     noise_covariance: FloatArray
@@ -154,6 +160,7 @@ class ContactImageResult(Recorded):
             "gross_area_mm2_edge_std": float(self.edge_effect[2]),
             "ridge_area_mm2": self.ridge_area,
             "ridge_area_mm2_std": self.ridge_area_std,
+            "ridge_border_mm": self.ridge_border,
             "edge_offset_mm_std": self.edge_offset_std,
             "ridge_period_mm": self.ridge_period,
             "ellipse_iou": self.overlap,

@@ -25,6 +25,7 @@ _FROM_RECORD: Final = (
     "edge_offset_mm_std",
     "ridge_area_mm2",
     "ridge_area_mm2_std",
+    "ridge_border_mm",
     "ridge_period_mm",
     "ellipse_iou",
 )
@@ -78,6 +79,7 @@ class Measurement:
     gross_area_mm2_edge_std: float = np.nan
     ridge_area_mm2: float = np.nan
     ridge_area_mm2_std: float = np.nan
+    ridge_border_mm: float = np.nan
     ridge_period_mm: float = np.nan
     ellipse_iou: float = np.nan
     centroid_row_px: float = np.nan

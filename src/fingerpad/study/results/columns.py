@@ -161,7 +161,8 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
             "standard deviation of other impressions under the same load, from the study's repeats, beyond "
             "noise; not part of gross_area_mm2_std",
         ),
-        *_with_std("ridge_area_mm2", "mm2", "area of the ridges in contact"),
+        *_with_std("ridge_area_mm2", "mm2", "area of the ridges in contact, with sweat or ink beside them"),
+        _number("ridge_border_mm", "mm", "length of the borders of these ridges"),
         _number("ridge_period_mm", "mm", "median distance between ridges"),
         _number("ellipse_iou", "1", "intersection over union of ellipse and contact region"),
         _number("centroid_row_px", "px", "row of the contact's centroid"),

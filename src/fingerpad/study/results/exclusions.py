@@ -9,6 +9,8 @@ from fingerpad.study.measuring.measure import Measurement
 NEVER_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtful", "not_a_contact_image"))
 # What was measured may be a part of the contact, or more than it: a person who has looked can tell.
 POOLED_IF_REVIEWED: Final = frozenset(("low_contrast", "several_regions", "poor_ellipse"))
+# The ridge area is an upper bound; area and ellipse of the contact are no less sure.
+RIDGES_MERGE: Final = "ridges_merge"
 _REVIEWED: Final = frozenset(("accepted", "corrected"))
 
 

@@ -11,7 +11,7 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.study.manifest import Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
-from fingerpad.study.results.exclusions import excluding_flags
+from fingerpad.study.results.exclusions import RIDGES_MERGE, excluding_flags
 from fingerpad.study.results.model import contact_inputs
 from fingerpad.study.results.table import Places, ResultsTable, numbered
 from fingerpad.uncertainty import (
@@ -312,13 +312,18 @@ def _scatter(
 
 
 def contact_quantity(rows: ResultsTable, quantity: str) -> FloatArray:
-    """Return one of `SCATTER_OF` for some rows; the area is the ellipse's where no image has given it."""
+    """Return one of `SCATTER_OF` for some rows; the area is the ellipse's where no image has given it.
+
+    A ridge area that is an upper bound is left out.
+    """
     if quantity == "contact_area":
         gross = rows.column("gross_area_mm2")
         ellipse = np.pi * rows.column("semi_major_mm") * rows.column("semi_minor_mm")
         return np.where(np.isfinite(gross), gross, ellipse)
+    if quantity == "ridge_area":
+        merged = [RIDGES_MERGE in (flags or "").split() for flags in rows.items("flags")]
+        return np.where(merged, np.nan, rows.column("ridge_area_mm2"))
     names = {
-        "ridge_area": "ridge_area_mm2",
         "youngs_modulus": "youngs_modulus_kpa",
         "aspect_ratio": "aspect_ratio",
         "radius_from_indentation": "radius_from_indentation_mm",
