@@ -71,3 +71,13 @@ def test_pandas_need_not_be_installed(folder: str, monkeypatch: pytest.MonkeyPat
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
     with pytest.raises(fp.FingerpadError, match="no finished run"):
         fp.load_results(str(tmp_path))
+
+
+def test_results_lie_beside_the_manifest(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    fp.run_study(tmp_path)
+    assert fp.load_results(tmp_path / "results").rows == 2
+    with pytest.raises(fp.FingerpadError, match="no finished run there, but in .*results: name that folder"):
+        fp.load_results(tmp_path)
+    with pytest.raises(fp.FingerpadError, match="study.toml: is a file; name the output folder"):
+        fp.load_results(tmp_path / "study.toml")

@@ -25,7 +25,13 @@ from fingerpad.study.measuring.run import Measured, drawn_for, measure_study
 from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
-from fingerpad.study.results.result_set import OUTPUT_NAMES, NewResultSet, new_result_set, put_in_place
+from fingerpad.study.results.result_set import (
+    OUTPUT_NAMES,
+    NewResultSet,
+    new_result_set,
+    put_in_place,
+    results_folder,
+)
 from fingerpad.study.results.study_result import StudyResult, result_of
 
 # Draws files into a folder by tasks, each of which is performed again only where its key has changed.
@@ -42,7 +48,7 @@ _DAMAGED: Final = f"{STORE_NAME}: the stored result of {{}} was damaged and is m
 
 def run_study(
     manifest: str | PathLike[str],
-    out: str | PathLike[str],
+    out: str | PathLike[str] | None = None,
     *,
     workers: int = 1,
     scheduler: str | None = None,
@@ -60,8 +66,8 @@ def run_study(
     ----------
     manifest : path-like
         The study's TOML file, or its folder.
-    out : path-like
-        Folder for results; made if it is not there.
+    out : path-like, optional
+        Folder for results, made if it is not there: ``results`` beside the manifest where none is named.
     workers : int
         Number of processes that measure on this machine.
     scheduler : str or None
@@ -114,7 +120,8 @@ def run_study(
     >>> [round(summary.corrected_radius.value, 2) for summary in result.summaries]
     [13.8]
     """
-    manifest, out = manifest_in(Path(manifest)), Path(out)
+    manifest = manifest_in(Path(manifest))
+    out = results_folder(manifest) if out is None else Path(out)
     folder = manifest.absolute().parent
     parsed: dict[str, str] = {}
     study = read_study(manifest, lambda name, text: parsed.update({name: hashlib.sha256(text).hexdigest()}))
