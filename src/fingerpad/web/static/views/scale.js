@@ -427,19 +427,23 @@ class Scales {
     return needs.every((key) => given(this.table[key]));
   }
 
+  /** What is still to be drawn or entered. */
+  #next() {
+    return {
+      line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
+      coin: "Select or enter the coin's diameter.",
+      circle: this.table.circle ? "Enter the diameter." : "Click three points on the rim.",
+      grid: "Count the points of the grid, and enter their spacing.",
+      ppi: "Enter the resolution.",
+      mm_per_px: "Enter the size of a pixel.",
+    }[this.way];
+  }
+
   #ask() {
     if (this.#ready()) this.live.request(this.#definition());
     else {
       this.live.cancel();
-      const next = {
-        line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
-        coin: "Select or enter the coin's diameter.",
-        circle: this.table.circle ? "Enter the diameter." : "Click three points on the rim.",
-        grid: "Count the points of the grid, and enter their spacing.",
-        ppi: "Enter the resolution.",
-        mm_per_px: "Enter the size of a pixel.",
-      }[this.way];
-      render(this.result, h("p.soft", null, next));
+      render(this.result, h("p.soft", null, this.#next()));
       this.line.write("");
     }
   }
@@ -587,7 +591,7 @@ class Scales {
     if (!this.name) return this.#wrong("Enter a name for the scale, for example camera.", this.nameField);
     if (!this.nameField.reportValidity())
       return this.#wrong("Name: letters, digits and . _ + - only.", this.nameField);
-    if (!this.#ready()) return this.#wrong("The scale is incomplete yet.");
+    if (!this.#ready()) return this.#wrong(`The scale is incomplete. ${this.#next()}`);
     /** @type {Edit[]} */
     const edits = [{ kind: "scale", key: this.name, set: this.#definition() }];
     for (const [box, { kind, key, scale }] of this.takers) {
