@@ -52,7 +52,7 @@ class ProgressDisplay:
         )
 
     def hide(self) -> None:
-        """Remove the bar of a run that an error ended, which is reported by itself."""
+        """Remove the bar of a run that an error ended, which is printed in its place."""
         self._bar.update(self._task, visible=False)
 
 
