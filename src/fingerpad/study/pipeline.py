@@ -1,6 +1,7 @@
 """The whole way of a study, from its manifest to rows, summaries and the files that hold them."""
 
 import hashlib
+import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
@@ -39,6 +40,8 @@ Draw: TypeAlias = Callable[[list[Task], Callable[[Task], None]], None]
 # Writes a report of a result into a folder, in which its tables and overlays are.
 ReportWriter: TypeAlias = Callable[[StudyResult, Path, Draw, Callable[[str], None]], object]
 
+# No finger pad is pressed with more.
+_MOST_N: Final = 100.0
 _REPLACED: Final = (
     f"{CORRECTIONS_NAME}: {{}} was corrected on another picture than is there now: look at it again"
 )
@@ -149,7 +152,13 @@ def run_study(
             result = result_of(
                 measured,
                 origin={**origin, "limits_per_picture": asdict(limits)},
-                notes=(*log.notes, *second.notes, *map(_DAMAGED.format, damaged), *_notes(measured, log)),
+                notes=(
+                    *log.notes,
+                    *second.notes,
+                    *map(_DAMAGED.format, damaged),
+                    *_notes(measured, log),
+                    *_unit_notes(study),
+                ),
                 executor=executor,
                 store=store,
                 on_check=lambda name: on_progress(replace(measured.progress, item=name, status="checked")),
@@ -206,6 +215,22 @@ def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
     yield from map(_REPLACED.format, on_another_image(context.active_corrections, digest))
     yield from map(_NOT_THERE.format, log.unknown_items(context.study))
     yield from map(_NOT_THERE.format, frames_beyond(measured.sequences, context.active_corrections))
+
+
+def _unit_notes(study: Study) -> Iterator[str]:
+    """Yield which loads and angles look as if they were given in another unit."""
+    pressed = [one.name for one in study.observations if one.load_N > _MOST_N]
+    if pressed:
+        yield f"{_first_of(pressed)}: more than {_MOST_N:g} N: load_N is in newtons, not millinewtons"
+    placed = [
+        one.name for one in (*study.observations, *study.sequences) if 0 < one.wedge_angle_deg < math.pi / 2
+    ]
+    if placed:
+        yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
+
+
+def _first_of(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
 
 
 def _add_drawn(new: NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]) -> None:
