@@ -44,6 +44,22 @@ def test_reprs_are_short(results: dict[str, object]) -> None:
     assert "_view" not in repr(results["contact image"])
 
 
+def test_uncertain_outputs_print_one_line_each() -> None:
+    quantities = {"palmar": (7.9, 0.1), "distal": (13.8, 0.1), "radial_ulnar": (11.8, 0.1), "load": (2, 0.02)}
+    ellipse = {"semi_major": (7.4, 0.1), "semi_minor": (5.0, 0.1)}
+    result = fp.pad_uncertainty(**quantities, **ellipse, wedge_angle=np.radians((30, 0.5)))
+    assert str(result).splitlines()[0] == "Propagated"
+    assert re.search(r"\n  radius_from_indentation +13\.8 ± 0\.18\d*\n", str(result))
+    assert len(str(result).splitlines()) == 1 + len(result.names)
+    assert len(repr(result)) < 600
+    assert "<pre>Propagated" in result._repr_html_()
+    assert str(result["radius_from_indentation"]).startswith("13.8 ± 0.18")
+    assert f"{result['radius_from_indentation']}" == str(result["radius_from_indentation"])
+    loads = {**quantities, "load": ([1.0, 2.0], 0.02)}
+    two = fp.pad_uncertainty(**loads, **ellipse, wedge_angle=0.5)
+    assert "\n  indentation " in str(two)
+
+
 def test_summaries_show_uncertainties(results: dict[str, object]) -> None:
     image, fit = results["contact image"], results["fit"]
     line = next(line for line in image.summary().splitlines() if "gross_area_mm2" in line)

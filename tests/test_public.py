@@ -20,7 +20,7 @@ def output_of(script: str) -> str:
 
 
 def test_public_names_documented() -> None:
-    assert set(fp.__all__) <= set(dir(fp))
+    assert dir(fp) == sorted(fp.__all__)
     for name in set(fp.__all__) - {"__version__"}:
         assert getattr(fp, name).__doc__, name
         assert getattr(fp, name).__name__ == name

@@ -79,6 +79,8 @@ def _read_table(path: Path) -> _Table:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file)
             rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except FileNotFoundError:
+        raise LoadingError(f"{path}: no such file: check the path") from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise LoadingError(f"{path}: cannot be read as CSV ({error})") from error
     if len(rows) < 2:

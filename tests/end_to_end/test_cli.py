@@ -211,7 +211,10 @@ def test_text_output_with_units() -> None:
             ["correct", "--ellipse-mm", "7.4", "5", "--radius-mm", "-18"],
             "--radius-mm must be positive .* found -18",
         ),
-        (["correct", "--ellipse-mm", "7.4", "five", "--radius-mm", "18"], "--ellipse-mm.* valid number"),
+        (
+            ["correct", "--ellipse-mm", "7.4", "five", "--radius-mm", "18"],
+            "--ellipse-mm takes 2 numbers.* found 7.4 five",
+        ),
         (
             ["measure", "photo", "x.png", "--face", "palmar"],
             "give either --ppi, --mm-per-px, --scale-line or",
@@ -299,6 +302,45 @@ def test_measure_print(tmp_path: Path) -> None:
     with Image.open(tmp_path / "overlays" / "good_overlay.png") as overlay:
         assert overlay.size[0] >= truth.pixels.shape[1]
     assert len(list((tmp_path / "overlays").iterdir())) == 1
+
+
+def test_help_shows_options_and_commands_in_full() -> None:
+    code, out, _ = run("measure", "print", "--help")
+    assert code == 0
+    assert "  --scale-relative-std <" in out
+    code, out, _ = run("--help")
+    assert code == 0
+    assert (
+        out.index("Studies:") < out.index("  init ") < out.index("Single questions:") < out.index("  hertz ")
+    )
+    text = " ".join(out.split())
+    for command in ("run", "geometry", "reproduce", "measure"):
+        _, shown, _ = run(command, "--help")
+        assert " ".join(shown.split("\n\n")[1].split()) in text
+
+
+@pytest.mark.parametrize(
+    ("given", "found"),
+    [(("12.9,14.3",), "12.9,14.3 --load-n"), (("12.9",), "12.9 --load-n"), (("a", "b"), "a b")],
+)
+def test_numbers_of_one_flag_are_separated_by_spaces(given: tuple[str, ...], found: str) -> None:
+    code, _, err = run("hertz", "--radii-mm", *given, "--load-n", 2, "--modulus-kpa", 100)
+    assert code == 2
+    assert f"--radii-mm takes 2 numbers separated by spaces, found {found}\n" in err
+
+
+def test_measure_print_explains_scale_flags_and_overlays(tmp_path: Path) -> None:
+    picture = Image.fromarray(render_contact_image(semi_major=9.0, semi_minor=6.5, seed=4).pixels)
+    picture.save(tmp_path / "stated.png", dpi=(500, 500))
+    code, out, _ = run("measure", "print", tmp_path / "stated.png", "--overlay-dir", tmp_path / "drawn")
+    assert code == 0
+    assert re.search(r"^mm_per_px +0\.0508\nscale_from +file$", out, re.M)
+    assert "check the scale" not in out
+    assert out.endswith(f"Overlays: {tmp_path / 'drawn'}\n")
+    code, out, _ = run("measure", "print", tmp_path / "stated.png", "--ppi", 50)
+    assert re.search(r"^scale_from +option$", out, re.M)
+    assert "\nscale_doubtful: the ridge period is not that of a finger: check the scale\n" in out
+    assert "Overlays" not in out
 
 
 def test_measure_print_scale_from_file(tmp_path: Path) -> None:
@@ -551,10 +593,12 @@ def test_init_then_run(tmp_path: Path) -> None:
     code, out, _ = run("init", tmp_path / "mine")
     assert code == 0
     assert "study.toml" in out
+    assert "examples: replace them" in out
     assert run("init", tmp_path / "mine")[0] == 2
     code, out, _ = run("run", tmp_path / "mine" / "study.toml", "--out", tmp_path / "results")
     assert code == 0
     assert "left_index, wedge 30°: corrected radius 13.80 ± 0.90 mm from 1 observation" in out
+    assert "fails by more than 20%" in out
     names = {"report.html", "results.csv", "results_columns.csv", "results.json", "summary.json"}
     assert names <= {path.name for path in (tmp_path / "results").iterdir()}
 

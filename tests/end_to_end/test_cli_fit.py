@@ -133,7 +133,7 @@ def test_invalid_arguments(
 def test_missing_file(tmp_path: Path) -> None:
     code, _, err = run(tmp_path / "none.csv")
     assert code == 2
-    assert "none.csv: cannot be read" in err
+    assert "none.csv: no such file" in err
 
 
 def test_semi_axes_add_the_layer_and_change_nothing_else(curve: Path) -> None:

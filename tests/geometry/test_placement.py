@@ -66,3 +66,8 @@ def test_invalid_wedge_angle(bad: float) -> None:
 def test_invalid_roll_angle(bad: float) -> None:
     with pytest.raises(GeometryError, match="roll_angle must be"):
         Placement(PAD, wedge_angle=0.5, roll_angle=bad)
+
+
+def test_placement_needs_an_ellipsoid() -> None:
+    with pytest.raises(GeometryError, match="ellipsoid must be an Ellipsoid, found tuple"):
+        Placement((7.9, 13.8, 11.8), wedge_angle=0.5)

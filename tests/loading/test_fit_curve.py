@@ -212,3 +212,10 @@ def test_implausible_units_flagged() -> None:
     assert not {"radius_contradicts_area", "implausible_radius"} & set(
         fit_loading_curve(curve, loading_radius=15.0).flags
     )
+
+
+def test_a_file_is_no_curve() -> None:
+    with pytest.raises(
+        LoadingError, match="curve must be a LoadingCurve, found str: `read_loading_curve` reads"
+    ):
+        fit_loading_curve("curve.csv")

@@ -369,7 +369,7 @@ def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_pat
         ([runs[0], runs[0] / "results.csv"], "is the same study as"),
         ([runs[0], copy], "is the same study as"),
         ([runs[2], other], "are both titled 'Lab C'"),
-        ([tmp_path / "empty"], "no SHA256SUMS there, so no finished run; `fingerpad run"),
+        ([tmp_path / "empty"], "no finished run there; `fingerpad run"),
         ([tmp_path / "nowhere"], "no finished run"),
         ([broken], "broken/summary.json: is not understood"),
         ([odd], "odd/summary.json: is not understood"),

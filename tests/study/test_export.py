@@ -217,11 +217,14 @@ def require_refused(folder: Path, message: str) -> None:
 
 
 def test_other_formats_and_folders_are_refused(results: Path, tmp_path: Path) -> None:
-    with pytest.raises(FingerpadError, match=r"no format is known by .xlsx.*\.parquet or \.mat"):
+    with pytest.raises(
+        FingerpadError,
+        match=r"no format is known by .xlsx.*\.parquet or \.mat; as CSV the table is .*results.csv",
+    ):
         export_results(results, tmp_path / "r.xlsx")
     with pytest.raises(FingerpadError, match="a name without suffix"):
         export_results(results, tmp_path / "r")
-    with pytest.raises(FingerpadError, match="no finished run; `fingerpad run"):
+    with pytest.raises(FingerpadError, match="no finished run there; `fingerpad run"):
         export_results(tmp_path, tmp_path / "r.mat")
     with pytest.raises(FingerpadError, match="nowhere/r.mat: cannot be written"):
         export_results(results, tmp_path / "nowhere" / "r.mat")

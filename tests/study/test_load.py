@@ -71,3 +71,28 @@ def test_pandas_need_not_be_installed(folder: str, monkeypatch: pytest.MonkeyPat
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
     with pytest.raises(fp.FingerpadError, match="no finished run"):
         fp.load_results(str(tmp_path))
+
+
+def test_results_lie_beside_the_manifest(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    fp.run_study(tmp_path)
+    assert fp.load_results(tmp_path / "results").rows == 2
+    with pytest.raises(fp.FingerpadError, match="no finished run there, but in .*results: name that folder"):
+        fp.load_results(tmp_path)
+    with pytest.raises(fp.FingerpadError, match="study.toml: is a file; name the output folder"):
+        fp.load_results(tmp_path / "study.toml")
+
+
+def test_loads_and_angles_in_other_units_are_noted(tmp_path: Path) -> None:
+    manifest = tmp_path / "study.toml"
+    manifest.write_text(STUDY.replace("load_N = 2", "load_N = 2000").replace("deg = 45", "deg = 0.785"))
+    assert fp.run_study(manifest).notes == (
+        "heavy: more than 100 N: load_N is in newtons, not millinewtons",
+        "light: less than 1.6°: wedge_angle_deg is in degrees, not radians",
+    )
+    manifest.write_text(STUDY.replace("deg = 30", "deg = 1.2").replace("deg = 45", "deg = 0.5"))
+    assert fp.run_study(manifest).notes == (
+        "heavy and 1 more: less than 1.6°: wedge_angle_deg is in degrees, not radians",
+    )
+    manifest.write_text(STUDY.replace("load_N = 2", "load_N = 100").replace("deg = 45", "deg = 0"))
+    assert fp.run_study(manifest).notes == ()

@@ -95,6 +95,10 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("title = ", "study.toml: not valid TOML: Invalid value"),
+        (
+            "\ntitle = Mine",
+            r"\(at line 2, column 9\): 'title = Mine'; text stands in quotes, and numbers have",
+        ),
         (FINGER + ROW, "study.toml: title: required, but missing"),
         ('title = "T"', "study.toml: fingers: no finger yet: add one"),
         ('title = "T"\nfingers = []', "fingers: no finger yet: add one"),

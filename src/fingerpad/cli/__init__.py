@@ -18,32 +18,29 @@ from fingerpad.cli.solve import solve
 
 __all__ = ["app"]
 
+_HELP = """Contact mechanics of the human finger pad.
+
+To begin: fingerpad init --example example, then fingerpad run example/study.toml; or fingerpad app.
+"""
+
 app = typer.Typer(
     name="fingerpad",
     cls=Commands,
-    help="Contact mechanics of the human finger pad.",
+    help=_HELP,
     no_args_is_help=True,
     add_completion=False,
+    rich_markup_mode=None,  # whole names of options and paragraphs that fit the screen
     pretty_exceptions_enable=False,
 )
-app.command()(model.geometry)
-app.command()(model.hertz)
-app.command()(modulus)
-app.command()(solve)
-app.command()(fields)
-app.command()(model.correct)
-app.command()(model.reproduce)
-app.add_typer(measure.app, name="measure")
-app.command()(fit)
-app.command()(study.init)
-app.command()(study.run)
-app.command()(study.status)
-app.command()(study.verify)
-app.command()(compare)
-app.command()(figure)
-app.command()(export)
-app.add_typer(imports.app, name="import")
-app.command("app")(page)
+for title, functions in (
+    ("Studies", (study.init, study.run, page, study.status, study.verify, compare, figure, export)),
+    ("Single questions", (model.geometry, model.hertz, modulus, solve, fields, model.correct, fit)),
+    ("Dzidek et al. (2017)", (model.reproduce,)),
+):
+    for function in functions:
+        app.command(rich_help_panel=title)(function)
+app.add_typer(measure.app, name="measure", rich_help_panel="Single questions")
+app.add_typer(imports.app, name="import", rich_help_panel="Studies")
 for group in (app, measure.app, imports.app):
     for command in group.registered_commands:
         command.cls = Command

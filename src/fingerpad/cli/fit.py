@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingerpad.cli.shared import AsJson, WedgeAngle, checked_pad, print_json, require_positive
+from fingerpad.cli.shared import AsJson, WedgeAngle, checked_pad, print_folder, print_json, require_positive
 from fingerpad.exceptions import LoadingError
 from fingerpad.units import value_with_uncertainty
 
@@ -122,6 +122,7 @@ def fit(
         _print_table(found.as_record())
         if layer is not None:
             typer.echo(f"layer: {'; '.join([layer.conclusion, *layer.notes.values()])}")
+    print_folder("Figures", plot, as_json)
 
 
 def _given(flag: str, value: float | None, std: float) -> "Estimate | None":

@@ -6,14 +6,16 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, print_json
+from fingerpad.cli.shared import AsJson, Group, print_json
 from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
     from fingerpad.study.fiji import ManualObservation, MeasuredEllipse
 
-app = typer.Typer(help="Bring in what was measured elsewhere.", no_args_is_help=True)
+app = typer.Typer(
+    cls=Group, rich_markup_mode=None, help="Bring in what was measured elsewhere.", no_args_is_help=True
+)
 
 _MM_PER_UNIT: Final = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "inch": 25.4}
 _SHOWN = 5

@@ -17,6 +17,7 @@ from fingerpad.cli.shared import (
     checked_pad,
     only_one,
     pressed_record,
+    print_folder,
     print_json,
     print_record,
     require_positive,
@@ -35,7 +36,12 @@ def geometry(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Find where a pad on a wedge touches the platen, and how it is curved there."""
+    """Find where a pad on a wedge touches the platen, and how it is curved there.
+
+    u and v are the parametric angles of the place of contact. The in-plane radius is that along the finger,
+    the transverse one that across it. The mean-curvature radius 1/H is R_0g of Dzidek et al. (2017), to be
+    corrected by `fingerpad correct`; the geometric mean of the principal radii is that of Hertz theory.
+    """
     from fingerpad.geometry import Placement
 
     placement = Placement(
@@ -131,7 +137,14 @@ def correct(
     radius_mm: Annotated[float, typer.Option(help="Radius of curvature of the undeformed pad, mm.")],
     as_json: AsJson = False,
 ) -> None:
-    """Correct a radius of curvature for the observed contact ellipse."""
+    """Correct a radius of curvature for the observed contact ellipse.
+
+    Of the ellipse only the ratio of its axes matters. radius_from_indentation_mm is the corrected radius of
+    Dzidek et al. (2017): that of a sphere of the same indentation under the same load; _from_area_mm has the
+    same area under the same load, and _from_compliance_mm the same area at the same indentation, to be
+    compared with R_g of a loading curve. K and E are the complete elliptic integrals at the eccentricity, F1
+    and F2 the factors of Hertz theory. With uncertainties: `fingerpad run`.
+    """
     from fingerpad import contact
     from fingerpad.geometry import Ellipse
 
@@ -178,6 +191,7 @@ def reproduce(
         print_json([item.as_record() for item in items])
     else:
         _print_audit(items)
+    print_folder("Figures", figures, as_json)
 
 
 def _print_audit(items: "list[AuditItem]") -> None:

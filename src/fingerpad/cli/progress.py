@@ -51,6 +51,10 @@ class ProgressDisplay:
             failed=f"{progress.failed} failed" if progress.failed else "",
         )
 
+    def hide(self) -> None:
+        """Remove the bar of a run that an error ended, which is printed in its place."""
+        self._bar.update(self._task, visible=False)
+
 
 def _words(progress: "Progress") -> str:
     if progress.status == "checked":
@@ -83,7 +87,12 @@ def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
     )
     try:
         with Progress(*columns, console=Console(stderr=True)) as bar:
-            yield ProgressDisplay(bar, file)
+            display = ProgressDisplay(bar, file)
+            try:
+                yield display
+            except FingerpadError:
+                display.hide()
+                raise
     finally:
         if file is not None:
             with suppress(OSError):  # the error was reported when it occurred

@@ -4,6 +4,7 @@ import math
 import sys
 from collections.abc import Mapping
 from enum import IntEnum
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
 import typer
@@ -51,7 +52,22 @@ class Exit(IntEnum):
     INTERRUPTED = 130
 
 
-class Commands(TyperGroup):
+class Group(TyperGroup):
+    """Commands whose help lists them under their panels, each with its whole first sentence."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:  # noqa: ARG002 (the overridden signature)
+        """Write the list of commands."""
+        panels: dict[str, list[tuple[str, str]]] = {}
+        for name, command in self.commands.items():
+            summary = " ".join((command.help or "").partition("\n\n")[0].split())
+            panel = getattr(command, "rich_help_panel", None)
+            panels.setdefault(panel if isinstance(panel, str) else "Commands", []).append((name, summary))
+        for title, rows in panels.items():
+            with formatter.section(title):
+                formatter.write_dl(rows)
+
+
+class Commands(Group):
     """Commands whose errors are lines on stderr and an exit code."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
@@ -85,6 +101,7 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments, with such a flag before each of its numbers."""
+        self._check_tuples(args)
         repeated = {flag for one in self.params if getattr(one, "multiple", False) for flag in one.opts}
         flag, spread = "", list[str]()
         for word in args:
@@ -96,6 +113,18 @@ class Command(TyperCommand):
                 spread.append(flag)
             spread.append(word)
         return super().parse_args(ctx, spread)
+
+    def _check_tuples(self, args: list[str]) -> None:
+        """Refuse a flag of several numbers that is followed by something else."""
+        for parameter in self.params:
+            for place, word in enumerate(args if parameter.nargs > 1 else []):
+                if word in parameter.opts:
+                    found = args[place + 1 : place + 1 + parameter.nargs]
+                    if len(found) < parameter.nargs or not all(map(_is_number, found)):
+                        raise GeometryError(
+                            f"{word} takes {parameter.nargs} numbers separated by spaces, "
+                            f"found {' '.join(found) or 'none'}"
+                        )
 
     def invoke(self, ctx: Any) -> Any:
         """Run it, unless a flag is given a number that nothing can be computed from."""
@@ -162,6 +191,12 @@ def pressed_record(contact: Any) -> dict[str, Any]:
         "indentation_mm": contact.indentation,
         "area_over_pi_indentation_mm": contact.area / (math.pi * contact.indentation),
     }
+
+
+def print_folder(title: str, folder: Path | None, as_json: bool) -> None:
+    """Say where pictures were written, if any were, unless scripts read the output."""
+    if folder is not None and not as_json:
+        typer.echo(f"{title}: {folder}")
 
 
 def print_record(record: Mapping[str, Any], as_json: bool) -> None:

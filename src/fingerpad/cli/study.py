@@ -35,7 +35,10 @@ def init(
         typer.echo(f"Wrote a synthetic study. Run it: fingerpad run {write_example(folder)}")
         return
     manifest = write_template(folder)
-    typer.echo(f"Wrote {manifest}. Put your pictures beside it, fill it in, then: fingerpad run {manifest}")
+    typer.echo(
+        f"Wrote {manifest}. Its finger and contact are examples: replace them, put your pictures beside it, "
+        f"then: fingerpad run {manifest}"
+    )
 
 
 def run(
@@ -152,6 +155,7 @@ def verify(
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
     from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
+    from fingerpad.uncertainty.validity import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
     for summary, validity in zip(result.summaries, result.validities, strict=True):
         pooled = summary.corrected_radius
@@ -162,6 +166,11 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "
             f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}; "
             f"Hertz theory: {validity.verdict}"
+        )
+    if any(validity.verdict in {STRAINED, FAILS} for validity in result.validities):
+        typer.echo(
+            f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%}, {FAILS} by more "
+            f"than {FAILS_ABOVE:.0%}; the report says in which check"
         )
     for finger in result.fingers.values():
         if finger.outlines is not None and finger.outlines.disagree:

@@ -122,6 +122,8 @@ class Placement(Displayed):
     curvature: SurfaceCurvature = field(init=False)
 
     def __init__(self, ellipsoid: Ellipsoid, *, wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> None:
+        if not isinstance(ellipsoid, Ellipsoid):
+            raise GeometryError(f"ellipsoid must be an Ellipsoid, found {type(ellipsoid).__name__}")
         wedge, roll = checked_placement(wedge_angle, roll_angle)
         for name, angle in (("wedge_angle", wedge), ("roll_angle", roll)):
             check_all(np.isfinite(angle), name, angle, "finite", GeometryError)

@@ -228,6 +228,11 @@ def fit_loading_curve(
     >>> radius.lower < 15 < radius.upper
     True
     """
+    if not isinstance(curve, LoadingCurve):
+        raise LoadingError(
+            f"curve must be a LoadingCurve, found {type(curve).__name__}: `read_loading_curve` reads a file, "
+            "LoadingCurve(load=…, indentation=…) takes arrays in N and mm"
+        )
     _require_options(poisson_ratio, contact_point)
     try:
         with np.errstate(all="ignore"):

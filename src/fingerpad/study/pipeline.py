@@ -1,6 +1,7 @@
 """The whole way of a study, from its manifest to rows, summaries and the files that hold them."""
 
 import hashlib
+import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
@@ -25,7 +26,13 @@ from fingerpad.study.measuring.run import Measured, drawn_for, measure_study
 from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
-from fingerpad.study.results.result_set import OUTPUT_NAMES, NewResultSet, new_result_set, put_in_place
+from fingerpad.study.results.result_set import (
+    OUTPUT_NAMES,
+    NewResultSet,
+    new_result_set,
+    put_in_place,
+    results_folder,
+)
 from fingerpad.study.results.study_result import StudyResult, result_of
 
 # Draws files into a folder by tasks, each of which is performed again only where its key has changed.
@@ -33,6 +40,8 @@ Draw: TypeAlias = Callable[[list[Task], Callable[[Task], None]], None]
 # Writes a report of a result into a folder, in which its tables and overlays are.
 ReportWriter: TypeAlias = Callable[[StudyResult, Path, Draw, Callable[[str], None]], object]
 
+# No finger pad is pressed with more.
+_MOST_N: Final = 100.0
 _REPLACED: Final = (
     f"{CORRECTIONS_NAME}: {{}} was corrected on another picture than is there now: look at it again"
 )
@@ -42,7 +51,7 @@ _DAMAGED: Final = f"{STORE_NAME}: the stored result of {{}} was damaged and is m
 
 def run_study(
     manifest: str | PathLike[str],
-    out: str | PathLike[str],
+    out: str | PathLike[str] | None = None,
     *,
     workers: int = 1,
     scheduler: str | None = None,
@@ -60,8 +69,8 @@ def run_study(
     ----------
     manifest : path-like
         The study's TOML file, or its folder.
-    out : path-like
-        Folder for results; made if it is not there.
+    out : path-like, optional
+        Folder for results, made if it is not there: ``results`` beside the manifest where none is named.
     workers : int
         Number of processes that measure on this machine.
     scheduler : str or None
@@ -114,7 +123,8 @@ def run_study(
     >>> [round(summary.corrected_radius.value, 2) for summary in result.summaries]
     [13.8]
     """
-    manifest, out = manifest_in(Path(manifest)), Path(out)
+    manifest = manifest_in(Path(manifest))
+    out = results_folder(manifest) if out is None else Path(out)
     folder = manifest.absolute().parent
     parsed: dict[str, str] = {}
     study = read_study(manifest, lambda name, text: parsed.update({name: hashlib.sha256(text).hexdigest()}))
@@ -142,7 +152,13 @@ def run_study(
             result = result_of(
                 measured,
                 origin={**origin, "limits_per_picture": asdict(limits)},
-                notes=(*log.notes, *second.notes, *map(_DAMAGED.format, damaged), *_notes(measured, log)),
+                notes=(
+                    *log.notes,
+                    *second.notes,
+                    *map(_DAMAGED.format, damaged),
+                    *_notes(measured, log),
+                    *_unit_notes(study),
+                ),
                 executor=executor,
                 store=store,
                 on_check=lambda name: on_progress(replace(measured.progress, item=name, status="checked")),
@@ -199,6 +215,22 @@ def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
     yield from map(_REPLACED.format, on_another_image(context.active_corrections, digest))
     yield from map(_NOT_THERE.format, log.unknown_items(context.study))
     yield from map(_NOT_THERE.format, frames_beyond(measured.sequences, context.active_corrections))
+
+
+def _unit_notes(study: Study) -> Iterator[str]:
+    """Yield which loads and angles look as if they were given in another unit."""
+    pressed = [one.name for one in study.observations if one.load_N > _MOST_N]
+    if pressed:
+        yield f"{_first_of(pressed)}: more than {_MOST_N:g} N: load_N is in newtons, not millinewtons"
+    placed = [
+        one.name for one in (*study.observations, *study.sequences) if 0 < one.wedge_angle_deg < math.pi / 2
+    ]
+    if placed:
+        yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
+
+
+def _first_of(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
 
 
 def _add_drawn(new: NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]) -> None:

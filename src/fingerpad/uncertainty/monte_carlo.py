@@ -14,7 +14,7 @@ _BATCH = 10_000  # GUM-S1 7.9.4, for a 95 % interval
 _TAIL = 0.025
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class MonteCarloResult(Outputs):
     """Outputs of a model over draws of its inputs.
 

@@ -6,11 +6,11 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, check_all
+from fingerpad._arrays import IN_RADIANS, ArrayLike, FloatArray, check_all
 from fingerpad.contact.pad import PadContact, pad_contact_kernel
-from fingerpad.exceptions import UncertaintyError
+from fingerpad.exceptions import GeometryError, UncertaintyError
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
-from fingerpad.geometry.placement import platen_normal_kernel
+from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
 from fingerpad.uncertainty.covariance import covariance_root
 from fingerpad.uncertainty.propagate import Propagated, propagate
 from fingerpad.uncertainty.quantities import Groups, Inputs, Quantity
@@ -199,6 +199,17 @@ def _transpose(matrices: FloatArray) -> FloatArray:
     return np.swapaxes(matrices, -1, -2)
 
 
+def _check_angles(measured: Inputs) -> None:
+    """Refuse angles and standard uncertainties of angles that no finger on a wedge has, as degrees are."""
+    places = measured.places(["wedge_angle", "roll_angle"])
+    checked_placement(*np.moveaxis(measured.mean[..., places], -1, 0))
+    for name, std in zip(
+        ("wedge_angle", "roll_angle"), np.moveaxis(measured.std[..., places], -1, 0), strict=True
+    ):
+        expected = f"at most π/2 ({IN_RADIANS})"
+        check_all(~(std > np.pi / 2), f"standard uncertainty of {name}", std, expected, GeometryError)
+
+
 def pad_uncertainty(
     *,
     palmar: Quantity,
@@ -257,6 +268,8 @@ def pad_uncertainty(
 
     Raises
     ------
+    GeometryError
+        If a wedge angle lies outside [0, π/2], or an angle or its uncertainty is as large as degrees are.
     UncertaintyError
         If a standard uncertainty is negative or NaN, or the correlations cannot be those of these quantities.
 
@@ -304,4 +317,5 @@ def pad_uncertainty(
         semi_minor=semi_minor,
         correlations=correlations,
     )
+    _check_angles(measured)
     return propagate(pad_model, pad_inputs(measured))

@@ -13,7 +13,7 @@ _COMPLEX_STEP = 1e-30
 NORMAL_97_5 = 1.959963984540054
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Propagated(Outputs):
     """Outputs of a model by first-order propagation.
 

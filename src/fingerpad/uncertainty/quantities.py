@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_all
+from fingerpad._display import Displayed, aligned
 from fingerpad.exceptions import UncertaintyError
 
 # Named arrays to named arrays, elementwise.
@@ -19,8 +20,8 @@ Quantity: TypeAlias = float | Sequence[ArrayLike] | FloatArray
 Groups: TypeAlias = Mapping[str, tuple[str, ...]]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Inputs:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Inputs(Displayed):
     """Best estimates of the named inputs of a model, with their joint covariance.
 
     Leading axes are sets of inputs, as those of several contacts.
@@ -192,8 +193,8 @@ class Inputs:
         return replace(self, covariance=whole)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Estimate:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Estimate(Displayed):
     """One quantity with its uncertainty.
 
     Attributes
@@ -206,8 +207,9 @@ class Estimate:
     Examples
     --------
     >>> import numpy as np
-    >>> print(f"{Estimate(value=np.array(13.8), std=np.array(0.3), interval=np.array([13.2, 14.4])):.1f}")
-    13.8 ± 0.3
+    >>> radius = Estimate(value=np.array(13.8), std=np.array(0.3), interval=np.array([13.2, 14.4]))
+    >>> print(radius, f"{radius:.2f}", sep=", ")
+    13.8 ± 0.3, 13.80 ± 0.30
     """
 
     value: FloatArray
@@ -215,11 +217,14 @@ class Estimate:
     interval: FloatArray
 
     def __format__(self, spec: str) -> str:
-        return f"{self.value:{spec}} ± {self.std:{spec}}"
+        return f"{self.value:{spec}} ± {self.std:{spec}}" if spec else str(self)
+
+    def __str__(self) -> str:
+        return repr(self) if self.value.ndim else f"{self:.4g}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Outputs:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Outputs(Displayed):
     """Named outputs of a model with their joint covariance; ``outputs[name]`` is one `Estimate`.
 
     Attributes
@@ -248,6 +253,13 @@ class Outputs:
     value: FloatArray
     covariance: FloatArray
     interval: FloatArray
+
+    def summary(self) -> str:
+        """Return each output with its standard uncertainty, one line each."""
+        return "\n".join([type(self).__name__, *aligned([(name, str(self[name])) for name in self.names])])
+
+    def __str__(self) -> str:
+        return self.summary()
 
     @property
     def std(self) -> FloatArray:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingerpad.cli.measure.flags import Overlay, Roi, region_of
-from fingerpad.cli.measure.records import overlay_files, record_of
+from fingerpad.cli.measure.records import overlay_files, print_flags, record_of
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, print_record
+from fingerpad.cli.shared import AsJson, Exit, print_folder, print_record
 from fingerpad.exceptions import CalibrationError, ImageError
 
 if TYPE_CHECKING:
@@ -81,5 +81,8 @@ def measure_photo(
 
     record = record_of(image, measured)
     print_record(record, as_json)
+    if not as_json:
+        print_flags(record)
+    print_folder("Overlays", overlay_dir, as_json)
     if "error" in record:
         raise typer.Exit(Exit.SOME_FAILED)

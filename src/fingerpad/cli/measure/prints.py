@@ -15,9 +15,9 @@ from fingerpad.cli.measure.flags import (
     Threshold,
     measurement_region,
 )
-from fingerpad.cli.measure.records import overlay_files, printed, record_of, tracked
+from fingerpad.cli.measure.records import overlay_files, print_flags, printed, record_of, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, print_text, require_positive
+from fingerpad.cli.shared import AsJson, Exit, print_folder, print_text, require_positive
 from fingerpad.exceptions import CalibrationError
 
 if TYPE_CHECKING:
@@ -40,7 +40,8 @@ def measure_prints(
 ) -> None:
     """Measure the contact region and its ellipse in fingerprint images.
 
-    Without a scale it is the one that each file states.
+    Without a scale it is the one that each file states. gross_area is that within the outline,
+    ridge_area that of the ridges in it; ellipse_iou says how well the ellipse fits the region, 1 being best.
     """
     from fingerpad.image import measure_contact_image, read_image, write_overlay
 
@@ -50,23 +51,30 @@ def measure_prints(
 
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)
+        used = scale or _stated_scale(path, picture)
         contact_image = measure_contact_image(
             picture.pixels,
-            scale or _stated_scale(path, picture),
+            used,
             dark_on_light=dark_on_light,
             threshold=threshold,
             **place,
         )
         if path in overlays:
             write_overlay(overlays[path], picture.pixels, contact_image)
-        return contact_image.as_record()
+        return {
+            "mm_per_px": used.mm_per_px,
+            "scale_from": "option" if scale else "file",
+            **contact_image.as_record(),
+        }
 
     def print_block(record: dict[str, Any]) -> None:
         print_text(record)
+        print_flags(record)
         typer.echo()
 
     records = (record_of(path, measured) for path in tracked(images, len(images)))
     failed = ["error" in record for record in printed(records, as_json, dict, print_block)]
+    print_folder("Overlays", overlay_dir, as_json)
     if any(failed):
         raise typer.Exit(Exit.SOME_FAILED)
 

@@ -74,3 +74,13 @@ def overlay_files(images: list[Path], folder: Path | None) -> dict[Path, Path]:
         files[path] = next(folder / name for name in names if (folder / name).resolve() not in taken)
         taken.add(files[path].resolve())
     return files
+
+
+def print_flags(record: Mapping[str, Any]) -> None:
+    """Print what each flag of a record means."""
+    from fingerpad.image import PHOTOGRAPH_FLAGS
+    from fingerpad.report.text import FLAG_WORDS
+
+    words = {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}
+    for flag in record.get("flags", ()):
+        typer.echo(f"{flag}: {words.get(flag, flag)}")

@@ -18,7 +18,7 @@ from fingerpad.cli.measure.flags import (
 )
 from fingerpad.cli.measure.records import printed, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, require_positive
+from fingerpad.cli.shared import AsJson, Exit, print_folder, require_positive
 from fingerpad.exceptions import CalibrationError, LoadingError
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ def measure_frames(
     )
     shown = printed(tracked(results, len(frames)), as_json, FrameResult.as_record, _print_frame)
     summary = sequence_summary(shown, signal)
+    print_folder("Overlays", overlay_dir, as_json)
     for note in summary.notes:
         typer.echo(f"note: {note}", err=True)
     if summary.failed:

@@ -5,6 +5,7 @@ as they stand, each with what it lacks.
 """
 
 import hashlib
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -136,6 +137,16 @@ def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name,
     return load_study(path, on_read).complete()
 
 
+def _toml_error(content: bytes, error: Exception) -> str:
+    """Return what a parser says is wrong, with the line that it names."""
+    place = re.search(r"at line (\d+)", str(error))
+    lines = content.decode("utf-8-sig").splitlines()
+    if place is None or not 0 < int(place[1]) <= len(lines):
+        return str(error)
+    line = lines[int(place[1]) - 1].strip()
+    return f"{error}: {line[:60]!r}; text stands in quotes, and numbers have a decimal point"
+
+
 def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> LoadedStudy:
     """Check what a manifest says, or is going to say.
 
@@ -158,7 +169,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
     except UnicodeDecodeError as error:
         raise ManifestError(f"{path}: cannot be read ({error})") from error
     except (ValueError, RecursionError) as error:
-        raise ManifestError(f"{path}: not valid TOML: {error}") from error
+        raise ManifestError(f"{path}: not valid TOML: {_toml_error(content, error)}") from error
     require_tables(document, path.name)
     top, wrong = _top_level(document, path)
     rows, tables = b"", list(_tables(document, path.name))

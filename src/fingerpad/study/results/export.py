@@ -38,7 +38,7 @@ def export_results(folder: str | PathLike[str], file: str | PathLike[str]) -> No
     if write is None:
         raise FingerpadError(
             f"{file}: no format is known by {file.suffix or 'a name without suffix'}; "
-            f"name the file with {' or '.join(_FORMATS)}"
+            f"name the file with {' or '.join(_FORMATS)}; as CSV the table is {folder / 'results.csv'}"
         )
     require_result_set(folder)
     summary = read_summary(folder)

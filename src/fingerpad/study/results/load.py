@@ -88,7 +88,7 @@ def load_results(folder: str | PathLike[str]) -> Results:
     --------
     >>> load_results("no-such-folder")
     Traceback (most recent call last):
-    fingerpad.exceptions.FingerpadError: no-such-folder: no SHA256SUMS there, so no finished run; `fingerpad run STUDY --out FOLDER` makes one
+    fingerpad.exceptions.FingerpadError: no-such-folder: no finished run there; `fingerpad run STUDY --out FOLDER` makes one
     """  # noqa: E501 (a message stands on one line)
     require_result_set(Path(folder))
     return Results(str(read_summary(Path(folder))["title"]), read_table(Path(folder)))

@@ -223,14 +223,18 @@ def require_result_set(out: Path) -> None:
     FingerpadError
         Naming the files.
     """
+    if out.is_file():
+        raise FingerpadError(f"{out}: is a file; name the output folder of a finished run")
     faults = quick_faults(out)
     if faults:
         more = f" (and {len(faults) - 3} more)" if len(faults) > 3 else ""
         raise FingerpadError(f"{out}: {'; '.join(faults[:3])}{more}: {RERUN}")
-    if not (out / SUMS_NAME).is_file():
-        raise FingerpadError(
-            f"{out}: no {SUMS_NAME} there, so no finished run; `fingerpad run STUDY --out FOLDER` makes one"
-        )
+    if (out / SUMS_NAME).is_file():
+        return
+    inner = out / RESULTS_NAME
+    if (inner / SUMS_NAME).is_file():
+        raise FingerpadError(f"{out}: no finished run there, but in {inner}: name that folder")
+    raise FingerpadError(f"{out}: no finished run there; `fingerpad run STUDY --out FOLDER` makes one")
 
 
 def _names_in(folder: Path) -> list[str]:

@@ -54,6 +54,9 @@ function fieldOf({ kind, key, place, words }) {
   return null;
 }
 
+/** Whose entry is missing: of a photograph, whose words name the file, its finger. */
+const nameOf = ({ kind, key }) => (kind === "photograph" ? key.split("/", 1)[0] : key || kind);
+
 /**
  * A list of missing entries with their fields.
  *
@@ -69,7 +72,7 @@ export function missingList(entries, { named = false, axes } = {}) {
       h(
         "li",
         null,
-        named && h("strong", null, entry.key || entry.kind),
+        named && h("strong", null, nameOf(entry)),
         h("span", null, entry.words),
         h(
           "div.missing-field",

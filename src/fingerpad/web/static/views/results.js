@@ -142,7 +142,7 @@ class Results {
         h(
           "div.banner.note",
           null,
-          `Assumed known, since the study does not say: ${assumed.join(" and ")}. `,
+          `Assumed to be known, until you enter other values: ${assumed.join(" and ")}. `,
           h("a", { href: "#/study" }, "Set"),
         ),
       results?.there &&

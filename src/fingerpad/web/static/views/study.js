@@ -174,9 +174,9 @@ class StudyView {
         null,
         field("Wedge angle ±", of("wedge_angle_deg_std"), {
           unit: "°",
-          hint: "Of a finger on a wedge, about 3",
+          hint: "3 is assumed until you enter another",
         }),
-        field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°", hint: "About 3 as well" }),
+        field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°", hint: "As for the wedge" }),
         field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is 1 %" }),
         field("Poisson's ratio ±", of("poisson_ratio_std", 0.5)),
         field(
