@@ -18,6 +18,8 @@ from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
+from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.sequences import film_key
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
@@ -296,3 +298,40 @@ def test_a_key_frame_needs_an_ellipse(film: Path) -> None:
         CorrectionLog(film).append(
             "p#5", {"key_frame": True}, who="anna", expected=0, study=read_study(film / "study.toml")
         )
+
+
+def test_the_key_of_a_film_changes_with_what_is_carried_and_with_nothing_else(film: Path) -> None:
+    (film / "study.toml").write_text(MANIFEST + FILM % ("p", CLOCK))
+    study = read_study(film / "study.toml")
+    sequence = study.sequences[0]
+
+    def key_of(**frames: dict) -> tuple[str, str]:
+        active = {
+            f"p#{name[1:]}": ActiveCorrection(
+                item=f"p#{name[1:]}", change=ContactCorrection(**change), who="anna", when=""
+            )
+            for name, change in frames.items()
+        }
+        edits = {frame: one.change.edits for frame, one in frame_corrections(active, "p").items()}
+        measured = repr(sorted((frame, edit) for frame, edit in edits.items() if edit))
+        return measured, film_key(sequence, RunContext.of(study, film, active, None))
+
+    ellipse = {"ellipse_px": {"centre": [50, 50], "semi_axes": [30, 20]}}
+    larger = {"ellipse_px": {"centre": [50, 50], "semi_axes": [40, 20]}}
+    key = {"key_frame": True}
+    cases = [
+        key_of(),
+        key_of(f2=ellipse),
+        key_of(f2=ellipse, f9=ellipse),
+        key_of(f2=ellipse | key, f9=ellipse | key),
+        key_of(f2=ellipse | key, f9=ellipse | key, f20={"accepted": True}),
+        key_of(f2=ellipse | key, f9=ellipse | key, f5={"accepted": True}),
+        key_of(f2=ellipse | key, f9=ellipse | key | {"accepted": True}),
+        key_of(f2=ellipse | key, f9=ellipse | key | {"rejected": "slipped"}),
+        key_of(f2=ellipse | key, f9=larger | key),
+        key_of(f2=ellipse | key, f9=larger | key, f5={"threshold": 40.0}),
+        key_of(f2=ellipse | key, f9=larger | key, f5=larger | key),
+    ]
+    for one in cases:
+        for other in cases:
+            assert (one[0] == other[0]) == (one[1] == other[1])

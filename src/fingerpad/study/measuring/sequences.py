@@ -31,7 +31,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.history import ActiveCorrection
-from fingerpad.study.corrections.key_frames import frame_corrections
+from fingerpad.study.corrections.key_frames import frame_corrections, frame_edits
 from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work
 from fingerpad.study.error_text import in_study
@@ -306,10 +306,7 @@ def frame_count(sequence: ContactSequence, context: RunContext) -> int:
 
 def film_key(sequence: ContactSequence, context: RunContext) -> str:
     """Return the key of all that is known of a film."""
-    frames = frame_corrections(context.active_corrections, sequence.name)
-    return context.key(
-        sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)}
-    )
+    return context.key(sequence, frame_edits(context.active_corrections, sequence.name))
 
 
 def frames_beyond(
