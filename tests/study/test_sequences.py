@@ -17,12 +17,14 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.sequences import film_key
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.status import study_status
 
 RATE = 20
 # Loading to frame 11, hold to 15, unloading; empty at either end.
@@ -335,3 +337,68 @@ def test_the_key_of_a_film_changes_with_what_is_carried_and_with_nothing_else(fi
     for one in cases:
         for other in cases:
             assert (one[0] == other[0]) == (one[1] == other[1])
+
+
+PHASES = [("loading", 0.075), ("hold", 0.475), ("unloading", 0.925), ("after", 1.125)]
+
+
+def phases(*starts: tuple[str, float], why: str = "slipped at first") -> dict:
+    return {"phases": {"starts": [{"phase": phase, "start_s": start} for phase, start in starts], "why": why}}
+
+
+def test_phases_that_a_person_set_rule_and_are_reported_as_such(film: Path, plain: StudyResult) -> None:
+    run(film, ("p", CLOCK))
+    study, log = read_study(film / "study.toml"), CorrectionLog(film)
+    log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
+    result = run(film, ("p", CLOCK))
+    rows = {row["frame"]: row for row in result.rows}
+    # Frames are 0.05 s apart: the limits lie half-way between frames 1 and 2, 9 and 10, 18 and 19, 22 and 23.
+    for names, frames in (("loading", range(5, 10)), ("hold", range(10, 19)), ("unloading", range(19, 23))):
+        assert {rows[k]["phase"] for k in frames} == {names}
+    assert 23 not in rows
+    assert 23 in {row["frame"] for row in plain.rows}
+    assert {row["phase_decided_by"] for row in rows.values()} == {"anna"}
+    assert max(row["frame"] for row in rows.values() if row["pooled"]) == 9
+    assert max(row["frame"] for row in plain.rows if row["pooled"]) == 11
+    (record,) = summary_record(result)["sequences"]
+    assert record["phase_starts_s"] == [list(one) for one in PHASES]
+    assert (record["phases_decided_by"], record["phases_reason"]) == ("anna", "slipped at first")
+    assert record["phases_decided_at"] == log.history("p#phases").records[0].when
+    assert record["phases"]["hold"] == 9
+    text = write_report(result, film / "out").read_text(encoding="utf-8")
+    assert "phases set by hand by anna" in text
+    assert "hold from 0.475 s" in text
+    # Taken back, everything is as it was.
+    log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
+    after = run(film, ("p", CLOCK))
+    assert list(after.rows) == list(plain.rows)
+    assert summary_record(after)["sequences"][0]["phases_decided_by"] is None
+    assert "set by hand" not in write_report(after, film / "out").read_text(encoding="utf-8").replace(
+        "unless a person set them by hand", ""
+    )
+
+
+def test_phases_set_by_hand_measure_no_picture_again(film: Path) -> None:
+    run(film, ("p", CLOCK))
+    study, log = read_study(film / "study.toml"), CorrectionLog(film)
+    with Store.reading(film / "out" / STORE_NAME) as store:
+        before = {name: status.key for name, status in store.statuses().items()}
+    log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
+    assert study_status(film / "study.toml", film / "out").stale == 1
+    run(film, ("p", CLOCK))
+    with Store.reading(film / "out" / STORE_NAME) as store:
+        after = {name: status.key for name, status in store.statuses().items()}
+    assert {name for name in before if before[name] != after[name]} == {"p"}
+    assert study_status(film / "study.toml", film / "out").stale == 0
+
+
+def test_phases_of_a_force_that_was_replaced_are_told(film: Path) -> None:
+    run(film, ("p", CLOCK))
+    CorrectionLog(film).append(
+        "p#phases", phases(*PHASES), who="anna", expected=0, study=read_study(film / "study.toml")
+    )
+    assert run(film, ("p", CLOCK)).notes == ()
+    text = (film / "force.csv").read_text()
+    (film / "force.csv").write_text(text.replace("0.05,", "0.051,", 1))
+    (note,) = run(film, ("p", CLOCK)).notes
+    assert "p#phases was corrected on another picture or force" in note

@@ -42,6 +42,7 @@ from fingerpad.report.text import (
     face_differences,
     in_words,
     percent,
+    phase_words,
     pooling_words,
     probability,
 )
@@ -100,6 +101,7 @@ def write_page(
         "face_differences": face_differences,
         "probability": probability,
         "percent": percent,
+        "phases": phase_words,
         # Read as the page is written: all together they would take more memory than all rows.
         "drawing": _drawing,
         "picture": lambda overlay: _picture(overlays / overlay),

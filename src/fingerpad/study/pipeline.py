@@ -12,7 +12,8 @@ from typing import Final, TypeAlias
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError, ManifestError, StoreError
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
-from fingerpad.study.corrections.log import CorrectionLog, image_of, on_another_image
+from fingerpad.study.corrections.items import image_of, on_another_image
+from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.executors import Executor, executor_for, local_executor
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.study.engine.progress import Progress
@@ -34,7 +35,7 @@ Draw: TypeAlias = Callable[[list[Task], Callable[[Task], None]], None]
 ReportWriter: TypeAlias = Callable[[StudyResult, Path, Draw, Callable[[str], None]], object]
 
 _REPLACED: Final = (
-    f"{CORRECTIONS_NAME}: {{}} was corrected on another picture than is there now: look at it again"
+    f"{CORRECTIONS_NAME}: {{}} was corrected on another picture or force than is there now: look at it again"
 )
 _NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: what was decided about it has no effect"
 _DAMAGED: Final = f"{STORE_NAME}: the stored result of {{}} was damaged and is measured again"

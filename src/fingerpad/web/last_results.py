@@ -20,6 +20,7 @@ _OF_FRAMES: Final = (
     "status",
     "flags",
     "phase",
+    "phase_decided_by",
     "time_s",
     "load_N",
     "gross_area_mm2",

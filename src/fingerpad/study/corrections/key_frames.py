@@ -12,7 +12,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.image import ContactImageResult, ImageEllipse, interpolated_ellipse
 from fingerpad.study.corrections.changes import ContactCorrection, ManualContactEllipse
 from fingerpad.study.corrections.history import ActiveCorrection
-from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.corrections.items import frames_of
 
 
 class InterpolatedCorrection(ContactCorrection):

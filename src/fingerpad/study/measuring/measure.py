@@ -102,6 +102,7 @@ class Measurement:
     frame: int | None = None
     time_s: float = np.nan
     phase: str | None = None
+    phase_decided_by: str | None = None
 
 
 def measure_observation(

@@ -114,7 +114,9 @@ def measure_study(
     tally.tell()
     run_plans(chain(films, fingers, contacts), executor, store_result, is_done)
     sequences = [
-        film_result(sequence, context.measured(sequence.name, film_key(sequence, context), sequence.file))
+        film_result(
+            sequence, context.measured(sequence.name, film_key(sequence, context), sequence.file), context
+        )
         for sequence in study.sequences
     ]
     return Measured(

@@ -29,10 +29,10 @@ from fingerpad.image import (
     read_frame_stamps,
     sequence_summary,
 )
-from fingerpad.study.corrections.apply import contact_correction
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.apply import ManualPhases, contact_correction, manual_phases
+from fingerpad.study.corrections.history import ActiveCorrection, phases_item
+from fingerpad.study.corrections.items import frames_of
 from fingerpad.study.corrections.key_frames import frame_corrections, frame_edits
-from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
@@ -69,12 +69,15 @@ class SequenceResult:
         A few frames.
     reason : str or None
         Why it could not be measured.
+    phases : ManualPhases or None
+        Its phases where a person set them; None where they follow from the force.
     """
 
     manifest: ContactSequence
     summary: SequenceSummary | None = None
     overlays: tuple[FrameOverlay, ...] = ()
     reason: str | None = None
+    phases: ManualPhases | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -144,6 +147,11 @@ class Film:
     def sequence(self) -> ContactSequence:
         """What the manifest says of it."""
         return self.sequence_images.sequence
+
+    @property
+    def phases(self) -> ManualPhases | None:
+        """Its phases where a person set them; None where they follow from the force."""
+        return manual_phases(self.context.active_corrections, self.sequence.name)
 
     @property
     def pieces(self) -> list[tuple[int, int]]:
@@ -248,7 +256,14 @@ class Film:
                         flags=() if measured is None else tuple(measured["flags"]),
                     )
 
-        for result in assign_times(results(), np.empty(0), clock=self.clock, force=self.force):
+        timed = assign_times(
+            results(),
+            np.empty(0),
+            clock=self.clock,
+            force=self.force,
+            phases=self.phases and self.phases.decision.intervals,
+        )
+        for result in timed:
             yield result, waiting.pop(result.index, None)
 
     def _row(self, result: FrameResult, measured: Record | None) -> Measurement | None:
@@ -266,6 +281,7 @@ class Film:
             frame=result.index,
             time_s=result.time,
             phase=result.phase,
+            phase_decided_by=self.phases and self.phases.who,
             counts=measured is not None and self._counts(result, seen),
         )
 
@@ -306,7 +322,11 @@ def frame_count(sequence: ContactSequence, context: RunContext) -> int:
 
 def film_key(sequence: ContactSequence, context: RunContext) -> str:
     """Return the key of all that is known of a film."""
-    return context.key(sequence, frame_edits(context.active_corrections, sequence.name))
+    return context.key(
+        sequence,
+        frame_edits(context.active_corrections, sequence.name),
+        context.edits(phases_item(sequence.name)),
+    )
 
 
 def frames_beyond(
@@ -345,7 +365,7 @@ def film_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[T
     context.store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
 
 
-def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
+def film_result(sequence: ContactSequence, record: Record, context: RunContext) -> SequenceResult:
     """Return what a film came to, from its record in the store."""
     summary = record.get("summary")
     return SequenceResult(
@@ -353,6 +373,7 @@ def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
         summary=summary and SequenceSummary(**{**summary, "notes": tuple(summary["notes"])}),
         overlays=tuple(FrameOverlay(*overlay) for overlay in record.get("overlays", ())),
         reason=record.get("reason"),
+        phases=manual_phases(context.active_corrections, sequence.name),
     )
 
 
