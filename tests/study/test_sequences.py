@@ -402,3 +402,37 @@ def test_phases_of_a_force_that_was_replaced_are_told(film: Path) -> None:
     (film / "force.csv").write_text(text.replace("0.05,", "0.051,", 1))
     (note,) = run(film, ("p", CLOCK)).notes
     assert "p#phases was corrected on another picture or force" in note
+
+
+def write_force(folder: Path, displacement: np.ndarray) -> None:
+    rows = "\n".join(f"{k / RATE},{LOAD[k]},{displacement[k]}" for k in range(LOAD.size))
+    (folder / "force.csv").write_text(f"time_s,force_N,displacement_mm\n{rows}\n")
+
+
+# The platen moves up to the pad, presses it by Hertz's law, and goes back.
+DEPTH = 1.2 * (LOAD / 2) ** (2 / 3)
+AWAY = np.where(np.arange(LOAD.size) < 2, np.arange(LOAD.size) - 2.0, 0) * 0.1
+
+
+def test_a_displacement_gives_each_frame_its_indentation(film: Path, plain: StudyResult) -> None:
+    write_force(film, 7 + DEPTH + AWAY)
+    result = run(film, ("p", CLOCK))
+    for row in result.rows:
+        assert row["measured_indentation_mm"] == pytest.approx(DEPTH[row["frame"]], abs=0.02)
+    assert np.isnan(plain.rows.column("measured_indentation_mm")).all()
+    text = write_report(result, film / "out").read_text(encoding="utf-8")
+    assert "against the platen's displacement from the place of contact" in text
+    assert "indentation ξ" in (film / "out" / "figures" / "sequence_p_indentation.svg").read_text()
+    assert "platen's displacement" not in write_report(plain, film / "out").read_text(encoding="utf-8")
+
+
+def test_without_an_approach_there_is_no_indentation_but_a_note(film: Path, plain: StudyResult) -> None:
+    # The record begins at first contact, with half a newton.
+    lines = [f"{k / RATE},{LOAD[k] + 0.5},{DEPTH[k] + k / 1e4}" for k in range(4, LOAD.size)]
+    (film / "force.csv").write_text(
+        "time_s,force_N,displacement_mm\n" + "\n".join(lines[:8:4] + lines[8:]) + "\n"
+    )
+    result = run(film, ("p", f"{CLOCK}\nstart_s = 0"))
+    assert not result.rows.known("measured_indentation_mm").any()
+    (note,) = [note for note in result.sequences[0].summary.notes if "indentation" in note]
+    assert "place of contact is unknown" in note

@@ -21,6 +21,7 @@ _OF_FRAMES: Final = (
     "flags",
     "phase",
     "phase_decided_by",
+    "measured_indentation_mm",
     "time_s",
     "load_N",
     "gross_area_mm2",

@@ -38,7 +38,10 @@ from fingerpad.web.study_session import StudySession, table_content
 from fingerpad.web.workspace import Workspace
 
 _UNREADABLE: Final = (OSError, StoreError)
-_OF_FRAMES: Final = ("phase", "phase_decided_by", "time_s", "load_N", "gross_area_mm2", "aspect_ratio")
+_OF_FRAMES: Final = (
+    *("phase", "phase_decided_by", "time_s", "load_N"),
+    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
+)
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
     "photograph_flags": dict(PHOTOGRAPH_FLAGS),

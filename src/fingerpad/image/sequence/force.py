@@ -31,6 +31,9 @@ class ForceSignal(Displayed):
         Normal force W, N, from the instrument's own zero, positive in compression.
     trigger : array_like or None, (n,)
         Level of the line that starts the camera, V, where it was recorded.
+    displacement : array_like or None, (n,)
+        Displacement of the platen, mm, growing into the pad, from the instrument's own zero, where it was
+        recorded.
 
     Raises
     ------
@@ -48,12 +51,20 @@ class ForceSignal(Displayed):
     time: FloatArray
     load: FloatArray
     trigger: FloatArray | None
+    displacement: FloatArray | None
 
-    def __init__(self, time: ArrayLike, load: ArrayLike, trigger: ArrayLike | None = None) -> None:
-        time, load = as_float_array(time), as_float_array(load)
-        channels = {"time": time, "load": load} | (
-            {} if trigger is None else {"trigger": as_float_array(trigger)}
-        )
+    def __init__(
+        self,
+        time: ArrayLike,
+        load: ArrayLike,
+        trigger: ArrayLike | None = None,
+        displacement: ArrayLike | None = None,
+    ) -> None:
+        given = {"time": time, "load": load, "trigger": trigger, "displacement": displacement}
+        channels = {name: as_float_array(values) for name, values in given.items() if values is not None}
+        time = channels["time"]
+        if time.ndim == 1 and time.size < _MIN_SAMPLES:
+            raise LoadingError(f"a signal over time needs {_MIN_SAMPLES} samples or more, found {time.size}")
         for name, values in channels.items():
             if values.ndim != 1 or values.size < _MIN_SAMPLES or values.shape != time.shape:
                 raise LoadingError(
@@ -65,7 +76,7 @@ class ForceSignal(Displayed):
                     f"{name} is not finite at sample {_first(~np.isfinite(values))}: fill it or cut it off"
                 )
         _require_increasing(time, "time")
-        set_fields(self, time=time, load=load, trigger=channels.get("trigger"))
+        set_fields(self, **{name: channels.get(name) for name in given})
 
     @property
     def span(self) -> tuple[float, float]:
@@ -86,6 +97,25 @@ class ForceSignal(Displayed):
             N, NaN outside the signal.
         """
         found = np.interp(as_float_array(time), self.time, self.load, left=np.nan, right=np.nan)
+        return np.asarray(found)[()]
+
+    def displacement_at(self, time: ArrayLike) -> FloatArray:
+        """Return the displacement at some times by linear interpolation.
+
+        Parameters
+        ----------
+        time : array_like
+            s.
+
+        Returns
+        -------
+        ndarray
+            mm, NaN outside the signal and where none was recorded.
+        """
+        time = as_float_array(time)
+        if self.displacement is None:
+            return np.full(time.shape, np.nan)[()]
+        found = np.interp(time, self.time, self.displacement, left=np.nan, right=np.nan)
         return np.asarray(found)[()]
 
     def trigger_time(self) -> float:
@@ -287,25 +317,29 @@ FrameClock: TypeAlias = FrameRate | FrameStamps
 
 
 def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> ForceSignal:
-    r"""Read a force signal from a CSV file with columns like ``time_s, force_N`` and perhaps ``trigger_V``.
+    r"""Read a force signal from a CSV file with columns like ``time_s, force_N``.
+
+    ``trigger_V`` and ``displacement_mm`` may stand beside them.
 
     Parameters
     ----------
     path : path-like
         The CSV file, with a header line that names quantities and units.
     columns : mapping, optional
-        From a quantity (``time``, ``force``, ``trigger``) to ``"HEADER:UNIT"`` where headers differ.
+        From a quantity (``time``, ``force``, ``trigger``, ``displacement``) to ``"HEADER:UNIT"`` where
+        headers differ.
 
     Returns
     -------
     ForceSignal
-        In s and N.
+        In s, N, V and mm.
 
     Raises
     ------
     LoadingError
         If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
-        number, time does not increase, or the force has no range or the wrong sign.
+        number, time does not increase, there are fewer than two rows, or force or displacement has no range
+        or the wrong sign.
 
     Examples
     --------
@@ -317,9 +351,11 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     array([0. , 0.5, 2. ])
     """
     path = Path(path)
-    found = read_columns(path, ("time", "force"), ("trigger",), columns=columns)
+    found = read_columns(path, ("time", "force"), ("trigger", "displacement"), columns=columns)
     try:
-        signal = ForceSignal(found["time"], found["force"], found.get("trigger"))
+        signal = ForceSignal(
+            found["time"], found["force"], found.get("trigger"), displacement=found.get("displacement")
+        )
     except LoadingError as error:
         raise LoadingError(f"{path}: {error}") from error
     low, high = float(signal.load.min()), float(signal.load.max())
@@ -330,7 +366,22 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
             f"{path}: the force goes down to {low:g} N and up to {high:g} N only; it is positive in "
             "compression: reverse its sign"
         )
+    if signal.displacement is not None:
+        _require_pressing(path, signal.load, signal.displacement)
     return signal
+
+
+def _require_pressing(path: Path, load: FloatArray, displacement: FloatArray) -> None:
+    """Raise if a displacement cannot be that of a platen that presses a pad."""
+    if np.ptp(displacement) == 0:
+        raise LoadingError(
+            f"{path}: the displacement is {displacement[0]:g} mm throughout: give the column another name "
+            "if nothing was recorded"
+        )
+    if np.dot(load - load.mean(), displacement - displacement.mean()) < 0:
+        raise LoadingError(
+            f"{path}: the displacement falls while the force rises; it grows into the pad: reverse its sign"
+        )
 
 
 def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> FrameStamps:

@@ -103,6 +103,7 @@ class Measurement:
     time_s: float = np.nan
     phase: str | None = None
     phase_decided_by: str | None = None
+    measured_indentation_mm: float = np.nan
 
 
 def measure_observation(

@@ -37,6 +37,7 @@ from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Tas
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
+from fingerpad.study.measuring.indentation import contact_displacement
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
@@ -221,8 +222,9 @@ class Film:
         A frame in contact, by the force, gives a measurement; one that cannot be decoded gives its reason;
         one without a contact to be seen, or beyond the force, gives none.
         """
+        contact = self._contact_displacement()
         for result, measured in self.placed():
-            row = self._row(result, measured)
+            row = self._row(result, measured, contact)
             if row is not None:
                 yield reviewed(row, self.ruled.get(result.index))
 
@@ -266,7 +268,14 @@ class Film:
         for result in timed:
             yield result, waiting.pop(result.index, None)
 
-    def _row(self, result: FrameResult, measured: Record | None) -> Measurement | None:
+    def _contact_displacement(self) -> float:
+        """Return the displacement of first contact, mm, NaN where it is unknown."""
+        try:
+            return contact_displacement(self.force)
+        except LoadingError:
+            return math.nan
+
+    def _row(self, result: FrameResult, measured: Record | None, contact: float) -> Measurement | None:
         if not result.readable:
             seen = Measurement(reason=result.reason)
         elif measured is not None and result.phase in IN_CONTACT:
@@ -281,6 +290,7 @@ class Film:
             frame=result.index,
             time_s=result.time,
             phase=result.phase,
+            measured_indentation_mm=float(self.force.displacement_at(result.time)) - contact,
             phase_decided_by=self.phases and self.phases.who,
             counts=measured is not None and self._counts(result, seen),
         )
@@ -429,7 +439,13 @@ def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSi
                 chosen["last contact"] = result.index
             yield result
 
-    return FrameDigest(sequence_summary(followed(), force), chosen)
+    summary = sequence_summary(followed(), force)
+    if force.displacement is not None:
+        try:
+            contact_displacement(force)
+        except LoadingError as error:
+            summary = replace(summary, notes=(*summary.notes, f"{error}: frames have no indentation"))
+    return FrameDigest(summary, chosen)
 
 
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:

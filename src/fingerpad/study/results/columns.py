@@ -129,6 +129,12 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         _text(
             "phase_decided_by", "who set the phases of the sequence by hand; empty where the force gives them"
         ),
+        _number(
+            "measured_indentation_mm",
+            "mm",
+            "displacement of the platen from the place of contact, where the sequence's force table has it; "
+            "the stage is taken as rigid",
+        ),
     ),
     "image": (
         _text("file", "contact image or sequence measured; empty where the ellipse was given"),

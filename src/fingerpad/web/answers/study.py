@@ -275,6 +275,7 @@ class FrameEntry(Review):
     phase_decided_by: str | None
     time_s: float | None
     load_N: float | None  # noqa: N815
+    measured_indentation_mm: float | None
     gross_area_mm2: float | None
     aspect_ratio: float | None
     pooled: bool

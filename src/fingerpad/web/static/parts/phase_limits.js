@@ -75,7 +75,7 @@ export class PhaseLimits {
     this.#corrections.load().catch(showError);
   }
 
-  /** What a person decided, undefined where nobody did. */
+  /** The decision of a person; undefined without one. */
   get #byHand() {
     /** @type {any} */
     const change = this.#corrections?.change;
@@ -155,7 +155,7 @@ export class PhaseLimits {
               "g.band",
               { "data-phase": phase },
               s("rect", { x: left, y: top, width: right - left, height: bottom - top }),
-              right - left > 28 + 6 * phase.length &&
+              right - left > 22 + 5.6 * phase.length &&
                 s("text", { x: (left + right) / 2, y: height - 7, "text-anchor": "middle" }, phase),
             ),
           s("path.limit", { d: `M${left.toFixed(1)} ${top}V${bottom}` }),

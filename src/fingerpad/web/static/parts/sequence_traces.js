@@ -5,10 +5,19 @@ import { plain } from "../core/quantity.js";
 import { PhaseLimits } from "./phase_limits.js";
 
 const HEIGHT = 132;
-const SIDE = 190;
+const SIDE = { most: 190, least: 140, gap: 12 };
+const LEAST_TIME = 300;
 const PAD = { left: 54, right: 54, top: 8, bottom: 24 };
 const SIDE_LEFT = 26;
 const SLOWEST_MS = 40;
+
+/** What areas and aspect ratios are drawn against. */
+const FORCE = { by: "load_N", label: "force (N)", against: "force" };
+const INDENTATION = {
+  by: "measured_indentation_mm",
+  label: "indentation ξ (mm)",
+  against: "measured indentation",
+};
 
 /** A linear scale from numbers to pixels. */
 const scale = (from, to, start, end) => (value) =>
@@ -67,18 +76,18 @@ export class SequenceTraces {
       "aria-label": "Time of the frame",
     });
     this.sides = [
-      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true },
-      { key: "aspect_ratio", words: "aspect ratio", name: "Aspect ratio", fromZero: false },
+      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true, ...FORCE },
+      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true, ...INDENTATION },
+      { key: "aspect_ratio", words: "aspect ratio", name: "Aspect ratio", fromZero: false, ...FORCE },
     ].map((side) => ({
       ...side,
       points: [],
       grown: s("path.grown"),
       drawn: 0,
       plot: s("svg", {
-        width: SIDE,
         height: HEIGHT,
         role: "img",
-        "aria-label": `${side.name} against force, up to the current frame`,
+        "aria-label": `${side.name} against ${side.against}, up to the current frame`,
       }),
     }));
     this.playButton = h("button", { type: "button", onclick: () => this.#toggle() }, "Play");
@@ -100,8 +109,7 @@ export class SequenceTraces {
     this.root = h(
       "div.traces",
       { hidden: true },
-      this.bar,
-      this.phases.bar,
+      h("div.trace-bars", null, this.bar, this.phases.bar),
       h(
         "div.trace-plots",
         null,
@@ -144,8 +152,12 @@ export class SequenceTraces {
 
   #draw() {
     const whole = this.root.clientWidth - 24;
-    const beside = whole - this.sides.length * (SIDE + 12);
-    const width = Math.max(200, beside < 260 ? whole : beside); // on narrow screens the plots wrap
+    const sides = this.sides.filter(({ by }) => this.#frames.some((frame) => frame[by] !== null));
+    const share = Math.floor((whole - LEAST_TIME) / Math.max(1, sides.length)) - SIDE.gap;
+    this.sideWidth =
+      share < SIDE.least ? this.#wrappedWidth(whole, sides.length) : Math.min(SIDE.most, share);
+    const beside = whole - sides.length * (this.sideWidth + SIDE.gap);
+    const width = Math.max(200, share < SIDE.least ? whole : beside);
     if (!this.#signal || this.root.hidden || !width) return;
     const { time_s: time, load_N: load } = this.#signal;
     const frames = this.#frames;
@@ -194,28 +206,40 @@ export class SequenceTraces {
     this.#cursor();
   }
 
+  /** The width of plots that stand in rows below the first, as on narrow screens. */
+  #wrappedWidth(whole, count) {
+    const fit = Math.floor((whole + SIDE.gap) / (SIDE.least + SIDE.gap));
+    const row = Math.max(1, Math.min(count, fit));
+    return Math.floor((whole + SIDE.gap) / row) - SIDE.gap;
+  }
+
   /** Area and aspect ratio against force: all frames faint, those up to the current one strong. */
   #drawSides() {
     const bottom = HEIGHT - PAD.bottom;
-    const loads = this.#frames.map(({ load_N }) => load_N ?? 0);
-    const x = scale(0, Math.max(...ends(loads)) || 1, SIDE_LEFT, SIDE - 8);
+    const right = this.sideWidth - 8;
     for (const side of this.sides) {
+      side.plot.setAttribute("width", String(this.sideWidth));
+      const across = this.#frames.map((frame) => frame[side.by]);
+      const known = across.filter((value) => value !== null);
+      const x = scale(Math.min(0, ends(known)[0]), ends(known)[1] || 1, SIDE_LEFT, right);
       const values = this.#frames.map((frame) => frame[side.key]);
       const [low, high] = ends(values.filter(Boolean));
       const y = scale(side.fromZero ? 0 : low, high, bottom - (side.fromZero ? 0 : 6), PAD.top + 12);
-      side.points = dots(values.map((value, k) => (value ? [x(loads[k]), y(value)] : null)));
+      side.points = dots(
+        values.map((value, k) => (value && across[k] !== null ? [x(across[k]), y(value)] : null)),
+      );
       side.grown = s("path.grown");
       side.drawn = 0;
       const number = (value) => plain(Number(value.toPrecision(3)));
       render(
         side.plot,
-        s("path.axis", { d: `M${SIDE_LEFT} ${PAD.top}V${bottom}H${SIDE - 8}` }),
+        s("path.axis", { d: `M${SIDE_LEFT} ${PAD.top}V${bottom}H${right}` }),
         s("path.all", { d: side.points.map(({ d }) => d).join("") }),
         side.grown,
-        s("text", { x: SIDE - 8, y: HEIGHT - 6, "text-anchor": "end" }, "force (N)"),
+        s("text", { x: right, y: HEIGHT - 6, "text-anchor": "end" }, side.label),
         s("text", { x: SIDE_LEFT + 6, y: PAD.top + 9 }, side.words),
         side.points.length > 0 &&
-          s("text", { x: SIDE - 8, y: PAD.top + 9, "text-anchor": "end" }, `≤ ${number(high)}`),
+          s("text", { x: right, y: PAD.top + 9, "text-anchor": "end" }, `≤ ${number(high)}`),
       );
       side.plot.style.display = side.points.length ? "" : "none";
     }
