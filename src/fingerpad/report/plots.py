@@ -25,7 +25,7 @@ from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.study_result import StudyResult

@@ -23,7 +23,8 @@ from fingerpad.study.engine.task import Task
 from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.run import Measured, drawn_for, measure_study
-from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
+from fingerpad.study.measuring.sequence_result import frames_beyond
+from fingerpad.study.measuring.sequences import corrected_frames
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.result_set import OUTPUT_NAMES, NewResultSet, new_result_set, put_in_place

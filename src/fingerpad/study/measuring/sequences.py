@@ -20,7 +20,6 @@ from fingerpad.image import (
     FrameResult,
     Frames,
     SequenceSettings,
-    SequenceSummary,
     TextureScan,
     assign_times,
     frame_clock,
@@ -41,7 +40,8 @@ from fingerpad.study.measuring.indentation import contact_displacement
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
-from fingerpad.study.measuring.sequence_tasks import FrameDigest, FrameOverlay, SequenceImages, survey_from
+from fingerpad.study.measuring.sequence_result import SequenceResult
+from fingerpad.study.measuring.sequence_tasks import FrameDigest, SequenceImages, survey_from
 
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
@@ -54,31 +54,6 @@ _MOST_PIECES: Final = 256
 _TIMING: Final = frozenset(
     ("force", "force_columns", "times", "frames_per_second", "start_s", "contact_load_N")
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SequenceResult:
-    """What a film comes to.
-
-    Attributes
-    ----------
-    manifest : ContactSequence
-        What the manifest says of it.
-    summary : SequenceSummary or None
-        Counts of frames; None where the film could not be measured.
-    overlays : tuple of FrameOverlay
-        A few frames.
-    reason : str or None
-        Why it could not be measured.
-    phases : ManualPhases or None
-        Its phases where a person set them; None where they follow from the force.
-    """
-
-    manifest: ContactSequence
-    summary: SequenceSummary | None = None
-    overlays: tuple[FrameOverlay, ...] = ()
-    reason: str | None = None
-    phases: ManualPhases | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -339,17 +314,6 @@ def film_key(sequence: ContactSequence, context: RunContext) -> str:
     )
 
 
-def frames_beyond(
-    films: Iterable[SequenceResult], active_corrections: Mapping[str, ActiveCorrection]
-) -> Iterator[str]:
-    """Yield the corrected frames that lie beyond the end of their film."""
-    for film in films:
-        if film.summary is not None:
-            for frame in frames_of(active_corrections, film.manifest.name):
-                if frame >= film.summary.count:
-                    yield f"{film.manifest.name}#{frame}"
-
-
 def film_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[Task]]:
     """Yield the tasks of a film, stage by stage; whatever goes wrong costs this film only.
 
@@ -373,18 +337,6 @@ def film_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[T
         return
     assert context.store is not None  # a run has one
     context.store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
-
-
-def film_result(sequence: ContactSequence, record: Record, context: RunContext) -> SequenceResult:
-    """Return what a film came to, from its record in the store."""
-    summary = record.get("summary")
-    return SequenceResult(
-        manifest=sequence,
-        summary=summary and SequenceSummary(**{**summary, "notes": tuple(summary["notes"])}),
-        overlays=tuple(FrameOverlay(*overlay) for overlay in record.get("overlays", ())),
-        reason=record.get("reason"),
-        phases=manual_phases(context.active_corrections, sequence.name),
-    )
 
 
 def corrected_frames(films: Iterable[SequenceResult], context: RunContext) -> dict[str, str]:
