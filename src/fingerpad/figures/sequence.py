@@ -112,7 +112,7 @@ def plot_area_against_indentation(
     Examples
     --------
     >>> from fingerpad.figures import new_figure
-    >>> figure, axes = new_figure()
+    >>> figure, (axes,) = new_figure()
     >>> axes = plot_area_against_indentation(axes, [0.1, 0.4], [9, 32], phase=["loading", "loading"])
     >>> axes.get_xlabel()
     'measured indentation ξ (mm)'
