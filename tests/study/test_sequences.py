@@ -427,11 +427,9 @@ def test_a_displacement_gives_each_frame_its_indentation(film: Path, plain: Stud
 
 
 def test_without_an_approach_there_is_no_indentation_but_a_note(film: Path, plain: StudyResult) -> None:
-    # The record begins at first contact, with half a newton.
-    lines = [f"{k / RATE},{LOAD[k] + 0.5},{DEPTH[k] + k / 1e4}" for k in range(4, LOAD.size)]
-    (film / "force.csv").write_text(
-        "time_s,force_N,displacement_mm\n" + "\n".join(lines[:8:4] + lines[8:]) + "\n"
-    )
+    # The record begins in contact.
+    lines = [f"{k / RATE},{LOAD[k]},{DEPTH[k] + k / 1e4}" for k in range(4, LOAD.size)]
+    (film / "force.csv").write_text("time_s,force_N,displacement_mm\n" + "\n".join(lines) + "\n")
     result = run(film, ("p", f"{CLOCK}\nstart_s = 0"))
     assert not result.rows.known("measured_indentation_mm").any()
     (note,) = [note for note in result.sequences[0].summary.notes if "indentation" in note]
