@@ -47,8 +47,9 @@ def test_tables_of_the_study_fit_beside_what_is_shared(example_tab: Tab) -> None
 
 def test_text_is_larger_on_the_widest_screens(example_tab: Tab) -> None:
     page = example_tab.open()
+    page.locator(".step-state").first.wait_for()
     size = "parseFloat(getComputedStyle(document.querySelector('.step-state')).fontSize)"
     page.set_viewport_size({"width": 1366, "height": 800})
-    assert page.evaluate(size) >= 11
+    page.wait_for_function(f"{size} >= 11 && {size} < 12")
     page.set_viewport_size({"width": 2560, "height": 1440})
-    assert page.evaluate(size) >= 13
+    page.wait_for_function(f"{size} >= 13")
