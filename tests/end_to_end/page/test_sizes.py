@@ -1,6 +1,7 @@
 """The page on small screens: at 390 px, and at 1366 px with 200 %, which are 683."""
 
 import pytest
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, numbers
 
 STEPS = ("study", "scale", "photographs", "contacts", "pad", "results", "run")
@@ -45,11 +46,8 @@ def test_tables_of_the_study_fit_beside_what_is_shared(example_tab: Tab) -> None
         assert each.evaluate("one => one.scrollWidth <= one.clientWidth"), each.get_attribute("aria-label")
 
 
-def test_text_is_larger_on_the_widest_screens(example_tab: Tab) -> None:
+@pytest.mark.parametrize(("width", "size"), [(1366, "11.06px"), (2560, "13.43px")])
+def test_text_is_larger_on_the_widest_screens(example_tab: Tab, width: int, size: str) -> None:
     page = example_tab.open()
-    page.locator(".step-state").first.wait_for()
-    size = "parseFloat(getComputedStyle(document.querySelector('.step-state')).fontSize)"
-    page.set_viewport_size({"width": 1366, "height": 800})
-    page.wait_for_function(f"{size} >= 11 && {size} < 12")
-    page.set_viewport_size({"width": 2560, "height": 1440})
-    page.wait_for_function(f"{size} >= 13")
+    page.set_viewport_size({"width": width, "height": 800})
+    expect(page.locator(".step-state").first).to_have_css("font-size", size)
