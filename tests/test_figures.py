@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from fingerpad.figures import (
     figure_svg,
     new_figure,
+    plot_area_against_indentation,
     plot_area_against_load,
     plot_aspect_ratio,
     plot_contact_compliance,
@@ -429,6 +430,17 @@ def test_press_of_one_frame_or_none() -> None:
         figure, axes = new_figure(rows=2, columns=2)
         plot_press(axes, **{name: values[:count] for name, values in PRESS.items()})
         assert "<svg" in figure_svg(figure, "press")
+
+
+@pytest.mark.parametrize("synthetic", [False, True])
+def test_area_against_indentation_marks_phases(axes, synthetic: bool) -> None:
+    indentation = [0.2, 1.1, 1.1, 0.7, 0.3]
+    plot_area_against_indentation(axes, indentation, PRESS["area"], phase=PRESS["phase"], synthetic=synthetic)
+    lines = {line.get_label(): line for line in axes.lines}
+    assert_allclose(lines["unloading"].get_xdata(), [0.7, 0.3])
+    assert_allclose(lines["unloading"].get_ydata(), [80.0, 45.0])
+    assert axes.get_xlim()[0] == 0
+    assert is_marked_synthetic(axes) == synthetic
 
 
 def test_layer_effect_marks_what_is_known(axes) -> None:

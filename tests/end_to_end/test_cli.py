@@ -217,7 +217,7 @@ def test_text_output_with_units() -> None:
         ),
         (
             ["measure", "photo", "x.png", "--face", "palmar"],
-            "give either --ppi, --mm-per-px, --scale-line or",
+            "give either --ppi, --mm-per-px, --scale-line, --scale-circle, --coin or --grid",
         ),
         (["measure", "photo", "x.png", "--face", "thumb", "--ppi", "500"], "--face must be one of palmar"),
         (
@@ -260,6 +260,36 @@ def test_text_output_with_units() -> None:
         (["measure", "print", "x.png", "--ppi", "500", "--coin-mm", "3"], "belongs to --coin.* beside --ppi"),
         (["measure", "print", "x.png", "--coin", "c.png"], "give --coin-mm"),
         (["measure", "print", "x.png", "--coin", "c.png", "--coin-mm", "23"], "c.png: no such file"),
+        (["measure", "print", "x.png", "--scale-circle", "5,5,5,9", "--circle-mm", "3"], "takes 6 numbers"),
+        (["measure", "print", "x.png", "--scale-circle", "5,5,5,9,9,9"], "give --circle-mm"),
+        (
+            ["measure", "print", "x.png", "--scale-circle", "5,5,5,9,5,12", "--circle-mm", "3"],
+            "--scale-circle, --circle-mm: .*line",
+        ),
+        (
+            ["measure", "print", "x.png", "--ppi", "500", "--scale-circle", "5,5,5,9,9,9"],
+            "found --ppi and --scale-circle",
+        ),
+        (["measure", "print", "x.png", "--grid", "g.png"], "give --grid-points"),
+        (["measure", "print", "x.png", "--grid", "g.png", "--grid-points", "7,9"], "give --grid-spacing-mm"),
+        (
+            [
+                "measure",
+                "print",
+                "x.png",
+                "--grid",
+                "g.png",
+                "--grid-points",
+                "7.5,9",
+                "--grid-spacing-mm",
+                "1",
+            ],
+            "takes two whole numbers",
+        ),
+        (
+            ["measure", "print", "x.png", "--ppi", "500", "--grid-pattern", "dots"],
+            "--grid-pattern belongs to --grid, found it beside --ppi",
+        ),
         (["measure", "print", "x.png", "--scale-relative-std", "0.1"], "belongs to --ppi or --mm-per-px"),
         (["measure", "print", "x.png", "--ppi", "500", "--threshold", "0"], "--threshold.*should be greater"),
         (["measure", "print", "x.png", "--ppi", "500", "--mask", "m.csv"], "m.csv"),
@@ -353,8 +383,8 @@ def test_measure_print_scale_from_file(tmp_path: Path) -> None:
     placeholder, silent, stated = json.loads(out)
     assert stated["semi_major_mm"] == pytest.approx(9.0, rel=0.02)
     assert (
-        "give either --ppi, --mm-per-px, --scale-line or --coin (the picture's file states 72 dots per inch"
-        in placeholder["error"]
+        "give either --ppi, --mm-per-px, --scale-line, --scale-circle, --coin or --grid "
+        "(the picture's file states 72 dots per inch" in placeholder["error"]
     )
     assert "states no resolution" in silent["error"]
 
@@ -414,6 +444,33 @@ def test_scale_from_ruler_and_coin(print_file: Path, tmp_path: Path) -> None:
     code, _, err = run(*common, "--coin", print_file, "--coin-mm", 12)
     assert code == 2
     assert re.search(r"--coin .*p\.png: no coin found", err)
+
+
+def test_scale_from_circle_and_grid(print_file: Path, tmp_path: Path) -> None:
+    common = ("measure", "print", print_file)
+    (known,) = run_json(*common, "--mm-per-px", 0.05)
+    circle = ("--scale-circle", "0,100,100,0,200,100", "--circle-mm", 10)
+    assert run_json(*common, *circle) == [known]
+    (doubted,) = run_json(*common, *circle, "--circle-mm-std", 0.2)
+    gained = doubted["semi_major_mm_std"] ** 2 - known["semi_major_mm_std"] ** 2
+    assert gained == pytest.approx((0.02 * known["semi_major_mm"]) ** 2)
+    # Squares of 20 px, and dots as far apart: 1 mm each.
+    board = np.full((200, 240), 230, dtype=np.uint8)
+    board[20:180, 20:220][np.kron(np.indices((8, 10)).sum(axis=0) % 2 == 0, np.ones((20, 20), bool))] = 30
+    row, column = np.indices((200, 240))
+    dots = np.where(np.hypot(row % 20 - 10, column % 20 - 10) < 6, 30, 230).astype(np.uint8)
+    dots = np.pad(dots, 20, constant_values=230)
+    for name, pixels, points, more in (
+        ("board", board, "7,9", ()),
+        ("dots", dots, "10,12", ("--grid-pattern", "dots")),
+    ):
+        Image.fromarray(pixels).save(tmp_path / f"{name}.png")
+        grid = ("--grid", tmp_path / f"{name}.png", "--grid-points", points, "--grid-spacing-mm", 1, *more)
+        (found,) = run_json(*common, *grid)
+        assert found["semi_major_mm"] == pytest.approx(known["semi_major_mm"], rel=2e-3)
+    code, _, err = run(*common, "--grid", print_file, "--grid-points", "7,9", "--grid-spacing-mm", 1)
+    assert code == 2
+    assert re.search(r"--grid .*p\.png: no grid of 7 × 9 inner corners found", err)
 
 
 def test_progress_bar_on_terminals_only(print_file: Path, tmp_path: Path) -> None:

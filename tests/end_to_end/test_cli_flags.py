@@ -33,7 +33,7 @@ ABSURD = (
     "1,2",
 )
 # Flags of numbers that are given as text.
-OF_TEXT = {"--roi-px", "--seed-px", "--scale-line", "--load-range-n"}
+OF_TEXT = {"--roi-px", "--seed-px", "--scale-line", "--scale-circle", "--grid-points", "--load-range-n"}
 # Possible numbers that what is measured contradicts, in words of its own.
 IN_PLAIN_WORDS = {
     "--load-range-n",
@@ -83,6 +83,13 @@ BESIDE = {
     "--line-px-std": ("--scale-line 5,5,5,200 --line-mm 10", "--ppi --mm-per-px"),
     "--coin-mm": ("--coin coin.png", "--ppi --mm-per-px"),
     "--coin-mm-std": ("--coin coin.png --coin-mm 23", "--ppi --mm-per-px"),
+    "--scale-circle": ("--circle-mm 10", "--ppi --mm-per-px"),
+    "--circle-mm": ("--scale-circle 5,5,5,200,90,90", "--ppi --mm-per-px"),
+    "--circle-mm-std": ("--scale-circle 5,5,5,200,90,90 --circle-mm 10", "--ppi --mm-per-px"),
+    "--circle-px-std": ("--scale-circle 5,5,5,200,90,90 --circle-mm 10", "--ppi --mm-per-px"),
+    "--grid-points": ("--grid grid.png --grid-spacing-mm 1", "--ppi --mm-per-px"),
+    "--grid-spacing-mm": ("--grid grid.png --grid-points 7,9", "--ppi --mm-per-px"),
+    "--grid-spacing-mm-std": ("--grid grid.png --grid-points 7,9 --grid-spacing-mm 1", "--ppi --mm-per-px"),
     "--mm-per-px": ("", "--ppi"),
     "--ppi": ("", "--mm-per-px"),
     "--start-s": ("--force force.csv", ""),
@@ -119,6 +126,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         )
     Image.fromarray(render_finger("palmar", seed=1).pixels[::2, ::2]).save(folder / "palmar.png")
     Image.fromarray(render_coin().pixels).save(folder / "coin.png")
+    board = np.full((200, 240), 230, dtype=np.uint8)
+    board[20:180, 20:220][np.kron(np.indices((8, 10)).sum(axis=0) % 2 == 0, np.ones((20, 20), bool))] = 30
+    Image.fromarray(board).save(folder / "grid.png")
     (folder / "study.toml").write_text(STUDY, encoding="utf-8")
     (folder / "force.csv").write_text("time_s,force_N\n" + "".join(f"{t / 10},{t}\n" for t in range(9)))
     (folder / "Results.csv").write_text(" ,Major,Minor,Angle\n1,300,200,90\n", encoding="utf-8")

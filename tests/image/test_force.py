@@ -42,10 +42,34 @@ def test_columns_can_be_named(tmp_path):
     assert signal.trigger is None
 
 
+def test_displacement_of_the_platen(tmp_path):
+    text = "time_s,force_N,displacement_um\n0,0,500\n1,1,1500\n2,3,2500\n"
+    signal = read_force_signal(write(tmp_path, text))
+    np.testing.assert_allclose(
+        signal.displacement_at([0, 0.5, 2, 2.1, -1]), [0.5, 1, 2.5, math.nan, math.nan]
+    )
+    named = read_force_signal(
+        write(tmp_path, "time_s,force_N,stage\n0,0,1\n1,1,2\n"), {"displacement": "stage:mm"}
+    )
+    np.testing.assert_allclose(named.displacement, [1, 2])
+    with pytest.raises(LoadingError, match="no column 'travel' for displacement; found time_s, force_N"):
+        read_force_signal(write(tmp_path, "time_s,force_N\n0,0\n1,1\n"), {"displacement": "travel:mm"})
+    without = read_force_signal(write(tmp_path, "time_s,force_N\n0,0\n1,1\n"))
+    assert without.displacement is None
+    assert math.isnan(without.displacement_at(0.5))
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("time_s,force_N\n0,1\n", r"samples"),
+        ("time_s,force_N\n0,1\n", "needs 2 samples or more, found 1"),
+        ("time_s,force_N,displacement_mm\n0,1,0\n", "needs 2 samples or more, found 1"),
+        ("time_s,force_N,displacement_V\n0,1,0\n1,2,1\n", "unit 'V'; displacement is read in mm, um"),
+        ("time_s,force_N,displacement_mm\n0,1,0\n1,2,\n", "line 3, column 'displacement_mm': ''"),
+        ("time_s,force_N,displacement_mm\n0,1,0\n2,1,1\n1,1,2\n", r"after row 2 \(2 s\) it falls to 1 s"),
+        ("time_s,force_N,displacement_mm\n0,0,3\n1,1,3\n2,2,3\n", "the displacement is 3 mm throughout"),
+        ("time_s,force_N,displacement_mm\n0,0,3\n1,1,2\n2,2,1\n", "falls while the force rises"),
+        ("time_s,displacement_mm\n0,0\n1,1\n", "no column force_N"),
         ("time_s,force_N\n0,1\n1,nan\n", "line 3, column 'force_N': 'nan'"),
         ("time_s,force_N\n0,1\n2,1\n1,1\n", r"after row 2 \(2 s\) it falls to 1 s"),
         ("time_s,force_N\n0,1\n1,1\n1,2\n", r"after row 2 \(1 s\) it is repeated"),
@@ -109,7 +133,7 @@ def test_spike_is_no_contact():
 
 def test_two_samples_are_the_fewest_of_a_signal():
     assert ForceSignal([0, 1], [0, 2]).load_at(0.5) == 1
-    with pytest.raises(LoadingError, match="must be a row of 2 samples"):
+    with pytest.raises(LoadingError, match="needs 2 samples or more"):
         ForceSignal([0], [0])
 
 

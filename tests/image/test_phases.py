@@ -5,7 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from fingerpad.image import PHASES, phases_of
+from fingerpad.exceptions import LoadingError
+from fingerpad.image import PHASES, PhaseIntervals, phase_intervals, phases_of
 
 TIME = np.arange(0, 5, 0.002)
 SHAPES = {
@@ -61,3 +62,34 @@ def test_two_presses():
 @pytest.mark.parametrize("values", [np.zeros(50), np.zeros(1), np.array([0.0, 1.0])])
 def test_no_press(values):
     assert set(phases_of(np.arange(values.size), values)) == {0}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_intervals_give_each_sample_its_phase_and_the_time_before_it_too(name):
+    corners, loads = SHAPES[name]
+    load = np.interp(TIME, corners, loads) + np.random.default_rng(2).normal(0, 0.005, TIME.size)
+    intervals, labels = phase_intervals(TIME, load), found(load)
+    assert [intervals.at(time) for time in TIME] == labels
+    # A frame between two samples has the phase of the later one.
+    assert [intervals.at(time) for time in (TIME[:-1] + TIME[1:]) / 2] == labels[1:]
+
+
+def test_a_record_that_begins_in_contact_begins_with_a_phase():
+    intervals = phase_intervals(TIME, np.interp(TIME, [0, 2, 4, 5], [1, 2, 2, 0]))
+    assert intervals.at(0.0) != "before"
+
+
+def test_a_phase_that_begins_with_the_next_is_empty():
+    intervals = PhaseIntervals([1, 2, 2, 3], ["loading", "hold", "unloading", "after"])
+    assert [intervals.at(time) for time in (0, 1, 1.5, 2, 2.1, 3, 9)] == [
+        *("before", "before", "loading", "loading", "unloading", "unloading", "after")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("start", "words"),
+    [([1.0], "give each its start"), ([1.0, 0.5], "not decrease"), ([1.0, np.nan], "finite")],
+)
+def test_intervals_that_are_none_are_refused(start, words):
+    with pytest.raises(LoadingError, match=words):
+        PhaseIntervals(start, ["loading", "hold"])

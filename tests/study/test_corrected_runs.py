@@ -141,11 +141,11 @@ def test_corrections_of_a_picture_that_was_replaced_are_told(manifest: Path) -> 
     pictures["o1"].write_bytes(pictures["o2"].read_bytes())
     notes = run(manifest)[0].notes
     assert [note.split()[1] for note in notes] == ["o1"]
-    assert "another picture" in notes[0]
+    assert "another picture or force" in notes[0]
     decide(manifest, "o1", ELLIPSE)
     assert not run(manifest)[0].notes
     film = manifest.parent / "film"
     (film / "f8.png").write_bytes((film / "f9.png").read_bytes())
     notes = run(manifest)[0].notes
     assert [note.split()[1] for note in notes] == ["p#8"]
-    assert "another picture" in notes[0]
+    assert "another picture or force" in notes[0]

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import CORRECTIONS_NAME
-from fingerpad.study.corrections.log import CorrectionLog, frames_of, kind_of
+from fingerpad.study.corrections.items import frames_of, kind_of
+from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
 
 STUDY = Study.model_validate(
@@ -56,6 +57,8 @@ STUDY = Study.model_validate(
         ],
     }
 )
+STARTS = [{"phase": "loading", "start_s": 0.5}, {"phase": "hold", "start_s": 1.5}]
+PHASES = {"phases": {"starts": STARTS, "why": "slipped"}}
 STROKE = {"action": "add", "points_px": [[10.5, 20], [30, 40.25]], "radius_px": 5}
 
 
@@ -109,13 +112,17 @@ def test_nothing_said_is_the_programs_own(tmp_path):
 def test_items_of_all_kinds(tmp_path):
     log = CorrectionLog(tmp_path)
     said(log, "press#120", {"rejected": "blurred"})
+    said(log, "press#phases", PHASES)
     said(log, "f/a/p.jpg", {"tip": "left", "erased": [{"points_px": [[1, 1]], "radius_px": 3}]})
-    assert [kind_of(item, STUDY) for item in ("print_1", "press#120", "f/a/p.jpg")] == [
+    assert [kind_of(item, STUDY) for item in ("print_1", "press#120", "press#phases", "f/a/p.jpg")] == [
         "observation",
         "frame",
+        "phases",
         "photograph",
     ]
+    assert frames_of(log.active_corrections(), "press").keys() == {120}
     assert frames_of(log.active_corrections(), "press")[120].change.rejected == "blurred"
+    assert log.active_correction("press#phases").change.phases.starts[1].phase == "hold"
     assert log.active_correction("f/a/p.jpg").change.tip == "left"
 
 
@@ -154,6 +161,21 @@ BAD = {
     "key frame alone": ("press#4", {"key_frame": True}, "give ellipse_px"),
     "unknown action": ("print_1", {"strokes": [{**STROKE, "action": "smear"}]}, "action"),
     "minor first": ("print_1", {"ellipse_px": {"centre": [1, 1], "semi_axes": [3, 4]}}, "major one first"),
+    "phases of no film": ("print_1#phases", PHASES, "nothing that can be corrected"),
+    "phases backwards": (
+        "press#phases",
+        {"phases": {"starts": STARTS[::-1], "why": "slipped"}},
+        "loading at 0.5 s begins before hold at 1.5 s",
+    ),
+    "phases for no reason": ("press#phases", {"phases": {"starts": STARTS}}, "why"),
+    "no phases": ("press#phases", {"phases": {"starts": [], "why": "slipped"}}, "starts"),
+    "a phase of no press": (
+        "press#phases",
+        {"phases": {"starts": [{"phase": "sliding", "start_s": 1}], "why": "slipped"}},
+        "phase",
+    ),
+    "phases rejected": ("press#phases", {"rejected": "slipped"}, "rejected"),
+    "phases of a frame": ("press#4", PHASES, "phases: unknown key"),
     "both verdicts": ("print_1", {"accepted": True, "rejected": "x"}, "one of the two"),
     "no reason": ("print_1", {"rejected": "  "}, "rejected"),
     "no picture": ("given", {"threshold": 4}, "no picture to correct"),

@@ -97,6 +97,7 @@ def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
     ("text", "content"),
     [
         ("time_s,force_N,displacement_mm\n0,0,0\n", "loading curve"),
+        ("time_s,force_N,displacement_mm,trigger_V\n0,0,0,0\n", "force table"),
         ("Position;Force\n1,5;0,2\n", "loading curve"),
         ("time_s,force_N\n0,0\n", "force table"),
         ("x_mm,y_mm\n0,0\n", "outline"),
@@ -109,3 +110,19 @@ def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
     path = tmp_path / "data.csv"
     path.write_text(text)
     assert identify_file(path).content == content
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "is_sure"),
+    [
+        ("press_force.csv", "force table", False),
+        ("press.csv", "loading curve", True),
+        ("force_displacement.csv", "loading curve", True),
+    ],
+)
+def test_force_and_displacement_belong_to_a_film_if_the_name_says_force(
+    tmp_path, name, content, is_sure
+) -> None:
+    (tmp_path / name).write_text("time_s,force_N,displacement_mm\n0,0,0\n")
+    found = identify_file(tmp_path / name)
+    assert (found.content, found.is_sure) == (content, is_sure)

@@ -17,10 +17,14 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
+from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.sequences import film_key
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.status import study_status
 
 RATE = 20
 # Loading to frame 11, hold to 15, unloading; empty at either end.
@@ -296,3 +300,137 @@ def test_a_key_frame_needs_an_ellipse(film: Path) -> None:
         CorrectionLog(film).append(
             "p#5", {"key_frame": True}, who="anna", expected=0, study=read_study(film / "study.toml")
         )
+
+
+def test_the_key_of_a_film_changes_with_what_is_carried_and_with_nothing_else(film: Path) -> None:
+    (film / "study.toml").write_text(MANIFEST + FILM % ("p", CLOCK))
+    study = read_study(film / "study.toml")
+    sequence = study.sequences[0]
+
+    def key_of(**frames: dict) -> tuple[str, str]:
+        active = {
+            f"p#{name[1:]}": ActiveCorrection(
+                item=f"p#{name[1:]}", change=ContactCorrection(**change), who="anna", when=""
+            )
+            for name, change in frames.items()
+        }
+        edits = {frame: one.change.edits for frame, one in frame_corrections(active, "p").items()}
+        measured = repr(sorted((frame, edit) for frame, edit in edits.items() if edit))
+        return measured, film_key(sequence, RunContext.of(study, film, active, None))
+
+    ellipse = {"ellipse_px": {"centre": [50, 50], "semi_axes": [30, 20]}}
+    larger = {"ellipse_px": {"centre": [50, 50], "semi_axes": [40, 20]}}
+    key = {"key_frame": True}
+    cases = [
+        key_of(),
+        key_of(f2=ellipse),
+        key_of(f2=ellipse, f9=ellipse),
+        key_of(f2=ellipse | key, f9=ellipse | key),
+        key_of(f2=ellipse | key, f9=ellipse | key, f20={"accepted": True}),
+        key_of(f2=ellipse | key, f9=ellipse | key, f5={"accepted": True}),
+        key_of(f2=ellipse | key, f9=ellipse | key | {"accepted": True}),
+        key_of(f2=ellipse | key, f9=ellipse | key | {"rejected": "slipped"}),
+        key_of(f2=ellipse | key, f9=larger | key),
+        key_of(f2=ellipse | key, f9=larger | key, f5={"threshold": 40.0}),
+        key_of(f2=ellipse | key, f9=larger | key, f5=larger | key),
+    ]
+    for one in cases:
+        for other in cases:
+            assert (one[0] == other[0]) == (one[1] == other[1])
+
+
+PHASES = [("loading", 0.075), ("hold", 0.475), ("unloading", 0.925), ("after", 1.125)]
+
+
+def phases(*starts: tuple[str, float], why: str = "slipped at first") -> dict:
+    return {"phases": {"starts": [{"phase": phase, "start_s": start} for phase, start in starts], "why": why}}
+
+
+def test_phases_that_a_person_set_rule_and_are_reported_as_such(film: Path, plain: StudyResult) -> None:
+    run(film, ("p", CLOCK))
+    study, log = read_study(film / "study.toml"), CorrectionLog(film)
+    log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
+    result = run(film, ("p", CLOCK))
+    rows = {row["frame"]: row for row in result.rows}
+    # Frames are 0.05 s apart: the limits lie half-way between frames 1 and 2, 9 and 10, 18 and 19, 22 and 23.
+    for names, frames in (("loading", range(5, 10)), ("hold", range(10, 19)), ("unloading", range(19, 23))):
+        assert {rows[k]["phase"] for k in frames} == {names}
+    assert 23 not in rows
+    assert 23 in {row["frame"] for row in plain.rows}
+    assert {row["phase_decided_by"] for row in rows.values()} == {"anna"}
+    assert max(row["frame"] for row in rows.values() if row["pooled"]) == 9
+    assert max(row["frame"] for row in plain.rows if row["pooled"]) == 11
+    (record,) = summary_record(result)["sequences"]
+    assert record["phase_starts_s"] == [list(one) for one in PHASES]
+    assert (record["phases_decided_by"], record["phases_reason"]) == ("anna", "slipped at first")
+    assert record["phases_decided_at"] == log.history("p#phases").records[0].when
+    assert record["phases"]["hold"] == 9
+    text = write_report(result, film / "out").read_text(encoding="utf-8")
+    assert "phases set by hand by anna" in text
+    assert "hold from 0.475 s" in text
+    # Taken back, everything is as it was.
+    log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
+    after = run(film, ("p", CLOCK))
+    assert list(after.rows) == list(plain.rows)
+    assert summary_record(after)["sequences"][0]["phases_decided_by"] is None
+    assert "set by hand" not in write_report(after, film / "out").read_text(encoding="utf-8").replace(
+        "unless a person set them by hand", ""
+    )
+
+
+def test_phases_set_by_hand_measure_no_picture_again(film: Path) -> None:
+    run(film, ("p", CLOCK))
+    study, log = read_study(film / "study.toml"), CorrectionLog(film)
+    with Store.reading(film / "out" / STORE_NAME) as store:
+        before = {name: status.key for name, status in store.statuses().items()}
+    log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
+    assert study_status(film / "study.toml", film / "out").stale == 1
+    run(film, ("p", CLOCK))
+    with Store.reading(film / "out" / STORE_NAME) as store:
+        after = {name: status.key for name, status in store.statuses().items()}
+    assert {name for name in before if before[name] != after[name]} == {"p"}
+    assert study_status(film / "study.toml", film / "out").stale == 0
+
+
+def test_phases_of_a_force_that_was_replaced_are_told(film: Path) -> None:
+    run(film, ("p", CLOCK))
+    CorrectionLog(film).append(
+        "p#phases", phases(*PHASES), who="anna", expected=0, study=read_study(film / "study.toml")
+    )
+    assert run(film, ("p", CLOCK)).notes == ()
+    text = (film / "force.csv").read_text()
+    (film / "force.csv").write_text(text.replace("0.05,", "0.051,", 1))
+    (note,) = run(film, ("p", CLOCK)).notes
+    assert "p#phases was corrected on another picture or force" in note
+
+
+def write_force(folder: Path, displacement: np.ndarray) -> None:
+    rows = "\n".join(f"{k / RATE},{LOAD[k]},{displacement[k]}" for k in range(LOAD.size))
+    (folder / "force.csv").write_text(f"time_s,force_N,displacement_mm\n{rows}\n")
+
+
+# The platen moves up to the pad, presses it by Hertz's law, and goes back.
+DEPTH = 1.2 * (LOAD / 2) ** (2 / 3)
+AWAY = np.where(np.arange(LOAD.size) < 2, np.arange(LOAD.size) - 2.0, 0) * 0.1
+
+
+def test_a_displacement_gives_each_frame_its_indentation(film: Path, plain: StudyResult) -> None:
+    write_force(film, 7 + DEPTH + AWAY)
+    result = run(film, ("p", CLOCK))
+    for row in result.rows:
+        assert row["measured_indentation_mm"] == pytest.approx(DEPTH[row["frame"]], abs=0.02)
+    assert np.isnan(plain.rows.column("measured_indentation_mm")).all()
+    text = write_report(result, film / "out").read_text(encoding="utf-8")
+    assert "against the platen's displacement from the place of contact" in text
+    assert "indentation ξ" in (film / "out" / "figures" / "sequence_p_indentation.svg").read_text()
+    assert "platen's displacement" not in write_report(plain, film / "out").read_text(encoding="utf-8")
+
+
+def test_without_an_approach_there_is_no_indentation_but_a_note(film: Path, plain: StudyResult) -> None:
+    # The record begins in contact.
+    lines = [f"{k / RATE},{LOAD[k]},{DEPTH[k] + k / 1e4}" for k in range(4, LOAD.size)]
+    (film / "force.csv").write_text("time_s,force_N,displacement_mm\n" + "\n".join(lines) + "\n")
+    result = run(film, ("p", f"{CLOCK}\nstart_s = 0"))
+    assert not result.rows.known("measured_indentation_mm").any()
+    (note,) = [note for note in result.sequences[0].summary.notes if "indentation" in note]
+    assert "place of contact is unknown" in note

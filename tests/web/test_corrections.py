@@ -15,6 +15,7 @@ from tests.waiting import wait_until
 PRINT = "synthetic_30deg_2N"
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 FRAME = "synthetic_press_30deg#12"
+PHASES = {"phases": {"starts": [{"phase": "loading", "start_s": 0.1}], "why": "slipped"}}
 
 
 def correct(client, item, expected, change, who="ada"):
@@ -31,6 +32,7 @@ def now(client, item):
     [
         (PRINT, {"threshold": 40.0, "accepted": True}),
         (FRAME, {"rejected": "smeared"}),
+        ("synthetic_press_30deg#phases", PHASES),
         (PHOTO, {"ellipse_px": {"centre": [300.0, 300.0], "semi_axes": [230.0, 270.0]}}),
     ],
 )
@@ -52,6 +54,17 @@ def test_a_correction_is_saved_with_author_and_time_undone_and_redone(client, it
     assert (
         client.post("/api/corrections/redo", json=step | {"expected": redone["last_id"]}).status_code == 422
     )
+
+
+def test_phases_of_a_replaced_force_are_reported_until_they_are_set_again(client, studies_folder):
+    item = "synthetic_press_30deg#phases"
+    correct(client, item, 0, PHASES)
+    assert not now(client, item)["on_another_image"]
+    force = studies_folder / "demo" / "synthetic" / "synthetic_press_30deg_force.csv"
+    force.write_text(force.read_text() + "2,0,0\n")
+    assert now(client, item)["on_another_image"]
+    correct(client, item, now(client, item)["last_id"], PHASES)
+    assert not now(client, item)["on_another_image"]
 
 
 def test_the_state_shows_reviews(client):

@@ -23,7 +23,7 @@ from fingerpad.figures.results import (
     plot_corrected_radius,
 )
 from fingerpad.figures.section import mark_receptors, plot_contact_pressure, plot_section, section_figure
-from fingerpad.figures.sequence import plot_press
+from fingerpad.figures.sequence import plot_area_against_indentation, plot_press
 from fingerpad.figures.style import figure_svg, new_figure, save_figure
 from fingerpad.figures.svg import panels_svg, save_panels
 from fingerpad.figures.uncertainty import plot_uncertainty_budget
@@ -37,6 +37,7 @@ __all__ = [
     "new_panels",
     "panels_svg",
     "plot_agreement",
+    "plot_area_against_indentation",
     "plot_area_against_load",
     "plot_aspect_ratio",
     "plot_contact_compliance",

@@ -83,6 +83,54 @@ def plot_press(
     return axes
 
 
+@in_style
+def plot_area_against_indentation(
+    axes: AnyAxes,
+    indentation: ArrayLike,
+    area: ArrayLike,
+    *,
+    phase: npt.ArrayLike,
+    synthetic: bool = False,
+) -> AnyAxes:
+    """Draw the contact area of the frames of a press against the measured indentation.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    indentation, area : array_like, shape (n,)
+        Indentation (mm) and contact area (mm²) of each frame.
+    phase : array_like of str, shape (n,)
+        ``loading``, ``hold`` or ``unloading``.
+    synthetic : bool
+        Whether the frames are rendered: hollow.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> axes = plot_area_against_indentation(axes, [0.1, 0.4], [9, 32], phase=["loading", "loading"])
+    >>> axes.get_xlabel()
+    'measured indentation ξ (mm)'
+    """
+    xi, A = broadcast(indentation, area)
+    _draw(axes, xi, A, np.asarray(phase), hollow=synthetic)
+    axes.set_xlabel("measured indentation ξ (mm)")
+    axes.set_ylabel("contact area A (mm²)")
+    axes.margins(y=0.12)
+    axes.set_ylim(bottom=0)
+    axes.set_xlim(left=min(0.0, float(xi.min())) if xi.size else 0.0)
+    if xi.size:
+        legend_above(axes, columns=3)
+    if synthetic:
+        mark_synthetic(axes)
+    return axes
+
+
 def _draw(
     axes: AnyAxes,
     x: FloatArray,

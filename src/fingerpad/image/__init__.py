@@ -50,17 +50,11 @@ from fingerpad.image.read import Picture, read_image
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.alignment import alignment_scatter
 from fingerpad.image.sequence.clock import frame_clock
-from fingerpad.image.sequence.force import (
-    ForceSignal,
-    FrameClock,
-    FrameRate,
-    FrameStamps,
-    read_force_signal,
-    read_frame_stamps,
-)
+from fingerpad.image.sequence.force import ForceSignal, FrameClock, FrameRate, FrameStamps
+from fingerpad.image.sequence.force_tables import read_force_signal, read_frame_stamps
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
 from fingerpad.image.sequence.measure import assign_times, measure_frames, measure_sequence
-from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
+from fingerpad.image.sequence.phases import PHASES, Phase, PhaseIntervals, phase_intervals, phases_of
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
 from fingerpad.image.sequence.settings import (
     SequenceSettings,
@@ -101,6 +95,7 @@ __all__ = [
     "OutlineFit",
     "OutlineSemiAxes",
     "Phase",
+    "PhaseIntervals",
     "PhotographFit",
     "Picture",
     "PlaneEllipse",
@@ -136,6 +131,7 @@ __all__ = [
     "measure_photograph",
     "measure_sequence",
     "open_frames",
+    "phase_intervals",
     "phases_of",
     "photograph_from_ellipse",
     "photograph_from_handles",

@@ -5,6 +5,7 @@ import io
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -22,6 +23,7 @@ from fingerpad.report.plot import Plot, save_plot
 from fingerpad.report.plots import (
     MOST_POINTS,
     agreement_plots,
+    area_indentation_plot,
     budget_plot,
     curve_plots,
     loading_radius_of,
@@ -42,6 +44,7 @@ from fingerpad.report.text import (
     face_differences,
     in_words,
     percent,
+    phase_words,
     pooling_words,
     probability,
 )
@@ -100,6 +103,7 @@ def write_page(
         "face_differences": face_differences,
         "probability": probability,
         "percent": percent,
+        "phases": phase_words,
         # Read as the page is written: all together they would take more memory than all rows.
         "drawing": _drawing,
         "picture": lambda overlay: _picture(overlays / overlay),
@@ -265,7 +269,8 @@ def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
     drawn = set(np.linspace(0, len(films) - 1, min(len(films), _MOST_PRESSES)).round().astype(int).tolist())
     pictures = _share(_MOST_PICTURES, len(films))
     for number, (film, frames) in enumerate(films):
-        figures = draw(press_plot(film, frames)) if number in drawn else []
+        plots = chain(press_plot(film, frames), area_indentation_plot(film, frames))
+        figures = draw(plots) if number in drawn else []
         shown.append(
             {
                 "film": film,

@@ -9,6 +9,7 @@ from fingerpad._files import file_stem
 from fingerpad.contact import HertzGeometry
 from fingerpad.figures import (
     plot_agreement,
+    plot_area_against_indentation,
     plot_area_against_load,
     plot_aspect_ratio,
     plot_corrected_radius,
@@ -24,7 +25,7 @@ from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.study_result import StudyResult
@@ -232,13 +233,40 @@ def press_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
         semi_minor=rows.column("semi_minor_mm"),
         synthetic=synthetic,
     )
+    by_hand = " Phases were set by hand." if film.phases else ""
     some = "" if len(rows) == len(seen) else f" {len(rows)} of {len(seen)} frames are drawn."
     yield Plot(
         name=f"sequence_{file_stem(of.name)}{'_synthetic' if synthetic else ''}",
         figure=figure,
         caption=(
             f"Contact area and semi-axes against time and against force ({of.name}, {of.finger}, wedge "
-            f"{of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}).{some}"
+            f"{of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}).{by_hand}{some}"
+        ),
+    )
+
+
+def area_indentation_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
+    """Draw area against measured indentation of one sequence, where a displacement was recorded."""
+    seen = frames.at(frames.known("gross_area_mm2") & frames.known("measured_indentation_mm"))
+    if not seen:
+        return
+    of, rows = film.manifest, thinned(seen, _MOST_FRAMES)
+    figure, (axes,) = new_panels()
+    synthetic = bool(rows[0]["synthetic"])
+    plot_area_against_indentation(
+        axes,
+        rows.column("measured_indentation_mm"),
+        rows.column("gross_area_mm2"),
+        phase=rows.column("phase").tolist(),
+        synthetic=synthetic,
+    )
+    yield Plot(
+        name=f"sequence_{file_stem(of.name)}_indentation{'_synthetic' if synthetic else ''}",
+        figure=figure,
+        caption=(
+            f"Contact area against the platen's displacement from the place of contact ({of.name}, "
+            f"{of.finger}, wedge {of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}); the stage is "
+            "taken as rigid."
         ),
     )
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 from fingerpad.image import OutlineSemiAxes
+from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED
@@ -53,6 +54,21 @@ _AXIS_WORDS: Final[Mapping[str, str]] = {
 def in_words(codes: str, words: Mapping[str, str]) -> list[str]:
     """Return the remark for each of the codes, which are separated by spaces."""
     return [words.get(code, code) for code in codes.split()]
+
+
+def phase_words(phases: ManualPhases) -> str:
+    """Say who set the phases of a sequence by hand, where, and why.
+
+    Examples
+    --------
+    >>> from fingerpad.study.corrections.changes import PhaseDecision
+    >>> starts = [{"phase": "loading", "start_s": 0.25}, {"phase": "hold", "start_s": 1}]
+    >>> decision = PhaseDecision(starts=starts, why="slipped at first")
+    >>> phase_words(ManualPhases(decision, "Ada", "2026-05-04T10:00:00.000Z"))
+    'phases set by hand by Ada on 2026-05-04: loading from 0.25 s, hold from 1 s (slipped at first)'
+    """
+    starts = ", ".join(f"{one.phase} from {one.start_s:.4g} s" for one in phases.decision.starts)
+    return f"phases set by hand by {phases.who} on {phases.when[:10]}: {starts} ({phases.decision.why})"
 
 
 def pooling_words(row: Mapping[str, Any]) -> str:

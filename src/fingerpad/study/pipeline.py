@@ -13,7 +13,8 @@ from typing import Final, TypeAlias
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError, ManifestError, StoreError
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
-from fingerpad.study.corrections.log import CorrectionLog, image_of, on_another_image
+from fingerpad.study.corrections.items import image_of, on_another_image
+from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.executors import Executor, executor_for, local_executor
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.study.engine.progress import Progress
@@ -23,7 +24,8 @@ from fingerpad.study.engine.task import Task
 from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.run import Measured, drawn_for, measure_study
-from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
+from fingerpad.study.measuring.sequence_result import frames_beyond
+from fingerpad.study.measuring.sequences import corrected_frames
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.result_set import (
@@ -43,7 +45,7 @@ ReportWriter: TypeAlias = Callable[[StudyResult, Path, Draw, Callable[[str], Non
 # No finger pad is pressed with more.
 _MOST_N: Final = 100.0
 _REPLACED: Final = (
-    f"{CORRECTIONS_NAME}: {{}} was corrected on another picture than is there now: look at it again"
+    f"{CORRECTIONS_NAME}: {{}} was corrected on another picture or force than is there now: look at it again"
 )
 _NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: what was decided about it has no effect"
 _DAMAGED: Final = f"{STORE_NAME}: the stored result of {{}} was damaged and is measured again"

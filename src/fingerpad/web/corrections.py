@@ -10,7 +10,8 @@ from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection, Record
-from fingerpad.study.corrections.log import CorrectionLog, kind_of, on_another_image
+from fingerpad.study.corrections.items import kind_of, on_another_image
+from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.corrections.similar import similar_images, with_settings_of
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Person

@@ -20,6 +20,8 @@ _OF_FRAMES: Final = (
     "status",
     "flags",
     "phase",
+    "phase_decided_by",
+    "measured_indentation_mm",
     "time_s",
     "load_N",
     "gross_area_mm2",

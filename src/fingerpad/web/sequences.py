@@ -8,7 +8,7 @@ from pydantic import Field
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import ForceSignal, alignment_scatter, read_force_signal
+from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, read_force_signal
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.web import answers
@@ -41,10 +41,14 @@ def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]
     found = last_results(opened)
     rows = list(found.frames(sequence.name).items()) if found else []
     timed = [(frame, row) for frame, row in rows if row["time_s"] is not None]
-    drawn = _extremes(force)
+    drawn, found_phases = _extremes(force), phase_intervals(force.time, force.load)
     return {
         "time_s": force.time[drawn].tolist(),
         "load_N": force.load[drawn].tolist(),
+        "phases": [
+            {"phase": phase, "start_s": start}
+            for phase, start in zip(found_phases.phase, found_phases.start.tolist(), strict=True)
+        ],
         **_alignment(sequence, force, [frame for frame, _ in timed], [row for _, row in timed]),
     }
 

@@ -17,8 +17,8 @@ from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, ActiveCorrection
+from fingerpad.study.corrections.items import frames_of
 from fingerpad.study.corrections.key_frames import InterpolatedCorrection, frame_corrections
-from fingerpad.study.corrections.log import frames_of
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
@@ -38,6 +38,10 @@ from fingerpad.web.study_session import StudySession, table_content
 from fingerpad.web.workspace import Workspace
 
 _UNREADABLE: Final = (OSError, StoreError)
+_OF_FRAMES: Final = (
+    *("phase", "phase_decided_by", "time_s", "load_N"),
+    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
+)
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
     "photograph_flags": dict(PHOTOGRAPH_FLAGS),
@@ -353,7 +357,7 @@ def _frame(
         "frame": number,
         "status": known.get("status", "none"),
         "flags": (known.get("flags") or "").split(),
-        **{key: known.get(key) for key in ("phase", "time_s", "load_N", "gross_area_mm2", "aspect_ratio")},
+        **{key: known.get(key) for key in _OF_FRAMES},
         "pooled": bool(known.get("pooled")),
         "interpolated": active_correction is not None
         and isinstance(active_correction.change, InterpolatedCorrection),

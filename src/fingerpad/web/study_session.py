@@ -11,7 +11,7 @@ from urllib.parse import quote
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
-from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
+from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, sequence_of_phases
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.checklist import Missing, missing
@@ -255,6 +255,8 @@ class StudySession:
 
     def shape_of(self, item: str) -> tuple[int, int] | None:
         """Return rows and columns of an item's image, None where it has none."""
+        if sequence_of_phases(item) is not None:
+            return None
         if "/" not in item and "#" not in item and self._named("observation", item, "file") is None:
             return None
         place = self.place_of(item)
@@ -266,8 +268,14 @@ class StudySession:
         return self._digests.get((path, _stamp_of(path)), lambda: digest_of(path))
 
     def picture_digest(self, item: str) -> str:
-        """Return the SHA-256 of an item's picture file, or of a frame's pixels; empty where it has none."""
+        """Return the SHA-256 of an item's file, of a frame's pixels, or of the force whose phases it is.
+
+        It is empty where there is none.
+        """
         try:
+            if (sequence := sequence_of_phases(item)) is not None:
+                force = self._named("sequence", sequence, "force")
+                return "" if force is None else self.digest(self.file(force))
             place = self.place_of(item)
             if place.frame is None:
                 return self.digest(place.path)

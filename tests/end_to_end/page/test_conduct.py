@@ -30,6 +30,7 @@ STEPS = {
     "scale": ".scale-item",
     "photographs": "[data-live=finger]",
     "contacts": "[data-live=numbers]",
+    "contacts/film:synthetic_press_30deg": ".limits .limit",
     "pad": "[data-live=u]",
     "results": ".chart .point",
     "results/table": "tbody tr",

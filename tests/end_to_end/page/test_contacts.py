@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import (
     DEMO,
     PRINTS,
@@ -422,3 +423,49 @@ def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
     page.get_by_text("The alignment is saved").wait_for()
     (press,) = tomllib.loads((demo / "study.toml").read_text())["sequences"]
     assert 0.05 < press["start_s"] < 0.3
+
+
+def test_limits_of_phases_are_moved_by_hand(tab: Tab, demo) -> None:
+    page = tab.open("contacts/film:synthetic_press_30deg")
+    numbers(page)
+    hold = page.get_by_role("slider", name="Start of hold")
+    found = float(hold.get_attribute("aria-valuenow"))
+    log = demo / "corrections.jsonl"
+    drag(page, hold, 40, 0)
+    page.get_by_text("Phases set by hand by").wait_for()
+    moved = float(hold.get_attribute("aria-valuenow"))
+    assert moved > found + 0.05
+    record = json.loads(log.read_text().splitlines()[-1])
+    assert (record["item"], record["change"]["phases"]["why"]) == (
+        "synthetic_press_30deg#phases",
+        "after a look at force and area",
+    )
+    assert {one["phase"]: one["start_s"] for one in record["change"]["phases"]["starts"]}["hold"] == moved
+    # By keys, no further than the next limit.
+    hold.focus()
+    hold.press("ArrowLeft")
+    hold.press("ArrowLeft")
+    hold.press("Tab")
+    page.wait_for_function("document.querySelectorAll('.limits .limit').length === 4")
+    earlier = float(hold.get_attribute("aria-valuenow"))
+    assert moved - 0.15 < earlier < moved
+    hold.press("End")
+    hold.blur()
+    ends = page.get_by_role("slider", name="Start of unloading").get_attribute("aria-valuenow")
+    assert hold.get_attribute("aria-valuenow") == ends
+    reason = page.get_by_label("Reason of the phases")
+    reason.fill("the pad slipped")
+    reason.press("Enter")
+    page.wait_for_function("document.activeElement.value === 'the pad slipped'")
+    page.get_by_role("button", name="Undo the change of phases").click()
+    page.get_by_role("button", name="Undo the change of phases").click()
+    expect(hold).to_have_attribute("aria-valuenow", str(earlier))
+    # What was done, and can be undone and redone, outlives the page.
+    page.reload()
+    numbers(page)
+    expect(hold).to_have_attribute("aria-valuenow", str(earlier))
+    page.get_by_role("button", name="Redo the change of phases").click()
+    expect(hold).to_have_attribute("aria-valuenow", ends)
+    page.get_by_role("button", name="Reset the phases to automatic").click()
+    expect(hold).to_have_attribute("aria-valuenow", str(found))
+    page.get_by_text("Phases follow from the force").wait_for()

@@ -1,6 +1,7 @@
 """The page on small screens: at 390 px, and at 1366 px with 200 %, which are 683."""
 
 import pytest
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, numbers
 
 STEPS = ("study", "scale", "photographs", "contacts", "pad", "results", "run")
@@ -21,8 +22,32 @@ def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab, wi
         box = page.locator("[aria-current=step]").bounding_box()
         assert box["x"] >= 0, step
         assert box["x"] + box["width"] <= width, step
+    # What a column of the study's tables holds is named beside it, not beyond the edge.
+    example_tab.go("study")
+    tables = page.locator(".study-grid .table-wrap")
+    tables.first.wait_for()
+    assert all(
+        each.evaluate("one => one.scrollWidth <= one.clientWidth")
+        for each in tables.all()
+        if each.is_visible()
+    )
     example_tab.go("contacts/images/contact_1N")
     numbers(page)
     assert page.locator(".stage").bounding_box()["width"] > 0.95 * width
     page.get_by_role("button", name="Accept and next").click()
     page.get_by_role("heading", name="contact_2N").wait_for()
+
+
+def test_tables_of_the_study_fit_beside_what_is_shared(example_tab: Tab) -> None:
+    page = example_tab.open()
+    page.set_viewport_size({"width": 1280, "height": 800})
+    page.locator(".study-grid .table-wrap").first.wait_for()
+    for each in page.locator(".study-grid .table-wrap").all():
+        assert each.evaluate("one => one.scrollWidth <= one.clientWidth"), each.get_attribute("aria-label")
+
+
+@pytest.mark.parametrize(("width", "size"), [(1366, "11.06px"), (2560, "13.43px")])
+def test_text_is_larger_on_the_widest_screens(example_tab: Tab, width: int, size: str) -> None:
+    page = example_tab.open()
+    page.set_viewport_size({"width": width, "height": 800})
+    expect(page.locator(".step-state").first).to_have_css("font-size", size)

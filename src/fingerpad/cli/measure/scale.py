@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import wraps
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
 import typer
 
@@ -14,7 +14,12 @@ from fingerpad.exceptions import CalibrationError
 if TYPE_CHECKING:
     from fingerpad.image import Scale
 
-WAYS = "either --ppi, --mm-per-px, --scale-line or --coin"
+WAYS = "either --ppi, --mm-per-px, --scale-line, --scale-circle, --coin or --grid"
+
+_Std: TypeAlias = Annotated[float | None, typer.Option(min=0, help="Its standard uncertainty.")]
+_PointStd: TypeAlias = Annotated[
+    float | None, typer.Option(min=0, help="Standard uncertainty of each point, px.")
+]
 
 
 def takes_scale(command: Callable[..., None]) -> Callable[..., None]:
@@ -49,80 +54,186 @@ def scale_of_flags(
         typer.Option(metavar="R0,C0,R1,C1", help="Scale from a line of known length: its two ends, px."),
     ] = None,
     line_mm: Annotated[float | None, typer.Option(min=1e-6, help="Length of that line.")] = None,
-    line_mm_std: Annotated[float | None, typer.Option(min=0, help="Its standard uncertainty.")] = None,
-    line_px_std: Annotated[
-        float | None, typer.Option(min=0, help="Standard uncertainty of each end along the line, px.")
+    line_mm_std: _Std = None,
+    line_px_std: _PointStd = None,
+    scale_circle: Annotated[
+        str | None,
+        typer.Option(
+            metavar="R0,C0,R1,C1,R2,C2",
+            help="Scale from a circle of known diameter: three points on its rim, px.",
+        ),
     ] = None,
+    circle_mm: Annotated[float | None, typer.Option(min=1e-6, help="Diameter of that circle.")] = None,
+    circle_mm_std: _Std = None,
+    circle_px_std: _PointStd = None,
     coin: Annotated[
         Path | None, typer.Option(help="Scale from a coin: a picture of it, taken like those to measure.")
     ] = None,
     coin_mm: Annotated[float | None, typer.Option(min=1e-6, help="Diameter of that coin.")] = None,
-    coin_mm_std: Annotated[float | None, typer.Option(min=0, help="Its standard uncertainty.")] = None,
+    coin_mm_std: _Std = None,
+    grid: Annotated[
+        Path | None, typer.Option(help="Scale from a checkerboard or a grid of dots: a picture of it.")
+    ] = None,
+    grid_points: Annotated[
+        str | None,
+        typer.Option(metavar="DOWN,ACROSS", help="Number of its inner corners, or of its dots."),
+    ] = None,
+    grid_spacing_mm: Annotated[
+        float | None, typer.Option(min=1e-6, help="Distance of neighbouring points.")
+    ] = None,
+    grid_spacing_mm_std: _Std = None,
+    grid_pattern: Annotated[
+        str | None, typer.Option(help="What it consists of: checkerboard (default) or dots.")
+    ] = None,
 ) -> "Scale | None":
     """Return the scale that the flags give, None for none."""
-    from fingerpad.image import Scale
-
-    ways = {"--ppi": ppi, "--mm-per-px": mm_per_px, "--scale-line": scale_line, "--coin": coin}
-    given = [flag for flag, value in ways.items() if value is not None]
-    if len(given) > 1:
-        raise CalibrationError(f"give {WAYS}, found {' and '.join(given)}")
-    way = given[0] if given else None
-    _refuse_idle(way, ("--ppi", "--mm-per-px"), {"--scale-relative-std": scale_relative_std})
-    lengths = {"--line-mm": line_mm, "--line-mm-std": line_mm_std, "--line-px-std": line_px_std}
-    _refuse_idle(way, ("--scale-line",), lengths)
-    _refuse_idle(way, ("--coin",), {"--coin-mm": coin_mm, "--coin-mm-std": coin_mm_std})
-    relative = scale_relative_std or 0.0
-    if ppi is not None:
-        return Scale.of_ppi(ppi, ppi * relative)
-    if mm_per_px is not None:
-        return Scale(mm_per_px, mm_per_px * relative)
-    if scale_line is not None:
-        return _of_line(scale_line, line_mm, line_mm_std or 0.0, line_px_std or 0.0)
-    return None if coin is None else _of_coin(coin, coin_mm, coin_mm_std or 0.0)
+    given = {name: value for name, value in locals().items() if value is not None}
+    ways = [flag for flag in _WAYS if _name(flag) in given]
+    if len(ways) > 1:
+        raise CalibrationError(f"give {WAYS}, found {' and '.join(ways)}")
+    way = ways[0] if ways else None
+    _refuse_idle(way, given)
+    return None if way is None else _WAYS[way](given)
 
 
-def _refuse_idle(way: str | None, ways: tuple[str, ...], flags: Mapping[str, object]) -> None:
+def _name(flag: str) -> str:
+    """Return the name of a flag's parameter."""
+    return flag.removeprefix("--").replace("-", "_")
+
+
+def _refuse_idle(way: str | None, given: Mapping[str, Any]) -> None:
     """Refuse flags that belong to another way than the one given."""
-    idle = [flag for flag, value in flags.items() if value is not None]
-    if idle and way not in ways:
-        found = f"beside {way}" if way else "alone"
-        raise CalibrationError(f"{idle[0]} belongs to {' or '.join(ways)}, found it {found}")
+    for ways, flags in _BELONGING.items():
+        idle = [flag for flag in flags if _name(flag) in given]
+        if idle and way not in ways:
+            found = f"beside {way}" if way else "alone"
+            raise CalibrationError(f"{idle[0]} belongs to {' or '.join(ways)}, found it {found}")
 
 
-def _of_line(line: str, length_mm: float | None, length_mm_std: float, point_px_std: float) -> "Scale":
+def _need(given: Mapping[str, Any], flag: str, what: str, way: str) -> Any:
+    """Return the value of a flag that a way cannot do without."""
+    if _name(flag) not in given:
+        raise CalibrationError(f"{way} needs {what}: give {flag}")
+    return given[_name(flag)]
+
+
+def _points(flag: str, text: str, count: int) -> list[tuple[float, float]]:
+    """Return points (row, column) of a flag, px."""
+    numbers = numbers_of(flag, text, 2 * count)
+    if min(numbers) < 0:
+        raise CalibrationError(f"{flag} must lie in the picture, found {text}")
+    return list(zip(numbers[::2], numbers[1::2], strict=True))
+
+
+def _of_ppi(given: Mapping[str, Any]) -> "Scale":
     from fingerpad.image import Scale
 
-    row, column, end_row, end_column = numbers_of("--scale-line", line, 4)
-    if min(row, column, end_row, end_column) < 0:
-        raise CalibrationError(f"--scale-line must lie in the picture, found {line}")
-    if length_mm is None:
-        raise CalibrationError("--scale-line needs the line's length: give --line-mm")
+    return Scale.of_ppi(given["ppi"], given["ppi"] * given.get("scale_relative_std", 0.0))
+
+
+def _of_pitch(given: Mapping[str, Any]) -> "Scale":
+    from fingerpad.image import Scale
+
+    return Scale(given["mm_per_px"], given["mm_per_px"] * given.get("scale_relative_std", 0.0))
+
+
+def _of_line(given: Mapping[str, Any]) -> "Scale":
+    from fingerpad.image import Scale
+
+    start, end = _points("--scale-line", given["scale_line"], 2)
+    length_mm = _need(given, "--line-mm", "the line's length", "--scale-line")
     try:
         return Scale.of_line(
             length_mm,
-            (row, column),
-            (end_row, end_column),
-            length_mm_std=length_mm_std,
-            point_px_std=point_px_std,
+            start,
+            end,
+            length_mm_std=given.get("line_mm_std", 0.0),
+            point_px_std=given.get("line_px_std", 0.0),
         )
     except CalibrationError as error:
         raise CalibrationError(f"--scale-line, --line-mm: {error}") from error
 
 
-def _of_coin(picture: Path, diameter_mm: float | None, diameter_mm_std: float) -> "Scale":
+def _of_circle(given: Mapping[str, Any]) -> "Scale":
+    from fingerpad.image import Scale
+
+    points = _points("--scale-circle", given["scale_circle"], 3)
+    diameter_mm = _need(given, "--circle-mm", "the circle's diameter", "--scale-circle")
+    try:
+        return Scale.of_circle(
+            diameter_mm,
+            points,
+            diameter_mm_std=given.get("circle_mm_std", 0.0),
+            point_px_std=given.get("circle_px_std", 0.0),
+        )
+    except CalibrationError as error:
+        raise CalibrationError(f"--scale-circle, --circle-mm: {error}") from error
+
+
+def _of_coin(given: Mapping[str, Any]) -> "Scale":
     from fingerpad.image import measure_coin, read_image
 
-    if diameter_mm is None:
-        raise CalibrationError("--coin needs the coin's diameter: give --coin-mm")
+    picture: Path = given["coin"]
+    diameter_mm = _need(given, "--coin-mm", "the coin's diameter", "--coin")
     pixels = read_image(picture).pixels
     try:
         coin = measure_coin(pixels)
     except CalibrationError as error:
         raise CalibrationError(f"--coin {picture}: {error}") from error
     try:
-        scale = coin.scale(diameter_mm, diameter_mm_std)
+        scale = coin.scale(diameter_mm, given.get("coin_mm_std", 0.0))
     except CalibrationError as error:
         raise CalibrationError(f"--coin-mm: {error}") from error
     if "shadow" in coin.flags:
         typer.echo(f"note: {picture}: a shadow beside the coin may make the scale too small", err=True)
     return scale
+
+
+def _of_grid(given: Mapping[str, Any]) -> "Scale":
+    from fingerpad.image import measure_grid, read_image
+
+    picture: Path = given["grid"]
+    text = _need(given, "--grid-points", "its points down and across", "--grid")
+    down, across = numbers_of("--grid-points", text, 2)
+    if not (down.is_integer() and across.is_integer() and min(down, across) >= 3):
+        raise CalibrationError(f"--grid-points takes two whole numbers, 3 or more each, found {text}")
+    spacing_mm = _need(given, "--grid-spacing-mm", "the distance of its points", "--grid")
+    pattern = given.get("grid_pattern", "checkerboard")
+    if pattern not in {"checkerboard", "dots"}:
+        raise CalibrationError(f"--grid-pattern must be checkerboard or dots, found {pattern!r}")
+    pixels = read_image(picture).pixels
+    try:
+        grid = measure_grid(
+            pixels,
+            (int(down), int(across)),
+            spacing_mm,
+            spacing_mm_std=given.get("grid_spacing_mm_std", 0.0),
+            pattern=pattern,
+        )
+    except CalibrationError as error:
+        raise CalibrationError(f"--grid {picture}: {error}") from error
+    for flag in grid.flags:
+        typer.echo(f"note: {picture}: {_GRID_NOTES[flag]}", err=True)
+    return grid.scale
+
+
+# The ways to give a scale; each takes the flags that were given, by their parameters' names.
+_WAYS: Final[Mapping[str, Callable[[Mapping[str, Any]], "Scale"]]] = {
+    "--ppi": _of_ppi,
+    "--mm-per-px": _of_pitch,
+    "--scale-line": _of_line,
+    "--scale-circle": _of_circle,
+    "--coin": _of_coin,
+    "--grid": _of_grid,
+}
+_BELONGING: Final[Mapping[tuple[str, ...], tuple[str, ...]]] = {
+    ("--ppi", "--mm-per-px"): ("--scale-relative-std",),
+    ("--scale-line",): ("--line-mm", "--line-mm-std", "--line-px-std"),
+    ("--scale-circle",): ("--circle-mm", "--circle-mm-std", "--circle-px-std"),
+    ("--coin",): ("--coin-mm", "--coin-mm-std"),
+    ("--grid",): ("--grid-points", "--grid-spacing-mm", "--grid-spacing-mm-std", "--grid-pattern"),
+}
+_GRID_NOTES: Final[Mapping[str, str]] = {
+    "tilted": "the grid is tilted: the scale differs over the picture, which is in its uncertainty",
+    "bent": "the lens bends the grid, which is in the uncertainty of the scale",
+}

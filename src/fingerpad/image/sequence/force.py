@@ -1,22 +1,16 @@
 """A force signal: its samples, and the clock of the frames on its time."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from os import PathLike
-from pathlib import Path
 from typing import Self, TypeAlias
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
-from fingerpad._columns import read_columns
 from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
 _MIN_SAMPLES = 2
-# A signal that goes so many times further below zero than above has the wrong sign.
-_REVERSED = 2.0
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -31,6 +25,9 @@ class ForceSignal(Displayed):
         Normal force W, N, from the instrument's own zero, positive in compression.
     trigger : array_like or None, (n,)
         Level of the line that starts the camera, V, where it was recorded.
+    displacement : array_like or None, (n,)
+        Displacement of the platen, mm, growing into the pad, from the instrument's own zero, where it was
+        recorded.
 
     Raises
     ------
@@ -48,12 +45,20 @@ class ForceSignal(Displayed):
     time: FloatArray
     load: FloatArray
     trigger: FloatArray | None
+    displacement: FloatArray | None
 
-    def __init__(self, time: ArrayLike, load: ArrayLike, trigger: ArrayLike | None = None) -> None:
-        time, load = as_float_array(time), as_float_array(load)
-        channels = {"time": time, "load": load} | (
-            {} if trigger is None else {"trigger": as_float_array(trigger)}
-        )
+    def __init__(
+        self,
+        time: ArrayLike,
+        load: ArrayLike,
+        trigger: ArrayLike | None = None,
+        displacement: ArrayLike | None = None,
+    ) -> None:
+        given = {"time": time, "load": load, "trigger": trigger, "displacement": displacement}
+        channels = {name: as_float_array(values) for name, values in given.items() if values is not None}
+        time = channels["time"]
+        if time.ndim == 1 and time.size < _MIN_SAMPLES:
+            raise LoadingError(f"a signal over time needs {_MIN_SAMPLES} samples or more, found {time.size}")
         for name, values in channels.items():
             if values.ndim != 1 or values.size < _MIN_SAMPLES or values.shape != time.shape:
                 raise LoadingError(
@@ -65,7 +70,7 @@ class ForceSignal(Displayed):
                     f"{name} is not finite at sample {_first(~np.isfinite(values))}: fill it or cut it off"
                 )
         _require_increasing(time, "time")
-        set_fields(self, time=time, load=load, trigger=channels.get("trigger"))
+        set_fields(self, **{name: channels.get(name) for name in given})
 
     @property
     def span(self) -> tuple[float, float]:
@@ -86,6 +91,25 @@ class ForceSignal(Displayed):
             N, NaN outside the signal.
         """
         found = np.interp(as_float_array(time), self.time, self.load, left=np.nan, right=np.nan)
+        return np.asarray(found)[()]
+
+    def displacement_at(self, time: ArrayLike) -> FloatArray:
+        """Return the displacement at some times by linear interpolation.
+
+        Parameters
+        ----------
+        time : array_like
+            s.
+
+        Returns
+        -------
+        ndarray
+            mm, NaN outside the signal and where none was recorded.
+        """
+        time = as_float_array(time)
+        if self.displacement is None:
+            return np.full(time.shape, np.nan)[()]
+        found = np.interp(time, self.time, self.displacement, left=np.nan, right=np.nan)
         return np.asarray(found)[()]
 
     def trigger_time(self) -> float:
@@ -284,89 +308,6 @@ class FrameStamps(Displayed):
 
 
 FrameClock: TypeAlias = FrameRate | FrameStamps
-
-
-def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> ForceSignal:
-    r"""Read a force signal from a CSV file with columns like ``time_s, force_N`` and perhaps ``trigger_V``.
-
-    Parameters
-    ----------
-    path : path-like
-        The CSV file, with a header line that names quantities and units.
-    columns : mapping, optional
-        From a quantity (``time``, ``force``, ``trigger``) to ``"HEADER:UNIT"`` where headers differ.
-
-    Returns
-    -------
-    ForceSignal
-        In s and N.
-
-    Raises
-    ------
-    LoadingError
-        If the file cannot be read, a column is missing or has an unknown unit, a cell is not a finite
-        number, time does not increase, or the force has no range or the wrong sign.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder, "force.csv")
-    ...     _ = path.write_text("time_s,force_mN\n0,0\n0.1,500\n0.2,2000\n")
-    ...     read_force_signal(path).load
-    array([0. , 0.5, 2. ])
-    """
-    path = Path(path)
-    found = read_columns(path, ("time", "force"), ("trigger",), columns=columns)
-    try:
-        signal = ForceSignal(found["time"], found["force"], found.get("trigger"))
-    except LoadingError as error:
-        raise LoadingError(f"{path}: {error}") from error
-    low, high = float(signal.load.min()), float(signal.load.max())
-    if low == high:
-        raise LoadingError(f"{path}: the force is {low:g} N throughout; a press needs a range of it")
-    if -low > _REVERSED * max(high, 0.0):
-        raise LoadingError(
-            f"{path}: the force goes down to {low:g} N and up to {high:g} N only; it is positive in "
-            "compression: reverse its sign"
-        )
-    return signal
-
-
-def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> FrameStamps:
-    r"""Read the time of each frame from a CSV file with a column like ``time_s``, one row for each frame.
-
-    Parameters
-    ----------
-    path : path-like
-        The CSV file, with a header line.
-    columns : mapping, optional
-        ``{"time": "HEADER:UNIT"}`` where the header differs.
-
-    Returns
-    -------
-    FrameStamps
-        In s.
-
-    Raises
-    ------
-    LoadingError
-        If the file cannot be read, has no such column, or time does not increase.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder, "stamps.csv")
-    ...     _ = path.write_text("time_ms\n0\n40\n80\n")
-    ...     read_frame_stamps(path).time
-    array([0.  , 0.04, 0.08])
-    """
-    path = Path(path)
-    try:
-        return FrameStamps(read_columns(path, ("time",), columns=columns)["time"])
-    except LoadingError as error:
-        raise LoadingError(str(error) if str(path) in str(error) else f"{path}: {error}") from error
 
 
 def _require_increasing(time: FloatArray, name: str) -> None:

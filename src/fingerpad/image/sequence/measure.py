@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Final, TypeAlias, Unpack
 
 import numpy as np
-import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError, reason_of
@@ -18,7 +17,7 @@ from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
 from fingerpad.image.sequence.frames import Frame
-from fingerpad.image.sequence.phases import PHASES, Phase, phases_of
+from fingerpad.image.sequence.phases import Phase, PhaseIntervals, phase_intervals
 from fingerpad.image.sequence.result import FrameResult
 from fingerpad.image.sequence.settings import (
     SequenceSettings,
@@ -39,6 +38,7 @@ def measure_sequence(
     *,
     clock: FrameClock | None = None,
     force: ForceSignal | None = None,
+    phases: PhaseIntervals | None = None,
     settings: SequenceSettings | None = None,
     dark_on_light: bool | None = None,
     threshold: float | None = None,
@@ -53,7 +53,8 @@ def measure_sequence(
     their time.
 
     Phases come from the force, or where there is none from the texture of the frames, which grows with the
-    area in contact. A frame between first contact of the force and of the pictures counts as loading.
+    area in contact, unless they are given. A frame between first contact of the force and of the pictures
+    counts as loading where phases were found, not where they are given.
 
     Parameters
     ----------
@@ -65,6 +66,8 @@ def measure_sequence(
         Times of the frames on the clock of the force signal. Without it times are NaN.
     force : ForceSignal, optional
         Normal force. A frame outside the signal has load NaN, no phase, and the flag ``no_force``.
+    phases : PhaseIntervals, optional
+        Phases on the clock of the force, as a person sets them.
     settings : SequenceSettings, optional
         What `estimate_settings` found; estimated here when None.
     dark_on_light, threshold
@@ -83,7 +86,7 @@ def measure_sequence(
     ImageError
         If no frame can be read, none shows a contact, or `frames` can be gone through only once.
     LoadingError
-        If a force is given without a clock.
+        If a force or phases are given without a clock.
 
     Examples
     --------
@@ -98,15 +101,15 @@ def measure_sequence(
     0.2 False measured
     0.3 False measured
     """
-    if force is not None and clock is None:
-        raise LoadingError("a force signal needs the times of the frames: give frames per second, or stamps")
+    if (force is not None or phases is not None) and clock is None:
+        raise LoadingError("force and phases need the times of the frames: give frames per second, or stamps")
     scale = as_scale(scale)
     if settings is None:
         if iter(frames) is frames:
             raise ImageError("frames are read twice, a generator only once: give a list, or settings")
         settings = estimate_settings(frames, scale, dark_on_light=dark_on_light, threshold=threshold, **place)
     measured = measure_frames(frames, scale, settings, watch=watch, **place)
-    yield from assign_times(measured, settings.texture, clock=clock, force=force)
+    yield from assign_times(measured, settings.texture, clock=clock, force=force, phases=phases)
 
 
 def measure_frames(
@@ -170,35 +173,40 @@ def measure_frames(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _PhaseRecord:
-    """Phases along the force signal, or along the frames themselves."""
+    """Phases by time, or by the frames' own numbers; found, or given."""
 
-    labels: npt.NDArray[np.int8]
-    time: FloatArray | None
+    intervals: PhaseIntervals
+    by_number: bool = False
+    count: int = 0
+    given: bool = False
 
     @classmethod
-    def of(cls, texture: FloatArray, force: ForceSignal | None) -> "_PhaseRecord":
+    def of(
+        cls, texture: FloatArray, force: ForceSignal | None, phases: PhaseIntervals | None
+    ) -> "_PhaseRecord":
+        if phases is not None:
+            return cls(intervals=phases, given=True)
         if force is not None:
-            return cls(labels=phases_of(force.time, force.load), time=force.time)
+            return cls(intervals=phase_intervals(force.time, force.load))
         index = np.arange(texture.size, dtype=np.float64)
         seen = np.isfinite(texture)
         texture = np.interp(index, index[seen], texture[seen])
-        return cls(labels=phases_of(index, texture), time=None)
+        return cls(intervals=phase_intervals(index, texture), by_number=True, count=texture.size)
 
     def at(self, result: FrameResult, first_contact: int | None) -> Phase | None:
         """Return the phase of a frame whose time is known, None outside the record."""
-        if self.time is None:
-            if result.index >= self.labels.size:
+        if self.by_number:
+            if result.index >= self.count:
                 return None
-            place = result.index
-        elif math.isnan(result.load):
+            phase = self.intervals.at(result.index)
+        elif math.isnan(result.time) or "no_force" in result.flags:
             return None
         else:
-            place = min(int(np.searchsorted(self.time, result.time)), self.labels.size - 1)
-        phase = PHASES[self.labels[place]]
+            phase = self.intervals.at(result.time)
         seen = result.measures is not None and first_contact is not None and result.index >= first_contact
-        if seen and phase == "before":
-            return "loading"
-        return "unloading" if seen and phase == "after" else phase
+        if self.given or not seen:
+            return phase
+        return "loading" if phase == "before" else "unloading" if phase == "after" else phase
 
 
 def assign_times(
@@ -207,6 +215,7 @@ def assign_times(
     *,
     clock: FrameClock | None = None,
     force: ForceSignal | None = None,
+    phases: PhaseIntervals | None = None,
 ) -> Iterator[FrameResult]:
     """Yield results with time, load and phase, once the first contact is known.
 
@@ -220,6 +229,8 @@ def assign_times(
         Times of the frames on the clock of the force signal.
     force : ForceSignal, optional
         Normal force.
+    phases : PhaseIntervals, optional
+        Phases on the clock of the force, in place of those found.
 
     Yields
     ------
@@ -235,7 +246,7 @@ def assign_times(
     >>> [(one.time, one.phase, one.is_first_contact) for one in timed][1:3]
     [(0.1, 'before', False), (0.2, 'loading', True)]
     """
-    record = _PhaseRecord.of(texture, force)
+    record = _PhaseRecord.of(texture, force, phases)
     waiting: list[FrameResult] = []
     run = 0
     first_contact: int | None = None

@@ -1,13 +1,17 @@
 """Loading, hold and unloading in a record of force or of contact area."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
+from fingerpad._display import Displayed
 from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
+from fingerpad.exceptions import LoadingError
 
 Phase: TypeAlias = Literal["before", "loading", "hold", "unloading", "after"]
 PHASES: Final[tuple[Phase, ...]] = ("before", "loading", "hold", "unloading", "after")
@@ -70,6 +74,83 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
             motion[start:end] = RISE if end < motion.size and motion[end] == RISE else FALL
     labels[first : last + 1] = np.select([motion == RISE, motion == REST], [_LOADING, _HOLD], _UNLOADING)
     return labels
+
+
+@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
+class PhaseIntervals(Displayed):
+    """Phases one after the other, each by the time after which it begins.
+
+    Attributes
+    ----------
+    start : array_like, (n,)
+        Times after which the phases begin, s, not decreasing; up to the first it is ``before``.
+    phase : sequence of {"before", "loading", "hold", "unloading", "after"}, (n,)
+        The phases. One that begins with the next is empty.
+
+    Raises
+    ------
+    LoadingError
+        If the lengths differ, a time is not finite, or times decrease.
+
+    Examples
+    --------
+    >>> phases = PhaseIntervals([1.0, 2.0], ["loading", "hold"])
+    >>> [phases.at(time) for time in (1.0, 1.5, 2.5)]
+    ['before', 'loading', 'hold']
+    """
+
+    start: FloatArray
+    phase: tuple[Phase, ...]
+
+    def __init__(self, start: ArrayLike, phase: Sequence[Phase]) -> None:
+        start = as_float_array(start)
+        if start.ndim != 1 or start.size != len(phase):
+            raise LoadingError(f"start has shape {start.shape} for {len(phase)} phases: give each its start")
+        if not np.isfinite(start).all() or (np.diff(start) < 0).any():
+            raise LoadingError(f"starts of phases must be finite and not decrease, found {start.tolist()}")
+        set_fields(self, start=start, phase=tuple(phase))
+
+    def at(self, time: float) -> Phase:
+        """Return the phase at a time.
+
+        Parameters
+        ----------
+        time : float
+            s.
+
+        Returns
+        -------
+        {"before", "loading", "hold", "unloading", "after"}
+        """
+        place = int(np.searchsorted(self.start, time)) - 1
+        return "before" if place < 0 else self.phase[place]
+
+
+def phase_intervals(time: ArrayLike, values: ArrayLike) -> PhaseIntervals:
+    """Return the phases that `phases_of` finds in a record, each with the last time before its first sample.
+
+    Parameters
+    ----------
+    time, values : array_like, (n,)
+        As for `phases_of`.
+
+    Returns
+    -------
+    PhaseIntervals
+
+    Examples
+    --------
+    >>> time = np.linspace(0, 5, 101)
+    >>> phases = phase_intervals(time, np.interp(time, [0, 1, 2, 3, 4, 5], [0, 0, 2, 2, 0, 0]))
+    >>> phases.phase
+    ('loading', 'hold', 'unloading', 'after')
+    """
+    time, labels = as_float_array(time), phases_of(time, values)
+    changes = np.flatnonzero(np.diff(labels, prepend=np.int8(_BEFORE)))
+    earlier = np.concatenate([[-np.inf], time])[changes]
+    # A record that begins in contact has no time before.
+    start = np.where(np.isfinite(earlier), earlier, np.nextafter(time[0], -np.inf))
+    return PhaseIntervals(start, [PHASES[label] for label in labels[changes]])
 
 
 def _window(count: int, share: float) -> int:

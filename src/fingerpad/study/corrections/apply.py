@@ -1,8 +1,9 @@
 """Measuring with what people corrected, and the program's own result beside it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,8 +22,13 @@ from fingerpad.image import (
     read_image,
     with_marked_points,
 )
-from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.changes import (
+    ContactCorrection,
+    PhaseDecision,
+    PhotographCorrection,
+    SequenceCorrection,
+)
+from fingerpad.study.corrections.history import ActiveCorrection, phases_item
 from fingerpad.study.corrections.key_frames import InterpolatedCorrection
 from fingerpad.study.manifest import CORRECTIONS, Contact, Photograph
 
@@ -35,6 +41,30 @@ def contact_correction(active_correction: ActiveCorrection | None) -> ContactCor
     """Return what a person wants of a contact, an empty correction by default."""
     change = None if active_correction is None else active_correction.change
     return change if isinstance(change, ContactCorrection) else NOTHING
+
+
+class ManualPhases(NamedTuple):
+    """Phases of a sequence that a person set.
+
+    Attributes
+    ----------
+    decision : PhaseDecision
+        The phases, and why.
+    who, when : str
+        Who set them, and when.
+    """
+
+    decision: PhaseDecision
+    who: str
+    when: str
+
+
+def manual_phases(active_corrections: Mapping[str, ActiveCorrection], sequence: str) -> ManualPhases | None:
+    """Return the phases of a sequence that a person set, None where no person did."""
+    active = active_corrections.get(phases_item(sequence))
+    if active is None or not isinstance(active.change, SequenceCorrection) or active.change.phases is None:
+        return None
+    return ManualPhases(active.change.phases, active.who, active.when)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

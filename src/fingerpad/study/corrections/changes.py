@@ -1,11 +1,12 @@
 """What a person can correct in a measurement: each change says all that is wanted of its item."""
 
 import math
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
-from fingerpad.image import BrushStroke, ImageEllipse, RegionPolygon
+from fingerpad.image import BrushStroke, ImageEllipse, Phase, PhaseIntervals, RegionPolygon
 from fingerpad.study.manifest.fingers import Side
 from fingerpad.study.manifest.tables import Box, Finite, ManifestModel, Pixel, Point, Positive, not_tiny
 
@@ -74,6 +75,35 @@ class PoolingDecision(ManifestModel):
 
     include: bool
     why: Reason
+
+
+class PhaseStart(ManifestModel):
+    """A phase of a press, and when it begins on the clock of the force."""
+
+    phase: Phase
+    start_s: Finite
+
+
+class PhaseDecision(ManifestModel):
+    """The phases of a press as a person set them, and why; up to the first it is not loaded yet."""
+
+    starts: Annotated[list[PhaseStart], Field(min_length=1, max_length=1000)]
+    why: Reason
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        for one, other in pairwise(self.starts):
+            if other.start_s < one.start_s:
+                raise ValueError(
+                    f"starts: {other.phase} at {other.start_s:g} s begins before {one.phase} at "
+                    f"{one.start_s:g} s: give them in their order"
+                )
+        return self
+
+    @property
+    def intervals(self) -> PhaseIntervals:
+        """The phases as `measure_sequence` takes them."""
+        return PhaseIntervals([one.start_s for one in self.starts], [one.phase for one in self.starts])
 
 
 class _Judged(ManifestModel):
@@ -180,7 +210,18 @@ class PhotographCorrection(_Judged):
         )
 
 
-Change: TypeAlias = ContactCorrection | PhotographCorrection
+class SequenceCorrection(_Judged):
+    """What a person corrects in a sequence as a whole."""
+
+    accepted: Literal[False] = False
+    rejected: None = None
+    phases: PhaseDecision | None = None
+
+    def outside(self, _shape: tuple[int, int]) -> None:
+        """Return None: nothing of it is drawn into a picture."""
+
+
+Change: TypeAlias = ContactCorrection | PhotographCorrection | SequenceCorrection
 
 
 def _extent(points: list[Point] | None) -> list[Point] | None:

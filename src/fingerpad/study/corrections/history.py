@@ -7,11 +7,17 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, TypeAlias
 
 from fingerpad.exceptions import ManifestError, StoreError
-from fingerpad.study.corrections.changes import Change, ContactCorrection, PhotographCorrection
+from fingerpad.study.corrections.changes import (
+    Change,
+    ContactCorrection,
+    PhotographCorrection,
+    SequenceCorrection,
+)
 from fingerpad.study.manifest.validation import validated
 
 CORRECTIONS_NAME: Final = "corrections.jsonl"
 SECOND_OPERATOR_NAME: Final = "second_operator.jsonl"
+_PHASES: Final = "#phases"
 
 Action: TypeAlias = Literal["change", "undo", "redo"]
 
@@ -33,10 +39,11 @@ class Record:
     action : {"change", "undo", "redo"}
         What was done.
     change : dict
-        All that is wanted of the item, as `ContactCorrection` or `PhotographCorrection` write it; empty for
-        what the program found, and for an undo or redo.
+        All that is wanted of the item, as the model of `model_of` writes it; empty for what the program
+        found, and for an undo or redo.
     picture : str
-        SHA-256 of the picture's file, or of the frame's pixels, as it was then; empty where there is none.
+        SHA-256 of the picture's file, of the frame's pixels, or of a sequence's force, as it was then; empty
+        where there is none.
     """
 
     id: int
@@ -68,12 +75,12 @@ class ActiveCorrection:
     ----------
     item : str
         The item.
-    change : ContactCorrection or PhotographCorrection
+    change : ContactCorrection, PhotographCorrection or SequenceCorrection
         What is wanted of it.
     who, when : str
         Who wanted it first, and when.
     picture : str
-        SHA-256 of the picture's file as it was then, where that is known.
+        That of the `Record`.
     pooling_who, pooling_when : str
         Who decided whether it is pooled, and when; empty where no person did.
     """
@@ -130,8 +137,9 @@ class History:
         if not place or not changes[place - 1].change:
             return None
         record = changes[place - 1]
-        model = PhotographCorrection if "/" in self.item else ContactCorrection
-        change = checked_change(model, record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}")
+        change = checked_change(
+            model_of(self.item), record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}"
+        )
         decided = _first_with_pooling(changes[:place])
         return ActiveCorrection(
             item=self.item,
@@ -166,6 +174,23 @@ def _first_with_pooling(changes: Sequence[Record]) -> Record | None:
             break
         found = record
     return found
+
+
+def phases_item(sequence: str) -> str:
+    """Return the item under which the phases of a sequence are corrected."""
+    return f"{sequence}{_PHASES}"
+
+
+def sequence_of_phases(item: str) -> str | None:
+    """Return the sequence whose phases an item is, None where it is another one."""
+    return item.removesuffix(_PHASES) if item.endswith(_PHASES) and "/" not in item else None
+
+
+def model_of(item: str) -> type[Change]:
+    """Return the model of an item's corrections."""
+    if "/" in item:
+        return PhotographCorrection
+    return ContactCorrection if sequence_of_phases(item) is None else SequenceCorrection
 
 
 def checked_change(model: type[Change], content: Mapping[str, Any], where: str) -> Any:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.image import ContactImageResult, ImageEllipse, interpolated_ellipse
 from fingerpad.study.corrections.changes import ContactCorrection, ManualContactEllipse
 from fingerpad.study.corrections.history import ActiveCorrection
-from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.corrections.items import frames_of
 
 
 class InterpolatedCorrection(ContactCorrection):
@@ -49,7 +50,7 @@ def frame_corrections(
     """
     frames = frames_of(active_corrections, sequence)
     found = dict(frames)
-    for first, last in pairwise(sorted(frame for frame, one in frames.items() if _is_key(one))):
+    for first, last in _key_frame_pairs(frames):
         between = range(first + 1, last)
         if within is not None:
             between = range(max(between.start, within.start), min(between.stop, within.stop))
@@ -57,6 +58,34 @@ def frame_corrections(
             if frame not in frames:
                 found[frame] = _carried(frames, first, last, sequence, frame)
     return found
+
+
+def frame_edits(active_corrections: Mapping[str, ActiveCorrection], sequence: str) -> list[Any]:
+    """Return all that `frame_corrections` edits depend on, without carrying an ellipse, as JSON.
+
+    Parameters
+    ----------
+    active_corrections : mapping of str to ActiveCorrection
+        What people decided, by item.
+    sequence : str
+        Name of the sequence.
+
+    Returns
+    -------
+    list
+        Edits by frame, pairs of key frames, and the frames between them that only have a verdict.
+    """
+    frames = frames_of(active_corrections, sequence)
+    edits = {frame: edits for frame, one in sorted(frames.items()) if (edits := one.change.edits)}
+    pairs = _key_frame_pairs(frames)
+    judged = sorted(
+        frame for frame in frames.keys() - edits.keys() if any(first < frame < last for first, last in pairs)
+    )
+    return [edits, pairs, judged]
+
+
+def _key_frame_pairs(frames: Mapping[int, ActiveCorrection]) -> list[tuple[int, int]]:
+    return list(pairwise(sorted(frame for frame, one in frames.items() if _is_key(one))))
 
 
 def _carried(

@@ -7,17 +7,15 @@ Nothing that the program measured is kept here, and nothing that it measured is 
 
 import hashlib
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import RLock
-from typing import Any, Final, Literal, TypeAlias
+from typing import Any, Final
 
-from fingerpad._files import digest_of
-from fingerpad.exceptions import CorrectionConflict, ImageError, StoreError
-from fingerpad.image import open_frames
+from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.atomic_files import locked, sync_folder
-from fingerpad.study.corrections.changes import Change, ContactCorrection, PhotographCorrection
+from fingerpad.study.corrections.changes import Change
 from fingerpad.study.corrections.history import (
     CORRECTIONS_NAME,
     Action,
@@ -26,14 +24,13 @@ from fingerpad.study.corrections.history import (
     Record,
     checked_change,
     line_of,
+    model_of,
     record_of,
 )
+from fingerpad.study.corrections.items import kind_of, named_kind, picture_digest
 from fingerpad.study.manifest import Study
 
 _LOCK: Final = ".corrections.lock"
-
-Kind: TypeAlias = Literal["observation", "frame", "photograph"]
-
 _MOST_NAME: Final = 200
 
 
@@ -178,7 +175,7 @@ class CorrectionLog:
     def unknown_items(self, study: Study) -> list[str]:
         """Return the corrected items that a manifest does not name: they are kept, and wait."""
         self.refresh()
-        return [item for item in self._histories if _kind_of(item, study) is None]
+        return [item for item in self._histories if named_kind(item, study) is None]
 
     def append(
         self,
@@ -196,8 +193,9 @@ class CorrectionLog:
         Parameters
         ----------
         item : str
-            An observation by its name, a frame as ``press#120``, or a photograph as ``FINGER/IMAGE``.
-        change : mapping or ContactCorrection or PhotographCorrection
+            An observation by its name, a frame as ``press#120``, the phases of a sequence as
+            ``press#phases``, or a photograph as ``FINGER/IMAGE``.
+        change : mapping or ContactCorrection or PhotographCorrection or SequenceCorrection
             All that is wanted of the item; empty for what the program found.
         who : str
             The person.
@@ -217,10 +215,9 @@ class CorrectionLog:
         StoreError
             If the item is unknown, the change is none, or the file cannot be written.
         """
-        kind = kind_of(item, study)
-        model = PhotographCorrection if kind == "photograph" else ContactCorrection
+        kind_of(item, study)
         content = change if isinstance(change, Mapping) else change.as_json()
-        checked = checked_change(model, content, item)
+        checked = checked_change(model_of(item), content, item)
         _require_picture(item, checked, study)
         if shape is not None and (fault := checked.outside(shape)):
             raise StoreError(f"{item}: {fault}")
@@ -286,108 +283,6 @@ class CorrectionLog:
             os.fsync(file.fileno())
         if new:
             sync_folder(self._path.parent)
-
-
-def kind_of(item: str, study: Study) -> Kind:
-    """Return what an item is.
-
-    Raises
-    ------
-    StoreError
-        If the manifest names no such item.
-    """
-    kind = _kind_of(item, study)
-    if kind is None:
-        raise StoreError(
-            f"{item[:80]!r} is nothing that can be corrected: name an observation, a frame as SEQUENCE#12, "
-            "or a photograph as FINGER/IMAGE, as the manifest has them"
-        )
-    return kind
-
-
-def _kind_of(item: str, study: Study) -> Kind | None:
-    if "/" in item:
-        finger, _, image = item.partition("/")
-        images = {photo.file for each in study.fingers if each.name == finger for photo in each.photographs}
-        return "photograph" if image in images else None
-    name, mark, number = item.partition("#")
-    if mark:
-        film = any(sequence.name == name for sequence in study.sequences)
-        return "frame" if film and _is_frame(number) else None
-    return "observation" if any(each.name == item for each in study.observations) else None
-
-
-def image_of(item: str, study: Study) -> str | None:
-    """Return the file of an item's picture; None where it has none of its own, as a frame of a film."""
-    if "/" in item:
-        return item.partition("/")[2]
-    return next((each.file for each in study.observations if each.name == item), None)
-
-
-def picture_digest(
-    item: str, study: Study, folder: Path, file_digest: Callable[[Path], str] = digest_of
-) -> str:
-    """Return the SHA-256 of an item's picture file, or of a frame's pixels; empty without any.
-
-    Parameters
-    ----------
-    item : str
-        The item.
-    study : Study
-        The manifest.
-    folder : Path
-        The study folder.
-    file_digest : callable
-        That of a file, empty where it cannot be read.
-    """
-    image = image_of(item, study)
-    if image is not None:
-        return file_digest(folder / image)
-    name, _, number = item.partition("#")
-    path = next((sequence.file for sequence in study.sequences if sequence.name == name), None)
-    if path is None or not _is_frame(number):
-        return ""
-    try:
-        return open_frames(folder / path).at(int(number)).digest
-    except ImageError:
-        return ""
-
-
-def on_another_image(
-    active_corrections: Mapping[str, ActiveCorrection], digest: Callable[[str], str]
-) -> list[str]:
-    """Return the items whose picture is not the one that was corrected.
-
-    Parameters
-    ----------
-    active_corrections : mapping
-        What rules, by item.
-    digest : callable
-        That of an item's current picture, as of `picture_digest`.
-    """
-    return [
-        item
-        for item, active_correction in active_corrections.items()
-        if active_correction.picture and digest(item) not in {"", active_correction.picture}
-    ]
-
-
-def frames_of(
-    active_corrections: Mapping[str, ActiveCorrection], sequence: str
-) -> dict[int, ActiveCorrection]:
-    """Return what rules for the frames of a sequence, by the frame's number."""
-    start = f"{sequence}#"
-    named = {
-        item.removeprefix(start): one for item, one in active_corrections.items() if item.startswith(start)
-    }
-    return {
-        int(number): active_correction for number, active_correction in named.items() if _is_frame(number)
-    }
-
-
-def _is_frame(number: str) -> bool:
-    """Tell whether a frame is numbered as the rows name it."""
-    return number.isdecimal() and str(int(number)) == number
 
 
 def _require_picture(item: str, change: Change, study: Study) -> None:

@@ -111,9 +111,9 @@ class ContactSequence(PlacedFinger):
     file: str
     """Folder of pictures, TIFF of many pages, or video."""
     force: str
-    """CSV file of the force, `time_s,force_N` and perhaps `trigger_V`."""
-    force_columns: dict[Literal["time", "force", "trigger"], str] = Field(default={})
-    """Other headers of that file, as in `Fz:mN`."""
+    """CSV file of the force, `time_s,force_N` and perhaps `trigger_V` and `displacement_mm`."""
+    force_columns: dict[Literal["time", "force", "trigger", "displacement"], str] = Field(default={})
+    """Other headers of that file, as in `Fz:mN` or `stage:um`."""
     frames_per_second: Positive | None = None
     """Rate of the frames."""
     start_s: Finite | None = None

@@ -104,6 +104,8 @@ class Measurement:
     frame: int | None = None
     time_s: float = np.nan
     phase: str | None = None
+    phase_decided_by: str | None = None
+    measured_indentation_mm: float = np.nan
 
 
 def measure_observation(

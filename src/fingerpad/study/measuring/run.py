@@ -19,12 +19,11 @@ from fingerpad.study.measuring.fingers import FingerResult, finger_result, photo
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
 from fingerpad.study.measuring.records import measurement_from
+from fingerpad.study.measuring.sequence_result import SequenceResult, film_result
 from fingerpad.study.measuring.sequences import (
-    SequenceResult,
     film_key,
     film_measurements,
     film_plan,
-    film_result,
     frame_count,
     header_task,
 )
@@ -114,7 +113,9 @@ def measure_study(
     tally.tell()
     run_plans(chain(films, fingers, contacts), executor, store_result, is_done)
     sequences = [
-        film_result(sequence, context.measured(sequence.name, film_key(sequence, context), sequence.file))
+        film_result(
+            sequence, context.measured(sequence.name, film_key(sequence, context), sequence.file), context
+        )
         for sequence in study.sequences
     ]
     return Measured(

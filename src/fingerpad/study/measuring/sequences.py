@@ -20,7 +20,6 @@ from fingerpad.image import (
     FrameResult,
     Frames,
     SequenceSettings,
-    SequenceSummary,
     TextureScan,
     assign_times,
     frame_clock,
@@ -29,18 +28,20 @@ from fingerpad.image import (
     read_frame_stamps,
     sequence_summary,
 )
-from fingerpad.study.corrections.apply import contact_correction
-from fingerpad.study.corrections.history import ActiveCorrection
-from fingerpad.study.corrections.key_frames import frame_corrections
-from fingerpad.study.corrections.log import frames_of
+from fingerpad.study.corrections.apply import ManualPhases, contact_correction, manual_phases
+from fingerpad.study.corrections.history import ActiveCorrection, phases_item
+from fingerpad.study.corrections.items import frames_of
+from fingerpad.study.corrections.key_frames import frame_corrections, frame_edits
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
+from fingerpad.study.measuring.indentation import contact_displacement
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
-from fingerpad.study.measuring.sequence_tasks import FrameDigest, FrameOverlay, SequenceImages, survey_from
+from fingerpad.study.measuring.sequence_result import SequenceResult
+from fingerpad.study.measuring.sequence_tasks import FrameDigest, SequenceImages, survey_from
 
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
@@ -53,28 +54,6 @@ _MOST_PIECES: Final = 256
 _TIMING: Final = frozenset(
     ("force", "force_columns", "times", "frames_per_second", "start_s", "contact_load_N")
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SequenceResult:
-    """What a film comes to.
-
-    Attributes
-    ----------
-    manifest : ContactSequence
-        What the manifest says of it.
-    summary : SequenceSummary or None
-        Counts of frames; None where the film could not be measured.
-    overlays : tuple of FrameOverlay
-        A few frames.
-    reason : str or None
-        Why it could not be measured.
-    """
-
-    manifest: ContactSequence
-    summary: SequenceSummary | None = None
-    overlays: tuple[FrameOverlay, ...] = ()
-    reason: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -146,6 +125,11 @@ class Film:
         return self.sequence_images.sequence
 
     @property
+    def phases(self) -> ManualPhases | None:
+        """Its phases where a person set them; None where they follow from the force."""
+        return manual_phases(self.context.active_corrections, self.sequence.name)
+
+    @property
     def pieces(self) -> list[tuple[int, int]]:
         """First frame of each piece, and the one after its last."""
         count = max(1, self.frames.count)
@@ -213,8 +197,9 @@ class Film:
         A frame in contact, by the force, gives a measurement; one that cannot be decoded gives its reason;
         one without a contact to be seen, or beyond the force, gives none.
         """
+        contact = self._contact_displacement()
         for result, measured in self.placed():
-            row = self._row(result, measured)
+            row = self._row(result, measured, contact)
             if row is not None:
                 yield reviewed(row, self.ruled.get(result.index))
 
@@ -248,10 +233,24 @@ class Film:
                         flags=() if measured is None else tuple(measured["flags"]),
                     )
 
-        for result in assign_times(results(), np.empty(0), clock=self.clock, force=self.force):
+        timed = assign_times(
+            results(),
+            np.empty(0),
+            clock=self.clock,
+            force=self.force,
+            phases=self.phases and self.phases.decision.intervals,
+        )
+        for result in timed:
             yield result, waiting.pop(result.index, None)
 
-    def _row(self, result: FrameResult, measured: Record | None) -> Measurement | None:
+    def _contact_displacement(self) -> float:
+        """Return the displacement of first contact, mm, NaN where it is unknown."""
+        try:
+            return contact_displacement(self.force)
+        except LoadingError:
+            return math.nan
+
+    def _row(self, result: FrameResult, measured: Record | None, contact: float) -> Measurement | None:
         if not result.readable:
             seen = Measurement(reason=result.reason)
         elif measured is not None and result.phase in IN_CONTACT:
@@ -266,6 +265,8 @@ class Film:
             frame=result.index,
             time_s=result.time,
             phase=result.phase,
+            measured_indentation_mm=float(self.force.displacement_at(result.time)) - contact,
+            phase_decided_by=self.phases and self.phases.who,
             counts=measured is not None and self._counts(result, seen),
         )
 
@@ -306,21 +307,11 @@ def frame_count(sequence: ContactSequence, context: RunContext) -> int:
 
 def film_key(sequence: ContactSequence, context: RunContext) -> str:
     """Return the key of all that is known of a film."""
-    frames = frame_corrections(context.active_corrections, sequence.name)
     return context.key(
-        sequence, {frame: edits for frame, one in frames.items() if (edits := one.change.edits)}
+        sequence,
+        frame_edits(context.active_corrections, sequence.name),
+        context.edits(phases_item(sequence.name)),
     )
-
-
-def frames_beyond(
-    films: Iterable[SequenceResult], active_corrections: Mapping[str, ActiveCorrection]
-) -> Iterator[str]:
-    """Yield the corrected frames that lie beyond the end of their film."""
-    for film in films:
-        if film.summary is not None:
-            for frame in frames_of(active_corrections, film.manifest.name):
-                if frame >= film.summary.count:
-                    yield f"{film.manifest.name}#{frame}"
 
 
 def film_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[Task]]:
@@ -346,17 +337,6 @@ def film_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[T
         return
     assert context.store is not None  # a run has one
     context.store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
-
-
-def film_result(sequence: ContactSequence, record: Record) -> SequenceResult:
-    """Return what a film came to, from its record in the store."""
-    summary = record.get("summary")
-    return SequenceResult(
-        manifest=sequence,
-        summary=summary and SequenceSummary(**{**summary, "notes": tuple(summary["notes"])}),
-        overlays=tuple(FrameOverlay(*overlay) for overlay in record.get("overlays", ())),
-        reason=record.get("reason"),
-    )
 
 
 def corrected_frames(films: Iterable[SequenceResult], context: RunContext) -> dict[str, str]:
@@ -411,7 +391,13 @@ def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSi
                 chosen["last contact"] = result.index
             yield result
 
-    return FrameDigest(sequence_summary(followed(), force), chosen)
+    summary = sequence_summary(followed(), force)
+    if force.displacement is not None:
+        try:
+            contact_displacement(force)
+        except LoadingError as error:
+            summary = replace(summary, notes=(*summary.notes, f"{error}: frames have no indentation"))
+    return FrameDigest(summary, chosen)
 
 
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fingerpad._files import file_stem
 from fingerpad.study.corrections.apply import contact_correction
-from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.engine.executors import Executor
 from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import Store
@@ -76,7 +76,7 @@ def photograph_tasks(finger: Finger, context: RunContext) -> Iterator[Task]:
         assert photograph.scale is not None  # the manifest's own rule
         active_correction = context.active_corrections.get(item)
         change = None if active_correction is None else active_correction.change
-        assert not isinstance(change, ContactCorrection)  # the items' own rule
+        assert change is None or isinstance(change, PhotographCorrection)  # the items' own rule
         yield Task(
             name=item,
             item=item,

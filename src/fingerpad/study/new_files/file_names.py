@@ -83,7 +83,7 @@ def read_file_name(name: str, kind: Kind, *, fingers: Iterable[str] = ()) -> Fil
     words = [word.lower() for word in _WORD.findall(stem)]
     face = next((face for face in FACES if face in words), None)
     role = (_FACE_ROLES if face else _ROLES).get(kind, _ROLES.get(kind))
-    if names_a_scale(name) or (kind == "table" and "force" in words):
+    if names_a_scale(name) or (kind == "table" and names_a_force(name)):
         role = None
     known = [finger for finger in fingers if finger.lower() in stem.lower()]
     return FileNameReading(
@@ -98,6 +98,12 @@ def read_file_name(name: str, kind: Kind, *, fingers: Iterable[str] = ()) -> Fil
 def names_a_scale(name: str) -> bool:
     """Tell whether a name says that a file shows a ruler, a coin or the like."""
     return not _OF_SCALE.isdisjoint(word.lower() for word in _WORD.findall(PurePosixPath(name).stem))
+
+
+def names_a_force(name: str) -> bool:
+    """Tell whether a name says that a table holds a force, as beside a film, and no loading curve."""
+    words = {word.lower() for word in _WORD.findall(PurePosixPath(name).stem)}
+    return "force" in words and words.isdisjoint(("displacement", "indentation", "curve"))
 
 
 def _finger(stem: str) -> str | None:

@@ -9,7 +9,7 @@ from typing import Final, Literal, TypeAlias
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames, read_colour_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
-from fingerpad.study.new_files.file_names import Kind, names_a_scale, read_file_name
+from fingerpad.study.new_files.file_names import Kind, names_a_force, names_a_scale, read_file_name
 from fingerpad.study.new_files.file_table import file_table
 from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES, cells_of_text, read_cells
 
@@ -170,12 +170,17 @@ def _table_contents(path: Path) -> dict[Content, float]:
             "force": ("force", "load", "normal force", "fz", "w"),
             "travel": ("displacement", "indentation", "travel", "position", "depth", "approach", "z"),
             "time": ("time", "t"),
+            "trigger": ("trigger", "ttl", "sync"),
             "x": ("x",),
             "y": ("y",),
         }.items()
     }
     if has["force"] and has["travel"]:
-        return {"loading curve": 0.95, "force table": 0.04, "other": 0.01}
+        # Beside a film the platen's displacement may be recorded too.
+        film = (
+            0.04 if not has["time"] else 0.95 if has["trigger"] else 0.7 if names_a_force(path.name) else 0.04
+        )
+        return {"loading curve": 0.99 - film, "force table": film, "other": 0.01}
     if _names_files(cells, path):
         return {"table of files": 0.95, "other": 0.05}
     if has["force"] and has["time"]:

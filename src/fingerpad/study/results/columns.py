@@ -125,7 +125,16 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         _text("sequence", "name of the sequence of which this is a frame; empty for single observations"),
         Column("frame", "int", "1", "number of the frame, from 0"),
         _number("time_s", "s", "time of the frame on the clock of its force"),
-        _text("phase", "loading, hold or unloading, by the force"),
+        _text("phase", "loading, hold or unloading, by the force or as a person set it"),
+        _text(
+            "phase_decided_by", "who set the phases of the sequence by hand; empty where the force gives them"
+        ),
+        _number(
+            "measured_indentation_mm",
+            "mm",
+            "displacement of the platen from the place of contact, where the sequence's force table has it; "
+            "the stage is taken as rigid",
+        ),
     ),
     "image": (
         _text("file", "contact image or sequence measured; empty where the ellipse was given"),

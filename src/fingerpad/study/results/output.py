@@ -12,7 +12,7 @@ from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.measuring.scales import FoundScale
-from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
@@ -233,6 +233,7 @@ def _sequence(sequence: SequenceResult, frames: ResultsTable) -> dict[str, Any]:
             "notes": summary.notes,
         }
     )
+    by_hand = of_phases.decision if (of_phases := sequence.phases) else None
     return {
         "sequence": of.name,
         "finger": of.finger,
@@ -240,6 +241,10 @@ def _sequence(sequence: SequenceResult, frames: ResultsTable) -> dict[str, Any]:
         "roll_angle_deg": of.roll_angle_deg,
         "synthetic": of.synthetic,
         **counts,
+        "phases_decided_by": of_phases and of_phases.who,
+        "phases_decided_at": of_phases and of_phases.when,
+        "phases_reason": by_hand and by_hand.why,
+        "phase_starts_s": by_hand and [[one.phase, one.start_s] for one in by_hand.starts],
         "rows": len(frames),
         "pooled": int(frames.column("pooled").sum()),
         **_exponent(frames),

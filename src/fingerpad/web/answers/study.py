@@ -272,16 +272,27 @@ class FrameEntry(Review):
     status: str
     flags: list[str]
     phase: str | None
+    phase_decided_by: str | None
     time_s: float | None
     load_N: float | None  # noqa: N815
+    measured_indentation_mm: float | None
     gross_area_mm2: float | None
     aspect_ratio: float | None
     pooled: bool
     interpolated: bool
 
 
+class PhaseStart(Answer):
+    """A phase of a press, and the time on the force's clock after which it begins."""
+
+    phase: Literal["before", "loading", "hold", "unloading", "after"]
+    start_s: float
+
+
 class SequenceSignal(Answer):
     """Force of a sequence over time, thinned for drawing, and how well displaced frames agree with it.
+
+    `phases` are those found from the force; what a person set is the correction of ``SEQUENCE#phases``.
 
     `time_s` and `load_N` are the extremes in some thousand steps of time. `area_scatter` is the relative
     scatter of the areas of the last run about a power law of the load, with all frames later by `shift_s`.
@@ -291,6 +302,7 @@ class SequenceSignal(Answer):
 
     time_s: list[float]
     load_N: list[float]  # noqa: N815
+    phases: list[PhaseStart]
     start_s: float | None
     shift_s: list[float]
     area_scatter: list[float | None]

@@ -140,6 +140,7 @@ const WORDS = {
   accepted: "accepted",
   rejected: "rejected",
   pooling: "pooling",
+  phases: "phases",
 };
 
 /** Describe a record of the history. */

@@ -33,9 +33,11 @@ export function colour(name) {
  */
 export async function chart(root, traces, { x, y, shapes = [], annotations = [], chosen, ranges = {} }) {
   const plotly = await load();
+  // Text grows with that of the page, which is larger on the widest screens.
+  const size = (12.5 / 14) * Number.parseFloat(getComputedStyle(document.documentElement).fontSize);
   const [ink, soft, line, panel] = ["ink", "soft", "line", "panel"].map(colour);
   const axis = (title, range) => ({
-    title: { text: title, standoff: 8, font: { size: 12.5 } },
+    title: { text: title, standoff: 8, font: { size } },
     color: ink,
     gridcolor: line,
     linecolor: soft,
@@ -47,10 +49,10 @@ export async function chart(root, traces, { x, y, shapes = [], annotations = [],
     ...(range ?? {}),
   });
   const layout = {
-    font: { family: getComputedStyle(document.body).fontFamily, size: 12.5, color: ink },
+    font: { family: getComputedStyle(document.body).fontFamily, size, color: ink },
     paper_bgcolor: panel,
     plot_bgcolor: panel,
-    margin: { l: 56, r: 74, t: 8, b: 44 },
+    margin: { l: 56, r: 6 * size, t: 8, b: 44 },
     showlegend: false,
     hovermode: "closest",
     dragmode: "zoom",
@@ -58,7 +60,7 @@ export async function chart(root, traces, { x, y, shapes = [], annotations = [],
     xaxis: axis(x, ranges.x),
     yaxis: axis(y, { rangemode: "normal", ...ranges.y }),
     shapes,
-    annotations: annotations.map((each) => ({ font: { color: ink, size: 12 }, showarrow: false, ...each })),
+    annotations: annotations.map((each) => ({ font: { color: ink, size }, showarrow: false, ...each })),
   };
   await plotly.react(root, traces, layout, {
     displaylogo: false,

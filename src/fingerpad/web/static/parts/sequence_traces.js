@@ -2,11 +2,22 @@
 
 import { h, render, s } from "../core/dom.js";
 import { plain } from "../core/quantity.js";
+import { PhaseLimits } from "./phase_limits.js";
 
 const HEIGHT = 132;
-const SIDE = 190;
-const PAD = { left: 40, right: 48, top: 8, bottom: 22 };
+const SIDE = { most: 190, least: 140, gap: 12 };
+const LEAST_TIME = 300;
+const PAD = { left: 54, right: 54, top: 8, bottom: 24 };
+const SIDE_LEFT = 26;
 const SLOWEST_MS = 40;
+
+/** What areas and aspect ratios are drawn against. */
+const FORCE = { by: "load_N", label: "force (N)", against: "force" };
+const INDENTATION = {
+  by: "measured_indentation_mm",
+  label: "indentation ξ (mm)",
+  against: "measured indentation",
+};
 
 /** A linear scale from numbers to pixels. */
 const scale = (from, to, start, end) => (value) =>
@@ -57,6 +68,7 @@ export class SequenceTraces {
    */
   constructor(events) {
     this.events = events;
+    this.phases = new PhaseLimits();
     this.plot = s("svg", {
       height: HEIGHT,
       role: "slider",
@@ -64,18 +76,18 @@ export class SequenceTraces {
       "aria-label": "Time of the frame",
     });
     this.sides = [
-      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true },
-      { key: "aspect_ratio", words: "aspect ratio", name: "Aspect ratio", fromZero: false },
+      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true, ...FORCE },
+      { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true, ...INDENTATION },
+      { key: "aspect_ratio", words: "aspect ratio", name: "Aspect ratio", fromZero: false, ...FORCE },
     ].map((side) => ({
       ...side,
       points: [],
       grown: s("path.grown"),
       drawn: 0,
       plot: s("svg", {
-        width: SIDE,
         height: HEIGHT,
         role: "img",
-        "aria-label": `${side.name} against force, up to the current frame`,
+        "aria-label": `${side.name} against ${side.against}, up to the current frame`,
       }),
     }));
     this.playButton = h("button", { type: "button", onclick: () => this.#toggle() }, "Play");
@@ -97,11 +109,11 @@ export class SequenceTraces {
     this.root = h(
       "div.traces",
       { hidden: true },
-      this.bar,
+      h("div.trace-bars", null, this.bar, this.phases.bar),
       h(
         "div.trace-plots",
         null,
-        this.plot,
+        h("div.time-plot", null, this.plot, this.phases.layer),
         this.sides.map(({ plot }) => plot),
       ),
     );
@@ -114,16 +126,18 @@ export class SequenceTraces {
   /**
    * Show a sequence.
    *
+   * @param {string | null} name
    * @param {Answers["SequenceSignal"] | null} signal
    * @param {Frame[]} frames in order; those without a time are left out
    */
-  set(signal, frames) {
+  set(name, signal, frames) {
     this.stop();
     this.#signal = signal;
     this.#frames = frames.filter(({ time_s }) => time_s !== null);
     this.#shift = 0;
     this.alignBox.checked = false;
     this.root.hidden = !signal;
+    this.phases.set(signal && name, signal?.phases ?? [], this.#frames);
     this.bar.hidden = this.#frames.length < 2;
     this.alignBox.parentElement.hidden = signal?.start_s === null;
     this.#aligning();
@@ -138,8 +152,12 @@ export class SequenceTraces {
 
   #draw() {
     const whole = this.root.clientWidth - 24;
-    const beside = whole - this.sides.length * (SIDE + 12);
-    const width = Math.max(200, beside < 260 ? whole : beside); // on narrow screens the plots wrap
+    const sides = this.sides.filter(({ by }) => this.#frames.some((frame) => frame[by] !== null));
+    const share = Math.floor((whole - LEAST_TIME) / Math.max(1, sides.length)) - SIDE.gap;
+    this.sideWidth =
+      share < SIDE.least ? this.#wrappedWidth(whole, sides.length) : Math.min(SIDE.most, share);
+    const beside = whole - sides.length * (this.sideWidth + SIDE.gap);
+    const width = Math.max(200, share < SIDE.least ? whole : beside);
     if (!this.#signal || this.root.hidden || !width) return;
     const { time_s: time, load_N: load } = this.#signal;
     const frames = this.#frames;
@@ -168,7 +186,7 @@ export class SequenceTraces {
     this.line = s("path.cursor", { d: `M0 ${PAD.top}V${bottom}`, visibility: "hidden" });
     render(
       this.plot,
-      this.#bands(bottom),
+      this.phases.bands,
       s("path.axis", { d: `M${PAD.left} ${PAD.top}V${bottom}H${width - PAD.right}V${PAD.top}` }),
       s("path.load", { d: path(time.map((t, k) => [this.x(t), this.loadY(load[k])])) }),
       this.areas,
@@ -177,59 +195,51 @@ export class SequenceTraces {
       label(PAD.left - 4, bottom, "N", "load", "end"),
       label(width - PAD.right + 4, PAD.top + 9, frames.length ? number(greatest(areas)) : "", "area"),
       label(width - PAD.right + 4, bottom, frames.length ? "mm²" : "", "area"),
-      label(PAD.left, HEIGHT - 6, `${plain(Number(ends[0].toPrecision(3)))} s`, ""),
-      label(width - PAD.right, HEIGHT - 6, `${plain(Number(ends[1].toPrecision(3)))} s`, "", "end"),
+      label(PAD.left - 4, HEIGHT - 7, `${plain(Number(ends[0].toPrecision(3)))} s`, "", "end"),
+      label(width - PAD.right + 4, HEIGHT - 7, `${plain(Number(ends[1].toPrecision(3)))} s`, ""),
     );
+    const step =
+      frames.length > 1 ? (times.at(-1) - times[0]) / (times.length - 1) : (ends[1] - ends[0]) / 500;
+    this.phases.draw({ x: this.x, time: this.time, ends, top: PAD.top, bottom, height: HEIGHT, step });
     this.#displace();
     this.#drawSides();
     this.#cursor();
   }
 
-  /** Loading, hold and unloading as bands. */
-  #bands(bottom) {
-    const bands = [];
-    for (const frame of this.#frames) {
-      const last = bands.at(-1);
-      if (last) last.end = frame.time_s;
-      if (last?.phase !== frame.phase)
-        bands.push({ phase: frame.phase, start: frame.time_s, end: frame.time_s });
-    }
-    return bands
-      .filter(({ phase }) => phase)
-      .map(({ phase, start, end }) => {
-        const [left, right] = [this.x(start), this.x(end)];
-        return s(
-          "g.band",
-          { "data-phase": phase },
-          s("rect", { x: left, y: PAD.top, width: Math.max(1, right - left), height: bottom - PAD.top }),
-          right - left > 50 &&
-            s("text", { x: (left + right) / 2, y: HEIGHT - 6, "text-anchor": "middle" }, phase),
-        );
-      });
+  /** The width of plots that stand in rows below the first, as on narrow screens. */
+  #wrappedWidth(whole, count) {
+    const fit = Math.floor((whole + SIDE.gap) / (SIDE.least + SIDE.gap));
+    const row = Math.max(1, Math.min(count, fit));
+    return Math.floor((whole + SIDE.gap) / row) - SIDE.gap;
   }
 
   /** Area and aspect ratio against force: all frames faint, those up to the current one strong. */
   #drawSides() {
     const bottom = HEIGHT - PAD.bottom;
-    const loads = this.#frames.map(({ load_N }) => load_N ?? 0);
-    const x = scale(0, Math.max(...ends(loads)) || 1, PAD.left - 14, SIDE - 8);
+    const right = this.sideWidth - 8;
     for (const side of this.sides) {
+      side.plot.setAttribute("width", String(this.sideWidth));
+      const across = this.#frames.map((frame) => frame[side.by]);
+      const known = across.filter((value) => value !== null);
+      const x = scale(Math.min(0, ends(known)[0]), ends(known)[1] || 1, SIDE_LEFT, right);
       const values = this.#frames.map((frame) => frame[side.key]);
       const [low, high] = ends(values.filter(Boolean));
       const y = scale(side.fromZero ? 0 : low, high, bottom - (side.fromZero ? 0 : 6), PAD.top + 12);
-      side.points = dots(values.map((value, k) => (value ? [x(loads[k]), y(value)] : null)));
+      side.points = dots(
+        values.map((value, k) => (value && across[k] !== null ? [x(across[k]), y(value)] : null)),
+      );
       side.grown = s("path.grown");
       side.drawn = 0;
       const number = (value) => plain(Number(value.toPrecision(3)));
       render(
         side.plot,
-        s("path.axis", { d: `M${PAD.left - 14} ${PAD.top}V${bottom}H${SIDE - 8}` }),
+        s("path.axis", { d: `M${SIDE_LEFT} ${PAD.top}V${bottom}H${right}` }),
         s("path.all", { d: side.points.map(({ d }) => d).join("") }),
         side.grown,
-        s("text", { x: SIDE - 8, y: HEIGHT - 6, "text-anchor": "end" }, "force (N)"),
-        s("text", { x: PAD.left - 8, y: PAD.top + 9 }, side.words),
+        s("text", { x: right, y: HEIGHT - 6, "text-anchor": "end" }, side.label),
+        s("text", { x: SIDE_LEFT + 6, y: PAD.top + 9 }, side.words),
         side.points.length > 0 &&
-          s("text", { x: SIDE - 8, y: PAD.top + 9, "text-anchor": "end" }, `≤ ${number(high)}`),
+          s("text", { x: right, y: PAD.top + 9, "text-anchor": "end" }, `≤ ${number(high)}`),
       );
       side.plot.style.display = side.points.length ? "" : "none";
     }
@@ -372,6 +382,7 @@ export class SequenceTraces {
 
   close() {
     this.stop();
+    this.phases.close();
     this.observer.disconnect();
   }
 }

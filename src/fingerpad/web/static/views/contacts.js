@@ -197,7 +197,8 @@ class Contacts extends Review {
         if (!page.frames.length) break;
       }
     }
-    this.traces.set(this.film ? await this.#signal() : null, /** @type {Frame[]} */ (this.all));
+    const signal = this.film ? await this.#signal() : null;
+    this.traces.set(this.film?.name ?? null, signal, /** @type {Frame[]} */ (this.all));
     if (!this.closed) this.#filter(this.filter, this.wanted);
   }
 

@@ -273,6 +273,15 @@ export class Plots {
           ["<i>R</i><sub>0g</sub>", group.mean_curvature_radius_mm, "dot"],
           ["<i>R</i><sub>g</sub>", group.loading_radius_mm, "dash"],
         ].filter(([, value]) => value !== null && value !== undefined);
+    // Labels of lines that lie close together are moved apart.
+    const heights = [
+      ...lines.map(([, value]) => value),
+      ...rows[key].flatMap((value, k) => [value - (std?.[k] ?? 0), value + (std?.[k] ?? 0)]),
+    ].filter(Number.isFinite);
+    const range = Math.max(...heights) - Math.min(...heights);
+    const [one, other] = lines.map(([, value]) => Number(value));
+    const close = Math.abs(one - other) < 0.08 * range; // never where one is missing
+    const upper = one >= other ? 0 : 1;
     try {
       await chart(node, traces, {
         x: "normal load W (N)",
@@ -287,7 +296,8 @@ export class Plots {
           y1: value,
           line: { color: ink, width: 1.3, dash },
         })),
-        annotations: lines.map(([label, value]) => ({
+        annotations: lines.map(([label, value], k) => ({
+          yshift: close ? (k === upper ? 8 : -8) : 0,
           xref: "paper",
           x: 1.01,
           xanchor: "left",

@@ -30,6 +30,20 @@ const statusChip = ({ status, reason }) =>
   chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
 const incomplete = ({ complete }) => complete === false && chip("incomplete", "warn");
 
+/**
+ * Name the column of each cell, for small screens, on which a row becomes a card.
+ *
+ * @param {HTMLTableElement} table
+ */
+function labelCells(table) {
+  const labels = [...table.tHead.rows[0].cells].map((cell) => cell.textContent);
+  for (const row of table.tBodies[0].rows) {
+    for (const [k, cell] of [...row.cells].entries()) {
+      if (k < labels.length - 1) cell.dataset.label = labels[k];
+    }
+  }
+}
+
 export class StudyTables {
   constructor() {
     this.page = 0;
@@ -47,6 +61,7 @@ export class StudyTables {
       (sequences.length > 0 || null) && this.#sequences(sequences),
       this.#curves(curves),
     );
+    for (const table of this.root.querySelectorAll("table")) labelCells(table);
   }
 
   async change(kind, key, set) {

@@ -1,0 +1,292 @@
+// Phases of a sequence as bands over time, whose limits are moved by pointer or keys.
+
+import { Corrections } from "../core/corrections.js";
+import { h, render, s } from "../core/dom.js";
+import { showError } from "../core/messages.js";
+import { ago, plain } from "../core/quantity.js";
+import { text } from "./forms.js";
+
+const REASON = "after a look at force and area";
+/** A move by keys is saved after this pause. */
+const PAUSE_MS = 450;
+
+/** @typedef {Answers["PhaseStart"]} PhaseStart */
+
+export class PhaseLimits {
+  /** @type {Corrections | null} */
+  #corrections = null;
+  /** @type {PhaseStart[]} */
+  #found = [];
+  /** @type {PhaseStart[] | null} while a limit is moved */
+  #moved = null;
+  #timer = null;
+  /** @type {{ x: (time: number) => number, time: (x: number) => number, ends: number[], top: number,
+   *   bottom: number, height: number, step: number } | null} */
+  #place = null;
+  /** @type {Frame[]} */
+  #frames = [];
+
+  constructor() {
+    this.bands = s("g");
+    this.layer = h("div.limits");
+    this.words = h("span.soft", { role: "status" });
+    this.why = text({
+      value: "",
+      placeholder: REASON,
+      label: "Reason of the phases",
+      onset: () => this.#byHand && this.#save(this.#starts),
+    });
+    const button = (words, label, act) =>
+      h("button", { type: "button", "aria-label": label, onclick: () => act()?.catch(showError) }, words);
+    this.undoButton = button("Undo", "Undo the change of phases", () => this.#corrections?.undo());
+    this.redoButton = button("Redo", "Redo the change of phases", () => this.#corrections?.redo());
+    this.resetButton = button("Reset", "Reset the phases to automatic", () =>
+      this.#corrections?.keep(() => ({})),
+    );
+    this.reason = h("label.why", null, "Reason", this.why);
+    this.bar = h(
+      "div.trace-bar",
+      { hidden: true },
+      this.words,
+      this.reason,
+      this.undoButton,
+      this.redoButton,
+      this.resetButton,
+    );
+  }
+
+  /**
+   * Show the phases of a sequence; null hides them.
+   *
+   * @param {string | null} sequence
+   * @param {PhaseStart[]} found automatically
+   * @param {Frame[]} frames as the last run measured them
+   */
+  set(sequence, found, frames) {
+    this.close();
+    this.#found = found;
+    this.#frames = frames;
+    this.bar.hidden = !sequence || !found.length;
+    if (!sequence) return;
+    this.#corrections = new Corrections(`${sequence}#phases`, {
+      changed: () => this.#corrected(),
+      conflict: () => {},
+    });
+    this.#corrections.load().catch(showError);
+  }
+
+  /** The decision of a person; undefined without one. */
+  get #byHand() {
+    /** @type {any} */
+    const change = this.#corrections?.change;
+    return change?.phases;
+  }
+
+  /** @returns {PhaseStart[]} */
+  get #starts() {
+    return this.#moved ?? this.#byHand?.starts ?? this.#found;
+  }
+
+  #corrected() {
+    const { can_undo, can_redo } = this.#corrections.document;
+    this.#moved = null;
+    this.why.value = this.#byHand?.why ?? "";
+    this.reason.hidden = this.resetButton.hidden = !this.#byHand;
+    this.undoButton.hidden = !can_undo;
+    this.redoButton.hidden = !can_redo;
+    this.words.textContent = this.#described();
+    this.#draw();
+  }
+
+  #described() {
+    const record = this.#corrections.document.history.at(-1);
+    const words = this.#byHand
+      ? `Phases set by hand by ${record.who}, ${ago(record.when)}.`
+      : "Phases follow from the force. Drag the limits below the plot to set them by hand.";
+    const replaced = this.#corrections.document.on_another_image
+      ? " The force has been replaced since: look at them again."
+      : "";
+    return `${words}${replaced}${this.#outdated() ? " They count from the next run on." : ""}`;
+  }
+
+  /** Whether the last run used other phases. */
+  #outdated() {
+    const starts = this.#starts;
+    const rows = this.#frames.filter(({ phase }) => phase);
+    const byHand = rows.some(({ phase_decided_by: who }) => who);
+    if (byHand !== Boolean(this.#byHand)) return rows.length > 0;
+    if (!byHand) return false;
+    const at = (time) => starts.findLast(({ start_s }) => start_s < time)?.phase;
+    return rows.some(({ time_s, phase }) => at(time_s) !== phase);
+  }
+
+  /**
+   * Draw the bands over a time axis.
+   *
+   * @param {{ x: (time: number) => number, time: (x: number) => number, ends: number[], top: number,
+   *   bottom: number, height: number, step: number }} place scales, ends of the axis (s), edges (px), and the
+   *   time by which a key moves a limit (s)
+   */
+  draw(place) {
+    this.#place = place;
+    this.#draw();
+  }
+
+  #draw() {
+    if (!this.#place) return;
+    const starts = this.#starts;
+    this.#drawBands(starts);
+    const held = this.layer.children.length === starts.length;
+    if (!held) render(this.layer, this.#place ? starts.map((_, k) => this.#limit(k)) : []);
+    for (const [k, node] of [...this.layer.children].entries()) this.#put(node, k, starts);
+  }
+
+  #drawBands(starts) {
+    const { x, ends, top, bottom, height } = this.#place;
+    const inside = (time) => x(Math.max(ends[0], Math.min(ends[1], time)));
+    render(
+      this.bands,
+      starts.flatMap(({ phase, start_s }, k) => {
+        const [left, right] = [inside(start_s), inside(starts[k + 1]?.start_s ?? ends[1])];
+        const inContact = phase !== "before" && phase !== "after";
+        return [
+          inContact &&
+            s(
+              "g.band",
+              { "data-phase": phase },
+              s("rect", { x: left, y: top, width: right - left, height: bottom - top }),
+              right - left > 22 + 5.6 * phase.length &&
+                s("text", { x: (left + right) / 2, y: height - 7, "text-anchor": "middle" }, phase),
+            ),
+          s("path.limit", { d: `M${left.toFixed(1)} ${top}V${bottom}` }),
+        ];
+      }),
+    );
+  }
+
+  /** The handle of a limit. */
+  #limit(k) {
+    const node = h("div.limit", { role: "slider", tabindex: 0, "aria-orientation": "horizontal" }, h("i"));
+    node.addEventListener("pointerdown", (event) => this.#press(event, node, k));
+    node.addEventListener("keydown", (event) => this.#key(event, k));
+    node.addEventListener("blur", () => this.#confirm());
+    return node;
+  }
+
+  #put(node, k, starts) {
+    const { x, ends, bottom } = this.#place;
+    const { phase, start_s: start } = starts[k];
+    const same = starts.filter((one) => one.phase === phase);
+    const number = same.length > 1 ? ` ${same.indexOf(starts[k]) + 1}` : "";
+    const name = phase === "after" ? `End of contact${number}` : `Start of ${phase}${number}`;
+    const [low, high] = this.#bounds(k, starts);
+    node.style.left = `${x(Math.max(ends[0], Math.min(ends[1], start)))}px`;
+    node.style.top = `${bottom}px`;
+    node.title = `${name}: drag it, or use the arrow keys`;
+    for (const [key, value] of Object.entries({
+      label: name,
+      valuemin: low,
+      valuemax: high,
+      valuenow: start,
+      valuetext: `${plain(Number(start.toPrecision(4)))} s`,
+    }))
+      node.setAttribute(`aria-${key}`, String(value));
+  }
+
+  /** Between which times a limit can be moved: no phase passes another. */
+  #bounds(k, starts) {
+    const { ends } = this.#place;
+    return [starts[k - 1]?.start_s ?? ends[0], starts[k + 1]?.start_s ?? ends[1]];
+  }
+
+  /** Show a limit at another time. */
+  #move(k, time) {
+    const starts = this.#starts;
+    const [low, high] = this.#bounds(k, starts);
+    const start = Math.max(low, Math.min(high, Number(time.toFixed(6))));
+    this.#moved = starts.map((one, at) => (at === k ? { ...one, start_s: start } : one));
+    this.#draw();
+  }
+
+  #press(event, node, k) {
+    if (event.button) return;
+    event.preventDefault();
+    this.#confirm();
+    node.focus({ preventScroll: true });
+    node.setPointerCapture(event.pointerId);
+    const { x, time } = this.#place;
+    const offset = x(this.#starts[k].start_s) - event.clientX;
+    const move = ({ clientX }) => this.#move(k, time(clientX + offset));
+    const end = () => {
+      node.removeEventListener("pointermove", move);
+      node.removeEventListener("pointerup", end);
+      node.removeEventListener("pointercancel", end);
+      this.#save(this.#moved);
+    };
+    node.addEventListener("pointermove", move);
+    node.addEventListener("pointerup", end);
+    node.addEventListener("pointercancel", end);
+  }
+
+  #key(event, k) {
+    const { ctrlKey, metaKey, shiftKey, altKey, key } = event;
+    const control = ctrlKey || metaKey;
+    const step = this.#place.step * (shiftKey ? 10 : altKey ? 0.2 : 1);
+    const [low, high] = this.#bounds(k, this.#starts);
+    const now = this.#starts[k].start_s;
+    const to = {
+      ArrowLeft: now - step,
+      ArrowDown: now - step,
+      ArrowRight: now + step,
+      ArrowUp: now + step,
+      PageDown: now - 10 * step,
+      PageUp: now + 10 * step,
+      Home: low,
+      End: high,
+    }[key];
+    if (to !== undefined && !control) {
+      this.#move(k, to);
+      clearTimeout(this.#timer);
+      this.#timer = setTimeout(() => this.#confirm(), PAUSE_MS);
+    } else if ((key === "u" && !control) || (control && key === "z")) this.#step("undo");
+    else if ((key === "r" && !control) || (control && (key === "y" || key === "Z"))) this.#step("redo");
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  #step(action) {
+    this.#confirm();
+    this.#corrections[action]().catch(showError);
+  }
+
+  /** Save what was moved by keys. */
+  #confirm() {
+    if (this.#timer === null) return;
+    clearTimeout(this.#timer);
+    this.#timer = null;
+    this.#save(this.#moved);
+  }
+
+  /** @param {PhaseStart[] | null} starts */
+  #save(starts) {
+    if (!starts) return;
+    const phases = { starts, why: this.why.value.trim() || REASON };
+    this.#corrections
+      .keep(() => ({ phases }))
+      .catch((error) => {
+        this.#corrected();
+        showError(error);
+      });
+  }
+
+  close() {
+    this.#confirm();
+    this.#corrections?.close();
+    this.#corrections = null;
+    this.#moved = null;
+    this.#found = [];
+    render(this.layer);
+    render(this.bands);
+  }
+}
