@@ -95,6 +95,27 @@ def test_repeats_and_loads_scatter_apart(tmp_path: Path) -> None:
     assert summary.corrected_radius.scatter.between_std > 0.05
 
 
+def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> None:
+    """Of two contacts whose elongations scatter as stated: the mean of their radii is larger."""
+
+    def measured(elongations: list[float]) -> StudyResult:
+        contacts = ""
+        for number, elongation in enumerate(elongations):
+            major, minor = 6 * np.exp(elongation / 2), 6 * np.exp(-elongation / 2)
+            std = 0.1 * np.sqrt(2) / np.hypot(1 / major, 1 / minor)  # √2 · 0.1 of the elongation
+            contact = CONTACT.format(number=number, load=1, major=major, std=std)
+            contacts += contact.replace("semi_minor = 5.0", f"semi_minor = {minor}")
+        manifest = tmp_path / "study.toml"
+        manifest.write_text(MANIFEST.format(scales="", finger=GIVEN.format(std=0.1), contacts=contacts))
+        return run_study(manifest, tmp_path / "out")
+
+    scattered, mean = measured([0.3, 0.5]), measured([0.4]).rows[0]["radius_from_indentation_mm"]
+    naive = np.mean([row["radius_from_indentation_mm"] for row in scattered.rows])
+    pooled = scattered.summaries[0].corrected_radius
+    assert pooled.value == pytest.approx(mean, abs=0.1 * (naive - mean))
+    assert naive - mean > 0.005
+
+
 def test_contacts_that_came_out_round_do_not_count_for_more() -> None:
     found = pooling.contacts(10, 0.1, 0.39, repeats=80)
     assert (np.abs(found.bias) < 0.45).all()  # known to 0.11; −1.6 with the weights of what is stated
