@@ -243,14 +243,14 @@ def trace_tests(copy: Path, folder: str, paths: list[str]) -> dict[str, Any]:
 
 
 def tests_reaching(trace: dict[str, Any], mutant: Mutant) -> list[str]:
-    """Return the tests that reach a mutant's line, fastest first, as many as fit in the time."""
+    """Return the tests that reach a mutant's line, fastest first, as many as fit in the time, at least one."""
     contexts = set(trace["lines"].get(mutant["file"], {}).get(str(mutant["line"]), []))
     shared = {name.removeprefix("fixture ") for name in contexts if name.startswith("fixture ")}
     chosen, left = [], float(SECONDS)
     for test, seconds in sorted(trace["seconds"].items(), key=lambda pair: pair[1]):
         # Without a context a line runs when its module is imported.
         reached = "" in contexts or test in contexts or shared & set(trace["fixtures"][test])
-        if reached and seconds < left:
+        if reached and (seconds < left or not chosen):
             chosen.append(test)
             left -= seconds
     return chosen

@@ -200,3 +200,18 @@ def test_of_likely_drifts_the_least_favourable_is_taken() -> None:
     truth = Drift.random_walk(0.02, np.ones(199)).slow_variance
     assert 0.5 < found.slow_variance / truth < 2
     assert other.slow_variance < 0.2 * truth
+
+
+@pytest.mark.parametrize(
+    "drift",
+    [
+        Drift.exponential(0.02, 3.0, np.ones(11)),
+        Drift.long_range(0.02, np.ones(11)),
+        Drift.random_walk(0.02, np.ones(11)),
+    ],
+)
+def test_simulated_drift_has_its_covariance(drift: Drift) -> None:
+    rng = np.random.default_rng(4)
+    drawn = np.array([drift.simulated(rng) for _ in range(2000)])
+    expected = drift.covariance_of(np.eye(12))
+    assert_allclose(drawn.T @ drawn / len(drawn), expected, atol=0.12 * expected[0, 0])

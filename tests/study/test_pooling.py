@@ -217,6 +217,16 @@ def test_only_one_and_the_same_named_scale_is_shared(
     np.testing.assert_allclose(found, 0.04**2 * AXES if is_shared else 0.0)
 
 
+def test_stated_uncertainties_of_angles_are_degrees() -> None:
+    stated = {"wedge_angle_deg_std": 0.5, "roll_angle_deg_std": 3.0}
+    uncertainty = STUDY.uncertainty.model_copy(update=stated)
+    inputs = contact_inputs(
+        STUDY.model_copy(update={"uncertainty": uncertainty}), {"f": finger(None)}, [contact(0)]
+    )
+    stds = inputs.std[0, inputs.places(["wedge_angle", "roll_angle"])]
+    assert np.degrees(stds) == pytest.approx([0.5, 3.0])
+
+
 def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:
     inputs = contact_inputs(STUDY, {"f": finger(None)}, [contact(0, "a")])
     places = inputs.places(["contact_radius", "elongation"])
