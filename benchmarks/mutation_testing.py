@@ -242,9 +242,23 @@ def trace_tests(copy: Path, folder: str, paths: list[str]) -> dict[str, Any]:
     return found
 
 
-def tests_reaching(trace: dict[str, Any], mutant: Mutant) -> list[str]:
-    """Return the tests that reach a mutant's line, fastest first, as many as fit in the time, at least one."""
-    contexts = set(trace["lines"].get(mutant["file"], {}).get(str(mutant["line"]), []))
+def _statement_at(path: Path, line: int) -> range:
+    """Return the lines of the statement that a line belongs to, of a compound one those of its head."""
+    found = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.stmt):
+            body = getattr(node, "body", None)
+            last = max(node.lineno, body[0].lineno - 1) if body else node.end_lineno or node.lineno
+            if node.lineno <= line <= last:
+                found.append(range(node.lineno, last + 1))
+    return min(found, key=len)
+
+
+def tests_reaching(trace: dict[str, Any], copy: Path, mutant: Mutant) -> list[str]:
+    """Return the tests that reach a mutant, fastest first, as many as fit in the time, at least one."""
+    lines, contexts = trace["lines"].get(mutant["file"], {}), set[str]()
+    for line in _statement_at(copy / mutant["file"], mutant["line"]):
+        contexts.update(lines.get(str(line), []))
     shared = {name.removeprefix("fixture ") for name in contexts if name.startswith("fixture ")}
     chosen, left = [], float(SECONDS)
     for test, seconds in sorted(trace["seconds"].items(), key=lambda pair: pair[1]):
@@ -293,7 +307,7 @@ def run_package(name: str, count: int, seed: int, sample: list[Mutant] | None) -
         sample = sample or sample_mutants(copy, folder, count, seed)
         trace = trace_tests(copy, folder, [folder, *(path for path in paths if (copy / path).exists())])
         for number, mutant in enumerate(sample, 1):
-            mutant["outcome"] = outcome_of(copy, mutant, tests_reaching(trace, mutant))
+            mutant["outcome"] = outcome_of(copy, mutant, tests_reaching(trace, copy, mutant))
             where = f"{mutant['file'].removeprefix('src/fingerpad/')}:{mutant['line']}"
             print(f"{number}/{len(sample)} {where} {mutant['after']}  # {mutant['outcome']}", flush=True)
         os.chdir(ROOT)

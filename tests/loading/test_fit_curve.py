@@ -44,6 +44,14 @@ def test_a_compressible_pad_has_its_modulus() -> None:
     assert_allclose(fit.initial_modulus.value, 0.04, rtol=1e-3)
 
 
+def test_places_of_contact_under_drift() -> None:
+    noise = {"force_std": 0.01, "correlation_time": 0.1, "area_std": 1.0}
+    places = contact_points(simulate_loading_curve(points=150, seed=2, **noise))
+    assert set(places) == {"joint", *ESTIMATORS}
+    for name, place in places.items():
+        assert abs(place.value - 1.0) < 2 * place.std < 1, name
+
+
 def test_two_rows_beyond_the_noise_are_no_contact() -> None:
     displacement = np.linspace(0, 2, 101)
     load = 0.001 * (-1.0) ** np.arange(101) + np.maximum(displacement - 1.2, 0)
