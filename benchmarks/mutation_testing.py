@@ -260,7 +260,7 @@ def tests_reaching(trace: dict[str, Any], copy: Path, mutant: Mutant) -> list[st
     for line in _statement_at(copy / mutant["file"], mutant["line"]):
         contexts.update(lines.get(str(line), []))
     shared = {name.removeprefix("fixture ") for name in contexts if name.startswith("fixture ")}
-    chosen, left = [], float(SECONDS)
+    chosen, left = list[str](), float(SECONDS)
     for test, seconds in sorted(trace["seconds"].items(), key=lambda pair: pair[1]):
         # Without a context a line runs when its module is imported.
         reached = "" in contexts or test in contexts or shared & set(trace["fixtures"][test])
