@@ -215,3 +215,12 @@ def test_simulated_drift_has_its_covariance(drift: Drift) -> None:
     drawn = np.array([drift.simulated(rng) for _ in range(2000)])
     expected = drift.covariance_of(np.eye(12))
     assert_allclose(drawn.T @ drawn / len(drawn), expected, atol=0.12 * expected[0, 0])
+
+
+def test_of_one_deviation_the_degrees_of_freedom_are_those_of_its_chi_square() -> None:
+    """The logarithm of a standard deviation of ν degrees of freedom has the variance 1/(2 ν)."""
+    white = replace(noise(0.0), displacement_std=0.0, with_area=np.zeros(COUNT, dtype=bool))
+    jacobians = np.stack([np.ones(COUNT), TIME], axis=-1), np.zeros((0, 2))
+    known = NoiseUncertainty(names=("force_std",), covariance=np.array([[1 / (2 * 17)]]))
+    for gradient in np.eye(2):
+        assert_allclose(known.degrees_of_freedom(white, jacobians, gradient), 17)
