@@ -17,6 +17,7 @@ from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius
@@ -215,6 +216,20 @@ def test_only_one_and_the_same_named_scale_is_shared(
     inputs = contact_inputs(STUDY, {"f": finger(of_finger)}, [contact(0, of_contact)])
     found = inputs.covariance[0, inputs.places(SEMI_AXES), inputs.places(["image_scale"])]
     np.testing.assert_allclose(found, 0.04**2 * AXES if is_shared else 0.0)
+
+
+def test_the_close_look_takes_a_shared_scale_as_one_source() -> None:
+    """Sobol indices are of independent sources, which semi-axes and scale are no longer."""
+    rows = model_contacts(STUDY, {"f": finger("a")}, [contact(0, "a")])
+    (highest,) = rows.highest_load.values()
+    check = UncertaintyCheck.of("c0", highest.inputs)
+    assert set(check.shares) == {"semi-axes and scale", *PAD_SOURCES} - {"semi-axes", "image scale"}
+    assert sum(check.shares.values()) == pytest.approx(1)
+    assert check.std == pytest.approx(rows.table.column(f"{OUTPUT}_mm_std")[0])
+    assert check.interval == pytest.approx(
+        (check.value - 1.96 * check.std, check.value + 1.96 * check.std), rel=1e-4
+    )
+    assert check.simulated_std == pytest.approx(check.std, rel=0.05)
 
 
 def test_stated_uncertainties_of_angles_are_degrees() -> None:
