@@ -7,7 +7,9 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
+from fingerpad.cli.progress import ProgressDisplay
 from fingerpad.simulate import (
     outline_points,
     render_coin,
@@ -22,6 +25,7 @@ from fingerpad.simulate import (
     render_finger,
     render_sequence,
 )
+from fingerpad.study.engine.progress import Progress
 
 FIELDS = ["fields", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "30"]
 FIELDS += ["--modulus-kpa", "70", "--grid", "64"]
@@ -773,3 +777,17 @@ def test_import_is_light() -> None:
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, env={**os.environ}
     )
     assert done.stdout.strip() == "[]"
+
+
+def test_the_shown_rate_is_of_this_run_alone() -> None:
+    """Pictures that an earlier run measured are done at once, and tell nothing of the speed."""
+    shown: dict[str, str] = {}
+    bar = SimpleNamespace(add_task=lambda *_, **__: 0, update=lambda _, **fields: shown.update(fields))
+    display = ProgressDisplay(bar, None)
+    display.update(Progress(pictures=1_000_000, failed=0, total=1_000_002))
+    display.update(Progress(item="a", status="done", pictures=1_000_000, failed=0, total=1_000_002))
+    assert shown["rate"] == ""
+    time.sleep(0.02)
+    display.update(Progress(item="b", status="done", pictures=1_000_001, failed=0, total=1_000_002))
+    assert 0 < float(shown["rate"].removesuffix(" pictures/s")) <= 50
+    assert shown["completed"] == 1_000_001

@@ -87,6 +87,14 @@ def test_gap_that_does_not_open() -> None:
     assert np.isfinite(relative_curvature((10.0, 10.0), (-12.0, -20.0)).principal_radii).all()
 
 
+def test_gaps_are_judged_one_by_one() -> None:
+    # A sphere on a plate; a cylinder, which touches along a line; a ball in too narrow a hollow.
+    first, second = [(10.0, 10.0), (10.0, np.inf), (10.0, 10.0)], [(np.inf, np.inf)] * 2 + [(-9.0, -9.0)]
+    with np.errstate(divide="raise", invalid="raise"):
+        radii = relative_curvature(first, second).principal_radii
+    assert_allclose(radii, [[10.0, 10.0], [np.nan, np.nan], [np.nan, np.nan]])
+
+
 def test_broadcasting() -> None:
     gap = relative_curvature((10.0, 12.0), np.full((4, 1, 2), 7.0), angle=np.zeros(3))
     assert gap.principal_radii.shape == (4, 3, 2)

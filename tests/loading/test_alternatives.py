@@ -1,5 +1,6 @@
 """Other explanations of a curve, on curves of `benchmarks.loading_physics`, which is none of them."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -52,6 +53,13 @@ def test_late_areas_do_not_move_the_contact_of_the_force() -> None:
     assert "area_offset" not in given.flags
     assert given.contact_offset.lower < 0.3 < given.contact_offset.upper
     assert given.contact_offset.std < late.contact_offset.std / 2
+
+
+def test_how_late_areas_are_is_said_for_any_speed() -> None:
+    curve = curve_of("area 100 ms late")
+    slow = fit_loading_curve(replace(curve, time=2 * curve.time))
+    (milliseconds,) = re.findall(r"as of areas (\d+) ms late", slow.notes["area_offset"])
+    assert 140 < int(milliseconds) < 260
 
 
 def test_a_given_compliance_of_the_stage_is_corrected_for_with_its_uncertainty() -> None:

@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 from fingerpad._json import dumps
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading import ESTIMATORS, Estimate, Undetermined, contact_points, fit_loading_curve
+from fingerpad.loading.contact_point import contact_by_threshold
 from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0, "force_tilt": 0.01}
@@ -35,6 +36,27 @@ def test_noise_free_curve() -> None:
     assert_allclose([each.value for each in found], [15, 0.04, 0.02, 1.0], rtol=1e-4)
     assert_allclose(fit.youngs_modulus.value, 0.08, rtol=1e-4)
     assert_allclose(fit.reduced_modulus.value, 0.08 / 0.75, rtol=1e-4)
+
+
+def test_a_compressible_pad_has_its_modulus() -> None:
+    curve = simulate_loading_curve(points=60, poisson_ratio=0.3)
+    fit = fit_loading_curve(curve, poisson_ratio=0.3)
+    assert_allclose(fit.initial_modulus.value, 0.04, rtol=1e-3)
+
+
+def test_places_of_contact_under_drift() -> None:
+    noise = {"force_std": 0.01, "correlation_time": 0.1, "area_std": 1.0}
+    places = contact_points(simulate_loading_curve(points=150, seed=2, **noise))
+    assert set(places) == {"joint", *ESTIMATORS}
+    for name, place in places.items():
+        assert abs(place.value - 1.0) < 2 * place.std < 1, name
+
+
+def test_two_rows_beyond_the_noise_are_no_contact() -> None:
+    displacement = np.linspace(0, 2, 101)
+    load = 0.001 * (-1.0) ** np.arange(101) + np.maximum(displacement - 1.2, 0)
+    load[[40, 41, 50]] += 0.1
+    assert contact_by_threshold(displacement, load) == pytest.approx(1.22, abs=0.021)
 
 
 def test_hertzian_exponents() -> None:

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy import optimize
+from scipy import optimize, stats
+from statsmodels.tools import eval_measures
 
 from fingerpad.exceptions import FitError
 from fingerpad.loading import effective_count, fit_least_squares
@@ -109,3 +110,20 @@ def test_aicc_prefers_true_model() -> None:
         plain = fit_least_squares(lambda p, y=y: p[0] * np.exp(-p[1] * X) - y, [1, 1], ["size", "rate"])
         wins += fitted(y).aicc < plain.aicc
     assert wins >= 28
+
+
+def test_aicc_differences_agree_with_statsmodels() -> None:
+    """Of seven points, where the correction for few points is most of it."""
+    x = np.linspace(-1, 1, 7)
+    y = 1 + x + 0.1 * np.random.default_rng(0).standard_normal(7)
+
+    def polynomial(degree: int) -> tuple[float, float]:
+        def residuals(p: np.ndarray) -> np.ndarray:
+            return np.polynomial.polynomial.polyval(x, p) - y
+
+        fit = fit_least_squares(residuals, np.zeros(degree + 1), [f"c{k}" for k in range(degree + 1)])
+        likelihood = stats.norm.logpdf(fit.residuals, scale=np.sqrt(np.mean(fit.residuals**2))).sum()
+        return fit.aicc, eval_measures.aicc(likelihood, 7, degree + 2)
+
+    ours, theirs = np.transpose([polynomial(degree) for degree in (1, 2, 3)])
+    assert_allclose(np.diff(ours), np.diff(theirs), rtol=1e-9)

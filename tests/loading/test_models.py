@@ -17,6 +17,7 @@ from fingerpad.loading import (
     secant_modulus,
     shape_check,
 )
+from fingerpad.loading.force_models import FittedForceModel
 
 PAD = {"loading_radius": 14.5, "initial_modulus": 0.04, "load_coefficient": 0.02}
 
@@ -75,3 +76,21 @@ def test_shape_check_of_elliptical_contact(ratio: float) -> None:
     )
     assert_allclose(check.ratio, check.expected_ratio, rtol=1e-12)
     assert_allclose(check.modulus_from_area / check.modulus_from_indentation, check.ratio, rtol=1e-12)
+
+
+def test_a_sphere_has_one_modulus_from_area_and_indentation() -> None:
+    sphere = hertz_contact(14.0, 14.0, 2.0, reduced_modulus=0.1)
+    check = shape_check(2.0, sphere.indentation, sphere.area, loading_radius=14.0)
+    assert_allclose([check.ratio, check.expected_ratio], 1.0, rtol=1e-12)
+    assert_allclose(check.modulus_from_area, 0.1, rtol=1e-12)
+
+
+@pytest.mark.parametrize("compliance", [0.01, 0.2])
+def test_a_yielding_stage_moves_with_the_load(compliance: float) -> None:
+    values = {"contact_offset": 0.3, "loading_radius": 15.0, "youngs_modulus": 0.1}
+    depth = np.linspace(0.01, 2, 40)
+    load = 4 / 3 * 0.1 / 0.75 * np.sqrt(15.0) * depth**1.5
+    model = FittedForceModel(
+        law="hertz", values={**values, "stage_compliance": compliance}, poisson_ratio=0.5, aicc=0.0
+    )
+    assert_allclose(model.load(0.3 + depth + compliance * load), load, rtol=1e-7)

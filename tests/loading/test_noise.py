@@ -186,3 +186,41 @@ def test_drift_is_found_only_where_it_is_looked_for_and_is_then_uncertain_too() 
     assert noise_uncertainty(found, residuals, jacobians).names == (*white, "drift_std", "drift_time")
     plain = replace(found, drift_std=0.0)
     assert noise_uncertainty(plain, residuals, jacobians).names == white
+
+
+def test_of_likely_drifts_the_least_favourable_is_taken() -> None:
+    """A random walk that 1/f noise fits as well, whose slow part is a tenth: it would be understated."""
+    start, (force, area), jacobians = white_record(11)
+    walk = 0.02 * np.cumsum(np.random.default_rng(11).standard_normal(200)) / np.sqrt(200)
+    residuals = (force + walk, area)
+    found = estimate_noise(start, residuals, jacobians)
+    other = estimate_noise(start, residuals, jacobians, ("long_range",))
+    columns = [np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True)]
+    assert other.negative_log_likelihood(*columns) < found.negative_log_likelihood(*columns)
+    truth = Drift.random_walk(0.02, np.ones(199)).slow_variance
+    assert 0.5 < found.slow_variance / truth < 2
+    assert other.slow_variance < 0.2 * truth
+
+
+@pytest.mark.parametrize(
+    "drift",
+    [
+        Drift.exponential(0.02, 3.0, np.ones(11)),
+        Drift.long_range(0.02, np.ones(11)),
+        Drift.random_walk(0.02, np.ones(11)),
+    ],
+)
+def test_simulated_drift_has_its_covariance(drift: Drift) -> None:
+    rng = np.random.default_rng(4)
+    drawn = np.array([drift.simulated(rng) for _ in range(2000)])
+    expected = drift.covariance_of(np.eye(12))
+    assert_allclose(drawn.T @ drawn / len(drawn), expected, atol=0.12 * expected[0, 0])
+
+
+def test_of_one_deviation_the_degrees_of_freedom_are_those_of_its_chi_square() -> None:
+    """The logarithm of a standard deviation of ν degrees of freedom has the variance 1/(2 ν)."""
+    white = replace(noise(0.0), displacement_std=0.0, with_area=np.zeros(COUNT, dtype=bool))
+    jacobians = np.stack([np.ones(COUNT), TIME], axis=-1), np.zeros((0, 2))
+    known = NoiseUncertainty(names=("force_std",), covariance=np.array([[1 / (2 * 17)]]))
+    for gradient in np.eye(2):
+        assert_allclose(known.degrees_of_freedom(white, jacobians, gradient), 17)

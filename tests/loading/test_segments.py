@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy import stats
 
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading import (
@@ -44,9 +45,11 @@ def test_one_way_record() -> None:
 
 def test_baseline_level_coverage() -> None:
     curve = simulate_loading_curve(points=400, force_offset=0.2, **NOISE)
-    level = baseline_level(curve, find_cycles(curve)[0])
+    (cycle,) = find_cycles(curve)
+    level = baseline_level(curve, cycle)
     assert level.lower < 0.2 < level.upper
     assert level.std < 0.002
+    assert_allclose(level.std, stats.sem(curve.load[cycle.baseline.rows]), rtol=1e-12)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.6])

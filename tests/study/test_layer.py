@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from fingerpad.contact import EllipsoidContact, layered_contact
+from fingerpad.contact import EllipsoidContact, PadGap, fast_contact, layered_contact
 from fingerpad.geometry import Ellipsoid
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
@@ -260,6 +260,27 @@ def test_a_curve_gives_the_modulus_that_made_it(pressed: tuple[StudyResult, Path
     record = json.loads((folder / "out" / "summary.json").read_text())["curves"][0]["on_layer"]
     assert record[f"{name}_kpa"] == pytest.approx(layered.value)
     assert record["contact_shift_mm"] == pytest.approx(found.contact_shift)
+
+
+def test_an_uncertain_roll_changes_the_modulus_of_a_curve_to_second_order(
+    pressed: tuple[StudyResult, Path],
+) -> None:
+    result, _ = pressed
+    uncertainty = result.study.uncertainty.model_copy(update={"roll_angle_deg_std": 5.0})
+    given = result.study.model_copy(update={"uncertainty": uncertainty})
+    found = curve_on_layer(given, result.fingers["f"], result.curves[0])
+    layered = found.quantities["youngs_modulus_from_indentation_on_layer"]
+
+    def modulus(roll_deg: float) -> float:
+        gap = PadGap.of(PAD, wedge_angle=math.radians(30), roll_angle=math.radians(roll_deg))
+        depth = found.indentation + found.contact_shift
+        unit = fast_contact(gap, indentation=depth, reduced_modulus=1.0, thickness=8.0)
+        return 750 * found.load / float(unit.load)
+
+    assert modulus(0) == pytest.approx(layered.value, rel=1e-6)
+    # Of a change c in both directions the variance is 2 c².
+    expected = math.sqrt(2) * abs(modulus(5) - modulus(0))
+    assert layered.std * layered.budget["roll angle"] ** 0.5 == pytest.approx(expected, rel=1e-3)
 
 
 @pytest.mark.parametrize(

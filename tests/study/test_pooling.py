@@ -17,6 +17,7 @@ from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius
@@ -93,6 +94,27 @@ def test_repeats_and_loads_scatter_apart(tmp_path: Path) -> None:
     (summary,) = study(tmp_path, majors=(7.0, 7.0, 9.0, 9.0), loads=(1, 1, 2, 2)).summaries
     assert summary.corrected_radius.scatter.within_std == pytest.approx(0, abs=1e-9)
     assert summary.corrected_radius.scatter.between_std > 0.05
+
+
+def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> None:
+    """Of two contacts whose elongations scatter as stated: the mean of their radii is larger."""
+
+    def measured(elongations: list[float]) -> StudyResult:
+        contacts = ""
+        for number, elongation in enumerate(elongations):
+            major, minor = 6 * np.exp(elongation / 2), 6 * np.exp(-elongation / 2)
+            std = 0.1 * np.sqrt(2) / np.hypot(1 / major, 1 / minor)  # √2 · 0.1 of the elongation
+            contact = CONTACT.format(number=number, load=1, major=major, std=std)
+            contacts += contact.replace("semi_minor = 5.0", f"semi_minor = {minor}")
+        manifest = tmp_path / "study.toml"
+        manifest.write_text(MANIFEST.format(scales="", finger=GIVEN.format(std=0.1), contacts=contacts))
+        return run_study(manifest, tmp_path / "out")
+
+    scattered, mean = measured([0.3, 0.5]), measured([0.4]).rows[0]["radius_from_indentation_mm"]
+    naive = np.mean([row["radius_from_indentation_mm"] for row in scattered.rows])
+    pooled = scattered.summaries[0].corrected_radius
+    assert pooled.value == pytest.approx(mean, abs=0.1 * (naive - mean))
+    assert naive - mean > 0.005
 
 
 def test_contacts_that_came_out_round_do_not_count_for_more() -> None:
@@ -194,6 +216,30 @@ def test_only_one_and_the_same_named_scale_is_shared(
     inputs = contact_inputs(STUDY, {"f": finger(of_finger)}, [contact(0, of_contact)])
     found = inputs.covariance[0, inputs.places(SEMI_AXES), inputs.places(["image_scale"])]
     np.testing.assert_allclose(found, 0.04**2 * AXES if is_shared else 0.0)
+
+
+def test_the_close_look_takes_a_shared_scale_as_one_source() -> None:
+    """Sobol indices are of independent sources, which semi-axes and scale are no longer."""
+    rows = model_contacts(STUDY, {"f": finger("a")}, [contact(0, "a")])
+    (highest,) = rows.highest_load.values()
+    check = UncertaintyCheck.of("c0", highest.inputs)
+    assert set(check.shares) == {"semi-axes and scale", *PAD_SOURCES} - {"semi-axes", "image scale"}
+    assert sum(check.shares.values()) == pytest.approx(1)
+    assert check.std == pytest.approx(rows.table.column(f"{OUTPUT}_mm_std")[0])
+    assert check.interval == pytest.approx(
+        (check.value - 1.96 * check.std, check.value + 1.96 * check.std), rel=1e-4
+    )
+    assert check.simulated_std == pytest.approx(check.std, rel=0.05)
+
+
+def test_stated_uncertainties_of_angles_are_degrees() -> None:
+    stated = {"wedge_angle_deg_std": 0.5, "roll_angle_deg_std": 3.0}
+    uncertainty = STUDY.uncertainty.model_copy(update=stated)
+    inputs = contact_inputs(
+        STUDY.model_copy(update={"uncertainty": uncertainty}), {"f": finger(None)}, [contact(0)]
+    )
+    stds = inputs.std[0, inputs.places(["wedge_angle", "roll_angle"])]
+    assert np.degrees(stds) == pytest.approx([0.5, 3.0])
 
 
 def test_the_scale_is_not_counted_twice_in_the_ellipse() -> None:

@@ -10,6 +10,7 @@ from fingerpad.uncertainty import (
     Inputs,
     pad_model,
     pad_uncertainty,
+    propagate,
     run_monte_carlo,
     validate_linear_approximation,
 )
@@ -116,3 +117,16 @@ def test_linear_approximation_valid_for_small_uncertainties() -> None:
     wide = pad_uncertainty(**{**PAD, "radial_ulnar": (11.8, 2.4)})
     found = validate_linear_approximation(wide, run_monte_carlo(pad_model, wide.inputs))
     assert not found["mean_curvature_radius"].valid
+
+
+@pytest.mark.parametrize(("digits", "wanted"), [(1, [0.005, 50.0, 0.0]), (2, [0.0005, 5.0, 0.0])])
+def test_tolerance_is_half_a_unit_of_the_last_digit(digits: int, wanted: list[float]) -> None:
+    def scaled(x: np.ndarray) -> dict[str, np.ndarray]:
+        return {"small": 0.032 * x, "large": 250 * x, "exact": 0 * x + 7.0}
+
+    simulated = run_monte_carlo(scaled, NORMAL, digits=digits)
+    assert_allclose(simulated.wanted_tolerance, wanted, rtol=1e-12)
+    assert simulated.converged["exact"]
+    compared = validate_linear_approximation(propagate(scaled, NORMAL), simulated, digits=digits)
+    assert_allclose([one.tolerance for one in compared.values()], wanted, rtol=1e-12)
+    assert compared["exact"].valid

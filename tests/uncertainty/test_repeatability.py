@@ -124,3 +124,9 @@ def test_coverage() -> None:
             totals.setdefault(name, []).extend((hits, count))
     for name, found in totals.items():
         assert sum(found[::2]) / sum(found[1::2]) > 0.90, name
+
+
+def test_only_groups_of_two_and_more_are_counted() -> None:
+    fingers = [0, 0, 0, 1, 1, 2, 3]
+    repeat = nested_scatter(RNG.normal(size=7), {"finger": fingers}).components["repeat"]
+    assert (repeat.groups, repeat.count, repeat.freedom) == (2, 5, 3)

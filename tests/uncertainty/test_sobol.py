@@ -87,6 +87,7 @@ def test_errors_decrease_with_draws() -> None:
         ({"p": ("a", "b"), "q": ("b", "c")}, {}, "input 'b' is in two groups, 'p' and 'q'"),
         ({"p": ("a",), "q": ("b",)}, {}, "input 'c' has a variance and belongs to no group"),
         ({"p": ("a", "b"), "q": ("c",)}, {}, "inputs 'b' and 'c' are correlated but in different groups"),
+        ({"q": ("a", "b"), "p": ("c",)}, {}, "inputs 'b' and 'c' are correlated but in different groups"),
         ({"p": ("a", "b", "c", "d")}, {}, "no input 'd'; there are a, b, c"),
         (GROUPS, {"draws": 1000}, "power of two, found 1000"),
     ],

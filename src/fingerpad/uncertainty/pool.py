@@ -220,8 +220,8 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
     r"""Pool estimates of a quantity that varies from estimate to estimate.
 
     τ² solves Paule and Mandel's :math:`\sum w_i (y_i - \bar y)^2 = n - 1`, :math:`w_i = 1/(u_i^2 + \tau^2)`,
-    and is zero where the estimates scatter less than stated. The variance of the mean is Hartung and
-    Knapp's, never below :math:`1/\sum w_i`.
+    and is zero where the estimates scatter less than stated. The variance of the mean is
+    :math:`1/\sum w_i`, which for this τ² is Hartung and Knapp's.
 
     Parameters
     ----------
@@ -253,7 +253,6 @@ def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = Non
     shared_variance = _shared_variance(shared, weights)
     half = np.inf
     if count > 1:
-        variance *= max(1.0, float((values - value) ** 2 @ weights) / variance / (count - 1))
         quantiles = special.stdtrit(count - 1, 0.975), special.ndtri(0.975)
         half = float(np.hypot(quantiles[0] * np.sqrt(variance), quantiles[1] * np.sqrt(shared_variance)))
     return RandomEffects(
