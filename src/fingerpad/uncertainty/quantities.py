@@ -255,7 +255,13 @@ class Outputs(Displayed):
     interval: FloatArray
 
     def summary(self) -> str:
-        """Return each output with its standard uncertainty, one line each."""
+        """Return each output with its standard uncertainty.
+
+        Returns
+        -------
+        str
+            One line each.
+        """
         return "\n".join([type(self).__name__, *aligned([(name, str(self[name])) for name in self.names])])
 
     def __str__(self) -> str:
