@@ -20,6 +20,8 @@ from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 COUNTS, FLAGGED, EXCLUDES = 2.0, 5.0, 6.0
 # Every stage yields and every finger has a bone: these count unless the curve speaks against them.
 _EVERYWHERE_COUNTS: Final = -0.5
+# So is every camera late: for the place of contact an offset of the areas counts beyond its uncertainty.
+_LATE_COUNTS: Final = -1.0
 # Deviations by which residuals of one sign follow each other too often.
 TOO_FEW_RUNS = -3.5
 _MIN_AREAS = 20
@@ -84,7 +86,7 @@ class Comparison(Displayed):
         if not isinstance(estimate, Estimate):
             return estimate, 0.0
         others = []
-        for rival in self.others:
+        for rival in self.others + (self._late if name == "contact_offset" else []):
             value = sum(rival.values.get(key, 0.0) * weight for key, weight in gradient.items())
             try:
                 others.append(rival.combined(value, gradient))
@@ -98,6 +100,14 @@ class Comparison(Displayed):
             ]
         whole = estimate.including(*others)
         return whole, math.sqrt(max(whole.std**2 - estimate.std**2, 0.0))
+
+    @property
+    def _late(self) -> list[JointFit]:
+        """Areas with an offset at contact, unless the delay is given or the curve speaks against them."""
+        late = self.rivals.get("area_offset")
+        if late is None or "area_delay" in self.main.held:
+            return []
+        return [late] if late.aicc < self.main.aicc - _LATE_COUNTS else []
 
     def _limit(self, name: str) -> float:
         """Return the AICc below which an explanation counts."""
