@@ -90,7 +90,7 @@ class RidgeMap:
         diagonal = np.count_nonzero(ridges[1:, 1:] != ridges[:-1, :-1]) + np.count_nonzero(
             ridges[1:, :-1] != ridges[:-1, 1:]
         )
-        return math.pi / 8 * (straight + diagonal / math.sqrt(2)) * self.step
+        return float(math.pi / 8 * (straight + diagonal / math.sqrt(2)) * self.step)
 
     def _filled(self, outline: FloatArray) -> BoolArray:
         """Return the inside of an outline (x, y) of the picture, as an image of the map's box."""
