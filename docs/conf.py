@@ -12,6 +12,7 @@ import generated_reference  # noqa: E402
 
 (HERE / "_static").mkdir(exist_ok=True)
 generated_reference.write(HERE / "reference")
+generated_reference.example_figure(HERE / "_static" / "example_area.svg")
 # Real prints are not distributed; gallery scripts show them where they are.
 os.environ.setdefault("FINGERPAD_PRINTS", str(HERE.parents[1] / "shared" / "data"))
 
@@ -55,5 +56,6 @@ html_title = "fingerpad"
 html_theme_options = {"show_prev_next": False, "secondary_sidebar_items": ["page-toc"]}
 html_sidebars = {"*": []}
 exclude_patterns = ["_build", "**/_manifest_keys.md", "**/_command_line.md"]
-html_static_path = ["_static"]
+html_static_path = ["_static", "_style"]
+html_css_files = ["narrow.css"]
 templates_path = ["_templates"]

@@ -1,8 +1,9 @@
-"""Parts of the reference that the program itself states: the manifest's keys and the command line."""
+"""Parts that the program itself makes: keys of the manifest, the command line, a figure of the tutorial."""
 
 import json
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from fingerpad.study.editing.template import manifest_schema
@@ -44,7 +45,8 @@ def _table(title: str, table: dict) -> str:
         name = f"`{key}` (required)" if key in required else f"`{key}`"
         rows += f"| {name} | {_values(value)} | {value.get('description', '')} |\n"
     about = "" if title == _TABLES["Study"] else f"{table['description']}\n\n"
-    return f"## {title}\n\n{about}| key | value | meaning |\n|---|---|---|\n{rows}"
+    head = f"## {title}\n\n{about}:::{{container}} keys\n\n| key | value | meaning |\n|---|---|---|\n"
+    return f"{head}{rows}\n:::\n"
 
 
 def _values(value: dict) -> str:
@@ -85,7 +87,21 @@ def command_line() -> str:
     return body
 
 
+def example_figure(path: Path) -> None:
+    """Run the example study as the tutorial does, and draw its figure of area against load."""
+    area = "example/results/figures/synthetic_pad_30deg_synthetic_area.json"
+    commands = (
+        ["init", "--example", "example"],
+        ["run", "example/study.toml"],
+        ["figure", area, "--width-mm", "89", "--out", str(path.resolve())],
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        for command in commands:
+            run = [sys.executable, "-m", "fingerpad", *command]
+            subprocess.run(run, cwd=folder, capture_output=True, check=True)
+
+
 def write(folder: Path) -> None:
-    """Write both parts into a folder, for pages to include."""
+    """Write the keys and the command line into a folder, for pages to include."""
     (folder / "_manifest_keys.md").write_text(manifest_keys(), encoding="utf-8")
     (folder / "_command_line.md").write_text(command_line(), encoding="utf-8")
