@@ -58,5 +58,5 @@ html_theme_options = {"show_prev_next": False, "secondary_sidebar_items": ["page
 html_sidebars = {"*": []}
 exclude_patterns = ["_build", "**/_manifest_keys.md", "**/_command_line.md", "**/_flags.md"]
 html_static_path = ["_static", "_style"]
-html_css_files = ["narrow.css"]
+html_css_files = ["tables.css"]
 templates_path = ["_templates"]

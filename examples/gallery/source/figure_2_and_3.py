@@ -6,8 +6,6 @@ Each face shows two of the three semi-axes. The photographs here are synthetic; 
 (2017) are not public. Green: the arc that belongs to the pad. Yellow: the ellipse.
 """
 
-import numpy as np
-
 import fingerpad as fp
 from fingerpad.figures import new_figure
 from fingerpad.image import draw_photograph_overlay
@@ -25,5 +23,5 @@ for k, face in enumerate(("palmar", "ulnar", "distal")):
     fits.append(fit)
 
 pad = fp.combine_faces(fit.face_semi_axes for fit in fits)
-for name, std in zip(("palmar", "distal", "radial_ulnar"), np.sqrt(pad.covariance.diagonal()), strict=True):
+for name, std in zip(("palmar", "distal", "radial_ulnar"), pad.stds, strict=True):
     print(f"{name}: {getattr(pad, name):.2f} ± {std:.2f} mm")
