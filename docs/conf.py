@@ -12,6 +12,7 @@ import generated_reference  # noqa: E402
 
 (HERE / "_static").mkdir(exist_ok=True)
 generated_reference.write(HERE / "reference")
+generated_reference.example_figure(HERE / "_static" / "example_area.svg")
 # Real prints are not distributed; gallery scripts show them where they are.
 os.environ.setdefault("FINGERPAD_PRINTS", str(HERE.parents[1] / "shared" / "data"))
 
@@ -28,6 +29,7 @@ extensions = [
     "sphinx-mathjax-offline",
 ]
 myst_heading_anchors = 3
+smartquotes_action = "qe"  # two hyphens begin a flag
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 autosummary_generate = True
 autodoc_typehints = "none"
@@ -54,6 +56,7 @@ html_theme = "pydata_sphinx_theme"
 html_title = "fingerpad"
 html_theme_options = {"show_prev_next": False, "secondary_sidebar_items": ["page-toc"]}
 html_sidebars = {"*": []}
-exclude_patterns = ["_build", "**/_manifest_keys.md", "**/_command_line.md"]
-html_static_path = ["_static"]
+exclude_patterns = ["_build", "**/_manifest_keys.md", "**/_command_line.md", "**/_flags.md"]
+html_static_path = ["_static", "_style"]
+html_css_files = ["tables.css"]
 templates_path = ["_templates"]

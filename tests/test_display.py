@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 
 import fingerpad as fp
+from fingerpad._records import record_text
 from fingerpad.image import Picture, prepare_contact_image
 from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
 
@@ -126,3 +127,9 @@ def test_show_errors(results, tmp_path: Path) -> None:
     with pytest.raises(fp.FingerpadError, match=r"not kept .* draw_overlay\(pixels, result\)"):
         fp.show(prepared.contact_image)
     assert prepared.contact_image._repr_html_().startswith("<pre>")
+
+
+def test_summaries_leave_out_only_what_is_empty() -> None:
+    record = {"width_mm": np.float64(1.5), "zero_mm": 0.0, "flags": (), "centre_mm": np.ones(2), "none": None}
+    lines = [line.split()[0] for line in record_text("Record", record).splitlines()]
+    assert lines == ["Record", "width_mm", "zero_mm", "centre_mm"]

@@ -1,11 +1,15 @@
-"""Parts of the reference that the program itself states: the manifest's keys and the command line."""
+"""Parts that the program itself makes: keys of the manifest, the command line, a figure of the tutorial."""
 
 import json
+import re
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
+from fingerpad.image import PHOTOGRAPH_FLAGS
 from fingerpad.study.editing.template import manifest_schema
+from fingerpad.study.results.layer import LAYER_FLAGS
 
 _TABLES = {
     "Study": "Top of the file",
@@ -44,7 +48,8 @@ def _table(title: str, table: dict) -> str:
         name = f"`{key}` (required)" if key in required else f"`{key}`"
         rows += f"| {name} | {_values(value)} | {value.get('description', '')} |\n"
     about = "" if title == _TABLES["Study"] else f"{table['description']}\n\n"
-    return f"## {title}\n\n{about}| key | value | meaning |\n|---|---|---|\n{rows}"
+    head = f"## {title}\n\n{about}:::{{container}} keys\n\n| key | value | meaning |\n|---|---|---|\n"
+    return f"{head}{rows}\n:::\n"
 
 
 def _values(value: dict) -> str:
@@ -82,10 +87,43 @@ def command_line() -> str:
     command = [sys.executable, "-m", "typer", "fingerpad.cli", "utils", "docs", "--name", "fingerpad"]
     found = subprocess.run(command, capture_output=True, text=True, check=True)
     _title, _, body = found.stdout.partition("\n")
-    return body
+    return _whole_summaries(body)
+
+
+def _whole_summaries(body: str) -> str:
+    """Return the commands with whole summaries in their lists, where Typer cuts them."""
+    summaries = dict(re.findall(r"^#+ `fingerpad (.+)`\n\n(.+)$", body, re.MULTILINE))
+    by_end = {command.split()[-1]: text for command, text in summaries.items()}
+    command = re.compile(r"^\* `(\w+)`: .*$", re.MULTILINE)
+    return command.sub(lambda found: f"* `{found[1]}`: {by_end.get(found[1], found[0])}", body)
+
+
+def flag_tables() -> str:
+    """Return tables of the flags of photographs and of the layer, in Markdown."""
+    tables = {"Flags of a photograph": PHOTOGRAPH_FLAGS, "`layer_flag`: no result on the layer": LAYER_FLAGS}
+    text = ""
+    for title, flags in tables.items():
+        rows = "".join(f"| `{flag}` | {meaning} |\n" for flag, meaning in flags.items())
+        text += f"## {title}\n\n| flag | meaning |\n|---|---|\n{rows}\n"
+    return text
+
+
+def example_figure(path: Path) -> None:
+    """Run the example study as the tutorial does, and draw its figure of area against load."""
+    area = "example/results/figures/synthetic_pad_30deg_synthetic_area.json"
+    commands = (
+        ["init", "--example", "example"],
+        ["run", "example/study.toml"],
+        ["figure", area, "--width-mm", "89", "--out", str(path.resolve())],
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        for command in commands:
+            run = [sys.executable, "-m", "fingerpad", *command]
+            subprocess.run(run, cwd=folder, capture_output=True, check=True)
 
 
 def write(folder: Path) -> None:
-    """Write both parts into a folder, for pages to include."""
+    """Write the keys, the command line and the flags into a folder, for pages to include."""
     (folder / "_manifest_keys.md").write_text(manifest_keys(), encoding="utf-8")
     (folder / "_command_line.md").write_text(command_line(), encoding="utf-8")
+    (folder / "_flags.md").write_text(flag_tables(), encoding="utf-8")

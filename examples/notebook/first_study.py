@@ -77,7 +77,7 @@ for source, share in result.budget("radius_from_indentation").items():
 # %%
 # Beside it, the loading curve
 # ----------------------------
-# The slope of area against indentation gives the radius of an equivalent sphere, R_g; load and
+# The slope of area against indentation gives the radius of an equivalent sphere, :math:`R_g`; load and
 # indentation give the modulus.
 
 curve = simulate_loading_curve(loading_radius=14.0, force_std=0.005, displacement_std=0.005, area_std=1.0)
@@ -86,6 +86,6 @@ print(f"R_g {fit.loading_radius.value:.2f} ± {fit.loading_radius.std:.2f} mm")
 fitted = fp.show(fit)
 
 # %%
-# The radius to compare with R_g is that of the sphere with the same area at the same indentation.
+# The radius to compare with :math:`R_g` is that of the sphere with the same area at the same indentation.
 
 print(f"R_Aξ {result['radius_from_compliance']:.2f} mm")

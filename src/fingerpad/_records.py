@@ -37,14 +37,17 @@ def record_text(title: str, record: Mapping[str, Any]) -> str:
     Contact
       area_mm2  116.2 ± 2.3
     """
-    empty: tuple[Any, ...] = (None, (), [], {}, frozenset())
     shown = {
         name: _value(value, record.get(f"{name}_std"))
         for name, value in record.items()
-        if value not in empty and not name.endswith(("_std", "_ci95"))
+        if not _is_empty(value) and not name.endswith(("_std", "_ci95"))
     }
     width = max((len(name) for name in shown), default=0)
     return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in shown.items())])
+
+
+def _is_empty(value: Any) -> bool:
+    return value is None or (isinstance(value, tuple | list | dict | frozenset) and not value)
 
 
 def _value(value: Any, std: float | None) -> str:

@@ -16,5 +16,4 @@ path = Path(os.environ.get("FINGERPAD_PRINTS", "")) / "nist_minex_ink" / "a001_0
 if path.exists():
     image = fp.measure_contact_image(path, fp.Scale.of_ppi(500))
     print(image.summary())
-    print("flags:", ", ".join(image.flags) or "none")
     drawing = fp.show(image)

@@ -2,7 +2,7 @@
 Radius and modulus from a loading curve
 =======================================
 
-Area against π times indentation has the slope R_g; load against indentation then gives the modulus.
+Area against π times indentation has the slope :math:`R_g`; load against indentation then gives the modulus.
 Simulated data.
 """
 

@@ -1,8 +1,8 @@
 """
-Contact image
-=============
+Synthetic contact image
+=======================
 
-A synthetic print, measured. Green: the edge of the contact; orange: the ellipse of equal area and second
+A rendered contact, measured. Green: the edge of the contact; orange: the ellipse of equal area and second
 moments.
 """
 

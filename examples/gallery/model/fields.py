@@ -2,8 +2,8 @@
 Shear stress under the contact
 ==============================
 
-The maximum shear stress in the section along the finger, for 8 mm of tissue bonded to bone, with the depths
-at which mechanoreceptors lie. Dashed: the pressure of Hertz theory.
+The maximum shear stress in the section along the finger, for 8 mm of tissue bonded to bone, at 2 N and
+E* = 100 kPa, with the depths at which mechanoreceptors lie. Dashed: the pressure of Hertz theory.
 """
 
 import numpy as np
@@ -19,6 +19,6 @@ contact = fp.EllipsoidContact.of(pad, thickness=8.0, points=96, **press)
 figure = section_figure(
     ContactField.of_solution(contact.solution),
     hertz=ContactField.of_hertz(pad, **press),
-    receptors={"Meissner": (0.5, 0.7), "Merkel": (0.7, 1.0), "Pacini": (2.0, 3.0)},
+    receptors={"Meissner": (0.5, 0.7), "Merkel": (0.7, 1.0), "Pacinian": (1.5, 2.5)},
     width_mm=120,
 )

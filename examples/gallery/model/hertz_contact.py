@@ -2,7 +2,8 @@
 Elliptical Hertz contact
 ========================
 
-Contact ellipses and pressures of one pad at 30° under four loads.
+Contact ellipses and pressures of one pad at 30° under 0.25, 0.5, 1 and 2 N. The library takes any consistent
+units, which the axes name: here lengths are in mm, and pressure and E* in MPa.
 """
 
 import numpy as np

@@ -2,8 +2,9 @@
 Principal radii of a rolled finger
 ==================================
 
-Rolling the finger about its own axis moves the place of contact to the side. Shown are both principal radii
-of curvature there and the aspect ratio of the small contact that Hertz theory predicts.
+Rolling the finger about its own axis moves the place of contact to the side. Left: the larger (solid) and
+the smaller (dashed) principal radius of curvature there. Right: the aspect ratio of the small contact that
+Hertz theory predicts.
 """
 
 import numpy as np
@@ -21,7 +22,7 @@ for wedge_deg in (15, 30, 45):
     (line,) = left.plot(roll_deg, larger, label=f"wedge {wedge_deg}°")
     left.plot(roll_deg, smaller, "--", color=line.get_color())
     contact = fp.hertz_contact(larger, smaller, 1.0, reduced_modulus=0.1)
-    right.plot(roll_deg, contact.semi_major / contact.semi_minor, color=line.get_color())
+    right.plot(roll_deg, contact.semi_major / contact.semi_minor, label=line.get_label())
 left.set(xlabel="roll angle (°)", ylabel="principal radii (mm)")
-left.legend()
 right.set(xlabel="roll angle (°)", ylabel="aspect ratio of the contact")
+right.legend(loc="upper center")

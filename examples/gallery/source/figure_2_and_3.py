@@ -23,4 +23,5 @@ for k, face in enumerate(("palmar", "ulnar", "distal")):
     fits.append(fit)
 
 pad = fp.combine_faces(fit.face_semi_axes for fit in fits)
-print(pad.summary())
+for name, std in zip(("palmar", "distal", "radial_ulnar"), pad.stds, strict=True):
+    print(f"{name}: {getattr(pad, name):.2f} ± {std:.2f} mm")

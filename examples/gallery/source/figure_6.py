@@ -3,14 +3,15 @@ Corrected radius against load (Fig. 6)
 ======================================
 
 The radius corrected for the ellipse of contact, from the numbers that Dzidek et al. (2017) print at 2 N, with
-R_0g (dotted) and R_g (dashed). The diamond is the printed value, which none of the equations gives.
+:math:`R_{0g}` (dotted) and :math:`R_g` (dashed). The diamond is the printed value, which none of the
+equations gives.
 """
 
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.figures import new_figure, plot_corrected_radius
 from fingerpad.published import dzidek2017
 
-figure, axes = new_figure(width_mm=170, columns=2)
+figure, axes = new_figure(width_mm=170, height_mm=85, columns=2)
 for each, (angle, wedge) in zip(axes, dzidek2017().wedges.items(), strict=False):
     axis_ratio = wedge.semi_minor_mm.value / wedge.semi_major_mm.value
     corrected = equivalent_radius_from_indentation(wedge.mean_curvature_radius_mm.value, axis_ratio)
