@@ -83,18 +83,7 @@ export class Plots {
           "Error bars (standard uncertainty)",
           choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) }),
         ),
-        h(
-          "div.legend",
-          { "aria-label": "Legend" },
-          h("span", null, h("i.dot-mark"), symbol("R_g^corr")),
-          h("span", null, h("i.square-mark"), symbol("R_Aξ"), ", compare with ", symbol("R_g")),
-          h("span", null, h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"),
-          this.groups.some((group) => group.loading_radius_mm != null) &&
-            h("span", null, h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"),
-          this.groups.some(({ rows }) => rows.youngs_modulus_on_layer_kpa.some((value) => value !== null)) &&
-            h("span", null, h("i.square-mark"), symbol("E"), " and ", symbol("ξ"), " on the layer over bone"),
-          this.groups.some((group) => group.synthetic) && h("span", null, "hollow: synthetic"),
-        ),
+        (this.legend = h("div.legend", { "aria-label": "Legend" })),
       ),
       this.grid,
     );
@@ -111,11 +100,42 @@ export class Plots {
     for (const node of this.drawn) forget(node);
     this.drawn.clear();
     const groups = this.groups.filter(({ finger }) => !this.finger || finger === this.finger);
+    render(this.legend, this.#legend(groups));
     render(
       this.grid,
       groups.map((group) => this.#card(group)),
     );
     for (const node of this.grid.querySelectorAll(".chart")) this.watcher.observe(node);
+  }
+
+  /**
+   * What the marks of the drawn quantity are, of those that are there.
+   *
+   * @param {Answers["PlottedGroup"][]} groups
+   */
+  #legend(groups) {
+    const hollow = groups.some((group) => group.synthetic) && h("span", null, "hollow circles: synthetic");
+    const any = (key) => groups.some(({ rows }) => rows[key].some((value) => value !== null));
+    if (this.quantity !== QUANTITIES[0][0]) {
+      const onLayer = ON_LAYER[this.quantity];
+      return [
+        onLayer &&
+          any(onLayer) && [
+            h("span", null, h("i.dot-mark"), "Hertz theory"),
+            h("span", null, h("i.square-mark"), "on the layer over bone"),
+          ],
+        hollow,
+      ];
+    }
+    const loading = groups.some((group) => group.loading_radius_mm != null);
+    return [
+      h("span", null, h("i.dot-mark"), symbol("R_g^corr")),
+      any("radius_from_compliance_mm") &&
+        h("span", null, h("i.square-mark"), symbol("R_Aξ"), loading && [", compare with ", symbol("R_g")]),
+      h("span", null, h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"),
+      loading && h("span", null, h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"),
+      hollow,
+    ];
   }
 
   /** @param {Answers["PlottedGroup"]} group */
@@ -216,12 +236,13 @@ export class Plots {
     const onLayer = layerKey && rows[layerKey].some((value) => value !== null);
     const crowded = rows.item.length > 80;
     const name = (index) => rows.item[index];
-    const square = (size) => ({
+    // An outline wider than the circle, which would hide a square of nearly the same value.
+    const square = {
       symbol: "square",
-      color: group.synthetic ? panel : compliance,
-      size: crowded ? 3 : size,
-      line: { color: compliance, width: 1.2 },
-    });
+      color: "transparent",
+      size: crowded ? 7 : 14,
+      line: { color: compliance, width: 1.4 },
+    };
     const bars = (array, color) => ({ type: "data", array, color, thickness: 1.4, width: crowded ? 0 : 4 });
     const traces = [
       radius && {
@@ -229,7 +250,7 @@ export class Plots {
         y: rows.radius_from_compliance_mm,
         mode: "markers",
         type: "scatter",
-        marker: square(6),
+        marker: square,
         hovertemplate: "%{text}<br>W = %{x:.3g} N<br>R_Aξ = %{y:.2f} mm<extra></extra>",
         text: rows.item,
       },
@@ -239,7 +260,7 @@ export class Plots {
         error_y: bars(rows[`${layerKey}_std`], compliance),
         mode: "markers",
         type: "scatter",
-        marker: square(7),
+        marker: square,
         hovertemplate: rows.item.map(
           (_, index) =>
             `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ` +
