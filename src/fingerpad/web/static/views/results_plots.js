@@ -5,6 +5,7 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
+import { figureButton } from "../parts/figure_settings.js";
 import { choose, field, synthetic } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { checkList, verdictChip } from "../parts/verdict.js";
@@ -18,6 +19,13 @@ const QUANTITIES = [
   ["indentation_mm", "indentation", "indentation ξ (mm)"],
   ["youngs_modulus_kpa", "Young's modulus", "Young's modulus E (kPa)"],
 ];
+
+// The figures of the report that show them, by the end of their names.
+const FIGURES = {
+  radius_from_indentation_mm: "corrected_radius",
+  gross_area_mm2: "area",
+  aspect_ratio: "aspect_ratio",
+};
 
 // Quantities that the whole pad on its layer of tissue has too.
 const ON_LAYER = {
@@ -33,6 +41,8 @@ const BARS = [
 export class Plots {
   /** @type {Answers["PlottedGroup"][]} */
   groups = [];
+  /** @type {Answers["Figures"]["figures"]} */
+  figures = [];
 
   constructor(root) {
     this.root = root;
@@ -43,7 +53,12 @@ export class Plots {
   }
 
   async load() {
-    this.groups = (await get("/api/results/plot")).groups;
+    const [{ groups }, { figures }] = await Promise.all([
+      get("/api/results/plot"),
+      get("/api/results/figures"),
+    ]);
+    this.groups = groups;
+    this.figures = figures;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
       render(
@@ -164,6 +179,11 @@ export class Plots {
           group.roll_angle_deg ? [", ", symbol("φ"), ` = ${plain(group.roll_angle_deg)}°`] : "",
         ),
         synthetic(group.synthetic),
+        h(
+          "div.actions",
+          null,
+          figureButton(this.figures.find(({ name }) => name === `${group.figure}_${FIGURES[this.quantity]}`)),
+        ),
       ),
       h(
         "dl.facts",
