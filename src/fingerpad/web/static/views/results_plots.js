@@ -236,9 +236,10 @@ export class Plots {
 
   /** @param {Answers["PlottedGroup"]} group */
   #words(group) {
-    const radii = group.rows.radius_from_indentation_mm.filter((value) => value !== null);
-    const range = `${plain(Math.min(...radii))} to ${plain(Math.max(...radii))} mm`;
-    return `Corrected radius against load: ${radii.length} contacts from ${range}`;
+    const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
+    const values = group.rows[key].filter((value) => value !== null);
+    const range = [Math.min(...values), Math.max(...values)].map(plain).join(" to ");
+    return `Chart of ${words} against load: ${values.length} values from ${withUnit(range, unitOf(key))}`;
   }
 
   async #plot(node) {
