@@ -664,7 +664,7 @@ function takeFace(draft) {
 const guessed = () =>
   chip("guess: check", "warn", "The page is not sure. Choose again, or confirm when you add.");
 
-/** Whether the scale of a draft is what its file says, and nobody has confirmed it. */
+/** Whether the scale of a draft is what its file says, and still to be confirmed. */
 const scaleAsked = ({ as, scale, scaleGuess }) =>
   as === "observation" && isNewScale(scale) && scale === scaleGuess;
 
