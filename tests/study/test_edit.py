@@ -16,6 +16,7 @@ from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.checklist import missing
 from fingerpad.study.editing.documents import title_of
 from fingerpad.study.editing.edit import change_study, create_study
+from fingerpad.study.editing.template import write_template
 from fingerpad.study.journal import JOURNAL_NAME
 from fingerpad.study.manifest import load_study, read_study
 from fingerpad.study.manifest.load import STUDY_NAME
@@ -431,6 +432,13 @@ def test_killed_at_any_step_an_edit_is_done_or_not(with_sheet, tmp_path_factory,
         step += 1
     assert set(found) == {0, 1}
     assert found == sorted(found)
+
+
+def test_a_new_study_states_the_uncertainty_of_the_load_as_the_template_does(tmp_path):
+    new = create_study(tmp_path / "new", "New").study.uncertainty
+    template = load_study(write_template(tmp_path / "template")).study.uncertainty
+    assert new.load_relative_std == template.load_relative_std > 0
+    assert new.model_fields_set == {"load_relative_std"}
 
 
 def test_no_study_and_two_studies(tmp_path, folder):

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from fingerpad._arrays import BoolArray
 from fingerpad.published import audit
+from fingerpad.report.plots import group_name
 from fingerpad.report.text import pooling_words
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.results.columns import COLUMNS, Column
@@ -121,6 +122,10 @@ def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
     return {"groups": groups}
 
 
+def _figure(of: Mapping[str, Any]) -> str:
+    return group_name(of["finger"], of["wedge_angle_deg"], of["roll_angle_deg"], synthetic=of["synthetic"])
+
+
 def _group(
     of: Mapping[str, Any], table: ResultsTable, active_corrections: Mapping[str, ActiveCorrection]
 ) -> dict[str, Any]:
@@ -131,6 +136,7 @@ def _group(
     codes = Counter(code for notes in rows.items("range_notes") for code in (notes or "").split())
     return {
         **{name: of.get(name) for name in answers.PlottedGroup.model_fields},
+        "figure": _figure(of),
         "pooling": _pooling(rows, active_corrections),
         "rows": {
             name: rows.items("observation" if name == "item" else name)
@@ -194,6 +200,7 @@ def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
         "groups": [
             {
                 **{key: one[key] for key in PLACEMENT},
+                "figure": _figure(one),
                 "pooled": one.get("radius_from_indentation_variance_shares"),
                 "check": (check := one["uncertainty_check"])
                 and {name: check[name] for name in answers.BudgetCheck.model_fields},

@@ -66,6 +66,7 @@ def document(opened: StudySession) -> dict[str, Any]:
         "digest": loaded.digest,
         "poisson_ratio": study.poisson_ratio,
         "uncertainty": study.uncertainty.model_dump(),
+        "stated": sorted(study.uncertainty.model_fields_set),
         "apparatus": study.apparatus.model_dump(),
         "taken_as_exact": study.taken_as_exact(),
         "assumed": study.assumed(),

@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 from PIL import Image
-from tests.end_to_end.page.browser import DEMO, PRINTS, Late, Tab, drag, focus, middle, stroke
+from tests.end_to_end.page.browser import DEMO, PRINTS, Late, Tab, drag, focus, middle, settle, stroke
 from tests.waiting import wait_until
 
 from fingerpad.simulate import render_coin
@@ -74,24 +74,61 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page.locator("h1").click()
     page.keyboard.press("2")
     say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.05")
-    say_scale(page, "reader", "Resolution", "Pixels per inch", "500")
+    assert page.get_by_role("link", name="Run the study").count() == 0
+    say_scale(page, "reader", "ppi", "Pixels per inch", "500")
+    page.get_by_role("link", name="Run the study").wait_for()  # the last that was missing
+    tops = page.get_by_role("radiogroup", name="Type of scale").get_by_role("radio").all()
+    assert len({radio.bounding_box()["y"] for radio in tops}) == 1
     page.locator("h1").click()
     page.keyboard.press("1")
     page.get_by_text("Nothing is missing.").wait_for()
     page.get_by_label("Wedge angle ±").fill("0.5")
     page.get_by_label("Wedge angle ±").press("Enter")
     page.locator("h1").click()
-    page.keyboard.press("7")
+    page.keyboard.press("6")
     page.get_by_role("heading", name="Run & export").wait_for()
     page.keyboard.press("Enter")
     page.get_by_role("link", name="See the results").click()
     page.locator(".chart .scatterlayer .point").first.wait_for()
     radius = float(page.locator(".main-fact dd").first.inner_text().split()[0])
     assert radius == pytest.approx(13.61, abs=0.15)
+    require_plot_in_view(page)
     manifest = (empty_tab.folder / "index-finger" / "study.toml").read_text()
     assert manifest.count("[[observations]]") == 3
     assert manifest.count("synthetic = true") == 6
     assert "wedge_angle_deg_std = 0.5" in manifest
+
+
+def require_plot_in_view(page) -> None:
+    """The plot of one finger and angle is seen whole, and its legend names what it shows."""
+    assert page.locator(".banner").inner_text().count("\n") >= 1  # two notes above it
+    box = page.locator(".chart .xtitle").bounding_box()
+    assert box["y"] + box["height"] < page.viewport_size["height"]
+    legend = page.get_by_label("Legend").inner_text()
+    assert "compare with" not in legend  # there are no loading data
+    assert "on the layer" not in legend
+    circles, squares = (
+        page.locator(f".chart .scatterlayer .trace:nth-child({place}) .point") for place in (2, 1)
+    )
+    assert circles.count() == squares.count() == 3
+    assert squares.first.bounding_box()["width"] > circles.first.bounding_box()["width"]
+
+
+def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
+    page = empty_tab.open()
+    begin(page)
+    wedge = page.get_by_label("Wedge angle ±")
+    shown = wedge.input_value(), wedge.get_attribute("placeholder")
+    assert shown == ("", "3 assumed")
+    assert page.get_by_label("Load, relative ±").input_value() == "0.01"
+    manifest = empty_tab.folder / "index-finger" / "study.toml"
+    for entered, kept in [("0.5", True), ("", False)]:
+        wedge.fill(entered)
+        with page.expect_response("**/api/study/edits"):
+            wedge.press("Enter")
+        settle(page)
+        assert ("wedge_angle_deg_std" in manifest.read_text()) is kept
+    assert (wedge.input_value(), wedge.get_attribute("placeholder")) == shown
 
 
 def test_a_double_press_creates_one_study(empty_tab: Tab) -> None:
@@ -221,7 +258,7 @@ def test_an_incomplete_entry_is_named_and_run_when_complete(tab: Tab, demo, tmp_
     assert page.get_by_label("Wedge angle of print.png, degrees").evaluate("field => !field.validity.valid")
     page.get_by_role("heading", name="1 new file").wait_for()  # not used
     page.get_by_label("Wedge angle of print.png, degrees").fill("30")
-    page.get_by_label("Scale of uploads/print.png").select_option("reader")
+    page.get_by_label("Scale of print.png").select_option("reader")
     page.get_by_role("button", name="Add to study").click()
     page.get_by_role("heading", name="Missing").wait_for()
     page.get_by_text("the load is missing").wait_for()

@@ -335,7 +335,7 @@ def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
     deep = empty_tab.folder / "deep.tif"
     shallow = np.asarray(Image.open(DEMO / "synthetic/synthetic_30deg_2N.png"), dtype=np.uint16)
     tifffile.imwrite(deep, shallow * 100 + 7000)
-    begin_with_print(page, deep, "0.0508", way="mm/px")
+    begin_with_print(page, deep, "0.0508")
     assert "16 bit" in page.locator("[data-part=head]").inner_text()
     assert value(numbers(page), "mm²") == pytest.approx(116.3, rel=0.02)
     shades = page.evaluate(
@@ -349,8 +349,11 @@ def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
     assert shades[1] > 200
 
 
-def begin_with_print(page, picture, scale: str, way: str) -> None:
-    """New study of one print whose finger has typed semi-axes, and open it among the contacts."""
+def begin_with_print(page, picture, mm_per_px: str | None = None) -> None:
+    """New study of one print whose finger has typed semi-axes, and open it among the contacts.
+
+    Its scale is entered, or else the one that its file states.
+    """
     page.get_by_label("Title").fill("One print")
     page.keyboard.press("Enter")
     page.set_input_files("input[type=file][multiple]", picture)
@@ -361,6 +364,8 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
     page.get_by_label(f"Load of {picture.name}, newtons").fill("1")
     page.keyboard.press("Tab")
     page.get_by_role("button", name="Add to study").click()
+    if mm_per_px is None:
+        page.get_by_role("button", name="Yes, add them").click()
     page.get_by_text("1 file added").wait_for()
     page.get_by_role("button", name="Add a finger").click()
     page.get_by_label("Name of the finger").fill("right_index")
@@ -372,14 +377,15 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
     page.get_by_role("button", name="Save", exact=True).click()
     page.get_by_text("13.80 ± 0.20").wait_for()
     page.locator("h1").click()
-    page.keyboard.press("2")
-    page.get_by_role("radio", name=way).click()
-    page.get_by_label("Millimetres per pixel" if way == "mm/px" else "Pixels per inch").fill(scale)
-    page.keyboard.press("Enter")
-    page.get_by_label("Name", exact=True).fill("reader")
-    page.keyboard.press("Control+Enter")
-    page.get_by_role("button", name="Save scale").click()
-    page.get_by_role("heading", name="Scale reader").wait_for()
+    if mm_per_px is not None:
+        page.keyboard.press("2")
+        page.get_by_role("radio", name="mm/px").click()
+        page.get_by_label("Millimetres per pixel").fill(mm_per_px)
+        page.keyboard.press("Enter")
+        page.get_by_label("Name", exact=True).fill("reader")
+        page.keyboard.press("Control+Enter")
+        page.get_by_role("button", name="Save scale").click()
+        page.get_by_role("heading", name="Scale reader").wait_for()
     page.locator("h1").click()
     page.keyboard.press("4")
     page.get_by_role("heading", name=stem).wait_for()
@@ -390,7 +396,7 @@ def begin_with_print(page, picture, scale: str, way: str) -> None:
 @pytest.mark.parametrize("name", ["right_index_500ppi.png", "left_ring_500ppi.png"])
 def test_real_contact_image_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None:
     page = empty_tab.open()
-    begin_with_print(page, PRINTS / name, "500", way="Resolution")
+    begin_with_print(page, PRINTS / name)
     before = numbers(page)
     assert 120 < value(before, "mm²") < 300
     focus(page, "End of the semi-major axis").press("Shift+ArrowDown")

@@ -87,6 +87,29 @@ def test_a_doubtful_guess_is_asked(empty_tab: Tab, tmp_path) -> None:
     assert [one["file"] for one in manifest_of(empty_tab)["observations"]] == ["uploads/IMG_1.png"]
 
 
+def test_the_resolution_that_a_contact_image_states_is_a_guess(empty_tab: Tab, tmp_path) -> None:
+    page = empty_tab.open()
+    begin(page)
+    stated = {"IMG_1.png": (CONTACTS[0], 500), "IMG_2.png": (CONTACTS[1], 72), "IMG_3.jpg": (FACES[0], 300)}
+    for name, (path, ppi) in stated.items():
+        Image.open(path).save(tmp_path / name, dpi=(ppi, ppi))
+    drop(page, [tmp_path / name for name in stated])
+    scales = [page.get_by_label(f"Scale of {name}") for name in stated]
+    assert [scale.input_value() for scale in scales] == ["ppi:500", "", ""]
+    assert page.get_by_text("500 ppi, from the file").count() == 1
+    page.get_by_label("Finger of all new files").fill("left_index")
+    page.keyboard.press("Tab")
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_text("500 ppi as its file says").wait_for()
+    page.get_by_role("button", name="Change").click()
+    assert scales[0].evaluate("select => select === document.activeElement")
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_role("button", name="Yes, add them").click()
+    page.get_by_text("3 files added.").wait_for()
+    given = {one["file"]: one.get("scale") for one in manifest_of(empty_tab)["observations"]}
+    assert given == {"uploads/IMG_1.png": {"ppi": 500}, "uploads/IMG_2.png": None}
+
+
 def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path) -> None:
     page = empty_tab.open()
     begin(page)

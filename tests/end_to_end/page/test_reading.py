@@ -138,6 +138,35 @@ def test_figure_for_publication(tab: Tab) -> None:
     assert dialog.count() == 0
 
 
+@pytest.mark.parametrize(
+    ("view", "choice", "figure"),
+    [
+        ("results/plot", "corrected radius", "synthetic_pad_30deg_synthetic_corrected_radius"),
+        ("results/plot", "contact area", "synthetic_pad_30deg_synthetic_area"),
+        ("results/budget", "", "left_index_direct_45deg_budget"),
+        ("contacts/film:synthetic_press_30deg", "", "sequence_synthetic_press_30deg_synthetic"),
+    ],
+)
+def test_a_chart_leads_to_its_figure(tab: Tab, view: str, choice: str, figure: str) -> None:
+    page = tab.open(view)
+    if choice:
+        page.get_by_label("Against load", exact=True).select_option(choice)
+    page.get_by_role("button", name=f"Size, axes and colours of {figure}").click()
+    page.locator("dialog.figure-settings").get_by_role("heading", name=figure.replace("_", " ")).wait_for()
+    page.wait_for_function("() => document.querySelector('img.preview')?.naturalWidth > 100")
+    before = page.url
+    page.keyboard.press("Enter")  # accepts no frame behind the dialog
+    assert page.url == before
+
+
+def test_a_chart_without_a_figure_leads_nowhere(tab: Tab) -> None:
+    page = tab.open("results/plot")
+    page.get_by_role("button", name="Size, axes and colours of").first.wait_for()
+    page.get_by_label("Against load", exact=True).select_option("indentation")
+    page.locator(".plot-card").first.wait_for()
+    assert page.get_by_role("button", name="Size, axes and colours of").count() == 0
+
+
 def test_figures_budget_and_audit(tab: Tab) -> None:
     page = tab.open("results/figures")
     page.get_by_label("Show", exact=True).select_option("corrected_radius")

@@ -38,8 +38,9 @@ def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab, wi
     page.get_by_role("heading", name="contact_2N").wait_for()
 
 
-def test_tables_of_the_study_fit_beside_what_is_shared(example_tab: Tab) -> None:
-    page = example_tab.open()
+@pytest.mark.parametrize("study", ["example_tab", "tab"])
+def test_tables_of_the_study_fit_beside_what_is_shared(request, study: str) -> None:
+    page = request.getfixturevalue(study).open()
     page.set_viewport_size({"width": 1280, "height": 800})
     page.locator(".study-grid .table-wrap").first.wait_for()
     for each in page.locator(".study-grid .table-wrap").all():
@@ -51,3 +52,22 @@ def test_text_is_larger_on_the_widest_screens(example_tab: Tab, width: int, size
     page = example_tab.open()
     page.set_viewport_size({"width": width, "height": 800})
     expect(page.locator(".step-state").first).to_have_css("font-size", size)
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 780), (683, 384), (1366, 768)])
+def test_names_on_the_pad_do_not_cover_each_other(tab: Tab, width: int, height: int) -> None:
+    page = tab.open()
+    page.set_viewport_size({"width": width, "height": height})
+    tab.go("pad")
+    names = page.locator(".pad-scene svg text")
+    names.first.wait_for()
+    texts = names.all_text_contents()
+    assert any(each.startswith("across") for each in texts)
+    assert any(each.startswith("along") for each in texts)
+    boxes = names.evaluate_all(
+        """(all) => all.map((one) => one.getBBox())
+          .map(({ x, y, width, height }) => [x, x + width, y, y + height])"""
+    )
+    for place, (left, right, top, bottom) in enumerate(boxes):
+        for start, end, above, below in boxes[:place]:
+            assert left >= end or start >= right or top >= below or above >= bottom, texts

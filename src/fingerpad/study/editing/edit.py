@@ -5,6 +5,7 @@ A table may be written before it is complete: `load_study` tells what it lacks.
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
 import tomlkit
 
@@ -15,6 +16,9 @@ from fingerpad.study.editing.documents import StudyFiles
 from fingerpad.study.editing.template import manifest_files
 from fingerpad.study.journal import LOCK_NAME, complete, replace_files
 from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, load_study
+
+# As in template.toml.
+_BEGINNING: Final = {"uncertainty": {"load_relative_std": 0.01}}
 
 
 def create_study(folder: Path, title: str) -> LoadedStudy:
@@ -37,7 +41,7 @@ def create_study(folder: Path, title: str) -> LoadedStudy:
         complete(folder)
         if (folder / STUDY_NAME).exists():
             raise ManifestError(f"{folder}: there is a study already: open it, or name another folder")
-        replace_files(folder, manifest_files(tomlkit.dumps({"title": title.strip()})))
+        replace_files(folder, manifest_files(tomlkit.dumps({"title": title.strip(), **_BEGINNING})))
     return load_study(folder / STUDY_NAME)
 
 

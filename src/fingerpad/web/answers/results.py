@@ -33,12 +33,13 @@ class RangeNote(Answer):
 
 
 class Group(Answer):
-    """A finger at one placement."""
+    """A finger at one placement; `figure` begins the names of its figures in the report."""
 
     finger: str
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
+    figure: str
 
 
 class PlottedRows(Answer):

@@ -227,7 +227,7 @@ class ResultsStatus(Answer):
 
 
 class State(Answer):
-    """The state of a study."""
+    """The state of a study; `stated` are the keys of `uncertainty` that its manifest holds."""
 
     name: str
     title: str
@@ -235,6 +235,7 @@ class State(Answer):
     digest: str
     poisson_ratio: float
     uncertainty: Uncertainty
+    stated: list[str]
     apparatus: Apparatus
     taken_as_exact: list[str]
     assumed: list[str]

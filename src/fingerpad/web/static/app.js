@@ -22,8 +22,8 @@ export const STEPS = [
   ["photographs", "Photographs", photographs],
   ["contacts", "Contacts", contacts],
   ["pad", "Pad", pad],
-  ["results", "Results", results],
   ["run", "Run & export", run],
+  ["results", "Results", results],
 ];
 
 const work = document.getElementById("work");

@@ -2,6 +2,7 @@
 
 import { addressOf, get } from "../core/api.js";
 import { h, render, saveFocus } from "../core/dom.js";
+import { showError } from "../core/messages.js";
 import { button, choose, field, number } from "./forms.js";
 
 const WIDTHS = [
@@ -25,7 +26,7 @@ const PAUSE_MS = 250;
  *
  * @param {Answers["Figures"]["figures"][number]} figure
  */
-export async function openFigureSettings({ name, caption }) {
+async function openFigureSettings({ name, caption }) {
   const details = await get("/api/results/figure", { name });
   /** @type {Record<string, any>} */
   const settings = { colours: [...details.colours] };
@@ -143,3 +144,16 @@ export async function openFigureSettings({ name, caption }) {
   dialog.showModal();
   await draw();
 }
+
+/**
+ * The button that opens the dialog for a figure, if the last run drew it so that it can be set.
+ *
+ * @param {Answers["Figures"]["figures"][number] | undefined} figure
+ * @param {string} [kind] of the button
+ */
+export const figureButton = (figure, kind = "small") =>
+  figure?.settable &&
+  button("Figure…", () => openFigureSettings(figure).catch(showError), {
+    kind,
+    label: `Size, axes and colours of ${figure.name}`,
+  });

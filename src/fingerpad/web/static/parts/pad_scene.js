@@ -326,6 +326,31 @@ export class PadScene {
         ];
       }),
     );
+    this.#separateLabels();
+  }
+
+  /** Move the name of a direction above another that it would cover; leave out angles that would be covered. */
+  #separateLabels() {
+    const kept = [];
+    for (const text of this.marks.querySelectorAll("text")) {
+      const { x, y, width, height } = text.getBBox();
+      const box = { left: x, right: x + width, top: y, bottom: y + height };
+      const other = kept.find(
+        (each) =>
+          box.left < each.right && each.left < box.right && box.top < each.bottom && each.top < box.bottom,
+      );
+      if (other && text.matches(".station-name")) {
+        text.remove();
+        continue;
+      }
+      if (other) {
+        const shift = box.bottom - other.top;
+        text.setAttribute("y", String(Number(text.getAttribute("y")) - shift));
+        box.top -= shift;
+        box.bottom -= shift;
+      }
+      kept.push(box);
+    }
   }
 
   close() {

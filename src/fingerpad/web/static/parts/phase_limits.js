@@ -102,7 +102,7 @@ export class PhaseLimits {
     const record = this.#corrections.document.history.at(-1);
     const words = this.#byHand
       ? `Phases set by hand by ${record.who}, ${ago(record.when)}.`
-      : "Phases follow from the force. Drag the limits below the plot to set them by hand.";
+      : "Phases follow from the force; drag the limits below to set them.";
     const replaced = this.#corrections.document.on_another_image
       ? " The force has been replaced since: look at them again."
       : "";

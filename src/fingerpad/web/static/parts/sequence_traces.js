@@ -105,6 +105,7 @@ export class SequenceTraces {
       h("label", null, this.alignBox, "Drag the area to align it with the force"),
       this.alignWords,
       this.keepButton,
+      (this.figure = h("span")),
     );
     this.root = h(
       "div.traces",

@@ -6,6 +6,7 @@ import { h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
 import { plain } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
+import { figureButton } from "../parts/figure_settings.js";
 import { choose, empty } from "../parts/forms.js";
 import { icons } from "../parts/icons.js";
 import { Lasso, Polygon } from "../parts/lasso.js";
@@ -199,7 +200,18 @@ class Contacts extends Review {
     }
     const signal = this.film ? await this.#signal() : null;
     this.traces.set(this.film?.name ?? null, signal, /** @type {Frame[]} */ (this.all));
-    if (!this.closed) this.#filter(this.filter, this.wanted);
+    if (this.closed) return;
+    this.#filter(this.filter, this.wanted);
+    await this.#figure();
+  }
+
+  /** Show the way to the sequence's figure in the report, if there is one. */
+  async #figure() {
+    const name = `sequence_${this.film?.name}`;
+    const there = this.film && workspace.study.results.there;
+    const { figures } = there ? await get("/api/results/figures") : { figures: [] };
+    const figure = figures.find((each) => [name, `${name}_synthetic`].includes(each.name));
+    if (name === `sequence_${this.film?.name}`) render(this.traces.figure, figureButton(figure));
   }
 
   /** The force of the sequence; without it the frames are shown alone. */

@@ -122,6 +122,7 @@ export class NewFiles {
     this.root.hidden = !files.length;
     if (!files.length) return;
     this.#useCoin();
+    for (const file of this.files) this.#guessScale(file);
     const shown = files.slice(0, 60);
     this.status.textContent = this.toLookAt ? `Looking at ${plural(this.toLookAt)} …` : LOOKED;
     render(
@@ -314,7 +315,9 @@ export class NewFiles {
     if (info === null) return;
     this.info.set(file, info);
     const select = this.root.querySelector(`[data-field="${CSS.escape(`${file}:scale`)}"]`);
-    if (select && info.resolution_ppi) select.replaceWith(this.#scale(file));
+    if (!this.drafts.has(file) || !info.resolution_ppi) return;
+    this.#guessScale(file);
+    select?.parentElement.replaceChildren(...this.#scale(file));
   }
 
   #common() {
@@ -349,7 +352,8 @@ export class NewFiles {
           );
           if (!field.reportValidity()) return;
           this.shared[`scale_${as}`] = value;
-          for (const draft of this.drafts.values()) if (draft.as === as) draft.scale = scale;
+          for (const draft of this.drafts.values())
+            if (draft.as === as) Object.assign(draft, { scale, scaleGuess: undefined });
           this.#keep();
           setTimeout(() => redraw(() => this.draw()));
         },
@@ -509,21 +513,35 @@ export class NewFiles {
   #scale(file) {
     const draft = this.drafts.get(file);
     const ppi = this.info.get(file)?.resolution_ppi;
-    const names = scaleNames();
-    draft.scale ??= names.length === 1 ? names[0] : "";
-    const options = [["", "– later –"], ...names.map((name) => [name, name])];
-    if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi (from file)`]);
+    const options = [["", "– later –"], ...scaleNames().map((name) => [name, name])];
+    if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi, from the file`]);
     const others = [...this.drafts.values()].map(({ scale }) => scale).filter(isNewScale);
     for (const scale of new Set(others))
       if (!options.some(([value]) => value === scale)) options.push([scale, newScaleWords(scale)]);
     const select = choose({
       value: draft.scale,
       options,
-      label: `Scale of ${file}`,
-      onset: (value) => (draft.scale = value),
+      label: `Scale of ${base(file)}`,
+      onset: (value) => {
+        Object.assign(draft, { scale: value, scaleGuess: undefined });
+        select.nextElementSibling?.remove();
+      },
     });
     select.dataset.field = `${file}:scale`;
-    return select;
+    return [select, ...(scaleAsked(draft) ? [guessed()] : [])];
+  }
+
+  /** Propose a scale where none is stated: the only one of the study, or what the file of a contact image says. */
+  #guessScale(file) {
+    const draft = this.drafts.get(file);
+    if (draft.scale !== undefined && draft.scale !== draft.scaleGuess) return;
+    const { scales } = workspace.study;
+    const ppi = this.info.get(file)?.resolution_ppi;
+    let guess = scales.length === 1 ? scales[0].name : "";
+    // Programs that know no resolution write 72 or 96; a camera's says nothing of the finger.
+    if (!guess && draft.as === "observation" && ppi > 96)
+      guess = scales.find(({ table }) => Math.abs(Number(table.ppi) - ppi) < 0.1)?.name ?? `ppi:${ppi}`;
+    Object.assign(draft, { scale: guess, scaleGuess: guess });
   }
 
   async #forget(file) {
@@ -556,7 +574,9 @@ export class NewFiles {
   async #confirmed() {
     const open = this.files
       .map((file) => ({ file, draft: this.drafts.get(file) }))
-      .filter(({ draft }) => draft.asked || (draft.as === "photograph" && draft.faceAsked));
+      .filter(
+        ({ draft }) => draft.asked || (draft.as === "photograph" && draft.faceAsked) || scaleAsked(draft),
+      );
     if (!open.length) return true;
     const kinds = Object.fromEntries(Object.values(KINDS).flat());
     const answer = await ask(
@@ -577,6 +597,7 @@ export class NewFiles {
                 null,
                 kinds[draft.as],
                 draft.as === "photograph" && draft.face && `, ${draft.face} face`,
+                scaleAsked(draft) && `, ${newScaleWords(draft.scale)} as its file says`,
               ),
             ),
           ),
@@ -589,11 +610,12 @@ export class NewFiles {
     );
     if (answer !== "yes") {
       const { file, draft } = open[0];
-      const what = draft.asked ? "Type of" : "Face on";
+      const what = draft.asked ? "Type of" : draft.as === "photograph" ? "Face on" : "Scale of";
       this.root.querySelector(`select[aria-label="${CSS.escape(`${what} ${base(file)}`)}"]`)?.focus();
       return false;
     }
-    for (const { draft } of open) Object.assign(draft, { asked: false, faceAsked: false });
+    for (const { draft } of open)
+      Object.assign(draft, { asked: false, faceAsked: false, scaleGuess: undefined });
     return true;
   }
 
@@ -641,6 +663,10 @@ function takeFace(draft) {
 
 const guessed = () =>
   chip("guess: check", "warn", "The page is not sure. Choose again, or confirm when you add.");
+
+/** Whether the scale of a draft is what its file says, and still to be confirmed. */
+const scaleAsked = ({ as, scale, scaleGuess }) =>
+  as === "observation" && isNewScale(scale) && scale === scaleGuess;
 
 /** Whether a file of its kind takes a value. */
 const takes = ({ as }, key) =>

@@ -63,6 +63,7 @@ export function takeValues(draft, values) {
   const own = finger ?? draft.finger;
   if (person !== null && own && !own.startsWith(`${person}_`)) draft.finger = `${person}_${own}`;
   else if (finger !== null) draft.finger = finger;
+  if ((ppi ?? mm_per_px ?? scale) !== null) draft.scaleGuess = undefined;
   if (ppi !== null) draft.scale = `ppi:${ppi}`;
   if (mm_per_px !== null) draft.scale = `mm:${mm_per_px}`;
   if (scale !== null) {

@@ -125,25 +125,18 @@ class Results {
       this.banner,
       results?.there &&
         this.key !== "audit" &&
-        exact.length > 0 &&
+        exact.length + assumed.length > 0 &&
         h(
           "div.banner.note",
           null,
-          `No uncertainty is given for ${exact.join(", ")}: the uncertainties shown are too small. `,
-          "Enter it under ",
-          h("a", { href: "#/study" }, "Study"),
-          " or ",
-          h("a", { href: "#/scale" }, "Scale"),
-          ".",
-        ),
-      results?.there &&
-        this.key !== "audit" &&
-        assumed.length > 0 &&
-        h(
-          "div.banner.note",
-          null,
-          `Assumed to be known, until you enter other values: ${assumed.join(" and ")}. `,
-          h("a", { href: "#/study" }, "Set"),
+          exact.length > 0 && exactNote(exact),
+          assumed.length > 0 &&
+            h(
+              "p",
+              null,
+              `Assumed to be known, until you enter other values: ${assumed.join(" and ")}. `,
+              h("a", { href: "#/study" }, "Set"),
+            ),
         ),
       results?.there &&
         !results.fresh &&
@@ -166,6 +159,25 @@ class Results {
     this.removeListener();
     this.part?.close?.();
   }
+}
+
+/** Say which inputs are taken as exact; many of them fold away, above the plots. */
+function exactNote(exact) {
+  const where = [
+    "Enter it under ",
+    h("a", { href: "#/study" }, "Study"),
+    " or ",
+    h("a", { href: "#/scale" }, "Scale"),
+    ".",
+  ];
+  const words = (inputs) => `No uncertainty is given for ${inputs}: the uncertainties shown are too small. `;
+  if (exact.length <= 3) return h("p", null, words(exact.join(", ")), where);
+  return h(
+    "details",
+    null,
+    h("summary", null, words(`${exact.length} inputs`)),
+    h("p", null, `${exact.join(", ")}. `, where),
+  );
 }
 
 export const open = (root, rest) => new Results(root, rest);

@@ -4,6 +4,7 @@ import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { plain, withStd } from "../core/quantity.js";
+import { figureButton } from "../parts/figure_settings.js";
 import { chip, synthetic } from "../parts/forms.js";
 
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
@@ -14,7 +15,11 @@ export class Budget {
   }
 
   async load() {
-    const { groups } = await get("/api/results/budget");
+    const [{ groups }, { figures }] = await Promise.all([
+      get("/api/results/budget"),
+      get("/api/results/figures"),
+    ]);
+    this.figures = figures;
     render(
       this.root,
       h(
@@ -34,7 +39,7 @@ export class Budget {
   }
 
   /** @param {Answers["BudgetGroup"]} group */
-  #group({ finger, wedge_angle_deg: wedge, roll_angle_deg: roll, synthetic: made, pooled, check }) {
+  #group({ finger, wedge_angle_deg: wedge, roll_angle_deg: roll, synthetic: made, figure, pooled, check }) {
     const sources = Object.keys(pooled ?? check?.shares ?? {}).sort(
       (a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a],
     );
@@ -59,6 +64,7 @@ export class Budget {
           roll ? [", ", symbol("φ"), ` = ${plain(roll)}°`] : "",
         ),
         synthetic(made),
+        h("div.actions", null, figureButton(this.figures.find(({ name }) => name === `${figure}_budget`))),
       ),
       check &&
         h(

@@ -2,9 +2,8 @@
 
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
-import { showError } from "../core/messages.js";
-import { openFigureSettings } from "../parts/figure_settings.js";
-import { button, choose, field } from "../parts/forms.js";
+import { figureButton } from "../parts/figure_settings.js";
+import { choose, field } from "../parts/forms.js";
 
 export class Figures {
   constructor(root) {
@@ -47,7 +46,7 @@ export class Figures {
 
   /** @param {Answers["Figures"]["figures"][number]} figure */
   #card(figure) {
-    const { name, caption, svg, png, settable } = figure;
+    const { name, caption, svg, png } = figure;
     const words = caption || name.replaceAll("_", " ");
     const save = (address, kind) =>
       h("a.button", { href: `${address}?attachment=1`, "aria-label": `${kind} of ${name}` }, kind);
@@ -59,16 +58,7 @@ export class Figures {
         "figcaption",
         null,
         h("p", null, words),
-        h(
-          "div.actions",
-          null,
-          save(svg, "SVG"),
-          png && save(png, "PNG"),
-          settable &&
-            button("Figure…", () => openFigureSettings(figure).catch(showError), {
-              label: `Size, axes and colours of ${name}`,
-            }),
-        ),
+        h("div.actions", null, save(svg, "SVG"), png && save(png, "PNG"), figureButton(figure, "")),
       ),
     );
   }

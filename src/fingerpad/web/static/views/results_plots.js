@@ -5,6 +5,7 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
+import { figureButton } from "../parts/figure_settings.js";
 import { choose, field, synthetic } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { checkList, verdictChip } from "../parts/verdict.js";
@@ -18,6 +19,13 @@ const QUANTITIES = [
   ["indentation_mm", "indentation", "indentation ξ (mm)"],
   ["youngs_modulus_kpa", "Young's modulus", "Young's modulus E (kPa)"],
 ];
+
+// The figures of the report that show them, by the end of their names.
+const FIGURES = {
+  radius_from_indentation_mm: "corrected_radius",
+  gross_area_mm2: "area",
+  aspect_ratio: "aspect_ratio",
+};
 
 // Quantities that the whole pad on its layer of tissue has too.
 const ON_LAYER = {
@@ -33,6 +41,8 @@ const BARS = [
 export class Plots {
   /** @type {Answers["PlottedGroup"][]} */
   groups = [];
+  /** @type {Answers["Figures"]["figures"]} */
+  figures = [];
 
   constructor(root) {
     this.root = root;
@@ -43,7 +53,12 @@ export class Plots {
   }
 
   async load() {
-    this.groups = (await get("/api/results/plot")).groups;
+    const [{ groups }, { figures }] = await Promise.all([
+      get("/api/results/plot"),
+      get("/api/results/figures"),
+    ]);
+    this.groups = groups;
+    this.figures = figures;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
       render(
@@ -83,18 +98,7 @@ export class Plots {
           "Error bars (standard uncertainty)",
           choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) }),
         ),
-        h(
-          "div.legend",
-          { "aria-label": "Legend" },
-          h("span", null, h("i.dot-mark"), symbol("R_g^corr")),
-          h("span", null, h("i.square-mark"), symbol("R_Aξ"), ", compare with ", symbol("R_g")),
-          h("span", null, h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"),
-          this.groups.some((group) => group.loading_radius_mm != null) &&
-            h("span", null, h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"),
-          this.groups.some(({ rows }) => rows.youngs_modulus_on_layer_kpa.some((value) => value !== null)) &&
-            h("span", null, h("i.square-mark"), symbol("E"), " and ", symbol("ξ"), " on the layer over bone"),
-          this.groups.some((group) => group.synthetic) && h("span", null, "hollow: synthetic"),
-        ),
+        (this.legend = h("div.legend", { "aria-label": "Legend" })),
       ),
       this.grid,
     );
@@ -111,11 +115,42 @@ export class Plots {
     for (const node of this.drawn) forget(node);
     this.drawn.clear();
     const groups = this.groups.filter(({ finger }) => !this.finger || finger === this.finger);
+    render(this.legend, this.#legend(groups));
     render(
       this.grid,
       groups.map((group) => this.#card(group)),
     );
     for (const node of this.grid.querySelectorAll(".chart")) this.watcher.observe(node);
+  }
+
+  /**
+   * What the marks of the drawn quantity are, of those that are there.
+   *
+   * @param {Answers["PlottedGroup"][]} groups
+   */
+  #legend(groups) {
+    const hollow = groups.some((group) => group.synthetic) && h("span", null, "hollow circles: synthetic");
+    const any = (key) => groups.some(({ rows }) => rows[key].some((value) => value !== null));
+    if (this.quantity !== QUANTITIES[0][0]) {
+      const onLayer = ON_LAYER[this.quantity];
+      return [
+        onLayer &&
+          any(onLayer) && [
+            h("span", null, h("i.dot-mark"), "Hertz theory"),
+            h("span", null, h("i.square-mark"), "on the layer over bone"),
+          ],
+        hollow,
+      ];
+    }
+    const loading = groups.some((group) => group.loading_radius_mm != null);
+    return [
+      h("span", null, h("i.dot-mark"), symbol("R_g^corr")),
+      any("radius_from_compliance_mm") &&
+        h("span", null, h("i.square-mark"), symbol("R_Aξ"), loading && [", compare with ", symbol("R_g")]),
+      h("span", null, h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"),
+      loading && h("span", null, h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"),
+      hollow,
+    ];
   }
 
   /** @param {Answers["PlottedGroup"]} group */
@@ -144,6 +179,11 @@ export class Plots {
           group.roll_angle_deg ? [", ", symbol("φ"), ` = ${plain(group.roll_angle_deg)}°`] : "",
         ),
         synthetic(group.synthetic),
+        h(
+          "div.actions",
+          null,
+          figureButton(this.figures.find(({ name }) => name === `${group.figure}_${FIGURES[this.quantity]}`)),
+        ),
       ),
       h(
         "dl.facts",
@@ -196,9 +236,10 @@ export class Plots {
 
   /** @param {Answers["PlottedGroup"]} group */
   #words(group) {
-    const radii = group.rows.radius_from_indentation_mm.filter((value) => value !== null);
-    const range = `${plain(Math.min(...radii))} to ${plain(Math.max(...radii))} mm`;
-    return `Corrected radius against load: ${radii.length} contacts from ${range}`;
+    const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
+    const values = group.rows[key].filter((value) => value !== null);
+    const range = [Math.min(...values), Math.max(...values)].map(plain).join(" to ");
+    return `Chart of ${words} against load: ${values.length} values from ${withUnit(range, unitOf(key))}`;
   }
 
   async #plot(node) {
@@ -216,12 +257,13 @@ export class Plots {
     const onLayer = layerKey && rows[layerKey].some((value) => value !== null);
     const crowded = rows.item.length > 80;
     const name = (index) => rows.item[index];
-    const square = (size) => ({
+    // An outline wider than the circle, which would hide a square of nearly the same value.
+    const square = {
       symbol: "square",
-      color: group.synthetic ? panel : compliance,
-      size: crowded ? 3 : size,
-      line: { color: compliance, width: 1.2 },
-    });
+      color: "transparent",
+      size: crowded ? 7 : 14,
+      line: { color: compliance, width: 1.4 },
+    };
     const bars = (array, color) => ({ type: "data", array, color, thickness: 1.4, width: crowded ? 0 : 4 });
     const traces = [
       radius && {
@@ -229,7 +271,7 @@ export class Plots {
         y: rows.radius_from_compliance_mm,
         mode: "markers",
         type: "scatter",
-        marker: square(6),
+        marker: square,
         hovertemplate: "%{text}<br>W = %{x:.3g} N<br>R_Aξ = %{y:.2f} mm<extra></extra>",
         text: rows.item,
       },
@@ -239,7 +281,7 @@ export class Plots {
         error_y: bars(rows[`${layerKey}_std`], compliance),
         mode: "markers",
         type: "scatter",
-        marker: square(7),
+        marker: square,
         hovertemplate: rows.item.map(
           (_, index) =>
             `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ` +

@@ -17,7 +17,7 @@ const WAYS = [
   ["coin", "Coin"],
   ["circle", "Circle"],
   ["grid", "Grid"],
-  ["ppi", "Resolution"],
+  ["ppi", "ppi"],
   ["mm_per_px", "mm/px"],
 ];
 
@@ -79,11 +79,7 @@ class Scales {
           h("h1", null, "Scale"),
           h("p", null, "Every image needs a scale. Images that share a named scale share its uncertainty."),
         ),
-        h(
-          "div.actions",
-          null,
-          button("New scale", () => this.#start(null), { key: "n" }),
-        ),
+        (this.actions = h("div.actions")),
       ),
       h(
         "div.panes.no-tools.scale-panes",
@@ -156,6 +152,11 @@ class Scales {
   }
 
   #drawList() {
+    render(
+      this.actions,
+      button("New scale", () => this.#start(null), { key: "n" }),
+      workspace.study.ready && h("a.button.primary", { href: "#/run/start" }, "Run the study"),
+    );
     render(
       this.list,
       workspace.study.scales.map(({ name, table, used_by: uses }) =>

@@ -150,15 +150,15 @@ class StudyView {
   }
 
   #uncertainty() {
-    const now = workspace.study.uncertainty;
+    const { uncertainty: now, stated } = workspace.study;
     const problem = h("div");
     const of = (key, max) =>
       number({
-        value: now[key],
+        value: stated.includes(key) ? now[key] : null,
         min: 0,
         max,
-        placeholder: "0",
-        onset: (value) => this.#change("uncertainty", { [key]: value ?? 0 }, problem),
+        placeholder: `${now[key]} assumed`,
+        onset: (value) => this.#change("uncertainty", { [key]: value }, problem),
       });
     return h(
       "section.card",
@@ -172,11 +172,8 @@ class StudyView {
       h(
         "div.fields.two",
         null,
-        field("Wedge angle ±", of("wedge_angle_deg_std"), {
-          unit: "°",
-          hint: "3 is assumed until you enter another",
-        }),
-        field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°", hint: "As for the wedge" }),
+        field("Wedge angle ±", of("wedge_angle_deg_std"), { unit: "°" }),
+        field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°" }),
         field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is 1 %" }),
         field("Poisson's ratio ±", of("poisson_ratio_std", 0.5)),
         field(
