@@ -27,7 +27,7 @@ _ON_LAYER: Final = ("loading_radius_on_layer_mm", "youngs_modulus_on_layer_kpa",
 # larger.
 _OPPOSITE: Final = ("semi-axes", "pad shape", "wedge angle", "roll angle")
 _ALIKE: Final = ("thickness", "Poisson's ratio")
-# On a layer a slope of area against πξ and the ratio at one load differ by so much (see docs/explanation/bone.md).
+# On a layer a slope of area against πξ and the ratio at one load differ by so much: docs/explanation/bone.md.
 _READING: Final = 0.05
 
 
