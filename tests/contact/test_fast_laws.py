@@ -19,7 +19,7 @@ from fingerpad.contact import (
     fast_ellipse,
     hertz_contact,
 )
-from fingerpad.contact.law_factors import LayerFactors
+from fingerpad.contact.law_factors import LayerFactors, PadFactors
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, platen_normal
 from fingerpad.geometry.ellipsoid import tangents
@@ -227,6 +227,23 @@ def test_derivatives_are_exact() -> None:
         ends = [model(**{**centre, name: value * (1 + sign * 1e-5)}) for sign in (1, -1)]
         slopes = [(ends[0][each] - ends[1][each]) / (2e-5 * value) for each in found.names]
         assert_allclose(found.jacobian[:, place], slopes, rtol=1e-5, atol=1e-8)
+
+
+@pytest.mark.parametrize("of", ["load", "indentation"])
+@pytest.mark.parametrize("layered", [False, True])
+def test_slopes_of_the_pad_are_those_of_its_values(of: str, layered: bool) -> None:
+    gap = PadGap.of(PAD, wedge_angle=0.6, roll_angle=0.2)
+    radius, every, step = np.array([1.0, 3.0, 5.0]), np.ones(3), 1e-5
+    numbers = (gap.first_radius, gap.second_radius, gap.first_skewness, gap.second_skewness, gap.flatness)
+    pad = PadFactors(*(each * every for each in numbers), stretch=1.1 * every, elongation=0.2 * every)
+    layer = LayerFactors(6 * every, 0.45 * every, 0.02 * every)
+
+    def size(radius: np.ndarray) -> np.ndarray | None:
+        return layer.size(radius) if layered else None
+
+    up, down = (pad.value(of, each, size(each)) for each in (radius * np.exp(step), radius * np.exp(-step)))
+    exact = (up - down) / (2 * step)
+    assert_allclose(pad.slope(of, radius, size(radius)), exact, rtol=0.04 if layered else 1e-6)
 
 
 def test_first_order_agrees_with_monte_carlo() -> None:

@@ -230,7 +230,8 @@ def test_implausible_units_flagged() -> None:
     curve = simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=3)
     assert "implausible_radius" in fit_loading_curve(replace(curve, area=curve.area / 100)).flags
     assert "implausible_modulus" in fit_loading_curve(replace(curve, load=1000 * curve.load)).flags
-    assert "radius_contradicts_area" in fit_loading_curve(curve, loading_radius=20.0).flags
+    for radius in (18.0, 20.0):
+        assert "radius_contradicts_area" in fit_loading_curve(curve, loading_radius=radius).flags
     assert not {"radius_contradicts_area", "implausible_radius"} & set(
         fit_loading_curve(curve, loading_radius=15.0).flags
     )

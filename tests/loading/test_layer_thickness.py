@@ -1,5 +1,7 @@
 """Thickness and modulus of a layer, on curves that the fast laws had no part in."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from benchmarks.layer_inverse import CASES, TABLE_1, WEDGE, fit_once, whole_pad
@@ -36,6 +38,8 @@ def test_intervals_hold_thickness_modulus_contact_and_radius(on_6_mm) -> None:
     assert on_6_mm.layer_weight > 0.999
     assert on_6_mm.preferred_model.startswith("layer")
     assert "mm thick" in on_6_mm.conclusion
+    thin = Estimate(value=0.8, std=0.2, lower=0.5, upper=np.inf)
+    assert replace(on_6_mm, thickness=thin).conclusion.startswith("tissue thicker than 0.5 mm")
     assert not on_6_mm.flags
 
 
@@ -96,6 +100,8 @@ def test_a_shallow_press_does_not_tell() -> None:
     assert "cannot be separated" in fit.thickness.reason
     unknown = fit_layer_thickness(curve, gap=SPHERE, radius_std=5.0)
     assert "is not known to a third" in unknown.conclusion
+    with pytest.raises(LoadingError, match=r"must be positive, found 14.0 and -0.5 mm"):
+        fit_layer_thickness(curve, gap=replace(SPHERE, second_radius=-0.5), radius_std=1.0)
 
 
 def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:

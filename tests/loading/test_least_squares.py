@@ -112,6 +112,15 @@ def test_aicc_prefers_true_model() -> None:
     assert wins >= 28
 
 
+def test_aicc_without_rows_to_spare_is_infinite() -> None:
+    def line(rows: int) -> float:
+        x = np.arange(float(rows))
+        return fit_least_squares(lambda p: p[0] + p[1] * x - x**2, [0, 1], ["level", "slope"]).aicc
+
+    assert line(4) == np.inf
+    assert np.isfinite(line(5))
+
+
 def test_aicc_differences_agree_with_statsmodels() -> None:
     """Of seven points, where the correction for few points is most of it."""
     x = np.linspace(-1, 1, 7)

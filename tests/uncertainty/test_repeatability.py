@@ -111,7 +111,7 @@ def test_covariance_of_repeats() -> None:
     expected = np.mean([np.cov(values[group == one].T) for one in range(4)], axis=0)
     assert_allclose(covariance, expected)
     assert freedom == 8
-    assert np.isnan(within_covariance(values, np.arange(12))[0]).all()
+    np.testing.assert_array_equal(within_covariance(values, np.arange(12))[0], np.full((2, 2), np.nan))
 
 
 def test_coverage() -> None:

@@ -57,9 +57,9 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
             f"{_MIN_LOADING} are needed"
         )
     smooth = moving_average(curve.indentation[begin : chosen.loading.stop])[rows - begin]
-    contact = smooth[before] if before < smooth.size else smooth[-1]
     with_area = np.zeros(rows.size, dtype=bool)
     if curve.area is not None:
+        contact = smooth[before]
         with_area = smooth > contact + _NEAR_CONTACT * (smooth.max() - contact)
     record = FitData(
         clock=curve.clock[rows] - curve.clock[rows[0]],
