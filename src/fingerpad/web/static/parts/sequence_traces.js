@@ -74,6 +74,7 @@ export class SequenceTraces {
       role: "slider",
       tabindex: 0,
       "aria-label": "Time of the frame",
+      "aria-valuenow": 0,
     });
     this.sides = [
       { key: "gross_area_mm2", words: "area (mm²)", name: "Contact area", fromZero: true, ...FORCE },
