@@ -232,7 +232,8 @@ class PadFactors:
     def slope(self, of: str, radius: FloatArray, u: FloatArray | None) -> FloatArray:
         """Return the slope of `value` over the logarithm of the mean radius, as for it.
 
-        On a layer within some per cent, enough for Newton's steps: all its coefficients are taken to grow as the area.
+        On a layer within some per cent, enough for Newton's steps: its coefficients are all taken to grow as
+        the area.
         """
         square = radius * radius
         slope = 2 * polynomial_slope(self._coefficients(of), square)
