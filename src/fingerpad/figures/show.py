@@ -161,11 +161,16 @@ def _(result: PhotographFit) -> Drawing:
 def _(result: LoadingFit) -> Drawing:
     figure, (axes,) = new_figure()
     depth = np.linspace(0, float(result.secant.indentation.max()), 200)
-    displacement = depth + result.models["load_dependent"].values["contact_offset"]  # the secant's zero
-    models = sorted(result.models.values(), key=lambda model: model.aicc)
-    lines = {FORCE_MODEL_NAMES[model.law]: (depth, model.load(displacement)) for model in models}
+    model = result.models["load_dependent"]  # whose zeros of force and displacement the points have
+    line = depth, model.load(depth + model.values["contact_offset"])
     phase = np.full(result.secant.load.shape, "loading")
-    plot_load_indentation(axes, result.secant.indentation, result.secant.load, phase=phase, fits=lines)
+    plot_load_indentation(
+        axes,
+        result.secant.indentation,
+        result.secant.load,
+        phase=phase,
+        fits={FORCE_MODEL_NAMES[model.law]: line},
+    )
     return Drawing(figure)
 
 

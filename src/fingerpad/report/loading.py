@@ -100,6 +100,7 @@ class _Drawn:
         # The force's drift is known over the rows fitted; carried on through a hold it would bend the rest.
         begin = segments[0][0].start
         clock = np.minimum(curve.clock, curve.clock[self.cycle.loading.stop - 1]) - curve.clock[begin]
+        self.clock: FloatArray = clock
         load = main.corrected_load(clock, curve.load)
         self.zeroed = LoadingCurve(load=load, indentation=curve.indentation, area=curve.area, time=curve.time)
         self.load: FloatArray = load[rows]
@@ -107,10 +108,16 @@ class _Drawn:
         self.area = None if curve.area is None else curve.area[rows]
 
     def laws(self) -> dict[str, tuple[FloatArray, FloatArray]]:
-        """Return each fitted law as a line, the one that AICc prefers first."""
+        """Return each fitted law as a line from the zeros of the points, the one that AICc prefers first."""
         depth = np.linspace(0, float(self.indentation.max()), 200)
-        models = sorted(self.fit.models.values(), key=lambda model: model.aicc)
-        return {FORCE_MODEL_NAMES[model.law]: (depth, model.load(depth + self.offset)) for model in models}
+        rows = slice(self.cycle.loading.start, self.cycle.loading.stop)
+        displacement = np.maximum.accumulate(self.zeroed.indentation[rows])
+        clock = np.interp(depth + self.offset, displacement, self.clock[rows])
+        main, lines = self.fit.models["load_dependent"], {}
+        for model in sorted(self.fit.models.values(), key=lambda model: model.aicc):
+            measured = model.load(depth + self.offset) - model.corrected_load(clock, np.zeros(depth.size))
+            lines[FORCE_MODEL_NAMES[model.law]] = depth, main.corrected_load(clock, measured)
+        return lines
 
     def relaxation(self) -> Relaxation | None:
         """Return the relaxation of the hold, None where there is none to fit."""
