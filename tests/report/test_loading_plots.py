@@ -26,7 +26,7 @@ def test_every_force_model_is_drawn_from_the_zero_of_the_points(monkeypatch: pyt
         name: np.std(load[in_contact] - np.interp(indentation[in_contact], depth, line))
         for name, (depth, line) in lines.items()
     }
-    # Of a modulus that grows as much a power law and Hertz theory leave 0.02 and 0.08 N, with zeros of their own.
+    # Where the modulus grows so much a power law and Hertz theory leave 0.02 and 0.08 N.
     assert off["modulus growing with load"] < 0.006
     assert off["free exponent"] < 0.03
     assert off["Hertz"] < 0.1
