@@ -2,12 +2,16 @@
 
 Peers that need old versions of their dependencies run in an environment of their own: make one with slippy
 and tribology, and name its interpreter in ``FINGERPAD_PEERS``. Without it their rows say so.
+So does pyfing's without ``pip install --no-deps pyfing``, whose classical method needs none of its networks.
 """
 
 import json
 import os
 import subprocess
+import sys
 from dataclasses import dataclass
+from importlib import import_module
+from types import ModuleType
 from typing import Final
 
 import cv2
@@ -151,6 +155,7 @@ def contact_image(count: int = 2) -> None:
         ("fingerpad", _by_fingerpad),
         ("scikit-image: Otsu, closing, regionprops", _by_scikit_image),
         ("as in ImageJ: IsoData, close, fill, fit", _by_imagej),
+        ("pyfing: GMFS", _by_pyfing),
     ):
         found = [way(image) for image in images]
         area = np.array([one.area / image.gross_area - 1 for one, image in zip(found, images, strict=True)])
@@ -196,6 +201,19 @@ def _by_imagej(image: IndependentImage) -> Measured:
     closed = cv2.erode(cv2.dilate(ridges, kernel, iterations=times), kernel, iterations=times)
     filled = ndimage.binary_fill_holes(closed)
     return _largest_region(filled, image)
+
+
+def _by_pyfing(image: IndependentImage) -> Measured:
+    """Measure by the gradient-magnitude segmentation of Cappelli (2023), nothing if pyfing is not there."""
+    sys.modules.setdefault(
+        "keras", ModuleType("keras")
+    )  # imported for networks that this method does without
+    try:
+        methods = import_module("pyfing.segmentation")
+    except ImportError:
+        return _NONE
+    parameters = methods.GmfsParameters(image_dpi=round(25.4 / image.mm_per_px))
+    return _largest_region(methods.Gmfs(parameters).run(_dark_on_light(image)) > 0, image)
 
 
 def _dark_on_light(image: IndependentImage) -> npt.NDArray[np.uint8]:
