@@ -16,7 +16,7 @@ from fingerpad.loading.contact_point import contact_by_threshold
 from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0, "force_tilt": 0.01}
-CURVE = simulate_loading_curve(points=300, seed=3, **NOISE)
+CURVE = simulate_loading_curve(points=120, seed=3, **NOISE)
 
 
 @pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.0)])
@@ -60,7 +60,7 @@ def test_two_rows_beyond_the_noise_are_no_contact() -> None:
 
 
 def test_hertzian_exponents() -> None:
-    curve = simulate_loading_curve(points=400, load_coefficient=0.0, seed=5, **NOISE)
+    curve = simulate_loading_curve(points=160, load_coefficient=0.0, seed=5, **NOISE)
     fit = fit_loading_curve(curve)
     assert "modulus_depends_on_load" not in fit.flags
     assert abs(fit.load_exponent.value - 1.5) < 3 * fit.load_exponent.std
@@ -136,7 +136,7 @@ def test_record_keys() -> None:
 
 
 def test_region_found_or_given() -> None:
-    curve = simulate_loading_curve(points=600, top_load=4.0, seed=1, **NOISE)
+    curve = simulate_loading_curve(points=240, top_load=4.0, seed=1, **NOISE)
     # From 2 N on the pad is made ever softer than its law.
     soft = np.where(curve.load > 2, curve.load / (1 + 0.9 * (curve.load - 2)), curve.load)
     fit = fit_loading_curve(replace(curve, load=soft))
@@ -173,7 +173,7 @@ def test_chosen_estimator_uncertainty() -> None:
 
 
 def test_fit_of_each_cycle() -> None:
-    curve = simulate_loading_curve(points=900, cycles=2, unloading=True, seed=4, **NOISE)
+    curve = simulate_loading_curve(points=450, cycles=2, unloading=True, seed=4, **NOISE)
     for cycle in (0, 1):
         fit = fit_loading_curve(curve, cycle=cycle)
         assert abs(fit.loading_radius.value - 15) < 4 * fit.loading_radius.std
@@ -198,7 +198,7 @@ def test_invalid_options(options: dict, message: str) -> None:
 
 
 def test_constraint_coefficient() -> None:
-    fit = fit_loading_curve(simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=2))
+    fit = fit_loading_curve(simulate_loading_curve(points=80, force_std=0.004, area_std=0.5, seed=2))
     free = fit.divide_by_constraint(Estimate.symmetric(2.0, 0.5))
     for name in ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient"):
         before, after = getattr(fit, name), getattr(free, name)
@@ -217,7 +217,7 @@ def test_constraint_coefficient() -> None:
 
 
 def test_repeated_times_are_spread() -> None:
-    curve = simulate_loading_curve(points=300, force_std=0.004, area_std=0.5, seed=3)
+    curve = simulate_loading_curve(points=120, force_std=0.004, area_std=0.5, seed=3)
     fine = fit_loading_curve(curve)
     coarse = fit_loading_curve(replace(curve, time=np.floor(curve.time / 0.05) * 0.05))
     assert "duplicated_time" in coarse.flags
@@ -227,7 +227,7 @@ def test_repeated_times_are_spread() -> None:
 
 
 def test_implausible_units_flagged() -> None:
-    curve = simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=3)
+    curve = simulate_loading_curve(points=60, force_std=0.004, area_std=0.5, seed=3)
     assert "implausible_radius" in fit_loading_curve(replace(curve, area=curve.area / 100)).flags
     assert "implausible_modulus" in fit_loading_curve(replace(curve, load=1000 * curve.load)).flags
     for radius in (18.0, 20.0):
