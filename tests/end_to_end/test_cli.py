@@ -295,7 +295,10 @@ def test_text_output_with_units() -> None:
             "--grid-pattern belongs to --grid, found it beside --ppi",
         ),
         (["measure", "print", "x.png", "--scale-relative-std", "0.1"], "belongs to --ppi or --mm-per-px"),
-        (["measure", "print", "x.png", "--ppi", "500", "--threshold", "0"], "--threshold.*(should be|is not in the range)"),
+        (
+            ["measure", "print", "x.png", "--ppi", "500", "--threshold", "0"],
+            "--threshold.*(should be|is not in the range)",
+        ),
         (["measure", "print", "x.png", "--ppi", "500", "--mask", "m.csv"], "m.csv"),
         (["run", "nowhere.toml"], "nowhere.toml: no such file; .fingerpad init DIR"),
     ],
