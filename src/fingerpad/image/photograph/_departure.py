@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import expit
 
@@ -216,10 +217,9 @@ class _Curve:
         )
         return self.fitted(np.append(held.x, exponents))
 
-    def quadrants(self, values: FloatArray) -> FloatArray:
+    def quadrants(self, values: FloatArray) -> npt.NDArray[np.intp]:
         """Return the number of the quadrant in which each point lies."""
-        x, y = self._local(values)
-        return np.asarray(2 * (y < 0) + ((x < 0) ^ (y < 0)))
+        return _quadrants(*self._local(values))
 
     def deviation(self, values: FloatArray) -> float:
         """Return the points' standard deviation from a superellipse, but for those that stand out.
@@ -244,8 +244,7 @@ class _Curve:
         x, y = self._local(values)
         exponent: float | FloatArray = 2.0
         if values.shape[-1] > 5:
-            quadrants = 2 * (y < 0) + ((x < 0) ^ (y < 0))
-            each = values[..., 5, None] + np.take_along_axis(values[..., 6:], quadrants, axis=-1)
+            each = values[..., 5, None] + np.take_along_axis(values[..., 6:], _quadrants(x, y), axis=-1)
             exponent = np.clip(2 + each, *_EXPONENTS)
         x, y = (np.maximum(np.abs(part), 1e-9) for part in (x, y))
         level = (x**exponent + y**exponent) ** (1 / exponent)
@@ -270,6 +269,11 @@ class _Curve:
         step = 1e-7
         stepped = self._off(values + step * np.eye(values.size))
         return np.asarray((stepped - self._off(values)).T / step)
+
+
+def _quadrants(x: FloatArray, y: FloatArray) -> npt.NDArray[np.intp]:
+    """Return the number of the quadrant of each point, anticlockwise."""
+    return np.asarray(2 * (y < 0) + ((x < 0) ^ (y < 0)))
 
 
 def _log_evidence(fit: OptimizeResult) -> float:

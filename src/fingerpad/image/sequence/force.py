@@ -90,8 +90,7 @@ class ForceSignal(Displayed):
         ndarray
             N, NaN outside the signal.
         """
-        found = np.interp(as_float_array(time), self.time, self.load, left=np.nan, right=np.nan)
-        return np.asarray(found)[()]
+        return self._at(time, self.load)
 
     def displacement_at(self, time: ArrayLike) -> FloatArray:
         """Return the displacement at some times by linear interpolation.
@@ -106,10 +105,12 @@ class ForceSignal(Displayed):
         ndarray
             mm, NaN outside the signal and where none was recorded.
         """
-        time = as_float_array(time)
-        if self.displacement is None:
-            return np.full(time.shape, np.nan)[()]
-        found = np.interp(time, self.time, self.displacement, left=np.nan, right=np.nan)
+        return self._at(
+            time, np.full_like(self.time, np.nan) if self.displacement is None else self.displacement
+        )
+
+    def _at(self, time: ArrayLike, values: FloatArray) -> FloatArray:
+        found = np.interp(as_float_array(time), self.time, values, left=np.nan, right=np.nan)
         return np.asarray(found)[()]
 
     def trigger_time(self) -> float:

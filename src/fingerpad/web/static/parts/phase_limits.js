@@ -137,7 +137,11 @@ export class PhaseLimits {
     const starts = this.#starts;
     this.#drawBands(starts);
     const held = this.layer.children.length === starts.length;
-    if (!held) render(this.layer, this.#place ? starts.map((_, k) => this.#limit(k)) : []);
+    if (!held)
+      render(
+        this.layer,
+        starts.map((_, k) => this.#limit(k)),
+      );
     for (const [k, node] of [...this.layer.children].entries()) this.#put(node, k, starts);
   }
 
