@@ -168,15 +168,15 @@ def test_text_output_with_units() -> None:
         ),
         (
             ["geometry", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "91"],
-            "--wedge-deg.*(should be|is not in the range)",
+            "--wedge-deg.*should be less",
         ),
         (
             ["geometry", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "-1"],
-            "--wedge-deg.*(should be|is not in the range)",
+            "--wedge-deg.*should be greater",
         ),
         (
             ["geometry", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "nan"],
-            "--wedge-deg.*(should be|must be finite)",
+            "--wedge-deg.*should be",
         ),
         (
             ["hertz", "--radii-mm", "-1", "14", "--load-n", "2", "--modulus-kpa", "9"],
@@ -229,7 +229,7 @@ def test_text_output_with_units() -> None:
             "--tip must be up",
         ),
         (["measure", "print", "x.png", "--ppi", "500", "--seed-px", "12"], "--seed-px takes 2 numbers"),
-        (["measure", "print", "x.png", "--ppi", "-500"], "--ppi.*(should be|is not in the range)"),
+        (["measure", "print", "x.png", "--ppi", "-500"], "--ppi.*should be greater"),
         (
             ["measure", "print", "x.png", "--ppi", "500", "--mm-per-px", "0.05"],
             "give either .*, found --ppi and --mm-per-px",
@@ -243,7 +243,7 @@ def test_text_output_with_units() -> None:
         (["measure", "print", "x.png", "--scale-line", "5,5,-5,5", "--line-mm", "3"], "lie in the picture"),
         (
             ["measure", "print", "x.png", "--scale-line", "5,5,5,9", "--line-mm", "-3"],
-            "--line-mm.*(should be|is not in the range)",
+            "--line-mm.*should be greater",
         ),
         (FIELDS, "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
         ([*FIELDS, "--load-n", "2", "--area-mm2", "90"], "give exactly one"),
@@ -297,7 +297,7 @@ def test_text_output_with_units() -> None:
         (["measure", "print", "x.png", "--scale-relative-std", "0.1"], "belongs to --ppi or --mm-per-px"),
         (
             ["measure", "print", "x.png", "--ppi", "500", "--threshold", "0"],
-            "--threshold.*(should be|is not in the range)",
+            "--threshold.*should be greater",
         ),
         (["measure", "print", "x.png", "--ppi", "500", "--mask", "m.csv"], "m.csv"),
         (["run", "nowhere.toml"], "nowhere.toml: no such file; .fingerpad init DIR"),

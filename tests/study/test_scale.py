@@ -19,7 +19,7 @@ from fingerpad.study.results.summary import pool_contacts
 
 
 def test_cost_grows_with_the_rows() -> None:
-    small, large = cost_apart(600), cost_apart(3_000)
+    small, large = cost_apart(1_000), cost_apart(5_000)
     assert large.model_s + large.tables_s < 7 * (small.model_s + small.tables_s)
     assert large.total_s < 7 * small.total_s
     assert large.peak_mb - small.peak_mb < 35  # the rows take 4 MB, figures of more films the rest
