@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,12 +12,24 @@ from numpy.testing import assert_allclose
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import ESTIMATORS, Estimate, Undetermined, contact_points, fit_loading_curve
+from fingerpad.loading import (
+    ESTIMATORS,
+    Estimate,
+    LoadingFit,
+    Undetermined,
+    contact_points,
+    fit_loading_curve,
+)
 from fingerpad.loading.contact_point import contact_by_threshold
 from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0, "force_tilt": 0.01}
 CURVE = simulate_loading_curve(points=120, seed=3, **NOISE)
+
+
+@cache
+def fit_of_curve() -> LoadingFit:
+    return fit_loading_curve(CURVE)
 
 
 @pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.0)])
@@ -69,7 +82,7 @@ def test_hertzian_exponents() -> None:
 
 
 def test_growing_modulus() -> None:
-    fit = fit_loading_curve(CURVE)
+    fit = fit_of_curve()
     assert fit.preferred_model == "load_dependent"
     assert "modulus_depends_on_load" in fit.flags
     assert fit.load_exponent.lower > 1.5
@@ -79,7 +92,7 @@ def test_growing_modulus() -> None:
 @pytest.mark.parametrize("shift", [-30.0, 4.0])
 def test_displacement_zero_invariance(shift: float) -> None:
     moved = fit_loading_curve(replace(CURVE, indentation=CURVE.indentation + shift))
-    fit = fit_loading_curve(CURVE)
+    fit = fit_of_curve()
     assert_allclose(moved.contact_offset.value - shift, fit.contact_offset.value, atol=1e-4)
     assert_allclose(moved.loading_radius.value, fit.loading_radius.value, rtol=1e-4)
     assert_allclose(moved.initial_modulus.value, fit.initial_modulus.value, rtol=2e-3)
@@ -116,7 +129,7 @@ def test_given_radius_uncertainty() -> None:
 
 
 def test_record_keys() -> None:
-    fit = fit_loading_curve(CURVE)
+    fit = fit_of_curve()
     record = json.loads(dumps(fit.as_record()))
     for name in (
         "effective_radius_mm",
@@ -147,12 +160,12 @@ def test_region_found_or_given() -> None:
     given = fit_loading_curve(CURVE, region=(0.0, 1.0))
     assert "region_given" in given.flags
     assert given.modulus_load < 1.05
-    assert given.load_coefficient.std > fit_loading_curve(CURVE).load_coefficient.std
+    assert given.load_coefficient.std > fit_of_curve().load_coefficient.std
 
 
 @pytest.mark.parametrize("offset", [-12.0, 12.0])
 def test_area_before_contact_flagged(offset: float) -> None:
-    assert "area_offset" not in fit_loading_curve(CURVE).flags
+    assert "area_offset" not in fit_of_curve().flags
     moved = replace(CURVE, area=np.maximum(CURVE.area + offset, 0))
     assert "area_offset" in fit_loading_curve(moved).flags
 
@@ -166,7 +179,7 @@ def test_contact_estimator_errors_coverage() -> None:
 
 
 def test_chosen_estimator_uncertainty() -> None:
-    fit = fit_loading_curve(CURVE)
+    fit = fit_of_curve()
     held = fit_loading_curve(CURVE, contact_point="contact_by_threshold")
     assert held.contact_offset.value > fit.contact_offset.value  # a threshold is always late
     assert held.initial_modulus.std > 3 * fit.initial_modulus.std

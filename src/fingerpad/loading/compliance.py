@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
@@ -79,16 +78,16 @@ def fit_contact_compliance(curve: LoadingCurve) -> ContactCompliance:
     x, y = np.pi * curve.indentation[loaded], curve.area[loaded]
     if not np.ptp(x) > 0:
         raise FitError("the displacement is the same at every point under load; R_g needs a range of it")
-    line = stats.linregress(x, y)
-    if not line.slope > 0:
+    (slope, intercept), covariance = np.polyfit(x, y, 1, cov=True)
+    if not slope > 0:
         raise FitError(
-            f"contact area falls as the displacement grows (slope {line.slope:.3g} mm); is its sign reversed?"
+            f"contact area falls as the displacement grows (slope {slope:.3g} mm); is its sign reversed?"
         )
-    residual = y - line.intercept - line.slope * x
+    residual = y - intercept - slope * x
     return ContactCompliance(
-        loading_radius=float(line.slope),
-        loading_radius_std=float(line.stderr),
-        area_at_zero=float(line.intercept),
+        loading_radius=float(slope),
+        loading_radius_std=float(np.sqrt(covariance[0, 0])),
+        area_at_zero=float(intercept),
         residual_std=float(np.sqrt(np.sum(residual**2) / (count - 2))),
         count=count,
     )

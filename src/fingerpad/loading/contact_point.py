@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
-from scipy import signal
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError
@@ -50,6 +49,8 @@ def two_lines(displacement: FloatArray, load: FloatArray) -> float:
 
 def gradient(displacement: FloatArray, load: FloatArray) -> float:
     """Return where the smoothed slope of the force leaves that of the baseline."""
+    from scipy import signal  # noqa: PLC0415 (slow to import, not needed for images)
+
     window = 2 * (load.size // 40) + 3
     if load.size <= window:
         raise FitError(f"{load.size} rows: a gradient needs more than {window}")

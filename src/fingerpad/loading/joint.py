@@ -230,10 +230,11 @@ def _scaled_residuals(
     """Return the free parameters, and the residuals over their spread as a function of these."""
     names = [name for name in start if name not in held]
     given = {name: estimate.value for name, estimate in held.items()}
+    scaled = noise.scaling()
 
     def residuals(free: FloatArray) -> FloatArray:
         force, area = _residuals(record, law, {**given, **dict(zip(names, free.tolist(), strict=True))})
-        return noise.scaled(force[:, None], area[:, None])[:, 0]
+        return scaled(force[:, None], area[:, None])[:, 0]
 
     return names, residuals
 
@@ -262,7 +263,8 @@ def _fit(
         known = [(free[names.index(name)] - one.value) / one.std for name, one in prior.items()]
         return np.append(of_data(free), known)
 
-    fit = fit_least_squares(residuals, [start[name] for name in names], names)
+    # A law that does not suit the record can have its minimum at infinity.
+    fit = fit_least_squares(residuals, [start[name] for name in names], names, evaluations=300)
     response: dict[str, FloatArray] = {}
     for name, estimate in held.items():
         if not estimate.std > 0:

@@ -9,7 +9,7 @@ The force has white noise w and drift f, which forgets exponentially or is 1/f n
 
 import math
 import operator
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -75,13 +75,23 @@ class Noise(Displayed):
         return Drift.exponential(self.drift_std, self.drift_time, self.steps)
 
     def scaled(self, force: FloatArray, area: FloatArray) -> FloatArray:
-        """Return columns of residuals divided by their spread, those of the area after those of the force.
+        """Return columns of residuals divided by their spread, those of the area after those of the force."""
+        return self.scaling()(force, area)
+
+    def scaling(self) -> Callable[[FloatArray, FloatArray], FloatArray]:
+        """Return what divides columns of residuals by their spread, for fits that do it often.
 
         Drift counts by its density at low frequency, where the parameters' traces lie. To filter it out
         of the fit would leave differences of neighbouring rows, which noise of the displacement biases.
         """
-        white, force, area_std = self._decorrelate(force, area)
-        return np.concatenate([force / np.sqrt(white + self.slow_variance)[:, None], area / area_std])
+        white, share_of_area, area_std = self._parts
+        force_std = np.sqrt(white + self.slow_variance)[:, None]
+
+        def divided(force: FloatArray, area: FloatArray) -> FloatArray:
+            given_area = self._given_area(force, area, share_of_area)
+            return np.concatenate([given_area / force_std, area / area_std])
+
+        return divided
 
     @property
     def slow_variance(self) -> float:
@@ -156,17 +166,17 @@ class Noise(Displayed):
         share_of_area = self.slope[self.with_area] * g * shared / area_variance
         return self.force_std**2 + self.slope**2 * left, share_of_area, math.sqrt(area_variance)
 
-    def _decorrelate(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-        """Return variances of the force given the area, the force decorrelated, the area's std."""
-        white, share_of_area, area_std = self._parts
+    def _given_area(self, force: FloatArray, area: FloatArray, share_of_area: FloatArray) -> FloatArray:
+        """Return the force without what its noise shares with the area's."""
         if area.size:
             force = force.copy()
             force[self.with_area] += share_of_area[:, None] * area
-        return white, force, area_std
+        return force
 
     def _information(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, float]:
         """Return CᵀV⁻¹C of columns of both with the covariance V of the noise, and ½ log |V|."""
-        white, force, area_std = self._decorrelate(force, area)
+        white, share_of_area, area_std = self._parts
+        force = self._given_area(force, area, share_of_area)
         drift = self.drift
         if drift:
             product, volume = drift.information(white, force)

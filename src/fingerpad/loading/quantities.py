@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy import stats
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
@@ -140,9 +139,11 @@ def implausible(main: JointFit, given: float | Estimate | None, *, known: bool) 
     record = main.record
     contradicted = False
     if given is not None and record.area.size >= _MIN_AREAS:
-        line = stats.linregress(np.pi * record.smooth_displacement[record.with_area], record.area)
-        std = given.std if isinstance(given, Estimate) else 0.0
-        contradicted = abs(line.slope - radius) > _CONTRADICTED * math.hypot(line.stderr, std, 0.02 * radius)
+        displacement = record.smooth_displacement[record.with_area]
+        (slope, _), covariance = np.polyfit(np.pi * displacement, record.area, 1, cov=True)
+        given_std = given.std if isinstance(given, Estimate) else 0.0
+        std = math.hypot(math.sqrt(covariance[0, 0]), given_std, 0.02 * radius)
+        contradicted = abs(slope - radius) > _CONTRADICTED * std
     doubts = {
         "radius_contradicts_area": contradicted,
         "implausible_radius": known and not PLAUSIBLE_RADIUS[0] <= radius <= PLAUSIBLE_RADIUS[1],

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._display import Displayed
@@ -210,6 +209,8 @@ def _terms(fit: LeastSquaresFit, ramp: float, hold: float) -> tuple[PronyTerm, .
 
 
 def _relax(time: FloatArray, elastic: FloatArray, shares: FloatArray, times: FloatArray) -> FloatArray:
+    from scipy import signal  # noqa: PLC0415 (slow to import, not needed for images)
+
     steps, step = np.diff(elastic, prepend=0.0), time[1] - time[0]
     load = (1 - shares.sum()) * elastic
     for share, tau in zip(shares, times, strict=True):

@@ -5,7 +5,6 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._loading_curve import LoadingCurve
@@ -136,6 +135,8 @@ def moving_average(values: FloatArray, rows: int | None = None) -> FloatArray:
     window = 2 * ((len(values) if rows is None else rows) // (2 * _SMOOTHING)) + 1
     if window < 3:
         return np.asarray(values, dtype=np.float64)
+    from scipy import signal  # noqa: PLC0415 (slow to import, not needed for images)
+
     return np.asarray(signal.savgol_filter(values, window, 1))
 
 

@@ -33,38 +33,41 @@ def shape_factors(
     one = np.ones_like(xi)
     radius = max(values["loading_radius"], 1e-9)
     if law == "exact_sphere":
-        return _within(*_sphere(), xi / radius)
+        return _within(_sphere(), xi / radius)
     if PAD_FORM[0] in values:
         form = tuple(values[name] for name in PAD_FORM)
         inverse = radius * values.get("inverse_thickness", 0.0)
         return _on_layer(form, inverse, poisson_ratio, np.sqrt(np.maximum(xi, 0.0) / radius))
     if values.get("inverse_thickness", 0.0) != 0:
         size = np.sqrt(radius * np.maximum(xi, 0.0)) * values["inverse_thickness"]
-        return _within(*_layer(poisson_ratio), size)
+        return _within(_layer(poisson_ratio), size)
     return one, one
 
 
-def _within(load: CubicSpline, area: CubicSpline, size: FloatArray) -> tuple[FloatArray, FloatArray]:
-    known = np.clip(size, 0.0, load.x[-1])
-    of_load, of_area = (
-        np.maximum(law(known) + law(known, 1) * (size - known), _LEAST) for law in (load, area)
-    )
-    return of_load, of_area
+def _within(factors: CubicSpline, size: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the factors on load and area, the spline's columns; beyond its ends they go on straight."""
+    known = np.clip(size, 0.0, factors.x[-1])
+    both = factors(known)
+    beyond = size - known
+    if beyond.any():
+        both += factors(known, 1) * beyond[..., None]
+    both = np.maximum(both, _LEAST)
+    return both[..., 0], both[..., 1]
 
 
 def _on_layer(
     form: tuple[float, ...], inverse: float, poisson_ratio: float, size: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the factors of a pad at sizes √(ξ/R); a negative R/t continues them as an odd function of it."""
-    load, area = _within(*_pad(form, abs(inverse), poisson_ratio), size)
+    load, area = _within(_pad(form, abs(inverse), poisson_ratio), size)
     if inverse >= 0:
         return load, area
-    deep = _within(*_pad(form, 0.0, poisson_ratio), size)
+    deep = _within(_pad(form, 0.0, poisson_ratio), size)
     return np.maximum(2 * deep[0] - load, _LEAST), np.maximum(2 * deep[1] - area, _LEAST)
 
 
 @lru_cache(maxsize=1024)
-def _pad(form: tuple[float, ...], inverse: float, poisson_ratio: float) -> tuple[CubicSpline, CubicSpline]:
+def _pad(form: tuple[float, ...], inverse: float, poisson_ratio: float) -> CubicSpline:
     """Return the factors of a pad of R = 1 on a layer of thickness 1/inverse, against √ξ."""
     first = (1 + form[0]) / 2
     radii = np.array([first, first / form[0]])
@@ -79,31 +82,34 @@ def _pad(form: tuple[float, ...], inverse: float, poisson_ratio: float) -> tuple
         thickness=1 / inverse if inverse else None,
         poisson_ratio=max(poisson_ratio, 0.3),
     )
-    point = fast_contact(PadGap.paraboloid(*radii), area=np.pi, reduced_modulus=1.0)
     known = contact.flag_code == 0
     load, depth, area = (
-        np.append(float(getattr(point, name)), getattr(contact, name)[known])
-        for name in ("load", "indentation", "area")
+        np.append(at_first, getattr(contact, name)[known])
+        for at_first, name in zip(_first_touch(*radii.tolist()), ("load", "indentation", "area"), strict=True)
     )
     size = np.append(0.0, np.sqrt(depth[1:]))
-    return CubicSpline(size, 0.75 * load / depth**1.5), CubicSpline(size, area / (np.pi * depth))
+    return CubicSpline(size, np.stack([0.75 * load / depth**1.5, area / (np.pi * depth)], axis=-1))
+
+
+@lru_cache(maxsize=1024)
+def _first_touch(first: float, second: float) -> tuple[float, float, float]:
+    """Return load, indentation and area of a paraboloid of these radii on a half-space."""
+    point = fast_contact(PadGap.paraboloid(first, second), area=np.pi, reduced_modulus=1.0)
+    return float(point.load), float(point.indentation), float(point.area)
 
 
 @cache
-def _sphere() -> tuple[CubicSpline, CubicSpline]:
+def _sphere() -> CubicSpline:
     """Return the factors against ξ/R (Sneddon 1965: ξ = a artanh(a/R), frictionless)."""
     a = np.linspace(0.01, _WIDEST, 300)
     depth = a * np.arctanh(a)
     load = (1 + a**2) * np.arctanh(a) - a
     size = np.append(0.0, depth)
-    return (
-        CubicSpline(size, np.append(1.0, 0.75 * load / depth**1.5)),
-        CubicSpline(size, np.append(1.0, a**2 / depth)),
-    )
+    return CubicSpline(size, np.insert([0.75 * load / depth**1.5, a**2 / depth], 0, 1.0, axis=1).T)
 
 
 @cache
-def _layer(poisson_ratio: float) -> tuple[CubicSpline, CubicSpline]:
+def _layer(poisson_ratio: float) -> CubicSpline:
     """Return the factors against √(Rξ)/t on a layer bonded to bone (`fast_contact`)."""
     a = np.linspace(0.02, _THINNEST, 150)
     contact = fast_contact(
@@ -114,7 +120,5 @@ def _layer(poisson_ratio: float) -> tuple[CubicSpline, CubicSpline]:
         poisson_ratio=max(poisson_ratio, 0.3),
     )
     size = np.append(0.0, np.sqrt(contact.indentation))
-    return (
-        CubicSpline(size, np.append(1.0, 0.75 * contact.load / contact.indentation**1.5)),
-        CubicSpline(size, np.append(1.0, contact.area_over_pi_indentation)),
-    )
+    factors = [0.75 * contact.load / contact.indentation**1.5, contact.area_over_pi_indentation]
+    return CubicSpline(size, np.insert(factors, 0, 1.0, axis=1).T)
