@@ -105,8 +105,10 @@ def _phase(x: Numbers, y: Numbers, step: float, rng: np.random.Generator) -> Num
     phase = 2 * np.pi * (distance + bend) / period
     reach = np.array([x.max(), y.max()])
     spirals = np.ones(x.shape, np.complex64)
-    for x0, y0 in rng.uniform(-1, 1, (rng.poisson(25), 2)) * reach:
-        spirals *= (x - x0 + rng.choice([-1j, 1j]) * (y - y0)) / 8
+    places = x + 1j * y.astype(np.float64)
+    for centre in rng.uniform(-1, 1, (rng.poisson(25), 2)) * reach @ [1, 1j]:
+        from_it = places - centre
+        spirals *= 0.125 * (from_it if rng.choice([-1, 1]) > 0 else from_it.conj())
     return np.asarray(phase + np.angle(spirals) + 0.25 * smooth(rng, x.shape, 0.08 / step))
 
 

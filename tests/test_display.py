@@ -18,14 +18,14 @@ from fingerpad.simulate import render_contact_image, render_finger, simulate_loa
 PAD = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 CURVE = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
 CONTACT = render_contact_image(semi_major=5.0, semi_minor=4.0, ppi=250, seed=2)
-FINGER = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
 
 
 @pytest.fixture(scope="module")
 def results() -> dict[str, object]:
+    finger = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
     return {
         "contact image": fp.measure_contact_image(CONTACT.pixels, fp.Scale.of_ppi(250)),
-        "photograph": fp.measure_photograph(FINGER.pixels, "palmar", 0.1),
+        "photograph": fp.measure_photograph(finger.pixels, "palmar", 0.1),
         "fit": fp.fit_loading_curve(CURVE),
         "contact": fp.hertz_contact(12.955, 14.330, [1.0, 2.0], reduced_modulus=0.1365),
         "placement": fp.Placement(PAD, wedge_angle=0.5),

@@ -216,9 +216,12 @@ def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamp
     x, y = (place[k] + rays[k] * ((top - place[2]) / rays[2]) for k in (0, 1))
     distance = np.hypot(x, y)
     face = (distance <= disc.size) & (distance >= disc.hole)
-    slope_x, slope_y = _slopes(x / disc.size, y / disc.size, disc)
-    normal = _unit(np.stack([-slope_x, -slope_y, np.ones_like(x)]))
-    metal = disc.metal * (0.25 + _mirrored(normal, rays, lamps, disc.roughness))
+    window = _bounding_box(face)
+    slopes = _slopes(x[window] / disc.size, y[window] / disc.size, disc)
+    slope_x, slope_y = (slope[face[window]] for slope in slopes)
+    normal = _unit(np.stack([-slope_x, -slope_y, np.ones_like(slope_x)]))
+    seen = light.copy()
+    seen[face] = disc.metal * (0.25 + _mirrored(normal, rays[:, face], lamps, disc.roughness))
     # The wall between table and top: the nearer root of |place + ray t| = size.
     a = rays[0] ** 2 + rays[1] ** 2
     b = place[0] * rays[0] + place[1] * rays[1]
@@ -226,11 +229,18 @@ def _with_disc(light: Array, origin: Array, rays: Array, disc: Disc, lamps: Lamp
     t = (-b - np.sqrt(np.maximum(root, 0))) / np.maximum(a, 1e-12)
     height = place[2] + rays[2] * t
     wall = (root > 0) & (height > 0) & (height < top) & ~face & (distance > disc.size)
-    wx, wy = place[0] + rays[0] * t, place[1] + rays[1] * t
+    on_wall, t = rays[:, wall], t[wall]
+    wx, wy = place[0, 0, 0] + on_wall[0] * t, place[1, 0, 0] + on_wall[1] * t
     reeded = 0.25 * np.sin(np.arctan2(wy, wx) * 130)
     outward = _unit(np.stack([wx - reeded * wy, wy + reeded * wx, np.zeros_like(wx)]))
-    side = disc.metal * (0.1 + 0.5 * height / top) * (0.25 + _mirrored(outward, rays, lamps, disc.roughness))
-    return np.where(face, metal, np.where(wall, side, light))
+    mirrored = _mirrored(outward, on_wall, lamps, disc.roughness)
+    seen[wall] = disc.metal * (0.1 + 0.5 * height[wall] / top) * (0.25 + mirrored)
+    return seen
+
+
+def _bounding_box(mask: npt.NDArray[np.bool_]) -> tuple[slice, slice]:
+    rows, columns = (np.flatnonzero(mask.any(axis=k)) for k in (1, 0))
+    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
 
 
 def _slopes(x: Array, y: Array, disc: Disc) -> tuple[Array, Array]:
@@ -294,35 +304,49 @@ def _ground(kind: str, points: Array, discs: list[Disc], lamps: Lamps, rng: Rng)
 def _shaded(x: Array, y: Array, disc: Disc, lamps: Lamps) -> Array:
     """Return the share of light left beside a disc: lamps it hides, and the sky that its wall hides."""
     hidden = np.zeros_like(x)
-    for part in lamps.parts:
-        dx, dy = part[:2] * disc.thickness / part[2]
+    shifts = lamps.parts[:, :2] * disc.thickness / lamps.parts[:, 2:]
+    distance = np.hypot(x, y)
+    reached = distance < disc.size + np.linalg.norm(shifts, axis=1).max()
+    beside = distance
+    x, y, distance = x[reached], y[reached], distance[reached]
+    for dx, dy in shifts:
         along = np.clip(-(x * dx + y * dy) / max(dx * dx + dy * dy, 1e-12), 0, 1)
         near = np.hypot(x + along * dx, y + along * dy)
-        through = np.maximum(np.hypot(x, y), np.hypot(x + dx, y + dy)) < disc.hole
-        hidden += ((near < disc.size) & ~through) / len(lamps.parts)
-    gap = np.abs(np.hypot(x, y) - disc.size)
+        dark = near < disc.size
+        if disc.hole:
+            dark &= np.maximum(distance, np.hypot(x + dx, y + dy)) >= disc.hole
+        hidden[reached] += dark / len(lamps.parts)
+    gap = np.abs(beside - disc.size)
     # A long wall hides half the sky at its foot, and gives back what the metal mirrors of the table.
     sky = 1 - 0.5 * (1 - disc.metal) * (1 - gap / np.hypot(gap, disc.thickness))
     return np.asarray(lamps.direct * (1 - hidden) + (1 - lamps.direct) * sky)
 
 
 def _texture(kind: str, x: Array, y: Array, rng: Rng) -> Array:
-    noise = [cv2.GaussianBlur(rng.normal(0, 1, x.shape), (0, 0), s) * s * 3.5 for s in (1.5, 4.0, 12.0)]
+    rough = {s: rng.normal(0, 1, x.shape) for s in (1.5, 4.0, 12.0)}
     turn = rng.uniform(0, math.pi)
-    u, v = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn)
     weave = rng.uniform(25, 60)
-    kinds = {
-        "paper": 1 + 0.02 * noise[0] + 0.01 * noise[2],
-        "wood": 1
-        + rng.uniform(0.08, 0.25) * np.sin(9 * v + 0.6 * np.sin(1.3 * u) + 0.5 * noise[2])
-        + 0.06 * np.sin(47 * v + 0.8 * noise[2])
-        + 0.04 * noise[0],
-        "cloth": 1 + rng.uniform(0.08, 0.2) * np.sin(weave * u) * np.sin(weave * v) + 0.05 * noise[0],
-        "stone": 1 + 0.08 * noise[0] + 0.08 * noise[1] + 0.05 * noise[2],
-        "lined": 1 + 0.01 * noise[0] - rng.uniform(0.2, 0.6) * (np.abs((v * 2) % 1 - 0.5) < 0.02),
-    }
+    grain, thread, line = rng.uniform(0.08, 0.25), rng.uniform(0.08, 0.2), rng.uniform(0.2, 0.6)
     names = ("wood", "cloth", "stone", "lined") if kind in ("texture", "no coin") else ("paper",)
-    return np.asarray(np.clip(kinds[str(rng.choice(names))], 0.05, 2))
+    name = str(rng.choice(names))
+
+    def noise(s: float) -> Array:
+        return np.asarray(cv2.GaussianBlur(rough[s], (0, 0), s) * s * 3.5)
+
+    u, v = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn)
+    if name == "paper":
+        seen = 1 + 0.02 * noise(1.5) + 0.01 * noise(12.0)
+    elif name == "wood":
+        slow = noise(12.0)
+        seen = 1 + grain * np.sin(9 * v + 0.6 * np.sin(1.3 * u) + 0.5 * slow)
+        seen = seen + 0.06 * np.sin(47 * v + 0.8 * slow) + 0.04 * noise(1.5)
+    elif name == "cloth":
+        seen = 1 + thread * np.sin(weave * u) * np.sin(weave * v) + 0.05 * noise(1.5)
+    elif name == "stone":
+        seen = 1 + 0.08 * noise(1.5) + 0.08 * noise(4.0) + 0.05 * noise(12.0)
+    else:
+        seen = 1 + 0.01 * noise(1.5) - line * (np.abs((v * 2) % 1 - 0.5) < 0.02)
+    return np.asarray(np.clip(seen, 0.05, 2))
 
 
 def _with_neighbours(light: Array, kind: str, points: Array, rng: Rng) -> Array:

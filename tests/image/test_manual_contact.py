@@ -1,6 +1,7 @@
 """A person's edits of a contact region, against rendered contacts whose truth is known."""
 
 import math
+from functools import cache
 
 import cv2
 import numpy as np
@@ -107,11 +108,16 @@ def test_remove_then_add(radius, row, column, other):
     assert back.gross_area == pytest.approx(PLAIN.gross_area, rel=3e-3)
 
 
+@cache
+def with_room():
+    return prepare_contact_image(np.pad(TRUTH.pixels, 200, mode="edge"), PPI_500)
+
+
 @given(radius=st.floats(25, 70), angle=st.floats(0, 2 * math.pi))
 @settings(max_examples=20)
 def test_disk_outside_adds_area(radius, angle):
     """A disk joined to the contact by a thin bridge adds what geometry says."""
-    room = prepare_contact_image(np.pad(TRUTH.pixels, 200, mode="edge"), PPI_500)
+    room = with_room()
     plain = room.contact_image
     way = np.array([math.cos(angle), math.sin(angle)])
     edge = float(((plain.outline - plain.centroid) @ way).max())

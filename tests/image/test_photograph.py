@@ -9,6 +9,7 @@ from PIL import Image
 from tests.image import hand_mesh
 
 from fingerpad.exceptions import FitError, ImageError
+from fingerpad.geometry.faces import face_axes
 from fingerpad.image import (
     FACE_AXES,
     PHOTOGRAPH_FLAGS,
@@ -22,10 +23,13 @@ from fingerpad.image import (
 from fingerpad.simulate import render_finger
 
 SEMI_AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8), "ulnar": (7.9, 13.8)}
+MM_PER_PX = 0.08
+SCALE = Scale(MM_PER_PX)
 
 
 def rendered(face="palmar", **changes):
-    return render_finger(face, **{"arc_deg": 160.0, "mm_per_px": 0.06, "blur_px": 1.0, "seed": 3} | changes)
+    usual = {"arc_deg": 160.0, "mm_per_px": MM_PER_PX, "blur_px": 1.0, "seed": 3}
+    return render_finger(face, **usual | changes)
 
 
 def measured(truth, **changes):
@@ -67,7 +71,7 @@ def test_skin_tones_and_backdrops(skin, backdrop):
 def test_grey_photographs():
     truth = rendered(backdrop="white", skin=0.6)
     grey = np.rint(truth.pixels @ [0.299, 0.587, 0.114]).astype(np.uint8)
-    found = measure_photograph(grey, "palmar", Scale(0.06))
+    found = measure_photograph(grey, "palmar", SCALE)
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.015)
 
 
@@ -84,35 +88,34 @@ def test_palmar_side_of_side_face(tip, palmar):
     truth = rendered("ulnar", tip=tip, palmar=palmar)
     found = measured(truth, palmar=None)
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.02)
-    np.testing.assert_array_equal(np.rint(found.directions), np.rint(measured(truth).directions))
+    np.testing.assert_array_equal(np.rint(found.directions), face_axes("ulnar", tip, palmar))
 
 
 def test_depth_and_type_invariance():
     truth = truth_of("palmar")
-    scale = Scale(0.06)
     for pixels in (
         truth.pixels.astype(np.uint16) * 257,
         truth.pixels / 255.0,
         np.dstack([truth.pixels] * 2)[..., :4],
     ):
-        found = measure_photograph(pixels, "palmar", scale)
+        found = measure_photograph(pixels, "palmar", SCALE)
         np.testing.assert_allclose(found.semi_axes, found_of("palmar").semi_axes, rtol=1e-3)
 
 
 def test_scale_and_its_uncertainty():
     truth = truth_of("palmar")
-    wide = measure_photograph(truth.pixels, "palmar", Scale(0.12, 0.012))
+    wide = measure_photograph(truth.pixels, "palmar", Scale(2 * MM_PER_PX, 0.2 * MM_PER_PX))
     np.testing.assert_allclose(wide.semi_axes, 2 * found_of("palmar").semi_axes)
     np.testing.assert_allclose(wide.edge_covariance, 4 * found_of("palmar").edge_covariance)
     assert wide.semi_axes_mm_std["distal"] == pytest.approx(0.1 * wide.semi_axes_mm["distal"], rel=0.01)
 
 
 def test_uncertainty_grows_with_shorter_arc():
-    truth = truth_of("palmar")
+    truth = rendered(mm_per_px=0.06)
     stds = []
     for degrees in (150, 110, 80):
         t = np.radians(90 + np.array([-degrees, 0, degrees]) / 2)
-        marks = truth.centre + np.stack([-13.8 * np.sin(t), 11.8 * np.cos(t)], axis=-1) / 0.06
+        marks = truth.centre + np.stack([-13.8 * np.sin(t), 11.8 * np.cos(t)], axis=-1) / truth.mm_per_px
         found = measured(truth, points=marks)
         assert found.arc_deg == pytest.approx(degrees, abs=6)
         stds.append(found.semi_axes_mm_std["distal"])
@@ -137,10 +140,13 @@ def test_an_arc_at_the_frame_touches_it(side):
     first, last = int(columns.min()), int(columns.max()) + 1
     for margin, touches in ((0, True), (25, False)):
         cut = np.s_[:, first - margin :] if side == "left" else np.s_[:, : last + margin]
-        flags = measure_photograph(truth.pixels[cut], "palmar", Scale(0.06)).flags
+        flags = measure_photograph(truth.pixels[cut], "palmar", SCALE).flags
         assert ("touches_border" in flags) == touches
-    large = truth.pixels.repeat(3, axis=0).repeat(3, axis=1)  # it is looked for in a reduced copy
-    assert "touches_border" not in measure_photograph(large, "palmar", Scale(0.02)).flags
+
+
+def test_an_arc_within_a_reduced_copy_does_not_touch_the_frame():
+    large = truth_of("palmar").pixels.repeat(3, axis=0).repeat(3, axis=1)
+    assert "touches_border" not in measure_photograph(large, "palmar", Scale(MM_PER_PX / 3)).flags
 
 
 def test_hair_across_edge_left_out():
@@ -148,7 +154,7 @@ def test_hair_across_edge_left_out():
     pixels = truth.pixels.copy()
     row, column = (int(place) for place in truth.arc_points(9)[3])
     pixels[row - 14 : row + 5, column - 5 : column + 4] = (50, 40, 35)
-    found = measure_photograph(pixels, "palmar", Scale(0.06))
+    found = measure_photograph(pixels, "palmar", SCALE)
     assert 0 < found.outlier_fraction < 0.2
     near = np.linalg.norm(found.outliers - (row, column), axis=1).min()
     assert near < 12
@@ -278,7 +284,7 @@ def test_invalid_input(changes, words):
     given = {"pixels": truth_of("palmar").pixels, "face": "palmar"} | changes
     pixels, face = given.pop("pixels"), given.pop("face")
     with pytest.raises(ImageError, match=words) as caught:
-        measure_photograph(pixels, face, Scale(0.06), **given)
+        measure_photograph(pixels, face, SCALE, **given)
     assert len(str(caught.value)) > 20
 
 
@@ -292,7 +298,7 @@ def test_pad_cut_by_frame_refused():
     truth = truth_of("palmar")
     cut = truth.pixels[int(truth.arc_points(3)[1][0]) + 60 :]
     with pytest.raises(ImageError, match="up side"):
-        measure_photograph(cut, "palmar", Scale(0.06))
+        measure_photograph(cut, "palmar", SCALE)
 
 
 def test_direct_lengths_and_their_uncertainty():

@@ -20,6 +20,8 @@ INK: Final[Colour] = (20, 20, 20)
 PAPER: Final[Colour] = (255, 255, 255)
 
 _SUBPIXEL_BITS: Final = 4
+# A third of the time of zlib's default, 6, for files an eighth larger. JPEG and TIFF have no such level.
+_PNG_LEVEL: Final = 2
 
 
 def canvas_points(points: FloatArray, zoom: float) -> FloatArray:
@@ -76,7 +78,7 @@ def write_canvas(path: str | PathLike[str], canvas: Canvas) -> Path:
     """
     path = Path(path)
     try:
-        Image.fromarray(canvas).save(path)
+        Image.fromarray(canvas).save(path, compress_level=_PNG_LEVEL)
     except (OSError, ValueError) as error:
         raise ImageError(
             f"{path}: cannot be written ({error}): check the folder and end the name in .png"

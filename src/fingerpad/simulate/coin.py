@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import Float32Array, FloatArray, check_radians
+from fingerpad._arrays import Float32Array, FloatArray, as_float32, check_radians
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 
@@ -106,13 +106,14 @@ def render_coin(
         raise GeometryError(f"a coin needs a positive radius and a tilt below 90°, found {radius} and {tilt}")
     rng = np.random.default_rng(seed)
     centre = ((shape[0] - 1) / 2, (shape[1] - 1) / 2) if centre is None else centre
-    along, across = _coin_plane(shape, centre, orientation, radius, tilt)
-    distance, angle = np.hypot(along, across), np.arctan2(across, along)
     light = rng.uniform(0, 2 * math.pi)
-    face = level + relief * _face(distance, angle, light, rng)
-    around = _lit_ground(shape, centre, radius, ground=ground, shadow=shadow, light=light, rng=rng)
-    scene = np.where(distance <= 1, face, around)
-    scene = cv2.GaussianBlur(scene.astype(np.float32), (0, 0), blur * _OVERSAMPLING)
+    noise = rng.normal(0, 1, tuple(n * _OVERSAMPLING for n in shape)).astype(np.float32)
+    scene = _lit_ground(shape, centre, radius, ground=ground, shadow=shadow, light=light, rng=rng)
+    window, along, across = _coin_plane(shape, centre, orientation, radius, tilt)
+    distance, angle = np.hypot(along, across), np.arctan2(across, along)
+    face = level + relief * _face(distance, angle, light, noise, window)
+    scene[window] = np.where(distance <= 1, face, scene[window])
+    scene = as_float32(cv2.GaussianBlur(scene, (0, 0), blur * _OVERSAMPLING))
     small = cv2.resize(scene, shape[::-1], interpolation=cv2.INTER_AREA)
     exposed = small + rng.normal(0, noise_std, shape)
     return SyntheticCoin(
@@ -125,27 +126,39 @@ def render_coin(
 
 def _coin_plane(
     shape: tuple[int, int], centre: tuple[float, float], orientation: float, radius: float, tilt: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return the place of each fine pixel in the coin's own plane, in radii: along the major axis, across."""
+) -> tuple[tuple[slice, slice], FloatArray, FloatArray]:
+    """Return the window of fine pixels round the coin, and their places in its plane, in radii.
+
+    The places are those along the major axis and across.
+    """
     rows, columns = (
         (np.arange(n * _OVERSAMPLING) + 0.5) / _OVERSAMPLING - 0.5 - c
         for n, c in zip(shape, centre, strict=True)
     )
-    up, left = np.meshgrid(-rows, -columns, indexing="ij")
+    first_row, last_row = np.searchsorted(rows, (-radius - 1, radius + 1))
+    first_column, last_column = np.searchsorted(columns, (-radius - 1, radius + 1))
+    window = (slice(first_row, last_row), slice(first_column, last_column))
+    up, left = np.meshgrid(-rows[window[0]], -columns[window[1]], indexing="ij")
     cosine, sine = math.cos(orientation), math.sin(orientation)
-    return (up * cosine + left * sine) / radius, (left * cosine - up * sine) / (radius * math.cos(tilt))
+    along = (up * cosine + left * sine) / radius
+    return window, along, (left * cosine - up * sine) / (radius * math.cos(tilt))
 
 
-def _face(distance: FloatArray, angle: FloatArray, light: float, rng: np.random.Generator) -> FloatArray:
+def _face(
+    distance: FloatArray, angle: FloatArray, light: float, noise: Float32Array, window: tuple[slice, slice]
+) -> FloatArray:
     """Return the relief of a coin's face: a lit rim, a ring of beads, letters, a portrait of noise."""
     lit = np.cos(angle - light)
-    rim = (distance > 0.93) * (0.8 + 1.2 * lit)
-    step = 1.6 * lit * np.exp(-(((distance - 0.92) / 0.012) ** 2))
-    beads = np.where(np.abs(distance - 0.885) < 0.018, np.cos(70 * angle), 0.0)
-    letters = np.where(np.abs(distance - 0.76) < 0.06, np.sign(np.sin(23 * angle + 9 * distance)), 0.0)
-    noise = cv2.GaussianBlur(rng.normal(0, 1, distance.shape).astype(np.float32), (0, 0), 12)
-    portrait = np.where(distance < 0.62, 1.5 * noise / noise.std(), 0.0)
-    return np.asarray(rim - step + beads + letters + portrait, dtype=np.float64)
+    face = np.asarray((distance > 0.93) * (0.8 + 1.2 * lit), dtype=np.float64)
+    step = np.abs(distance - 0.92) < 0.1
+    face[step] -= 1.6 * lit[step] * np.exp(-(((distance[step] - 0.92) / 0.012) ** 2))
+    beads = np.abs(distance - 0.885) < 0.018
+    face[beads] += np.cos(70 * angle[beads])
+    letters = np.abs(distance - 0.76) < 0.06
+    face[letters] += np.sign(np.sin(23 * angle[letters] + 9 * distance[letters]))
+    noise = as_float32(cv2.GaussianBlur(noise, (0, 0), 12))
+    face += np.where(distance < 0.62, 1.5 * noise[window] / noise.std(), 0.0)
+    return face
 
 
 def _lit_ground(

@@ -32,7 +32,8 @@ _NAIL = (232, 190, 182)
 # Width and height of the frame, mm, with the fingertip up, and the pad's centre from its upper edge.
 _FRAME = (38.0, 44.0)
 _CENTRE_DEPTH = 22.0
-_BAND_MM = 3.5
+# How far from the outline depths are exact, inside and outside: beyond, no light depends on them.
+_BAND_MM, _OUTER_BAND_MM = 3.5, 0.75
 _DISTANCE_MM = 250.0
 
 
@@ -183,8 +184,8 @@ def render_finger(
     )
     size, centre = _frame(face, tip, palmar, mm_per_px)
     axes = _image_axes(face, tip, palmar, math.radians(lean_deg))
-    rows, columns = np.indices(size, dtype=np.float64)
-    flat = np.stack([rows - centre[0], columns - centre[1]], axis=-1) @ axes.T * mm_per_px
+    rows, columns = (np.arange(n) - c for n, c in zip(size, centre, strict=True))
+    flat = np.stack([rows[:, None] * r * mm_per_px + columns * c * mm_per_px for r, c in axes])
     to_face = _to_face_plane(flat, math.radians(tilt_deg), rng)
     depth, nail = _depths(to_face, shape, mm_per_px)
     look = (skin, backdrop, light_deg, shadow, mm_per_px)
@@ -225,47 +226,48 @@ def _image_axes(face: Face, tip: Direction, palmar: Direction, lean: float) -> F
 def _to_face_plane(seen: FloatArray, tilt: float, rng: np.random.Generator) -> FloatArray:
     """Return the place (x, y) of each pixel in the face's plane, mm, tilted about a line of any direction."""
     direction = rng.uniform(0, 2 * math.pi)
-    toward = np.array([math.cos(direction), math.sin(direction)])
-    along = seen @ toward
+    if tilt == 0:
+        return seen
+    toward = math.cos(direction), math.sin(direction)
+    along = seen[0] * toward[0] + seen[1] * toward[1]
     # A ray through a place of the picture, from 250 mm, meets the plane farther out on the side tilted away.
     stretch = 1 / (math.cos(tilt) - along / _DISTANCE_MM * math.sin(tilt))
     beyond = stretch * (1 - math.cos(tilt)) * along
-    return np.asarray(
-        seen * (stretch * math.cos(tilt))[..., None] + beyond[..., None] * toward, dtype=np.float64
-    )
+    return np.stack([x * stretch * math.cos(tilt) + beyond * t for x, t in zip(seen, toward, strict=True)])
 
 
 def _depths(places: FloatArray, shape: FingerShape, mm_per_px: float) -> tuple[Float32Array, Float32Array]:
-    """Return the depth of each pixel inside the finger, mm, and the share of the nail in it."""
-    spots = places.reshape(-1, 2)
+    """Return the depth of each pixel inside the finger, mm, and the share of the nail in it.
+
+    Far from the outline it is about right, and outside too small.
+    """
     inside = _inside(places, shape.points, mm_per_px)
     edge = cv2.dilate(inside, np.ones((3, 3), np.uint8)) != cv2.erode(inside, np.ones((3, 3), np.uint8))
     away = cv2.distanceTransform((~edge).astype(np.uint8), cv2.DIST_L2, 5) * mm_per_px
-    depth = np.where(inside > 0, away, -away).ravel().astype(np.float64)
-    near = np.flatnonzero(np.abs(depth) < _BAND_MM)
-    _, nearest = cKDTree(shape.points).query(spots[near])
-    signed = -np.sum((spots[near] - shape.points[nearest]) * shape.normals[nearest], axis=1)
-    depth[near] = signed
+    depth = np.where(inside > 0, away, -away).astype(np.float64)
+    near = (depth > -_OUTER_BAND_MM - 3 * mm_per_px) & (depth < _BAND_MM)
+    spots = np.stack([part[near] for part in places], axis=-1)
+    _, nearest = cKDTree(shape.points, compact_nodes=False, balanced_tree=False).query(spots)
+    signed = -np.einsum("ij,ij->i", spots - shape.points[nearest], shape.normals[nearest])
     # The nail's plate covers the dorsal outline and stands a little above it.
     plate = shape.nail[nearest]
     proud = signed + 0.25 * plate
-    nail = np.zeros(len(depth))
+    nail = np.zeros(depth.shape, np.float32)
     nail[near] = plate * np.clip(0.5 + proud / mm_per_px, 0, 1) * (signed < 0.9)
-    depth[near] = np.maximum(signed, np.where(plate > 0.5, proud, -np.inf))
-    size = places.shape[:2]
-    return depth.reshape(size).astype(np.float32), nail.reshape(size).astype(np.float32)
+    depth[near] = np.where(plate > 0.5, proud, signed)
+    return as_float32(depth), nail
 
 
 def _inside(places: FloatArray, outline: FloatArray, mm_per_px: float) -> npt.NDArray[np.uint8]:
     """Return where pixels lie inside the outline, to about a pixel."""
-    low = places.reshape(-1, 2).min(axis=0) - 2
-    high = places.reshape(-1, 2).max(axis=0) + 2
+    low = places.min(axis=(1, 2)) - 2
+    high = places.max(axis=(1, 2)) + 2
     columns, rows = np.ceil((high - low) / mm_per_px).astype(int)
     chart = np.zeros((rows, columns), np.uint8)
     corners = np.rint((np.clip(outline, low - 30, high + 30) - low) / mm_per_px).astype(np.int32)
     cv2.fillPoly(chart, [corners.reshape(-1, 1, 2)], 1)
-    spots = ((places - low) / mm_per_px).astype(np.float32)
-    return np.asarray(cv2.remap(chart, spots[..., 0], spots[..., 1], cv2.INTER_NEAREST), dtype=np.uint8)
+    x, y = ((place - least) / mm_per_px for place, least in zip(places, low, strict=True))
+    return np.asarray(cv2.remap(chart, as_float32(x), as_float32(y), cv2.INTER_NEAREST), dtype=np.uint8)
 
 
 def _light_from_pixels(
@@ -280,23 +282,32 @@ def _light_from_pixels(
     size = depth.shape
     angle = math.radians(light_deg)
     light = np.array([0.55 * math.cos(angle), -0.55 * math.sin(angle)], dtype=np.float32)
-    share = np.clip(0.5 + depth / mm_per_px, 0, 1)[..., None]
+    share = np.clip(0.5 + depth / mm_per_px, 0, 1)
+    # Colours are worked out only where there is finger, and one by one.
+    covered = share > 0
     tones = linear_light(np.array([_SKINS], dtype=np.uint8))[0]
-    tone = np.array([np.interp(skin * (len(tones) - 1), range(len(tones)), tones[:, k]) for k in range(3)])
-    shade, gloss = _shading(depth, light, mm_per_px)
-    blush = _cloud(rng, size, 2.5 / mm_per_px)[..., None] * np.array([0.03, 0.06, 0.06])
-    colour = tone * (1 + blush) * (1 + 0.03 * _grain(rng, size, mm_per_px))[..., None]
-    colour = colour * (1 - _creases(face, places, rng))[..., None]
+    shade, gloss = (part[covered] for part in _shading(depth, light, mm_per_px))
+    blush = _cloud(rng, size, 2.5 / mm_per_px)[covered].astype(np.float64)
+    ridges = (1 + 0.03 * _grain(rng, size, mm_per_px))[covered]
+    folds = 1 - _creases(face, places[:, covered], rng)
     plate = linear_light(np.array([[_NAIL]], dtype=np.uint8))[0, 0] * (0.55 + 0.45 * (1 - skin))
-    colour = colour + nail[..., None] * (plate - colour)
-    finger = colour * shade[..., None] + (gloss * (0.012 + 0.10 * nail))[..., None]
     ground = linear_light(np.array([[_BACKDROPS[backdrop]]], dtype=np.uint8))[0, 0]
-    fall = (places @ rng.normal(0, 0.003, 2)).astype(np.float32)
-    paper = ground * (1 + fall + 0.008 * _cloud(rng, size, 0.15 / mm_per_px))[..., None]
+    fall = np.tensordot(rng.normal(0, 0.003, 2), places, 1)
+    paper = 1 + as_float32(fall) + 0.008 * _cloud(rng, size, 0.15 / mm_per_px)
     step = np.array([[1, 0, -light[0] * 4 / mm_per_px], [0, 1, -light[1] * 4 / mm_per_px]])
-    dark = cv2.warpAffine(share[..., 0], step, (size[1], size[0]), borderMode=cv2.BORDER_REPLICATE)
-    paper = paper * (1 - shadow * cv2.GaussianBlur(dark, (0, 0), 1.8 / mm_per_px))[..., None]
-    return as_float32(share * finger + (1 - share) * paper)
+    dark = cv2.warpAffine(share, step, (size[1], size[0]), borderMode=cv2.BORDER_REPLICATE)
+    paper *= 1 - shadow * as_float32(cv2.GaussianBlur(dark, (0, 0), 1.8 / mm_per_px))
+    share, nail = share[covered], nail[covered]
+    planes = []
+    for k, reddening in enumerate((0.03, 0.06, 0.06)):
+        tone = float(np.interp(skin * (len(tones) - 1), range(len(tones)), tones[:, k]))
+        colour = tone * (1 + reddening * blush) * ridges * folds
+        colour += nail * (plate[k] - colour)
+        plane = ground[k] * paper
+        finger = colour * shade + gloss * (0.012 + 0.10 * nail)
+        plane[covered] = share * finger + (1 - share) * plane[covered]
+        planes.append(plane)
+    return as_float32(cv2.merge(planes))
 
 
 def _shading(depth: Float32Array, light: Float32Array, mm_per_px: float) -> tuple[Float32Array, Float32Array]:
@@ -315,17 +326,19 @@ def _shading(depth: Float32Array, light: Float32Array, mm_per_px: float) -> tupl
 
 
 def _creases(face: Face, places: FloatArray, rng: np.random.Generator) -> Float32Array:
-    """Return the darkness of the skin's folds at the joint."""
+    """Return the darkness of the skin's folds at the joint, at places (x, y), mm."""
+    x, y = places
     if face == "distal":
-        return np.zeros(places.shape[:2], np.float32)
-    dark = np.zeros(places.shape[:2])
+        return np.zeros(x.shape, np.float32)
+    dark = np.zeros(x.shape)
     for _ in range(4):
         middle, width = -15.5 + rng.normal(0, 1.2), rng.uniform(0.12, 0.3)
         bend, tilt, phase = rng.uniform(-0.01, 0.02), rng.normal(0, 0.04), rng.uniform(0, 6)
-        x = places[..., 0]
+        strength, side = rng.uniform(0.12, 0.4), rng.normal(0, 3)
         line = middle + tilt * x + bend * x**2 + 0.15 * np.sin(0.9 * x + phase)
-        strength = rng.uniform(0.12, 0.4) * np.exp(-(((x - rng.normal(0, 3)) / 7) ** 2))
-        dark += strength * np.exp(-0.5 * ((places[..., 1] - line) / width) ** 2)
+        near = np.abs(y - line) < 8 * width
+        along, across = (x[near] - side) / 7, (y[near] - line[near]) / width
+        dark[near] += strength * np.exp(-(along**2) - 0.5 * across**2)
     return as_float32(np.minimum(dark, 0.6))
 
 
@@ -340,8 +353,9 @@ def _expose(
     """Return what a camera makes of the light: blur, shot and read noise, sRGB, JPEG."""
     seen = cv2.GaussianBlur(light, (0, 0), blur) if blur > 0 else light
     # In grey levels the camera's noise is about even over the brighter tones.
-    levels = srgb_levels(seen) + rng.normal(0, noise_std, seen.shape)
-    pixels = np.clip(np.rint(levels), 0, 255).astype(np.uint8)
+    levels = rng.normal(0, noise_std, seen.shape)
+    levels += srgb_levels(seen)
+    pixels = np.clip(np.rint(levels, out=levels), 0, 255, out=levels).astype(np.uint8)
     if jpeg_quality is not None:
         _, file = cv2.imencode(".jpg", pixels[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])
         pixels = np.asarray(cv2.imdecode(file, cv2.IMREAD_COLOR), dtype=np.uint8)[..., ::-1].copy()

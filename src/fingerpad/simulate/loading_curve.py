@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import signal
 
 from fingerpad._arrays import FloatArray
 from fingerpad._loading_curve import LoadingCurve
@@ -153,6 +152,8 @@ def _force_noise(
     white = rng.standard_normal(time.size)
     if not correlation_time > 0:
         return std * white
+    from scipy import signal  # noqa: PLC0415 (slow to import, not needed for images)
+
     kept = np.exp(-(time[1] - time[0]) / correlation_time)
     white[1:] *= np.sqrt(1 - kept**2)
     return std * np.asarray(signal.lfilter([1.0], [1.0, -kept], white))
@@ -163,6 +164,8 @@ def _relax(elastic: FloatArray, step: float, terms: Sequence[tuple[float, float]
 
     The dashpot of each arm takes off z, with τ dz/dt = g W − z, integrated by the trapezoidal rule.
     """
+    from scipy import signal  # noqa: PLC0415 (slow to import, not needed for images)
+
     load = elastic.copy()
     for share, tau in terms:
         half = step / (2 * tau)

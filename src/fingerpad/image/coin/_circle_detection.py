@@ -6,7 +6,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float_array
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array
 from fingerpad.image.ellipse import PlaneEllipse
 
 MIN_AXIS_RATIO = 0.6
@@ -126,8 +126,8 @@ def edge_points(
     count = int(np.clip(math.pi * ellipse.size, 120, 1440))
     points, normals = ellipse.points(count)
     out = np.arange(-reach, reach + _PROFILE_STEP / 2, _PROFILE_STEP)
-    at = (points[:, None] + out[:, None] * normals[:, None]).astype(np.float32)
-    profile = cv2.remap(image, at[..., 0], at[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    x, y = (as_float32(points[:, k, None] + out * normals[:, k, None]) for k in (0, 1))
+    profile = cv2.remap(image, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
     slope = np.abs(np.gradient(profile, axis=1))
     # Of several edges a steep one near the ellipse is the likely one.
     best = (slope * np.exp(-((out / reach) ** 2)))[:, 1:-1].argmax(axis=1) + 1

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import cv2
@@ -73,8 +74,7 @@ def locate_edges(
     """
     closed = bool(np.linalg.norm(contour[0] - contour[-1]) < 3 * np.linalg.norm(contour[1] - contour[0]) + 2)
     points, normals = _resample(contour, spacing, closed=closed)
-    half = reach + 7.0
-    offsets = np.arange(-half, half + 0.5 / _DENSITY, 1 / _DENSITY)
+    offsets = _profile_offsets(reach)
     profiles = _profiles(light, points, normals, offsets, spacing, closed=closed)
     blurs, weights = _sharpness(profiles[:: max(1, len(profiles) // 150)], offsets, reach)
     places, ratio = _fit_edges(profiles, offsets, blurs, weights, reach)
@@ -135,30 +135,36 @@ def _sharpness(profiles: FloatArray, offsets: FloatArray, reach: float) -> tuple
     blurs, weights = np.empty(profiles.shape[2]), np.empty(profiles.shape[2])
     freedom = len(offsets) - 5
     for k in range(profiles.shape[2]):
-        left = [
-            np.mean(_residual_squares(profiles[..., k], offsets, blur, reach)[0].min(axis=0))
-            for blur in _BLURS
-        ]
+        left = [np.mean(_residual_squares(profiles[..., k], blur, reach)[0].min(axis=0)) for blur in _BLURS]
         blurs[k] = _BLURS[int(np.argmin(left))]
         # Rounding to 256 levels is the least noise there is.
         weights[k] = 1 / (min(left) / freedom + _MIN_VARIANCE)
     return blurs, weights
 
 
-def _residual_squares(
-    profiles: FloatArray, offsets: FloatArray, blur: float, reach: float
-) -> tuple[FloatArray, FloatArray]:
+def _residual_squares(profiles: FloatArray, blur: float, reach: float) -> tuple[FloatArray, FloatArray]:
     """Return the squares that the model of one channel leaves with the edge at each place, and its step²."""
-    tries = _trial_offsets(reach)
-    basis, triangle = np.linalg.qr(_model(tries[:, None] - offsets, offsets, blur))
+    basis, across = _edge_bases(blur, reach)
     parts = np.einsum("no,toj->tnj", profiles, basis, optimize=True)
+    left = np.sum(profiles**2, axis=1) - np.sum(parts**2, axis=2)
+    return np.asarray(left), np.asarray((parts @ across)[..., 0] ** 2)
+
+
+@lru_cache(maxsize=32)
+def _edge_bases(blur: float, reach: float) -> tuple[FloatArray, FloatArray]:
+    """Return orthonormal terms of the model with the edge at each place, and what its step has of each."""
+    tries, offsets = _trial_offsets(reach), _profile_offsets(reach)
+    basis, triangle = np.linalg.qr(_model(tries[:, None] - offsets, offsets, blur))
     # Levels of the model just inside and just outside.
     ends = np.column_stack(
         [np.ones_like(tries), np.full_like(tries, math.sqrt(2 * blur + 1)), -np.ones_like(tries), -tries]
     )
-    across = np.linalg.solve(np.swapaxes(triangle, 1, 2), ends[..., None])
-    left = np.sum(profiles**2, axis=1) - np.sum(parts**2, axis=2)
-    return np.asarray(left), np.asarray((parts @ across)[..., 0] ** 2)
+    return basis, np.linalg.solve(np.swapaxes(triangle, 1, 2), ends[..., None])
+
+
+def _profile_offsets(reach: float) -> FloatArray:
+    half = reach + 7.0
+    return np.arange(-half, half + 0.5 / _DENSITY, 1 / _DENSITY)
 
 
 def _trial_offsets(reach: float) -> FloatArray:
@@ -169,7 +175,7 @@ def _fit_edges(
     profiles: FloatArray, offsets: FloatArray, blurs: FloatArray, weights: FloatArray, reach: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return each profile's edge, NaN at the end of the reach, and its step over what its model leaves."""
-    each = [_residual_squares(profiles[..., k], offsets, blur, reach) for k, blur in enumerate(blurs)]
+    each = [_residual_squares(profiles[..., k], blur, reach) for k, blur in enumerate(blurs)]
     left = np.sum([weight * squares for weight, (squares, _) in zip(weights, each, strict=True)], axis=0)
     steps = np.sum([weight * step for weight, (_, step) in zip(weights, each, strict=True)], axis=0)
     tries = _trial_offsets(reach)
