@@ -2,17 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from typing import Final, Self
 
 import numpy as np
 import numpy.typing as npt
-from numpy.polynomial.chebyshev import cheb2poly, chebfit
 
 from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
 from fingerpad._display import Displayed
-from fingerpad.contact.elliptic import contact_ellipse_kernel
-from fingerpad.contact.law_factors import LayerFactors, PadFactors, polynomial
+from fingerpad.contact.hertz_polynomials import hertz_units
+from fingerpad.contact.law_factors import LayerFactors, PadFactors
 from fingerpad.contact.pad_gap import PadGap
 from fingerpad.exceptions import GeometryError
 
@@ -36,7 +35,6 @@ ERROR_OF_PAD: Final = (
 )
 ERROR_OF_BOTH: Final = 0.01
 _LARGEST_MISS = 0.01
-_POLYNOMIAL_RANGE, _TERMS = 1.2, 10  # of |ln(R1/R2)|, and of its square's polynomials
 _STEPS = 2  # of Newton's method: the first guess is within some per cent
 
 
@@ -235,7 +233,7 @@ def _sizes(
     poisson_ratio: FloatArray | None,
 ) -> tuple[FloatArray, ...]:
     """Return load over E*, area, indentation and flag of one block."""
-    k, unit_load, unit_depth = _hertz_units(first, second)
+    k, unit_load, unit_depth = hertz_units(first, second)
     laws = _Laws.of(first, second, k, rest, whole=whole, poisson_ratio=poisson_ratio)
     hertz = {
         "load": unit_load,
@@ -263,43 +261,13 @@ def _form(
     poisson_ratio: FloatArray | None,
 ) -> tuple[FloatArray, ...]:
     """Return semi-axes, long axis and peak over mean pressure of one block."""
-    k = _hertz_units(first, second)[0]
+    k = hertz_units(first, second)[0]
     laws = _Laws.of(first, second, k, rest, whole=whole, poisson_ratio=poisson_ratio, form=True)
     a, miss = laws.mean_radius("area", area, np.array(np.pi))
     ratio, along = laws.axis_ratio(a)
     results = a * ratio, a / ratio, np.where(along.real < 0, 1.0, 0.0), 1.5 * laws.peak(a)
     inside = laws.flag(a, k, miss, area) == 0
     return tuple(np.where(inside, each, np.nan) for each in results)
-
-
-def _hertz_units(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the axis ratio of Hertz theory, load over E* a³ and indentation over a².
-
-    By polynomials where the radii differ little enough: to the last digits, in a fraction of the time.
-    """
-    x = np.log(first / second)
-    if not (np.abs(x.real) <= _POLYNOMIAL_RANGE).all():
-        return _exact_units(first, second)
-    x = np.where(x.real < 0, -x, x)
-    at, mean = (2 / _POLYNOMIAL_RANGE**2) * (x * x) - 1, np.sqrt(first * second)
-    slope, load, depth = (polynomial(each, at) for each in _unit_polynomials())
-    return np.exp(x * slope), load / mean, depth / mean
-
-
-def _exact_units(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    k, integral, D = contact_ellipse_kernel(first, second)
-    radius_D = np.maximum(first, second) * D * k
-    return k, (np.pi / 3) / (radius_D * np.sqrt(k)), 0.5 * integral / radius_D
-
-
-@cache
-def _unit_polynomials() -> tuple[FloatArray, ...]:
-    """Return ln(k)/x, load and indentation of R1 R2 = 1 as polynomials in x² = ln²(R1/R2)."""
-    at = np.cos((np.arange(_TERMS) + 0.5) * np.pi / _TERMS)
-    x = _POLYNOMIAL_RANGE * np.sqrt((1 + at) / 2)
-    k, load, depth = _exact_units(np.exp(x / 2), np.exp(-x / 2))
-    fitted = (cheb2poly(chebfit(at, values, _TERMS - 1)) for values in (np.log(k) / x, load, depth))
-    return tuple(map(as_float_array, fitted))
 
 
 _POWERS: Final = {"load": 3, "indentation": 2, "area": 2}  # of the mean radius, in Hertz theory

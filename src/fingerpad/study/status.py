@@ -10,7 +10,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.manifest import manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.run import items_of
-from fingerpad.study.measuring.sequences import frame_count
+from fingerpad.study.measuring.sequence_header import frame_count
 from fingerpad.study.results.result_set import result_set_faults
 
 _STATES: Final = ("done", "failed", "stale", "left")

@@ -6,7 +6,7 @@ stages follow one another: all frames are surveyed, one reading is learnt, and t
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -23,7 +23,6 @@ from fingerpad.image import (
     TextureScan,
     assign_times,
     frame_clock,
-    open_frames,
     read_force_signal,
     read_frame_stamps,
     sequence_summary,
@@ -40,6 +39,7 @@ from fingerpad.study.measuring.indentation import contact_displacement
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
+from fingerpad.study.measuring.sequence_header import TIMING, header_task
 from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.measuring.sequence_tasks import FrameDigest, SequenceImages, survey_from
 
@@ -50,10 +50,6 @@ LEAST_RIDGES: Final = 5
 _FRAMES: Final = "frames"
 _LEAST_PIECE: Final = 50
 _MOST_PIECES: Final = 256
-# What says when a frame was taken and under which load, but nothing of what is seen in it.
-_TIMING: Final = frozenset(
-    ("force", "force_columns", "times", "frames_per_second", "start_s", "contact_load_N")
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -182,7 +178,7 @@ class Film:
         return f"{self.sequence.name} {stage}" + ("" if piece is None else f" {piece[0]}-{piece[1]}")
 
     def _key(self, stage: str, piece: tuple[int, int] | None) -> str:
-        pictures = self.context.key(self.sequence, leave_out=_TIMING)
+        pictures = self.context.key(self.sequence, leave_out=TIMING)
         start, stop = piece if piece is not None and stage == _FRAMES else (0, 0)
         edits = {
             index: one.edits
@@ -277,32 +273,6 @@ class Film:
         if self.sequence.pool_min_load_N is not None:
             return result.load >= self.sequence.pool_min_load_N
         return measured.semi_minor_mm >= LEAST_RIDGES * measured.ridge_period_mm
-
-
-def header_task(sequence: ContactSequence, context: RunContext) -> Task:
-    """Return the task that opens a film: it counts the frames."""
-    return Task(
-        name=f"{sequence.name} header",  # no name of the manifest holds a blank
-        item=sequence.name,
-        file=sequence.file,
-        key=cache_key(context.key(sequence, leave_out=_TIMING), "header"),
-        work=partial(_header, sequence.file),
-        inputs=(sequence.file,),
-        pictures=0,
-    )
-
-
-def _header(path: str, folder: Path, _out: Path) -> Record:
-    header = asdict(open_frames(folder / path))
-    del header["path"]
-    return {"header": header}
-
-
-def frame_count(sequence: ContactSequence, context: RunContext) -> int:
-    """Return the number of frames of a film; one that has not been opened, or cannot be, counts as one."""
-    header = header_task(sequence, context)
-    record = context.record(header.name, header.key)
-    return 1 if record is None or "header" not in record else int(record["header"]["count"])
 
 
 def film_key(sequence: ContactSequence, context: RunContext) -> str:

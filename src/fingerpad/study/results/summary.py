@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
 
 from fingerpad.study.error_text import counted
 from fingerpad.study.results.layer_summary import LayerSummary
@@ -114,11 +113,12 @@ def area_exponent(rows: ResultsTable) -> Exponent:
     area = np.pi * sound.column("semi_major_mm") * sound.column("semi_minor_mm")
     if np.unique(load).size < 2:
         return Exponent(math.nan, math.nan)
-    line = stats.linregress(np.log(load), np.log(area))
+    x, y = np.log(load), np.log(area)
     if load.size < 3:
-        return Exponent(float(line.slope), math.nan)
+        return Exponent(float(np.polyfit(x, y, 1)[0]), math.nan)
+    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
     # An edge further out adds more to the logarithm of a small area: by one line for each device.
     curvature = 1 / sound.column("semi_major_mm") + 1 / sound.column("semi_minor_mm")
     added, device = sound.column("edge_offset_mm_std") * curvature, numbered(sound.column("scale"))
-    tilts = [stats.linregress(np.log(load), added * (device == each)).slope for each in np.unique(device)]
-    return Exponent(float(line.slope), math.hypot(line.stderr, *tilts))
+    tilts = [np.polyfit(x, added * (device == each), 1)[0] for each in np.unique(device)]
+    return Exponent(float(slope), math.hypot(math.sqrt(covariance[0, 0]), *tilts))

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.table import Places, numbered
@@ -87,7 +87,7 @@ def _growth(seen: _Areas) -> ValidityCheck:
     residuals -= weights @ residuals / weights.sum()
     own, chi_square = 1 / float(weights @ centred**2), float(weights @ residuals**2)
     # Areas that scatter more about the line than chance allows tell its uncertainty themselves.
-    scatters = freedom > 0 and stats.chi2.sf(chi_square, freedom) < STRAINED_BELOW_P
+    scatters = freedom > 0 and special.chdtrc(freedom, chi_square) < STRAINED_BELOW_P
     if scatters:
         own *= chi_square / freedom
     std = math.sqrt(own + sum(float(slope @ edge) ** 2 for edge in seen.edges))
