@@ -3,6 +3,8 @@
 Ratios compare runs side by side in one process; seconds depend on the machine.
 """
 
+import argparse
+
 import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
@@ -87,6 +89,7 @@ def hertz_speed(count: int = 1_000_000) -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__).parse_args()
     hertz_accuracy()
     hertz_speed()
     contact_solver.report()

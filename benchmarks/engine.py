@@ -23,7 +23,8 @@ from fingerpad.study.engine.task import TaskResult, perform
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import measured_scales
-from fingerpad.study.measuring.sequences import film_plan, header_task
+from fingerpad.study.measuring.sequence_header import header_task
+from fingerpad.study.measuring.sequences import film_plan
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 

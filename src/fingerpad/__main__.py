@@ -56,10 +56,17 @@ def main() -> None:
 
 def _raise_interrupt_again(fault: "sys.UnraisableHookArgs") -> None:
     """Raise an interrupt again that came where Python ignores exceptions, as while an object is deleted."""
-    if isinstance(fault.exc_value, KeyboardInterrupt):
-        Timer(0.01, interrupt_main).start()  # from here it would be ignored again
-    else:
+    if not isinstance(fault.exc_value, KeyboardInterrupt):
         sys.__unraisablehook__(fault)
+        return
+    delay = 0.01
+    while True:
+        try:
+            Timer(delay, interrupt_main).start()  # raised from here it would be ignored again
+        except KeyboardInterrupt:  # the thread took longer to start
+            delay *= 2
+        else:
+            return
 
 
 def _run() -> int:

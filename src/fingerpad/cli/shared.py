@@ -12,6 +12,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from fingerpad._json import dumps, plain
 from fingerpad.exceptions import FingerpadError, GeometryError, is_interrupt, reason_of
+from fingerpad.units import two_digits, value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.geometry import Ellipsoid
@@ -208,10 +209,17 @@ def print_record(record: Mapping[str, Any], as_json: bool) -> None:
 
 
 def print_text(record: Mapping[str, Any]) -> None:
-    """Print a record as lines of text."""
-    width = max(map(len, record))
-    for key, value in plain(record).items():
-        typer.echo(f"{key:<{width}}  {_text(value)}")
+    """Print a record as lines of text, each number with its standard uncertainty."""
+    values = plain(record)
+    shown = {}
+    for key, value in values.items():
+        if not key.endswith("_std"):
+            shown[key] = _text(value, values.get(f"{key}_std"))
+        elif key.removesuffix("_std") not in values:
+            shown[key] = two_digits(value) if isinstance(value, float) and value > 0 else _text(value)
+    width = max(map(len, shown))
+    for key, text in shown.items():
+        typer.echo(f"{key:<{width}}  {text}")
 
 
 def print_side_by_side(records: Mapping[str, Mapping[str, Any]]) -> None:
@@ -235,11 +243,13 @@ def print_law_flag(flag: str | None) -> None:
         typer.echo(f"The fast laws do not hold here: {flag.replace('_', ' ')}")
 
 
-def _text(value: Any) -> str:
+def _text(value: Any, std: Any = None) -> str:
     if isinstance(value, dict):
-        return ", ".join(f"{key} {_text(item)}" for key, item in value.items())
+        return ", ".join(f"{key} {_text(item, (std or {}).get(key))}" for key, item in value.items())
     if isinstance(value, list):
         return ", ".join(map(_text, value)) or "none"
     if value is None:
         return "not known"
+    if isinstance(std, float) and std > 0:
+        return value_with_uncertainty(value, std)
     return f"{value:.6g}" if isinstance(value, float) else str(value)

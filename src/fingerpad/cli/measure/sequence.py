@@ -20,6 +20,7 @@ from fingerpad.cli.measure.records import printed, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
 from fingerpad.cli.shared import AsJson, Exit, print_folder, require_positive
 from fingerpad.exceptions import CalibrationError, LoadingError
+from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.image import ForceSignal, FrameClock, FrameResult, Scale
@@ -103,7 +104,11 @@ def measure_frames(
 def _print_frame(result: "FrameResult") -> None:
     record = result.as_record()
     area = record.get("gross_area_mm2")
-    seen = record.get("error") if area is None else f"{area:.1f} mm²"
+    seen = (
+        record.get("error")
+        if area is None
+        else f"{value_with_uncertainty(area, record['gross_area_mm2_std'])} mm²"
+    )
     typer.echo(f"frame {result.index}: {result.time:.4f} s, {result.load:.3f} N, {result.phase}, {seen}")
 
 
