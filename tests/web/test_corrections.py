@@ -11,6 +11,9 @@ from pathlib import Path
 import httpx
 import pytest
 from tests.waiting import wait_until
+from tests.web.conftest import serving
+
+from fingerpad.web.workspace import Workspace
 
 PRINT = "synthetic_30deg_2N"
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
@@ -198,13 +201,10 @@ def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
     places = iter(kept)
     assert all(change in places for change in confirmed)
     assert len(kept) <= len(confirmed) + 2
-    process, client = launched(studies_folder / "demo")
-    assert now(client, PRINT)["change"] == kept[-1]
-    client.close()
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=20)
-    assert "Traceback" not in errors, errors
-    assert process.returncode in {0, 130}
+    workspace = Workspace(studies_folder)
+    workspace.open_folder(studies_folder / "demo")
+    with serving(workspace) as client:
+        assert now(client, PRINT)["change"] == kept[-1]
 
 
 def test_settings_apply_to_other_images_of_the_finger_and_device(client):

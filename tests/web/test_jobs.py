@@ -5,8 +5,6 @@ import json
 import re
 import shutil
 import sqlite3
-import subprocess
-import sys
 import threading
 import zipfile
 from types import SimpleNamespace
@@ -17,8 +15,11 @@ from filelock import FileLock
 from PIL import Image
 from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving
+from typer.testing import CliRunner
 
+from fingerpad.cli import app
 from fingerpad.exceptions import ManifestError
+from fingerpad.report import write_report
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.pipeline import run_study
 from fingerpad.web import run_job
@@ -50,17 +51,40 @@ def small(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="module")
+def run_small(small, tmp_path_factory):
+    """Return the same study with the results of a run, which no test may change."""
+    folder = shutil.copytree(small, tmp_path_factory.mktemp("run-small") / "small")
+    run_study(folder / "study.toml", folder / "results", write_report=write_report)
+    return folder
+
+
 @pytest.fixture
 def study(small, tmp_path):
-    shutil.copytree(small, tmp_path / "small")
-    return tmp_path / "small"
+    return shutil.copytree(small, tmp_path / "small")
+
+
+@pytest.fixture
+def finished(run_small, tmp_path):
+    """Return the folder of a study that was run."""
+    return shutil.copytree(run_small, tmp_path / "small")
+
+
+def client_of(folder):
+    workspace = Workspace(folder.parent)
+    workspace.open_folder(folder)
+    return serving(workspace)
 
 
 @pytest.fixture
 def client(study):
-    workspace = Workspace(study.parent)
-    workspace.open_folder(study)
-    with serving(workspace) as client:
+    with client_of(study) as client:
+        yield client
+
+
+@pytest.fixture
+def finished_client(finished):
+    with client_of(finished) as client:
         yield client
 
 
@@ -82,16 +106,8 @@ def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
     assert (run["state"], run["done"], run["failed"], run["error"]) == ("done", 3, 0, None)
     other = tmp_path / "cli" / "small"
     shutil.copytree(study, other, ignore=shutil.ignore_patterns("results"))
-    command = [
-        sys.executable,
-        "-m",
-        "fingerpad",
-        "run",
-        str(other / "study.toml"),
-        "--out",
-        str(other / "results"),
-    ]
-    subprocess.run(command, check=True, capture_output=True)
+    done = CliRunner().invoke(app, ["run", str(other / "study.toml"), "--out", str(other / "results")])
+    assert done.exit_code == 0, done.output
     names = {
         path.relative_to(other / "results").as_posix()
         for path in (other / "results").rglob("*")
@@ -109,12 +125,12 @@ def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
             assert client.get(f"/api/download/{name}").content == (study / "results" / name).read_bytes()
 
 
-def test_an_imported_study_gives_the_same_results_without_measuring(client, study, tmp_path):
+def test_an_imported_study_gives_the_same_results_without_measuring(finished_client, finished, tmp_path):
     correction = {"item": "o2", "expected": 0, "who": "ada", "change": {"accepted": True}}
-    assert client.post("/api/corrections", json=correction).status_code == 201
-    run_of(client)
-    before = (study / "results/results.csv").read_bytes()
-    archive = client.get("/api/download/study.zip")
+    assert finished_client.post("/api/corrections", json=correction).status_code == 201
+    run_of(finished_client)
+    before = (finished / "results/results.csv").read_bytes()
+    archive = finished_client.get("/api/download/study.zip")
     assert archive.headers["content-type"] == "application/zip"
     names = zipfile.ZipFile(io.BytesIO(archive.content)).namelist()
     assert {"study.toml", "corrections.jsonl", "results/store.sqlite", "results/report.html"} <= set(names)
@@ -137,16 +153,15 @@ def test_an_imported_study_gives_the_same_results_without_measuring(client, stud
     assert (tmp_path / "elsewhere/brought/results/results.csv").read_bytes() == before
 
 
-def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(client):
-    run_of(client)
-    before = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
-    assert {one["status"] for one in client.get("/api/study").json()["observations"]} == {"done"}
-    one = client.post("/api/measure/contact", json={"item": "o2"}).json()
+def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(finished_client):
+    before = {row["item"]: row for row in finished_client.get("/api/results/rows").json()["rows"]}
+    assert {one["status"] for one in finished_client.get("/api/study").json()["observations"]} == {"done"}
+    one = finished_client.post("/api/measure/contact", json={"item": "o2"}).json()
     row, column = one["ellipse_px"]["centre"]
     stroke = {"action": "remove", "points_px": [[row - 110, column]], "radius_px": 40}
     body = {"item": "o2", "expected": 0, "who": "ada", "change": {"strokes": [stroke]}}
-    assert client.post("/api/corrections", json=body).status_code == 201
-    state = client.get("/api/study").json()
+    assert finished_client.post("/api/corrections", json=body).status_code == 201
+    state = finished_client.get("/api/study").json()
     assert {one["item"]: one["status"] for one in state["observations"]} == {
         "o1": "done",
         "o2": "stale",
@@ -154,50 +169,51 @@ def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(client):
     }
     assert not state["results"]["fresh"]
     assert (
-        client.get("/api/results/rows").json()["rows"][1]["gross_area_mm2"] == before["o2"]["gross_area_mm2"]
+        finished_client.get("/api/results/rows").json()["rows"][1]["gross_area_mm2"]
+        == before["o2"]["gross_area_mm2"]
     )
-    seen = client.post("/api/measure/contact", json={"item": "o2"}).json()["numbers"]
-    run_of(client)
-    after = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
+    seen = finished_client.post("/api/measure/contact", json={"item": "o2"}).json()["numbers"]
+    run_of(finished_client)
+    after = {row["item"]: row for row in finished_client.get("/api/results/rows").json()["rows"]}
     assert after["o2"]["gross_area_mm2"] == pytest.approx(seen["gross_area_mm2"])
     assert after["o2"]["gross_area_mm2"] < before["o2"]["gross_area_mm2"]
     assert after["o1"] == before["o1"]
     assert (after["o2"]["reviewed_by"], after["o2"]["measured_by"]) == ("ada", "program with corrections")
-    assert client.get("/api/study").json()["results"]["fresh"]
+    assert finished_client.get("/api/study").json()["results"]["fresh"]
 
 
-def test_results_change_without_new_measurements(client):
+def test_results_change_without_new_measurements(finished_client):
     """A load or a rejection leaves each item done, and yet the results are no longer those of the study."""
-    run_of(client)
-    state = client.get("/api/study").json()
+    state = finished_client.get("/api/study").json()
     assert state["results"]["fresh"]
     edits = [{"kind": "observation", "key": "o2", "set": {"load_N": 2.5}}]
-    state = client.post("/api/study/edits", json={"expected": state["digest"], "edits": edits}).json()
+    state = finished_client.post(
+        "/api/study/edits", json={"expected": state["digest"], "edits": edits}
+    ).json()
     assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
-    run_of(client)
-    assert client.get("/api/study").json()["results"]["fresh"]
-    client.post(
+    run_of(finished_client)
+    assert finished_client.get("/api/study").json()["results"]["fresh"]
+    finished_client.post(
         "/api/corrections", json={"item": "o4", "expected": 0, "who": "ada", "change": {"rejected": "no"}}
     )
-    state = client.get("/api/study").json()
+    state = finished_client.get("/api/study").json()
     assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
-    run_of(client)
-    rows = {row["item"]: row for row in client.get("/api/results/rows").json()["rows"]}
+    run_of(finished_client)
+    rows = {row["item"]: row for row in finished_client.get("/api/results/rows").json()["rows"]}
     assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
 
 
-def test_results_of_another_picture_are_not_up_to_date(client, study):
-    run_of(client)
-    picture = study / "synthetic" / "synthetic_30deg_2N.png"
+def test_results_of_another_picture_are_not_up_to_date(finished_client, finished):
+    picture = finished / "synthetic" / "synthetic_30deg_2N.png"
     before = picture.read_bytes()
-    picture.write_bytes((study / "synthetic" / "synthetic_30deg_4N.png").read_bytes())
-    state = client.get("/api/study").json()
+    picture.write_bytes((finished / "synthetic" / "synthetic_30deg_4N.png").read_bytes())
+    state = finished_client.get("/api/study").json()
     assert (state["counts"]["stale"], state["counts"]["done"], state["results"]["fresh"]) == (1, 2, False)
     picture.write_bytes(before)
-    assert client.get("/api/study").json()["results"]["fresh"]
-    with sqlite3.connect(study / "results" / "store.sqlite") as store:
+    assert finished_client.get("/api/study").json()["results"]["fresh"]
+    with sqlite3.connect(finished / "results" / "store.sqlite") as store:
         store.execute("DELETE FROM result WHERE task = 'o2'")
-    state = client.get("/api/study").json()
+    state = finished_client.get("/api/study").json()
     assert (state["counts"]["left"], state["results"]["fresh"]) == (1, False)
 
 
@@ -310,15 +326,12 @@ def drawing(client):
     return run["phase"] == "report" and run["current"]
 
 
-def test_a_run_can_be_stopped_while_its_report_is_drawn(run_once, tmp_path):
-    demo = shutil.copytree(run_once, tmp_path / "demo")
-    store = (demo / "results" / "store.sqlite").read_bytes()
-    shutil.rmtree(demo / "results")
-    (demo / "results").mkdir()
-    (demo / "results" / "store.sqlite").write_bytes(store)
-    workspace = Workspace(tmp_path)
-    workspace.open_folder(demo)
-    with serving(workspace) as client:
+def test_a_run_can_be_stopped_while_its_report_is_drawn(finished):
+    store = (finished / "results" / "store.sqlite").read_bytes()
+    shutil.rmtree(finished / "results")
+    (finished / "results").mkdir()
+    (finished / "results" / "store.sqlite").write_bytes(store)
+    with client_of(finished) as client:
         client.post("/api/run", json={"workers": 2})
         assert wait_until(lambda: drawing(client), 120)
         client.post("/api/run/cancel")
@@ -531,17 +544,16 @@ def test_signal_of_a_sequence_agrees_with_its_frames(done):
     assert signal["shift_s"][best] == pytest.approx(0, abs=0.01)
 
 
-def test_inconsistent_results_are_named(client, study):
-    run_of(client)
-    other = (study / "results" / "results.csv").read_bytes()
-    (study / "results" / "results.csv").write_bytes(other[: len(other) // 2])
-    results = client.get("/api/study").json()["results"]
+def test_inconsistent_results_are_named(finished_client, finished):
+    other = (finished / "results" / "results.csv").read_bytes()
+    (finished / "results" / "results.csv").write_bytes(other[: len(other) // 2])
+    results = finished_client.get("/api/study").json()["results"]
     assert results["faults"] == ["results.csv: is not the file that the last run wrote"]
     assert not results["there"]
     for route in ("rows", "plot", "figures"):
-        answer = client.get(f"/api/results/{route}")
+        answer = finished_client.get(f"/api/results/{route}")
         assert answer.status_code == 409
         assert "results.csv: is not the file" in answer.json()["error"]
-    run_of(client)
-    results = client.get("/api/study").json()["results"]
+    run_of(finished_client)
+    results = finished_client.get("/api/study").json()["results"]
     assert (results["faults"], results["there"]) == ([], True)

@@ -18,10 +18,11 @@ from fingerpad.cli import app
 APP = [sys.executable, "-m", "fingerpad", "app", "--no-browser"]
 
 
-def launched(*arguments, cwd):
+def launched(*arguments, cwd, command=APP, env=None):
     return subprocess.Popen(
-        [*APP, *map(str, arguments)],
+        [*command, *arguments],
         cwd=cwd,
+        env=env,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -42,76 +43,67 @@ def other_addresses():
     return [*(one for one in own if not one.startswith("127.0.0.1")), "127.0.0.2"]
 
 
-def test_the_address_is_printed_and_the_server_stops_cleanly(studies_folder):
-    process = launched("demo", cwd=studies_folder)
-    address = process.stdout.readline().split()[-1]
-    try:
-        assert address.startswith("http://127.0.0.1:")
-        reported = process.stdout.readline()
-        assert "Ctrl-C" in reported
-        token_file = Path(reported.split()[-1])
-        assert token_file.stat().st_mode & 0o777 == 0o600
-        assert token_file.parent.stat().st_mode & 0o777 == 0o700
-        bearer = {"authorization": f"Bearer {token_file.read_text().strip()}"}
-        with httpx.Client(base_url=address.partition("/start")[0], trust_env=False) as client:
-            for other in other_addresses():
-                with pytest.raises(OSError, match="refused|timed out|unreachable"):
-                    socket.create_connection((other, client.base_url.port), timeout=2)
-            assert client.get("/").status_code == 403
-            assert client.get("/api/session", headers=bearer).status_code == 200
-            page = client.get(address, follow_redirects=True)
-            assert page.status_code == 200
-            assert "<html" in page.text
-            assert client.get("/api/study").json()["name"] == "demo"
-            with client.stream("GET", "/api/events") as events:  # a page that listens does not hold it up
-                assert events.status_code == 200
-                ended(process)
-        assert not token_file.parent.exists()
-    finally:
-        process.kill()
-        process.communicate()
+def require_reached_from_here_alone(address, token_file):
+    assert address.startswith("http://127.0.0.1:")
+    assert token_file.stat().st_mode & 0o777 == 0o600
+    assert token_file.parent.stat().st_mode & 0o777 == 0o700
+    bearer = {"authorization": f"Bearer {token_file.read_text().strip()}"}
+    with httpx.Client(base_url=address.partition("/start")[0], trust_env=False) as client:
+        for other in other_addresses():
+            with pytest.raises(OSError, match="refused|timed out|unreachable"):
+                socket.create_connection((other, client.base_url.port), timeout=2)
+        assert client.get("/").status_code == 403
+        assert client.get("/api/session", headers=bearer).status_code == 200
 
 
-def test_the_browser_is_started_with_a_code_of_its_own_and_never_the_token(studies_folder):
+def require_codes(printed, argument, token_file):
+    """Open the browser's address, which holds once and is not the token, and the printed one."""
+    assert token_file.read_text().strip() not in argument
+    for address, again in ((argument, 403), (printed, 200)):
+        for expected in (200, again):
+            with httpx.Client(trust_env=False) as client:
+                assert client.get(address, follow_redirects=True).status_code == expected
+
+
+def test_two_launches_stand_side_by_side_until_each_is_stopped(studies_folder):
+    """One opens a study and the browser; the other, without a study, offers those of the folder."""
     browser = studies_folder / "browser"
     there = studies_folder / "argument"
     browser.write_text(f'#!/bin/sh\nprintf %s "$1" > {there}.new\nmv {there}.new {there}\n')
     browser.chmod(0o755)
-    command = [part for part in APP if part != "--no-browser"]
     environment = os.environ | {"BROWSER": str(browser), "XDG_RUNTIME_DIR": str(studies_folder)}
-    process = subprocess.Popen(
-        [*command, "demo"], cwd=studies_folder, stdout=subprocess.PIPE, text=True, env=environment
-    )
+    command = [part for part in APP if part != "--no-browser"]
+    first = launched("demo", cwd=studies_folder, command=command, env=environment)
+    second = launched(cwd=studies_folder)
     try:
-        printed = process.stdout.readline().split()[-1]
-        token_file = Path(process.stdout.readline().split()[-1])
-        assert token_file.is_relative_to(studies_folder)
-        assert wait_until(there.exists)
-        argument = there.read_text()
-        assert token_file.read_text().strip() not in argument
-        for address, again in ((argument, 403), (printed, 200)):
-            for expected in (200, again):
-                with httpx.Client(trust_env=False) as client:
-                    assert client.get(address, follow_redirects=True).status_code == expected
-    finally:
-        process.kill()
-        process.communicate()
-
-
-def test_without_a_study_it_offers_those_of_the_folder_and_two_launches_stand_side_by_side(studies_folder):
-    first, second = launched(cwd=studies_folder), launched(cwd=studies_folder)
-    try:
-        addresses = [process.stdout.readline().split()[-1] for process in (first, second)]
+        addresses, token_files = [], []
+        for process in (first, second):
+            addresses.append(process.stdout.readline().split()[-1])
+            reported = process.stdout.readline()
+            assert "Ctrl-C" in reported
+            token_files.append(Path(reported.split()[-1]))
         assert addresses[0] != addresses[1]
+        assert token_files[0].is_relative_to(studies_folder)
+        for address, token_file in zip(addresses, token_files, strict=True):
+            require_reached_from_here_alone(address, token_file)
+        assert wait_until(there.exists)
+        require_codes(addresses[0], there.read_text(), token_files[0])
         with httpx.Client(trust_env=False) as client:
             for address in addresses:
-                client.get(address)
-            for address in addresses:  # the second has not taken the first one's cookie
-                session = client.get(f"{address.partition('/start')[0]}/api/session").json()
-                assert session["study"] is None
-                assert [study["name"] for study in session["studies"]] == ["demo"]
-        ended(first)
-        ended(second)
+                page = client.get(address, follow_redirects=True)
+                assert page.status_code == 200
+                assert "<html" in page.text
+            # The second has not taken the first one's cookie.
+            first_at, second_at = (address.partition("/start")[0] for address in addresses)
+            assert client.get(f"{first_at}/api/study").json()["name"] == "demo"
+            session = client.get(f"{second_at}/api/session").json()
+            assert session["study"] is None
+            assert [study["name"] for study in session["studies"]] == ["demo"]
+            with client.stream("GET", f"{first_at}/api/events") as events:
+                assert events.status_code == 200
+                ended(first)  # a page that listens does not hold it up
+            ended(second)
+        assert not any(token_file.parent.exists() for token_file in token_files)
     finally:
         for process in (first, second):
             process.kill()

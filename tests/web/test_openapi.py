@@ -8,6 +8,7 @@ from functools import cache
 import pytest
 import schemathesis
 from hypothesis import HealthCheck, Phase, given, settings
+from PIL import Image
 from schemathesis import GenerationMode
 from tests.web.conftest import DEMO, serving, shorten
 
@@ -47,6 +48,10 @@ def make_workspace(tmp_path_factory):
     studies_folder = tmp_path_factory.mktemp("fuzzed")
     shutil.copytree(DEMO, studies_folder / "demo")
     shorten(studies_folder / "demo")
+    # Smaller pictures are answered sooner.
+    for path in (studies_folder / "demo" / "synthetic").glob("*.[jp][pn]g"):
+        with Image.open(path) as picture:
+            picture.reduce(4).save(path)
     workspace = Workspace(studies_folder, upload_limit=1_000_000)
     workspace.open_folder(studies_folder / "demo")
     return workspace

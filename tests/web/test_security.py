@@ -1,5 +1,6 @@
 """Access control, and files that no request may reach."""
 
+import re
 import shutil
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
@@ -8,6 +9,7 @@ import httpx
 import pytest
 from tests.web.conftest import serving
 
+from fingerpad.web import app
 from fingerpad.web.security import Access, cookie_name
 from fingerpad.web.workspace import Workspace
 
@@ -293,4 +295,20 @@ def test_plotly_is_served_locally_and_cached(standing):
     assert answer.status_code == 200
     assert len(answer.content) > 1_000_000
     assert "max-age" in answer.headers["cache-control"]
-    assert standing.get("/static/index.html").headers["cache-control"] == "no-cache"
+
+
+def test_files_of_the_page_are_cached_until_one_changes(standing, tmp_path, monkeypatch):
+    def script():
+        page = standing.get("/")
+        assert page.headers["cache-control"] == "no-cache"
+        return re.search(r'src="(/static/[^"]+/app\.js)"', page.text)[1]
+
+    before = script()
+    answer = standing.get(before)
+    assert answer.status_code == 200
+    assert "immutable" in answer.headers["cache-control"]
+    assert script() == before
+    changed = shutil.copytree(app.STATIC, tmp_path / "static")
+    (changed / "core" / "dom.js").write_text("// another version", encoding="utf-8")
+    monkeypatch.setattr(app, "STATIC", changed)
+    assert script() != before

@@ -1,5 +1,6 @@
 """The application and its server: access control, the API, the page's files, on this machine only."""
 
+import hashlib
 import logging
 import os
 import shutil
@@ -96,11 +97,10 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
         routes=[
             Route(START, start),
             Route("/", _page),
-            Route("/favicon.ico", _icon),
             Route(PLOTLY_ADDRESS, _plotly),
             Route("/api/openapi.json", document),
             *(operation.route(workspace) for operation in ENDPOINTS),
-            Mount("/static", _Static(directory=STATIC)),
+            Mount("/static/{version}", _Static(directory=STATIC)),
         ],
         exception_handlers={HTTPException: _not_there},
     )
@@ -133,21 +133,21 @@ _CLOSED: Final = """<!doctype html>
 
 
 class _Static(StaticFiles):
-    """The page's files, revalidated on every request, so that an upgrade takes effect at once."""
+    """The page's files, under an address that changes with them, so that a browser need not ask again."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         answer = await super().get_response(path, scope)
-        answer.headers["cache-control"] = "no-cache"
+        answer.headers.update(_IMMUTABLE)
         return answer
 
 
 def _page(_: Request) -> Response:
-    return FileResponse(STATIC / "index.html", headers={"cache-control": "no-cache"})
-
-
-def _icon(_: Request) -> Response:
-    icon = STATIC / "icon.svg"
-    return FileResponse(icon) if icon.is_file() else Response(status_code=404)
+    content = hashlib.sha256()
+    for path in sorted(STATIC.rglob("*.*")):
+        content.update(path.read_bytes())
+    page = (STATIC / "index.html").read_text(encoding="utf-8")
+    page = page.replace("/static/", f"/static/{content.hexdigest()[:16]}/")
+    return HTMLResponse(page, headers={"cache-control": "no-cache"})
 
 
 def _plotly(_: Request) -> Response:

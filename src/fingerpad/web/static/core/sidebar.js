@@ -4,6 +4,8 @@ import { h, render, s } from "./dom.js";
 import { showHelp } from "./keys.js";
 import { workspace } from "./workspace.js";
 
+const mark = new URL("../mark.svg", import.meta.url).href;
+
 const sidebar = document.getElementById("sidebar");
 
 /**
@@ -58,7 +60,7 @@ export function drawSidebar(open, steps) {
     h(
       "a.brand",
       { href: "#/study", "aria-label": "fingerpad, to the study" },
-      h("img", { src: "/static/mark.svg", alt: "", width: 26, height: 26 }),
+      h("img", { src: mark, alt: "", width: 26, height: 26 }),
       h("span", null, "fingerpad"),
     ),
     study &&

@@ -5,38 +5,12 @@ import { h, redraw, render } from "../core/dom.js";
 import { ask, showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, check, chip, choose, faultList, NAME, number, text } from "../parts/forms.js";
-import { FACES } from "../parts/missing_fields.js";
-import { COINS, scaleNames } from "../parts/scale_choice.js";
-import {
-  AS_OF_CONTENT,
-  draftOf,
-  editsOf,
-  isNewScale,
-  newScaleWords,
-  parseScale,
-  takeValues,
-} from "./new_files_edits.js";
+import { button, check, faultList, NAME, number, text } from "../parts/forms.js";
+import { scaleNames } from "../parts/scale_choice.js";
+import { AS_OF_CONTENT, draftOf, editsOf, newScaleWords, parseScale, takeValues } from "./new_files_edits.js";
+import { base, fileRow, KINDS, scaleAsked, scaleCell, takeFace, takes } from "./new_files_row.js";
 import { NewFileTools } from "./new_files_tools.js";
 
-const KINDS = {
-  picture: [
-    ["observation", "contact image"],
-    ["photograph", "photograph"],
-    ["coin", "coin, for the scale"],
-    ["ruler", "ruler, for the scale"],
-    ["", "something else"],
-  ],
-  film: [["sequence", "sequence"]],
-  table: [
-    ["curve", "loading curve"],
-    ["outline", "outline of a face"],
-    ["force", "force of a sequence"],
-    ["sheet", "spreadsheet of files"],
-    ["", "something else"],
-  ],
-  other: [["", "unknown"]],
-};
 const COLUMNS = [
   ["", ""],
   ["File", ""],
@@ -50,7 +24,6 @@ const COLUMNS = [
 ];
 const LOOKED =
   "What each file is was read from its content and name. Correct it where needed, and enter what is empty.";
-const base = (file) => file.split("/").at(-1);
 const plural = (count) => `${count} file${count === 1 ? "" : "s"}`;
 
 export class NewFiles {
@@ -79,8 +52,8 @@ export class NewFiles {
     this.root = h("section.card.new-files", {
       hidden: true,
       "aria-label": "New files",
-      oninput: () => setTimeout(() => this.#keep()),
-      onchange: () => setTimeout(() => this.#keep()),
+      oninput: () => setTimeout(() => this.keep()),
+      onchange: () => setTimeout(() => this.keep()),
     });
     this.root.addEventListener("paste", (event) => this.#pasted(event), true);
     this.rest = h("details.card", { hidden: true });
@@ -91,7 +64,7 @@ export class NewFiles {
   }
 
   /** Keep what was entered. */
-  #keep() {
+  keep() {
     if (this.drafts.size) localStorage.setItem(this.#key, JSON.stringify(Object.fromEntries(this.drafts)));
     else localStorage.removeItem(this.#key);
   }
@@ -114,7 +87,7 @@ export class NewFiles {
     }
     const names = new Set(uploaded.map(({ file }) => file));
     for (const file of this.drafts.keys()) if (!names.has(file)) this.drafts.delete(file);
-    this.#keep();
+    this.keep();
     const isSheet = ({ file }) => this.drafts.get(file)?.as === "sheet";
     const files = uploaded.filter((each) => !isSheet(each));
     this.#drawRest(unused.filter((each) => !names.has(each.file) || isSheet(each)));
@@ -172,7 +145,7 @@ export class NewFiles {
           h(
             "tbody",
             null,
-            shown.map((file) => this.#row(file)),
+            shown.map((file) => fileRow(this, file)),
           ),
         ),
       ),
@@ -227,7 +200,7 @@ export class NewFiles {
         if (fresh.includes(sheet)) await this.tools.join({ file: sheet }, this.files);
         else if (wanted.length) await this.tools.join({ file: sheet }, wanted, { quiet: true });
       }
-      this.#keep();
+      this.keep();
       if (this.different) this.changed();
       else this.status.textContent = LOOKED;
       this.different = false;
@@ -241,7 +214,7 @@ export class NewFiles {
       .map(({ file, values }) => [file, takeValues(this.drafts.get(file), values)])
       .filter(([, problem]) => problem)
       .map(([file, problem]) => `${base(file)}: ${problem}`);
-    this.#keep();
+    this.keep();
     redraw(() => this.draw());
     return problems;
   }
@@ -266,7 +239,7 @@ export class NewFiles {
       if (draft[key] === undefined || draft[key] === "") draft[key] = above;
       else above = draft[key];
     }
-    this.#keep();
+    this.keep();
     redraw(() => this.draw());
   }
 
@@ -302,7 +275,7 @@ export class NewFiles {
               " ",
               h("span.soft.number", null, bytes(size)),
               file.startsWith("uploads/") &&
-                button("×", () => this.#forget(file), { kind: "icon", label: `Remove ${base(file)}` }),
+                button("×", () => this.forget(file), { kind: "icon", label: `Remove ${base(file)}` }),
             ),
           ),
       ),
@@ -317,7 +290,7 @@ export class NewFiles {
     const select = this.root.querySelector(`[data-field="${CSS.escape(`${file}:scale`)}"]`);
     if (!this.drafts.has(file) || !info.resolution_ppi) return;
     this.#guessScale(file);
-    select?.parentElement.replaceChildren(...this.#scale(file));
+    select?.parentElement.replaceChildren(...scaleCell(this, file));
   }
 
   #common() {
@@ -354,7 +327,7 @@ export class NewFiles {
           this.shared[`scale_${as}`] = value;
           for (const draft of this.drafts.values())
             if (draft.as === as) Object.assign(draft, { scale, scaleGuess: undefined });
-          this.#keep();
+          this.keep();
           setTimeout(() => redraw(() => this.draw()));
         },
       });
@@ -381,156 +354,6 @@ export class NewFiles {
     );
   }
 
-  #row({ file, kind, bytes: size }) {
-    const draft = this.drafts.get(file);
-    const put = (key) => (value) => (draft[key] = value ?? undefined);
-    const name = file.split("/").at(-1);
-    const order = draft.guesses ?? [];
-    const rank = ([value]) => (order.includes(value) ? order.indexOf(value) : order.length);
-    const as = choose({
-      value: draft.as,
-      options: [...KINDS[kind]].sort((one, other) => rank(one) - rank(other)),
-      label: `Type of ${name}`,
-      onset: (value) => {
-        Object.assign(draft, { as: value, asked: false, touched: true });
-        takeFace(draft);
-        setTimeout(() => redraw(() => this.draw()));
-      },
-    });
-    const finger = text({
-      value: draft.finger,
-      placeholder: "e.g. left_index",
-      list: "fingers",
-      pattern: NAME,
-      label: `Finger on ${name}`,
-      onset: put("finger"),
-    });
-    finger.addEventListener("input", () => (draft.finger = finger.value.trim()));
-    const face = choose({
-      value: draft.face ?? "",
-      options: [["", "–"], ...FACES],
-      label: `Face on ${name}`,
-      onset: (value) => {
-        Object.assign(draft, { face: value || undefined, faceAsked: false });
-        face.nextElementSibling?.remove();
-      },
-    });
-    const wedge = number({
-      value: draft.wedge_angle_deg,
-      min: 0,
-      max: 90,
-      label: `Wedge angle of ${name}, degrees`,
-      onset: put("wedge_angle_deg"),
-    });
-    const load = number({
-      value: draft.load_N,
-      min: 0,
-      label: `Load of ${name}, newtons`,
-      onset: put("load_N"),
-    });
-    load.dataset.unit = "N";
-    wedge.dataset.unit = "°";
-    for (const [control, key] of [
-      [finger, "finger"],
-      [wedge, "wedge_angle_deg"],
-    ])
-      control.dataset.field = `${file}:${key}`;
-    return h(
-      "tr",
-      null,
-      h(
-        "td",
-        null,
-        kind === "picture"
-          ? h("img.small-thumb", {
-              src: picture("thumbnail", `file:${file}`),
-              alt: "",
-              loading: "lazy",
-            })
-          : h("span.chip", null, kind),
-      ),
-      h("td", null, h("strong", null, name), h("div.soft", null, this.#about(file, size))),
-      h("td", null, as, draft.asked && guessed()),
-      draft.as === "coin"
-        ? h("td", { colspan: 5 }, this.#coin(file))
-        : [
-            h("td", { "data-label": "Finger" }, takes(draft, "finger") && finger),
-            h("td", { "data-label": "Face" }, takes(draft, "face") && [face, draft.faceAsked && guessed()]),
-            h("td", { "data-label": "Wedge, °" }, takes(draft, "wedge_angle_deg") && wedge),
-            h("td", { "data-label": "Load, N" }, takes(draft, "load_N") && load),
-            h("td", { "data-label": "Scale" }, takes(draft, "scale") && this.#scale(file)),
-          ],
-      h(
-        "td",
-        null,
-        button("×", () => this.#forget(file), { kind: "icon", label: `Remove ${name}` }),
-      ),
-    );
-  }
-
-  #about(file, size) {
-    const info = this.info.get(file) ?? {};
-    const parts = [bytes(size)];
-    if (info.rows_px) parts.push(`${info.columns_px} × ${info.rows_px} px`);
-    if (info.columns) parts.push(info.columns.join(", "));
-    return parts.join(" · ");
-  }
-
-  /** The diameter of a coin, which makes it a scale. */
-  #coin(file) {
-    const draft = this.drafts.get(file);
-    const name = base(file);
-    const set = (value) => {
-      draft.diameter_mm = value ?? undefined;
-      this.#keep();
-      setTimeout(() => redraw(() => this.draw()));
-    };
-    const known = String(draft.diameter_mm ?? "");
-    return h(
-      "div.coin-choice",
-      null,
-      choose({
-        value: COINS.some(([diameter]) => diameter === known) ? known : "",
-        options: COINS.map(([diameter, words]) => [diameter, diameter ? words : "which coin?"]),
-        label: `Coin on ${name}`,
-        onset: (value) => value && set(Number(value)),
-      }),
-      h(
-        "label",
-        null,
-        "diameter, mm",
-        number({
-          value: draft.diameter_mm,
-          min: 1,
-          max: 200,
-          label: `Diameter of the coin on ${name}, mm`,
-          onset: set,
-        }),
-      ),
-    );
-  }
-
-  #scale(file) {
-    const draft = this.drafts.get(file);
-    const ppi = this.info.get(file)?.resolution_ppi;
-    const options = [["", "– later –"], ...scaleNames().map((name) => [name, name])];
-    if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi, from the file`]);
-    const others = [...this.drafts.values()].map(({ scale }) => scale).filter(isNewScale);
-    for (const scale of new Set(others))
-      if (!options.some(([value]) => value === scale)) options.push([scale, newScaleWords(scale)]);
-    const select = choose({
-      value: draft.scale,
-      options,
-      label: `Scale of ${base(file)}`,
-      onset: (value) => {
-        Object.assign(draft, { scale: value, scaleGuess: undefined });
-        select.nextElementSibling?.remove();
-      },
-    });
-    select.dataset.field = `${file}:scale`;
-    return [select, ...(scaleAsked(draft) ? [guessed()] : [])];
-  }
-
   /** Propose a scale where none is stated: the only one of the study, or what the file of a contact image says. */
   #guessScale(file) {
     const draft = this.drafts.get(file);
@@ -544,11 +367,11 @@ export class NewFiles {
     Object.assign(draft, { scale: guess, scaleGuess: guess });
   }
 
-  async #forget(file) {
+  async forget(file) {
     const draft = this.drafts.get(file);
     try {
       const { removed } = await remove("/api/files", { file });
-      toast(`${file.split("/").at(-1)} was removed.`, {
+      toast(`${base(file)} was removed.`, {
         kind: "good",
         action: { words: "Undo", do: () => this.#restore(removed, draft) },
         stays: true,
@@ -563,7 +386,7 @@ export class NewFiles {
     try {
       const { restored } = await post("/api/files/restore", { removed });
       if (draft) this.drafts.set(restored, draft);
-      toast(`${restored.split("/").at(-1)} was restored.`, { kind: "good" });
+      toast(`${base(restored)} was restored.`, { kind: "good" });
     } catch (error) {
       showError(error);
     }
@@ -654,26 +477,3 @@ export class NewFiles {
     }
   }
 }
-
-/** Take the guessed face of a photograph whose face nothing states. */
-function takeFace(draft) {
-  if (draft.as === "photograph" && !draft.face && draft.faceGuess?.face)
-    Object.assign(draft, draft.faceGuess);
-}
-
-const guessed = () =>
-  chip("guess: check", "warn", "The page is not sure. Choose again, or confirm when you add.");
-
-/** Whether the scale of a draft is what its file says, and still to be confirmed. */
-const scaleAsked = ({ as, scale, scaleGuess }) =>
-  as === "observation" && isNewScale(scale) && scale === scaleGuess;
-
-/** Whether a file of its kind takes a value. */
-const takes = ({ as }, key) =>
-  ({
-    finger: ["observation", "photograph", "sequence", "curve", "outline"],
-    face: ["photograph", "outline"],
-    wedge_angle_deg: ["observation", "sequence", "curve"],
-    load_N: ["observation"],
-    scale: ["observation", "photograph", "sequence"],
-  })[key].includes(as);

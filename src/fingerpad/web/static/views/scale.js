@@ -6,36 +6,13 @@ import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { button, chip, choose, faultList, field, NAME, number, segments, text } from "../parts/forms.js";
-import { COINS } from "../parts/scale_choice.js";
+import { button, chip, choose, faultList, field, NAME, segments, text } from "../parts/forms.js";
+import { definitionOf, lackingOf, scaleWords, WAYS, wayOf } from "../parts/scale_ways.js";
 import { Stage } from "../parts/stage.js";
 import { Line, ThreePoints } from "../parts/tools.js";
+import { gridWords, rectification } from "./scale_grid.js";
+import { ScaleImages } from "./scale_images.js";
 
-/** @type {[key: string, words: string][]} */
-const WAYS = [
-  ["line", "Ruler"],
-  ["coin", "Coin"],
-  ["circle", "Circle"],
-  ["grid", "Grid"],
-  ["ppi", "ppi"],
-  ["mm_per_px", "mm/px"],
-];
-
-// Defaults of a new scale: the ends of a line are drawn to about one pixel.
-const DEFAULTS = {
-  line: { ends_px_std: 1 },
-  circle: { points_px_std: 1 },
-  grid: { pattern: "checkerboard" },
-};
-// Ways that need a picture.
-const PICTURED = ["line", "coin", "circle", "grid"];
-
-// ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
-const KNOWN_LENGTHS = [
-  ["", "a ruler, or other"],
-  ["85.6", "a bank card's long side, 85.60 mm"],
-  ["53.98", "a bank card's short side, 53.98 mm"],
-];
 // A scale that is not saved yet, kept while other steps are shown, and over a reload.
 const UNSAVED = "fingerpad.scale";
 const unsavedScale = () => {
@@ -120,8 +97,8 @@ class Scales {
     this.stage.setScale(null);
     this.name = scale?.name ?? draft?.name ?? "";
     /** @type {ScaleTable} */
-    this.table = structuredClone(scale?.table ?? draft?.table ?? DEFAULTS.line);
-    this.way = draft?.way ?? this.#wayOf(this.table) ?? "line";
+    this.table = structuredClone(scale?.table ?? draft?.table ?? WAYS.line.defaults);
+    this.way = draft?.way ?? wayOf(this.table) ?? "line";
     this.answer = null;
     this.file = this.table.coin ?? this.table.grid ?? this.#guess();
     this.#drawList();
@@ -168,7 +145,7 @@ class Scales {
             onclick: () => this.#start(workspace.study.scales.find((scale) => scale.name === name)),
           },
           h("strong", null, name),
-          h("span.soft", null, words(table)),
+          h("span.soft", null, scaleWords(table)),
           chip(`${uses} image${uses === 1 ? "" : "s"}`),
         ),
       ),
@@ -183,6 +160,7 @@ class Scales {
 
   #drawForm() {
     const pictures = this.#pictures();
+    this.images = new ScaleImages(this.old?.name);
     this.fields = h("div.fields");
     this.nameField = text({
       value: this.name,
@@ -203,9 +181,14 @@ class Scales {
         "section",
         null,
         h("h3", null, "Type of scale"),
-        segments("Type of scale", WAYS, this.way, (way) => this.#choose(way)),
+        segments(
+          "Type of scale",
+          Object.entries(WAYS).map(([key, { words }]) => [key, words]),
+          this.way,
+          (way) => this.#choose(way),
+        ),
       ),
-      PICTURED.includes(this.way) &&
+      WAYS[this.way].picture &&
         h(
           "section",
           null,
@@ -217,18 +200,13 @@ class Scales {
               onset: (file) => this.#take(file),
             }),
             {
-              hint: {
-                line: "Draw a line between two marks of the ruler.",
-                coin: "The whole coin, parallel to the image plane, on a plain background.",
-                circle: "Click three points on the rim of a coin, far apart; drag them to move them.",
-                grid: "A flat checkerboard or grid of dots where the finger touches, on a light margin.",
-              }[this.way],
+              hint: WAYS[this.way].picture,
             },
           ),
         ),
       h("section", null, this.fields),
       h("section", null, this.result),
-      h("section", null, this.#uses()),
+      h("section", null, this.images.parts),
       h(
         "section",
         null,
@@ -245,7 +223,7 @@ class Scales {
       ),
     );
     this.#drawFields();
-    this.stage.root.hidden = !PICTURED.includes(this.way);
+    this.stage.root.hidden = !WAYS[this.way].picture;
     this.plainWords.hidden = !this.stage.root.hidden;
   }
 
@@ -255,93 +233,14 @@ class Scales {
       else this.table[key] = value;
       this.#ask();
     };
-    const of = (key, more) => number({ value: this.table[key], min: 0, onset: set(key), ...more });
-    const diameter = () => [
-      field(
-        "Coin type",
-        choose({
-          value: String(this.table.diameter_mm ?? ""),
-          options: COINS,
-          onset: (value) => value && (set("diameter_mm")(Number(value)), this.#drawFields()),
-        }),
-        { wide: true },
-      ),
-      field("Diameter", of("diameter_mm"), { unit: "mm" }),
-      field("Uncertainty", of("diameter_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
-    ];
-    const ways = {
-      line: () => [
-        field(
-          "Line along",
-          choose({
-            value: String(this.table.length_mm ?? ""),
-            options: KNOWN_LENGTHS,
-            onset: (value) => value && (set("length_mm")(Number(value)), this.#drawFields()),
-          }),
-        ),
-        field("Length of the line", of("length_mm"), { unit: "mm" }),
-        field("Uncertainty", of("length_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
-        field("Uncertainty of each end", of("ends_px_std", { placeholder: "not stated" }), { unit: "px" }),
-      ],
-      coin: diameter,
-      circle: () => [
-        ...diameter(),
-        field("Uncertainty of each point", of("points_px_std", { placeholder: "not stated" }), {
-          unit: "px",
-        }),
-      ],
-      grid: () => [
-        field(
-          "Pattern",
-          choose({
-            value: this.table.pattern ?? "checkerboard",
-            options: [
-              ["checkerboard", "checkerboard: inner corners count"],
-              ["dots", "grid of dots"],
-            ],
-            onset: set("pattern"),
-          }),
-          { wide: true },
-        ),
-        ...["down", "along"].map((words, place) =>
-          field(
-            `Points ${words}`,
-            number({
-              value: this.table.points?.[place] ?? null,
-              min: 3,
-              onset: (value) => {
-                const points = [...(this.table.points ?? [null, null])];
-                points[place] = value === null ? null : Math.round(value);
-                this.table.points = points;
-                this.#ask();
-              },
-            }),
-          ),
-        ),
-        field("Spacing", of("spacing_mm"), { unit: "mm" }),
-        field("Uncertainty", of("spacing_mm_std", { placeholder: "not stated" }), { unit: "mm" }),
-      ],
-      ppi: () => [
-        field("Pixels per inch", of("ppi"), { unit: "ppi" }),
-        field("Relative uncertainty", of("relative_std", { placeholder: "not stated", max: 1 }), {
-          hint: "0.01 is 1 %",
-        }),
-      ],
-      mm_per_px: () => [
-        field("Millimetres per pixel", of("mm_per_px"), { unit: "mm/px" }),
-        field("Relative uncertainty", of("relative_std", { placeholder: "not stated", max: 1 }), {
-          hint: "0.01 is 1 %",
-        }),
-      ],
-    };
-    render(this.fields, ways[this.way]());
+    const fields = { table: this.table, set, redraw: () => this.#drawFields() };
+    render(this.fields, WAYS[this.way].fields(fields));
   }
 
   #choose(way) {
     this.live.cancel();
     this.way = way;
-    this.table =
-      way === this.#wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...DEFAULTS[way] };
+    this.table = way === wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...WAYS[way].defaults };
     if (way === "coin" || way === "grid") this.table[way] = this.file;
     this.answer = null;
     this.#drawForm();
@@ -358,10 +257,6 @@ class Scales {
   #useTool() {
     this.rim.set(this.way === "circle" ? (this.table.circle ?? []) : []);
     this.stage.use({ line: this.line, circle: this.rim }[this.way] ?? null);
-  }
-
-  #wayOf(table) {
-    return WAYS.map(([key]) => key).find((key) => table?.[key] !== undefined);
   }
 
   #take(file) {
@@ -399,51 +294,13 @@ class Scales {
     this.#ask();
   }
 
-  /** The table with the keys of this type of scale that are filled in. */
-  #definition() {
-    const keys = {
-      line: ["line", "length_mm", "length_mm_std", "ends_px_std"],
-      coin: ["coin", "diameter_mm", "diameter_mm_std"],
-      circle: ["circle", "diameter_mm", "diameter_mm_std", "points_px_std"],
-      grid: ["grid", "pattern", "points", "spacing_mm", "spacing_mm_std"],
-      ppi: ["ppi", "relative_std"],
-      mm_per_px: ["mm_per_px", "relative_std"],
-    }[this.way];
-    return Object.fromEntries(
-      keys.filter((key) => this.table[key] !== undefined).map((key) => [key, this.table[key]]),
-    );
-  }
-
-  /** What is still to be entered, null when the scale is complete. */
-  #lacking() {
-    const needs = {
-      line: ["line", "length_mm"],
-      coin: ["coin", "diameter_mm"],
-      circle: ["circle", "diameter_mm"],
-      grid: ["grid", "points", "spacing_mm"],
-      ppi: ["ppi"],
-      mm_per_px: ["mm_per_px"],
-    }[this.way];
-    const given = (value) =>
-      value !== undefined && value !== "" && !(Array.isArray(value) && value.includes(null));
-    if (needs.every((key) => given(this.table[key]))) return null;
-    return {
-      line: this.table.line ? "Enter the length of the line." : "Draw a line on the ruler.",
-      coin: "Select or enter the coin's diameter.",
-      circle: this.table.circle ? "Enter the diameter." : "Click three points on the rim.",
-      grid: "Count the points of the grid, and enter their spacing.",
-      ppi: "Enter the resolution.",
-      mm_per_px: "Enter the size of a pixel.",
-    }[this.way];
-  }
-
   #ask() {
-    const lacking = this.#lacking();
+    const lacking = lackingOf(this.table, this.way);
     if (lacking) {
       this.live.cancel();
       render(this.result, h("p.soft", null, lacking));
       this.line.write("");
-    } else this.live.request(this.#definition());
+    } else this.live.request(definitionOf(this.table, this.way));
   }
 
   /** @param {ScaleMeasurement} answer */
@@ -486,46 +343,14 @@ class Scales {
           null,
           answer.flags.map((flag) => h("p", null, describeCode(flag))),
         ),
-      answer.grid && this.#rectification(),
+      answer.grid &&
+        rectification(
+          this.old?.name,
+          () => definitionOf(this.table, this.way),
+          (name) => this.#start(workspace.study.scales.find((scale) => scale.name === name) ?? null),
+          (error) => render(this.problem, faultList(error)),
+        ),
     );
-  }
-
-  /** Contact images with this scale, and the button that rectifies them. */
-  #rectification() {
-    const images = workspace.study.observations.filter(
-      ({ file, scale }) => file && this.old && scale === this.old.name,
-    );
-    if (!images.length)
-      return h("p.soft", null, "Once contact images use this scale, they can be rectified here.");
-    return button(
-      `Rectify ${images.length} contact image${images.length > 1 ? "s" : ""}`,
-      () => this.#rectify(images),
-      { kind: "small", title: "Write them as if seen straight on, and measure these instead" },
-    );
-  }
-
-  async #rectify(images) {
-    const name = `${this.old.name}_rectified`;
-    try {
-      const { files, mm_per_px, relative_std } = await post("/api/scale/rectify", {
-        table: /** @type {any} */ (this.#definition()),
-        files: [...new Set(images.map(({ file }) => file))],
-      });
-      await workspace.edit(
-        { kind: "scale", key: name, set: { mm_per_px, relative_std } },
-        ...images.map(({ item, file }) => ({
-          kind: "observation",
-          key: item,
-          set: { file: files[file], scale: name },
-        })),
-      );
-      toast(`${images.length} rectified, with the scale ${name}. The pictures before stay where they are.`, {
-        kind: "good",
-      });
-      this.#start(workspace.study.scales.find((scale) => scale.name === name) ?? null);
-    } catch (error) {
-      render(this.problem, faultList(error));
-    }
   }
 
   #failed(error) {
@@ -533,72 +358,18 @@ class Scales {
     render(this.result, faultList(error));
   }
 
-  /** Choice of the images with this scale. */
-  #uses() {
-    const study = workspace.study;
-    const rows = [
-      ...study.fingers.flatMap((finger) =>
-        (finger.photographs ?? [])
-          .filter(({ outline }) => !outline)
-          .map((each) => ["photograph", each.item, `${finger.name}, ${each.face ?? "?"} face`, each.scale]),
-      ),
-      ...study.observations
-        .filter(({ file }) => file)
-        .map((each) => ["observation", each.item, each.item, each.scale]),
-      ...study.sequences.map((each) => ["sequence", each.name, `sequence ${each.name}`, each.scale]),
-    ];
-    this.takers = new Map();
-    // Photographs and contact images rarely share a camera: select those of the first kind that lacks a scale.
-    const lacking = rows.find((row) => !row[3])?.[0];
-    const boxes = rows.map(([kind, key, label, scale]) => {
-      const mine = this.old && scale === this.old.name;
-      const box = h("input", {
-        type: "checkbox",
-        checked: mine || (!this.old && !scale && kind === lacking),
-      });
-      this.takers.set(box, { kind, key, scale });
-      return h(
-        "label.check",
-        { "data-kind": kind },
-        box,
-        h("span", null, label),
-        h(
-          "span.soft",
-          null,
-          scale ? (mine ? "" : typeof scale === "string" ? scale : "own scale") : "none yet",
-        ),
-      );
-    });
-    const only = (kind) => {
-      for (const [box, taker] of this.takers) box.checked = taker.kind === kind;
-    };
-    const has = (kind) => rows.some(([other]) => other === kind);
-    return [
-      h("h3", null, "Images with this scale"),
-      rows.length
-        ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Images with this scale" }, boxes)
-        : h("p.soft", null, "No images yet; choose this scale when you add them."),
-      h(
-        "div.actions",
-        null,
-        has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }),
-        has("observation") && button("Only contact images", () => only("observation"), { kind: "small" }),
-      ),
-    ];
-  }
-
   async #keep() {
     render(this.problem);
     if (!this.name) return this.#wrong("Enter a name for the scale, for example camera.", this.nameField);
     if (!this.nameField.reportValidity())
       return this.#wrong("Name: letters, digits and . _ + - only.", this.nameField);
-    const lacking = this.#lacking();
+    const lacking = lackingOf(this.table, this.way);
     if (lacking) return this.#wrong(lacking);
     /** @type {Edit[]} */
-    const edits = [{ kind: "scale", key: this.name, set: this.#definition() }];
-    for (const [box, { kind, key, scale }] of this.takers) {
-      if (box.checked && scale !== this.name) edits.push({ kind, key, set: { scale: this.name } });
-    }
+    const edits = [
+      { kind: "scale", key: this.name, set: definitionOf(this.table, this.way) },
+      ...this.images.edits(this.name),
+    ];
     try {
       await workspace.edit(...edits);
       toast(
@@ -630,7 +401,10 @@ class Scales {
   }
 
   #keepDraft() {
-    if (this.old || !(this.name || JSON.stringify(this.table) !== JSON.stringify(DEFAULTS[this.way] ?? {})))
+    if (
+      this.old ||
+      !(this.name || JSON.stringify(this.table) !== JSON.stringify(WAYS[this.way].defaults ?? {}))
+    )
       return;
     const draft = { study: this.study, name: this.name, way: this.way, table: this.table };
     sessionStorage.setItem(UNSAVED, JSON.stringify(draft));
@@ -642,36 +416,6 @@ class Scales {
     this.live.cancel();
     this.stage.close();
   }
-}
-
-/** @param {ScaleTable} table */
-function words(table) {
-  if (table.ppi !== undefined) return `${table.ppi} ppi`;
-  if (table.mm_per_px !== undefined) return `${table.mm_per_px} mm/px`;
-  if (table.line) return `line of ${table.length_mm} mm`;
-  if (table.coin) return `coin of ${table.diameter_mm} mm`;
-  if (table.circle) return `circle of ${table.diameter_mm} mm`;
-  if (table.grid) return `grid of ${table.spacing_mm} mm`;
-  return "incomplete";
-}
-
-/** @param {NonNullable<ScaleMeasurement["grid"]>} grid */
-function gridWords(grid) {
-  const percent = (share) => `${(100 * share).toFixed(share < 0.001 ? 2 : 1)} %`;
-  return h(
-    "dl.grid-words.number",
-    null,
-    [
-      ["Points off the plane", `${grid.residual_px.toFixed(2)} px`],
-      ["Sides of a pixel differ by", percent(grid.anisotropy)],
-      ["Scale differs over the grid by", percent(grid.variation)],
-      ["Left once rectified", percent(grid.unevenness)],
-      [
-        "Once rectified, mm/px",
-        `${withStd(grid.rectified_mm_per_px, grid.rectified_mm_per_px * grid.rectified_relative_std)}`,
-      ],
-    ].map(([words, value]) => [h("dt", null, words), h("dd", null, value)]),
-  );
 }
 
 export const open = (root, rest) => new Scales(root, rest);

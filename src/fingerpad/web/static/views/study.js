@@ -132,7 +132,10 @@ class StudyView {
         ? h(
             "div.missing-box",
             { tabindex: 0, role: "group", "aria-label": "Missing entries" },
-            missingList(missing.slice(0, 40), { named: true, axes: (name) => this.tables.askSemiAxes(name) }),
+            missingList(missing.slice(0, 40), {
+              named: true,
+              axes: (name) => this.tables.fingers.askSemiAxes(name),
+            }),
             missing.length > 40 && h("p.soft", null, `and ${missing.length - 40} more`),
           )
         : h("p.soft", null, "Start by dropping files: photographs of the finger and contact images."),

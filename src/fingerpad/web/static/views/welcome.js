@@ -6,6 +6,8 @@ import { showError } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
 import { button, faultList, field, text, withoutOverlap } from "../parts/forms.js";
 
+const mark = new URL("../mark.svg", import.meta.url).href;
+
 class Welcome {
   constructor(root) {
     const { studies, workspace: folder } = workspace.session;
@@ -28,7 +30,7 @@ class Welcome {
         h(
           "header",
           null,
-          h("img", { src: "/static/mark.svg", alt: "", width: 56, height: 56 }),
+          h("img", { src: mark, alt: "", width: 56, height: 56 }),
           h(
             "div",
             null,

@@ -1,0 +1,92 @@
+// Tables of what a study holds, one row for each thing.
+
+import { h } from "../core/dom.js";
+import { chip } from "./forms.js";
+
+const STATUS = {
+  done: ["measured", "good"],
+  left: ["not measured", ""],
+  stale: ["changed", "warn"],
+  failed: ["failed", "bad"],
+  given: ["given", ""],
+  rejected: ["rejected", "bad"],
+};
+
+/** @param {{ status?: string, reason?: string | null, complete?: boolean }} entry */
+export const statusChip = ({ status, reason, complete }) =>
+  incompleteChip({ complete }) || chip(...(STATUS[status] ?? [status ?? "", ""]), reason ?? undefined);
+
+/** @param {{ complete?: boolean }} entry */
+export const incompleteChip = ({ complete }) => complete === false && chip("incomplete", "warn");
+
+/**
+ * A card with a title, words beside it, and a table or what stands in its place.
+ *
+ * @param {string} title
+ * @param {any} words
+ * @param {any} actions
+ * @param {any} content
+ */
+export const card = (title, words, actions, content) =>
+  h(
+    "section.card",
+    { "aria-label": title },
+    h(
+      "header",
+      null,
+      h("h2", null, title),
+      h("span.soft", null, words),
+      actions && h("div.actions", null, actions),
+    ),
+    content,
+  );
+
+/**
+ * A table. The column without a heading holds buttons; a heading can be `{ words, title }`, of numbers.
+ *
+ * @param {string} label
+ * @param {(string | { words: any, title?: string })[]} headings
+ * @param {HTMLTableRowElement[]} rows
+ */
+export function table(label, headings, rows) {
+  const heading = (one) =>
+    typeof one === "string"
+      ? h("th", { scope: "col" }, one || h("span.sr", null, "Actions"))
+      : h("th.number", { scope: "col", title: one.title }, one.words);
+  const made = h(
+    "table.tight",
+    null,
+    h("thead", null, h("tr", null, headings.map(heading))),
+    h("tbody", null, rows),
+  );
+  labelCells(made);
+  return h("div.table-wrap", { tabindex: 0, role: "group", "aria-label": label }, made);
+}
+
+/**
+ * Name the column of each cell, for small screens, on which a row becomes a card.
+ *
+ * @param {HTMLTableElement} table
+ */
+function labelCells(table) {
+  const labels = [...table.tHead.rows[0].cells].map((cell) => cell.textContent);
+  for (const row of table.tBodies[0].rows) {
+    for (const [k, cell] of [...row.cells].entries()) {
+      if (k < labels.length - 1) cell.dataset.label = labels[k];
+    }
+  }
+}
+
+/**
+ * A row of cells.
+ *
+ * @param {...any} cells
+ */
+export const row = (...cells) => h("tr", null, cells);
+
+/**
+ * A cell.
+ *
+ * @param {...any} content
+ */
+export const cell = (...content) => h("td", null, content);

@@ -1,0 +1,72 @@
+// What a grid tells of a camera, and contact images written as if seen straight on.
+
+import { post } from "../core/api.js";
+import { h } from "../core/dom.js";
+import { toast } from "../core/messages.js";
+import { withStd } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
+import { button } from "../parts/forms.js";
+
+/** @param {NonNullable<ScaleMeasurement["grid"]>} grid */
+export function gridWords(grid) {
+  const percent = (share) => `${(100 * share).toFixed(share < 0.001 ? 2 : 1)} %`;
+  return h(
+    "dl.grid-words.number",
+    null,
+    [
+      ["Points off the plane", `${grid.residual_px.toFixed(2)} px`],
+      ["Sides of a pixel differ by", percent(grid.anisotropy)],
+      ["Scale differs over the grid by", percent(grid.variation)],
+      ["Left once rectified", percent(grid.unevenness)],
+      [
+        "Once rectified, mm/px",
+        `${withStd(grid.rectified_mm_per_px, grid.rectified_mm_per_px * grid.rectified_relative_std)}`,
+      ],
+    ].map(([words, value]) => [h("dt", null, words), h("dd", null, value)]),
+  );
+}
+
+/**
+ * The button that rectifies contact images with a scale, once there are any.
+ *
+ * @param {string | undefined} scale its name, once it is saved
+ * @param {() => Record<string, any>} definition of the grid
+ * @param {(name: string) => void} done called with the name of the scale of the new pictures
+ * @param {(error: any) => void} failed
+ */
+export function rectification(scale, definition, done, failed) {
+  const images = workspace.study.observations.filter((each) => scale && each.file && each.scale === scale);
+  if (!images.length)
+    return h("p.soft", null, "Once contact images use this scale, they can be rectified here.");
+  const rectify = async () => {
+    const name = `${scale}_rectified`;
+    try {
+      const { files, mm_per_px, relative_std } = await post("/api/scale/rectify", {
+        table: /** @type {any} */ (definition()),
+        files: [...new Set(images.map(({ file }) => file))],
+      });
+      await workspace.edit(
+        { kind: "scale", key: name, set: { mm_per_px, relative_std } },
+        ...images.map(
+          ({ item, file }) =>
+            /** @type {Edit} */ ({
+              kind: "observation",
+              key: item,
+              set: { file: files[file], scale: name },
+            }),
+        ),
+      );
+    } catch (error) {
+      failed(error);
+      return;
+    }
+    toast(`${images.length} rectified, with the scale ${name}. The pictures before stay where they are.`, {
+      kind: "good",
+    });
+    done(name);
+  };
+  return button(`Rectify ${images.length} contact image${images.length > 1 ? "s" : ""}`, rectify, {
+    kind: "small",
+    title: "Write them as if seen straight on, and measure these instead",
+  });
+}

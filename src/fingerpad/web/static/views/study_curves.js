@@ -1,0 +1,97 @@
+// The table of loading data: curves, and radii from elsewhere.
+
+import { h } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
+import { ask } from "../core/messages.js";
+import { plain, withStd } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
+import { button, choose, field, number, synthetic } from "../parts/forms.js";
+import { card, cell, row, statusChip, table } from "../parts/tables.js";
+
+export class CurveTable {
+  /** @param {import("./study_tables.js").StudyTables} tables */
+  constructor(tables) {
+    this.tables = tables;
+  }
+
+  /** @param {State["curves"]} curves */
+  draw(curves) {
+    const words = h("span", null, "Add ", symbol("R_g", { inControl: true }), " from elsewhere");
+    return card(
+      "Loading data",
+      ["force–displacement curves, or ", symbol("R_g"), " from elsewhere"],
+      button(words, () => this.#addRadius(), { kind: "small", disabled: !workspace.study.fingers.length }),
+      curves.length
+        ? table(
+            "Loading data",
+            ["Source", "Finger", "Wedge, °", { words: [symbol("R_g"), ", mm"] }, "Status", ""],
+            curves.map((one) => this.#curve(one)),
+          )
+        : h(
+            "p.soft",
+            null,
+            "None. The study runs without them; ",
+            symbol("R_g"),
+            " is then not compared with the corrected radius.",
+          ),
+    );
+  }
+
+  /** @param {State["curves"][number]} one */
+  #curve(one) {
+    return row(
+      cell(one.file ?? "from elsewhere", " ", synthetic(one.synthetic)),
+      cell(one.finger ?? "–"),
+      cell(
+        number({
+          value: one.wedge_angle_deg,
+          min: 0,
+          max: 90,
+          label: `Wedge angle of curve ${one.key}`,
+          onset: (value) => this.tables.change("curve", one.key, { wedge_angle_deg: value }),
+        }),
+      ),
+      h(
+        "td.number",
+        null,
+        one.loading_radius_mm
+          ? withStd(one.loading_radius_mm, one.loading_radius_mm_std)
+          : one.file
+            ? "from the curve"
+            : plain(null),
+      ),
+      cell(statusChip(one)),
+      cell(this.tables.removal("curve", one.key, `curve ${one.key}`, one.file ?? "this radius")),
+    );
+  }
+
+  async #addRadius() {
+    const finger = choose({
+      value: workspace.study.fingers[0].name,
+      options: workspace.study.fingers.map(({ name }) => name),
+    });
+    const wedge = number({ min: 0, max: 90 });
+    const radius = number({ min: 0 });
+    const std = number({ min: 0 });
+    const answer = await ask(
+      "R_g from loading data",
+      h(
+        "div.fields",
+        null,
+        field("Finger", finger),
+        field("Wedge angle", wedge, { unit: "°" }),
+        field("R_g", radius, { unit: "mm" }),
+        field("± (standard uncertainty)", std, { unit: "mm" }),
+      ),
+      [
+        ["", "Cancel"],
+        ["yes", "Add", "primary"],
+      ],
+    );
+    if (answer !== "yes" || radius.value === "") return;
+    const set = { finger: finger.value, loading_radius_mm: Number(radius.value) };
+    if (wedge.value !== "") set.wedge_angle_deg = Number(wedge.value);
+    if (std.value !== "") set.loading_radius_mm_std = Number(std.value);
+    this.tables.change("curve", String(workspace.study.curves.length), set);
+  }
+}

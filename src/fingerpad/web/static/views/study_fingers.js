@@ -1,0 +1,220 @@
+// The table of fingers: semi-axes, thickness and photographs.
+
+import { picture } from "../core/api.js";
+import { h } from "../core/dom.js";
+import { ask } from "../core/messages.js";
+import { withStd } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
+import { button, chip, field, NAME, number, synthetic, text } from "../parts/forms.js";
+import { missingList, missingOf } from "../parts/missing_fields.js";
+import { card, cell, incompleteChip, row, table } from "../parts/tables.js";
+
+const AXES = [
+  ["palmar", "Palmar"],
+  ["distal", "Distal"],
+  ["radial_ulnar", "Radial–ulnar"],
+];
+
+export class FingerTable {
+  /** @param {import("./study_tables.js").StudyTables} tables */
+  constructor(tables) {
+    this.tables = tables;
+  }
+
+  /** @param {Finger[]} fingers */
+  draw(fingers) {
+    return card(
+      "Fingers",
+      "semi-axes from photographs or entered",
+      button("Add a finger", () => this.#addFinger(), { kind: "small" }),
+      fingers.length
+        ? table(
+            "Fingers",
+            [
+              "Finger",
+              ...AXES.map(([, words]) => ({ words: `${words}, mm` })),
+              { words: "Thickness, mm", title: "effective thickness of the tissue over bone" },
+              "Photographs",
+              "",
+            ],
+            fingers.map((finger) => this.#finger(finger)),
+          )
+        : h("p.soft", null, "No fingers yet. Add a photograph, or enter the semi-axes."),
+    );
+  }
+
+  /** @param {Finger} finger */
+  #finger(finger) {
+    const { name, photographs, table: typed } = finger;
+    const thickness = typed.effective_thickness_mm;
+    return row(
+      cell(h("strong", null, name), " ", synthetic(finger.synthetic), " ", incompleteChip(finger)),
+      AXES.map(([axis]) =>
+        h("td.number", null, withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis])),
+      ),
+      h(
+        "td.number",
+        null,
+        button(
+          thickness === undefined ? "Enter" : withStd(thickness, typed.effective_thickness_mm_std),
+          () => this.#thickness(finger),
+          { kind: "small", label: `Thickness of ${name}`, title: "Effective thickness over bone" },
+        ),
+      ),
+      cell(
+        photographs?.length
+          ? h(
+              "div.faces",
+              null,
+              photographs.map((photograph) => this.#face(photograph)),
+            )
+          : h("span.soft", null, typed.semi_axes_mm ? "entered" : "none"),
+      ),
+      cell(
+        h(
+          "div.actions",
+          null,
+          !photographs?.length &&
+            button("Semi-axes", () => this.#semiAxes(finger), {
+              kind: "small",
+              label: `Semi-axes of ${name}`,
+            }),
+          button("✎", () => this.#rename(finger), {
+            kind: "icon",
+            label: `Rename ${name}`,
+            title: "Rename",
+          }),
+          this.tables.removal("finger", name, name, name),
+        ),
+      ),
+    );
+  }
+
+  /** @param {Finger["photographs"][number]} photograph */
+  #face(photograph) {
+    const words = [photograph.face, photograph.outline && "outline"].filter(Boolean).join(", ");
+    const kind = photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
+    const name = photograph.file?.split("/").at(-1);
+    return h(
+      "div.face",
+      null,
+      photograph.outline
+        ? words && chip(words, kind)
+        : h(
+            "a.face-link",
+            {
+              href: `#/photographs/${encodeURIComponent(photograph.item)}`,
+              title: photograph.file,
+              "aria-label": `Photograph ${name}`,
+            },
+            h("img.small-thumb", { src: picture("thumbnail", photograph.item), alt: "", loading: "lazy" }),
+            words && chip(words, kind),
+          ),
+      missingList(missingOf("photograph", photograph.item)),
+      this.tables.removal("photograph", photograph.item, `the photograph ${name}`, `the photograph ${name}`),
+    );
+  }
+
+  /** Ask for the name of a finger; empty if cancelled. */
+  async #askName(words, doing, value = "") {
+    const name = text({ placeholder: "left_index", value, pattern: NAME });
+    const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
+    const answer = await ask(words, body, [
+      ["", "Cancel"],
+      ["yes", doing, "primary"],
+    ]);
+    return answer === "yes" ? name.value.trim() : "";
+  }
+
+  async #addFinger() {
+    const name = await this.#askName("Add a finger", "Add");
+    if (!name) return;
+    await this.tables.change("finger", name, {});
+    const made = workspace.study.fingers.find((finger) => finger.name === name);
+    if (made && !made.photographs?.length) this.#semiAxes(made);
+  }
+
+  /** @param {Finger} finger */
+  async #rename(finger) {
+    const name = await this.#askName(`Rename ${finger.name}`, "Rename", finger.name);
+    if (name && name !== finger.name) this.tables.change("finger", finger.name, { name });
+  }
+
+  /** Ask for the semi-axes of a finger by its name. */
+  askSemiAxes(name) {
+    const finger = workspace.study.fingers.find((each) => each.name === name);
+    if (finger) this.#semiAxes(finger);
+  }
+
+  /** @param {Finger} finger */
+  async #semiAxes(finger) {
+    const { semi_axes_mm: now = {}, semi_axes_mm_std: std = {} } = finger.table ?? {};
+    const inputs = AXES.map(([axis, words]) => [
+      axis,
+      words,
+      number({ value: now[axis], min: 0 }),
+      number({ value: std[axis], min: 0 }),
+    ]);
+    const body = h(
+      "div.stack",
+      null,
+      h(
+        "p",
+        null,
+        "Semi-axes of the pad with standard uncertainties. Leave them empty if photographs follow.",
+      ),
+      h(
+        "div.fields.two",
+        null,
+        inputs.map(([, words, value, its]) => [
+          field(words, value, { unit: "mm" }),
+          field("± (standard uncertainty)", its, { unit: "mm" }),
+        ]),
+      ),
+    );
+    const answer = await ask(`Semi-axes of ${finger.name}`, body, [
+      ["", "Cancel"],
+      ["yes", "Save", "primary"],
+    ]);
+    const value = (input) => (input.value === "" ? undefined : Number(input.value));
+    if (answer !== "yes" || inputs.every(([, , input]) => input.value === "")) return;
+    this.tables.change("finger", finger.name, {
+      semi_axes_mm: Object.fromEntries(inputs.map(([axis, , input]) => [axis, value(input)])),
+      semi_axes_mm_std: Object.fromEntries(inputs.map(([axis, , , input]) => [axis, value(input) ?? 0])),
+    });
+  }
+
+  /** @param {Finger} finger */
+  async #thickness(finger) {
+    /** @type {Record<string, any>} */
+    const { effective_thickness_mm: now, effective_thickness_mm_std: std } = finger.table;
+    const [value, its] = [now, std].map((each) => number({ value: each, min: 0 }));
+    const body = h(
+      "div.stack",
+      null,
+      h(
+        "p",
+        null,
+        "Effective thickness of the tissue over bone: that of a flat layer which acts like this finger's narrow and " +
+          "curved bone. Results then show the whole pad on that layer beside Hertz theory. Without an uncertainty it " +
+          "is taken as exact; empty fields remove it.",
+      ),
+      h(
+        "div.fields.two",
+        null,
+        field("Effective thickness", value, { unit: "mm" }),
+        field("± (standard uncertainty)", its, { unit: "mm" }),
+      ),
+    );
+    const answer = await ask(`Thickness of ${finger.name}`, body, [
+      ["", "Cancel"],
+      ["yes", "Save", "primary"],
+    ]);
+    if (answer !== "yes") return;
+    const typed = (input) => (input.value === "" ? null : Number(input.value));
+    this.tables.change("finger", finger.name, {
+      effective_thickness_mm: typed(value),
+      effective_thickness_mm_std: typed(its),
+    });
+  }
+}
