@@ -2,9 +2,11 @@
 
 import os
 import shutil
+from functools import cache
 from pathlib import Path
 
 import pytest
+import typer.testing
 from filelock import FileLock
 from hypothesis import settings
 
@@ -19,10 +21,13 @@ settings.register_profile("default", derandomize=True, deadline=None)
 settings.register_profile("nightly", derandomize=False, deadline=None, max_examples=1000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
+# To build the commands takes five times as long as most of them: once for all that run in this process.
+typer.testing._get_command = cache(typer.main.get_command)
+
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """Return two processes more than there are cores, since many tests wait for others."""
-    return (os.cpu_count() or 1) + 2
+    """Return three processes more than there are cores, since many tests wait for others."""
+    return (os.cpu_count() or 1) + 3
 
 
 @pytest.fixture(scope="session")

@@ -44,14 +44,22 @@ def shell(redirection: str, *arguments: str) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-@pytest.mark.parametrize("arguments", [HERTZ, ("--help",), ("--version",), (*HERTZ, "--json")])
+CLOSED = "fingerpad: cannot write: standard output is closed; redirect it to a file, or to /dev/null"
+FULL = "fingerpad: cannot write (No space left on device)"
+
+
 @pytest.mark.parametrize(
-    ("redirection", "message"),
+    ("redirection", "message", "arguments"),
     [
-        (">&-", "fingerpad: cannot write: standard output is closed; redirect it to a file, or to /dev/null"),
-        (">/dev/full", "fingerpad: cannot write (No space left on device)"),
-        (">/dev/full 2>/dev/full", ""),
-        (">&- 2>&-", ""),
+        *(
+            (redirection, message, arguments)
+            for redirection, message in ((">&-", CLOSED), (">/dev/full", FULL))
+            for arguments in (HERTZ, ("--help",), ("--version",), (*HERTZ, "--json"))
+        ),
+        (">/dev/full 2>/dev/full", "", HERTZ),
+        (">/dev/full 2>/dev/full", "", ("--help",)),
+        (">&- 2>&-", "", HERTZ),
+        (">&- 2>&-", "", ("--help",)),
     ],
 )
 def test_unwritable_output(redirection: str, message: str, arguments: tuple[str, ...]) -> None:
@@ -73,7 +81,10 @@ def test_closed_stdin_and_stderr(tmp_path: Path) -> None:
     manifest = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "study.toml"
     text = manifest.read_text(encoding="utf-8")
     here = tmp_path / "study.toml"
-    here.write_text(text[: text.index("[[fingers]]")].replace("observations_csv", "# "), encoding="utf-8")
+    here.write_text(
+        text[: text.index("[[fingers]]")].replace("observations_csv", "# ").replace("std = 3.0", "std = 0.3"),
+        encoding="utf-8",
+    )
     with here.open("a", encoding="utf-8") as file:
         file.write(
             '[[fingers]]\nname = "f"\n'
@@ -152,8 +163,8 @@ def test_results_printed_before_error(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_damaged_sequence_refused_or_measured(tmp_path: Path) -> None:
     film = tmp_path / "film.avi"
-    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (240, 240))
-    pixels = cv2.resize(render_contact_image(seed=1).pixels, (240, 240))
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (120, 120))
+    pixels = cv2.resize(render_contact_image(seed=1).pixels, (120, 120))
     for _ in range(6):
         writer.write(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
     writer.release()
@@ -164,7 +175,7 @@ def test_damaged_sequence_refused_or_measured(tmp_path: Path) -> None:
         for _ in range(rng.choice((1, 20, 300))):
             damaged[rng.randrange(len(damaged))] = rng.randrange(256)
         film.write_bytes(damaged[: rng.choice((len(damaged), rng.randrange(len(damaged))))])
-        done = CliRunner().invoke(app, ["measure", "sequence", str(film), "--ppi", "500", "--json"])
+        done = CliRunner().invoke(app, ["measure", "sequence", str(film), "--ppi", "250", "--json"])
         assert isinstance(done.exception, SystemExit | None), done.exception
         assert done.exit_code == 2 or json.loads(done.stdout)
         codes.add(done.exit_code)
@@ -185,7 +196,7 @@ def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None
         )
         assert process.stdout is not None
         assert process.stdout.readline() == "started\n"
-        time.sleep(rng.uniform(0.03, 2.0))
+        time.sleep(rng.uniform(0.03, 1.2))
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
         assert err in {"", "fingerpad: interrupted\n"}
@@ -200,6 +211,14 @@ def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None
         # An exception in a destructor is ignored, an interrupt that comes there too.
         (
             "fingerpad.__main__._run",
+            "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
+            "def instead():\n    Deleted()\n    return real()\n",
+        ),
+        # The same where a thread takes longer to start than to interrupt.
+        (
+            "fingerpad.__main__._run",
+            "import time\nclass Slow(program.Timer):\n"
+            "    def start(self): super().start(); time.sleep(0.03)\nprogram.Timer = Slow\n"
             "class Deleted:\n    def __del__(self): raise KeyboardInterrupt\n"
             "def instead():\n    Deleted()\n    return real()\n",
         ),
@@ -243,11 +262,17 @@ def test_interrupted_sequence_message() -> None:
     assert json.loads(first + rest)[0]["frame"] == 0
 
 
-@pytest.mark.parametrize(
-    "command", [("status",), ("fit",), ("import", "fiji", "--ppi", "500", "--std-mm", "0.1")]
-)
-def test_endless_file_refused(command: tuple[str, ...], tmp_path: Path) -> None:
-    done = subprocess.run(
-        [*PROGRAM, *command, "/dev/zero"], capture_output=True, text=True, timeout=60, cwd=tmp_path
+def test_endless_files_refused(tmp_path: Path) -> None:
+    """In a process that can be ended, should one of them be read."""
+    script = (
+        "from fingerpad.cli import app\n"
+        "from typer.testing import CliRunner\n"
+        "for command in ['status'], ['fit'], 'import fiji --ppi 500 --std-mm 0.1'.split():\n"
+        "    done = CliRunner().invoke(app, [*command, '/dev/zero'])\n"
+        "    print(done.exit_code.real, done.stdout, done.stderr, end='')\n"
     )
-    assert (done.returncode, done.stderr) == (2, "fingerpad: /dev/zero: is a device, not a file\n")
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=120, cwd=tmp_path
+    )
+    assert done.stdout == 3 * "2  fingerpad: /dev/zero: is a device, not a file\n"
+    assert (done.returncode, done.stderr) == (0, "")

@@ -33,7 +33,7 @@ def run(*arguments: object) -> tuple[int, str, str]:
 def curve(tmp_path: Path) -> Path:
     record = simulate_loading_curve(
         loading_radius=15.0, initial_modulus=0.04, load_coefficient=0.02, contact_offset=1.0,
-        hold=5.0, unloading=True, points=600, force_std=0.004, displacement_std=0.004, area_std=1.0,
+        hold=5.0, unloading=True, points=200, force_std=0.004, displacement_std=0.004, area_std=1.0,
     )  # fmt: skip
     path = tmp_path / "press.csv"
     columns = np.stack([record.time, record.load, record.indentation, record.area], axis=-1)
@@ -56,7 +56,7 @@ def test_json_keys(curve: Path) -> None:
     (segments,) = record["segments"]
     assert list(segments) == ["baseline", "loading", "hold", "unloading"]
     assert segments["baseline"][0] == 0
-    assert segments["unloading"][1] == 599
+    assert segments["unloading"][1] == 199
     assert isinstance(record["flags"], list)
 
 

@@ -45,7 +45,7 @@ IN_PLAIN_WORDS = {
     "--radius-mm",
 }
 STUDY = (
-    'title = "t"\n'
+    'title = "t"\n[uncertainty]\nwedge_angle_deg_std = 0.3\n'
     '[[fingers]]\nname = "f"\nsemi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n'
     "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
     '[[observations]]\nname = "o"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 2\n'
@@ -62,9 +62,9 @@ VALID = {
     "figure": "figure.json --out figure.svg",
     "run": "study.toml",
     "app": "nowhere.toml",
-    "measure print": "print.png --ppi 500",
-    "measure photo": "palmar.png --face palmar --mm-per-px 0.05",
-    "measure sequence": "frames --ppi 500 --frames-per-second 10",
+    "measure print": "print.png --ppi 250",
+    "measure photo": "palmar.png --face palmar --mm-per-px 0.2",
+    "measure sequence": "frames --ppi 250 --frames-per-second 10",
     "import fiji": "Results.csv --std-mm 0.1 --ppi 500",
 }
 # What a flag needs beside it, and what it stands in place of.
@@ -114,18 +114,19 @@ def flags() -> Iterator[tuple[str, str, int]]:
                     yield name, flag, len(typing.get_args(kind)) if typing.get_origin(kind) is tuple else 1
 
 
+def small_print(seed: int) -> np.ndarray:
+    return render_contact_image(semi_major=4.0, semi_minor=3.0, ppi=250, seed=seed).pixels
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("flags")
-    small = render_contact_image(seed=1).pixels[::2, ::2]
-    Image.fromarray(small).save(folder / "print.png")
+    Image.fromarray(small_print(1)).save(folder / "print.png")
     (folder / "frames").mkdir()
     for number in range(4):
-        Image.fromarray(render_contact_image(seed=number).pixels[::2, ::2]).save(
-            folder / "frames" / f"{number}.png"
-        )
-    Image.fromarray(render_finger("palmar", seed=1).pixels[::2, ::2]).save(folder / "palmar.png")
-    Image.fromarray(render_coin().pixels).save(folder / "coin.png")
+        Image.fromarray(small_print(number)).save(folder / "frames" / f"{number}.png")
+    Image.fromarray(render_finger("palmar", mm_per_px=0.2, seed=1).pixels).save(folder / "palmar.png")
+    Image.fromarray(render_coin(radius=60.0).pixels).save(folder / "coin.png")
     board = np.full((200, 240), 230, dtype=np.uint8)
     board[20:180, 20:220][np.kron(np.indices((8, 10)).sum(axis=0) % 2 == 0, np.ones((20, 20), bool))] = 30
     Image.fromarray(board).save(folder / "grid.png")
@@ -137,7 +138,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "figure.json").write_text(drawn.to_json(), encoding="utf-8")
     curve = simulate_loading_curve()
     assert curve.time is not None
-    rows = np.column_stack((curve.time, curve.load, curve.indentation))[::20]
+    rows = np.column_stack((curve.time, curve.load, curve.indentation))[::40]
     np.savetxt(
         folder / "curve.csv", rows, delimiter=",", header="time_s,force_N,displacement_mm", comments=""
     )

@@ -7,15 +7,20 @@ import numpy as np
 from PIL import Image
 
 from fingerpad.simulate import render_contact_image, render_finger, render_sequence
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
 PPI = 240
 PICTURES = 5
 FRAMES = 24
+PIECE = 5
 # Loading to frame 9, hold to 13, unloading; empty at either end.
 LOAD = np.interp(np.arange(FRAMES), [2, 9, 13, 21], [0, 2, 2, 0])
+# Angles known so well that few random draws check the uncertainty.
 HEAD = """title = "T"
+[uncertainty]
+wedge_angle_deg_std = 0.5
 [[fingers]]
 name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
@@ -48,28 +53,31 @@ synthetic = true
 """
 
 
-def make(folder: Path, *, film: str = "film") -> Path:
+def make(folder: Path) -> Path:
     """Render the study's inputs, write its manifest, and return the manifest."""
-    folder.mkdir(exist_ok=True)
+    (folder / "film").mkdir(parents=True, exist_ok=True)
     for number in range(PICTURES):
         truth = render_contact_image(semi_major=4.0 + 0.2 * number, semi_minor=3.2, ppi=PPI, seed=number)
         Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
     press = render_sequence(LOAD, radii=(14.3, 13.0), reduced_modulus=0.09, ppi=PPI, seed=5)
-    pages = [Image.fromarray(press.pixels(k)) for k in range(FRAMES)]
-    if film.endswith(".tif"):
-        pages[0].save(folder / film, save_all=True, append_images=pages[1:])
-    else:
-        (folder / film).mkdir()
-        for k, page in enumerate(pages):
-            page.save(folder / film / f"f{k}.png")
+    for k in range(FRAMES):
+        Image.fromarray(press.pixels(k)).save(folder / "film" / f"f{k}.png")
     for face in ("palmar", "distal"):
         finger = render_finger(face, mm_per_px=0.1, seed=3)
         Image.fromarray(finger.pixels).save(folder / f"{face}.jpg", quality=92)
     rows = "\n".join(f"{k / 20},{load}" for k, load in enumerate(LOAD))
     (folder / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
     pictures = "".join(PICTURE.format(number=k, load=1.0 + k) for k in range(PICTURES))
-    (folder / "study.toml").write_text(HEAD + pictures + FILM.format(path=film))
+    (folder / "study.toml").write_text(HEAD + pictures + FILM.format(path="film"))
     return folder / "study.toml"
+
+
+def make_of_tiff(small_study: Path, folder: Path) -> None:
+    """Copy the study with its film as a TIFF."""
+    manifest = copy(small_study, folder)
+    manifest.write_text(manifest.read_text().replace('"film"', '"film.tif"'))
+    pages = [Image.open(folder / "film" / f"f{k}.png") for k in range(FRAMES)]
+    pages[0].save(folder / "film.tif", save_all=True, append_images=pages[1:])
 
 
 def copy(made: Path, folder: Path) -> Path:
@@ -77,7 +85,15 @@ def copy(made: Path, folder: Path) -> Path:
     return Path(shutil.copytree(made.parent, folder)) / "study.toml"
 
 
+def copy_unfinished(run: Path, folder: Path, *missing: str) -> Path:
+    """Copy a study with its results but for the tasks whose names begin so, and return the manifest."""
+    manifest = copy(run, folder)
+    with Store.writing(folder / "out" / STORE_NAME) as store:
+        store.discard([name for name in store.statuses() if name.startswith(missing)])
+    return manifest
+
+
 def run_here(manifest: Path, out: Path, workers: int = 1) -> None:
     """Run a study: what a process that is going to be killed does."""
-    sequences._LEAST_PIECE = 5
+    sequences._LEAST_PIECE = PIECE
     run_study(manifest, out, workers=workers)

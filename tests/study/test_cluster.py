@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
-from tests.study.small_study import FRAMES, PICTURES, copy
+from tests.study.crashing import crash
+from tests.study.small_study import FRAMES, PICTURES, copy, copy_unfinished
 from tests.waiting import wait_until
 from typer.testing import CliRunner
 
@@ -24,7 +25,6 @@ from fingerpad.study.engine import cluster
 from fingerpad.study.engine.limits import Limits
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.task import Task
-from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
 TOTAL = PICTURES + 2 + FRAMES
@@ -32,62 +32,101 @@ _BLIND = 'mount -t tmpfs none "$0" && exec "$@"'
 
 
 @pytest.fixture(autouse=True)
-def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sequences, "_LEAST_PIECE", 5)
+def patience(small_pieces: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "_WAIT_S", 15)
 
 
 @pytest.fixture(scope="module")
-def made(small_study_of_tiff: Path) -> Path:
-    return small_study_of_tiff
-
-
-@pytest.fixture(scope="module")
-def undisturbed(made: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
-    return list(run_study(made, tmp_path_factory.mktemp("undisturbed")).rows)
-
-
-class Processes:
-    """A scheduler and its workers, started by the lines of the README."""
-
-    def __init__(self, folder: Path) -> None:
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            port = free.getsockname()[1]
-        self.address, self._folder = f"tcp://127.0.0.1:{port}", folder
-        self._environment = os.environ | {"DASK_LOGGING__DISTRIBUTED": "critical", "PYTHONWARNINGS": "ignore"}
-        self.started: list[subprocess.Popen] = []
-        self.scheduler = self._start("scheduler", "--host", "127.0.0.1", "--port", str(port))
-
-    def worker(self, *, path: str | None = None, blind_to: Path | None = None) -> None:
-        """Start a worker, with its own path of packages, or in a world in which a folder is empty."""
-        words = ["worker", self.address, "--nthreads", "1", "--local-directory", str(self._folder)]
-        hidden = [] if blind_to is None else ["unshare", "-m", "sh", "-c", _BLIND, str(blind_to)]
-        self._start(*words, before=hidden, **({} if path is None else {"PYTHONPATH": path}))
-
-    def _start(self, *words: str, before: Sequence[str] = (), **environment: str) -> subprocess.Popen:
-        process = subprocess.Popen(
-            [*before, sys.executable, "-m", "dask", *words, "--no-dashboard"],
-            env=self._environment | environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        self.started.append(process)
-        return process
-
-    def end(self) -> None:
-        for process in self.started:
-            with suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+def made(small_study: Path) -> Path:
+    return small_study
 
 
 @pytest.fixture
-def processes(tmp_path: Path) -> Iterator[Processes]:
-    started = Processes(tmp_path / "dask")
+def unfinished(small_run: Path, tmp_path: Path) -> Path:
+    """Return the manifest of a study whose run had yet to measure the pictures and the film."""
+    return copy_unfinished(small_run, tmp_path / "study", "o", "p")
+
+
+@pytest.fixture
+def undisturbed(small_run: Path, tmp_path: Path) -> list[dict]:
+    finished = copy(small_run, tmp_path / "undisturbed")
+    return list(run_study(finished, finished.parent / "out").rows)
+
+
+class Scheduler:
+    """A scheduler, started by the line of the README."""
+
+    def __init__(self) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{port}"
+        self.process = start("scheduler", "--host", "127.0.0.1", "--port", str(port))
+
+    def workers(self) -> int:
+        with Client(self.address, timeout=60, set_as_default=False) as client:
+            return len(client.nthreads())
+
+
+def start(*words: str, before: Sequence[str] = (), **environment: str) -> subprocess.Popen:
+    """Start a process of Dask, in a group of its own."""
+    return subprocess.Popen(
+        [*before, sys.executable, "-m", "dask", *words, "--no-dashboard"],
+        env=os.environ | {"DASK_LOGGING__DISTRIBUTED": "critical", "PYTHONWARNINGS": "ignore"} | environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
+def end(process: subprocess.Popen) -> None:
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+class Workers:
+    """Workers of a scheduler."""
+
+    def __init__(self, scheduler: Scheduler, folder: Path) -> None:
+        self.address, self._folder = scheduler.address, folder
+        self.started: list[subprocess.Popen] = []
+
+    def start(self, *words: str, path: str | None = None, blind_to: Path | None = None) -> None:
+        """Start a worker, with its own path of packages, or in a world in which a folder is empty."""
+        hidden = [] if blind_to is None else ["unshare", "-m", "sh", "-c", _BLIND, str(blind_to)]
+        self.started.append(
+            start(
+                *("worker", self.address, "--nthreads", "1", "--local-directory", str(self._folder)),
+                *words,
+                before=hidden,
+                **({} if path is None else {"PYTHONPATH": path}),
+            )
+        )
+
+    def start_alone(self, *, path: str | None = None, blind_to: Path | None = None) -> None:
+        """Start a worker without a second process that starts it again when it ends."""
+        self.start("--no-nanny", path=path, blind_to=blind_to)
+
+    def end(self) -> None:
+        for process in self.started:
+            end(process)
+
+
+@pytest.fixture(scope="module")
+def scheduler() -> Iterator[Scheduler]:
+    started = Scheduler()
+    yield started
+    end(started.process)
+
+
+@pytest.fixture
+def workers(scheduler: Scheduler, tmp_path: Path) -> Iterator[Workers]:
+    """Return the workers of one test, of which the scheduler forgets before the next."""
+    started = Workers(scheduler, tmp_path / "dask")
     yield started
     started.end()
+    assert wait_until(lambda: not scheduler.workers())
 
 
 def run(
@@ -97,103 +136,105 @@ def run(
 
 
 def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
-    made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes
+    unfinished: Path, undisturbed: list[dict], workers: Workers
 ) -> None:
-    processes.worker()
-    processes.worker()
+    workers.start()
+    workers.start()
     reported: list[Progress] = []
 
     def kill_one(progress: Progress) -> None:
         reported.append(progress)
         if len(reported) == 4:
-            with Client(processes.address, set_as_default=False) as client:
-                workers = client.run(os.getpid)
-                assert len(workers) == 2
-                os.kill(next(iter(workers.values())), signal.SIGKILL)
+            with Client(workers.address, set_as_default=False) as client:
+                pids = client.run(os.getpid)
+                assert len(pids) == 2
+                os.kill(next(iter(pids.values())), signal.SIGKILL)
 
-    assert run(made, tmp_path / "out", processes.address, kill_one) == undisturbed
+    assert run(unfinished, unfinished.parent / "out", workers.address, kill_one) == undisturbed
     assert reported[-1].pictures == reported[-1].total == TOTAL
 
 
 def test_a_killed_scheduler_costs_only_what_was_in_hand(
-    made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes
+    unfinished: Path, undisturbed: list[dict], tmp_path: Path
 ) -> None:
-    processes.worker()
+    scheduler = Scheduler()
+    workers = Workers(scheduler, tmp_path / "dask")
+    workers.start_alone()
     reported: list[Progress] = []
 
     def kill_it(progress: Progress) -> None:
         reported.append(progress)
-        if progress.pictures:
-            processes.scheduler.kill()
+        if progress.pictures > reported[0].pictures:
+            scheduler.process.kill()
 
-    with pytest.raises(ClusterError, match="the scheduler is gone.*run again"):
-        run(made, tmp_path / "out", processes.address, kill_it)
+    try:
+        with pytest.raises(ClusterError, match="the scheduler is gone.*run again"):
+            run(unfinished, unfinished.parent / "out", scheduler.address, kill_it)
+    finally:
+        end(scheduler.process)
+        workers.end()
     again: list[Progress] = []
-    assert list(run_study(made, tmp_path / "out", on_progress=again.append).rows) == undisturbed
-    assert again[0].pictures >= reported[-1].pictures > 0
+    assert (
+        list(run_study(unfinished, unfinished.parent / "out", on_progress=again.append).rows) == undisturbed
+    )
+    assert again[0].pictures >= reported[-1].pictures > reported[0].pictures
 
 
 def test_workers_that_do_not_see_the_study_are_sent_its_bytes(
-    made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes
+    small_run: Path, undisturbed: list[dict], tmp_path: Path, workers: Workers
 ) -> None:
-    manifest = copy(made, tmp_path / "study")
-    processes.worker(blind_to=manifest.parent)
-    assert run(manifest, tmp_path / "out", processes.address) == undisturbed
+    manifest = copy_unfinished(small_run, tmp_path / "study", "o0", "g/palmar.jpg", "p")
+    out = Path(shutil.move(manifest.parent / "out", tmp_path / "out"))
+    workers.start_alone(blind_to=manifest.parent)
+    assert run(manifest, out, workers.address) == undisturbed
 
 
 def test_a_worker_of_another_version_is_refused_by_its_name(
-    made: Path, tmp_path: Path, processes: Processes
+    made: Path, tmp_path: Path, workers: Workers
 ) -> None:
     other = tmp_path / "other" / "fingerpad-0.0.7.dist-info"
     other.mkdir(parents=True)
     (other / "METADATA").write_text("Metadata-Version: 2.1\nName: fingerpad\nVersion: 0.0.7\n")
-    processes.worker(path=str(other.parent))
+    workers.start_alone(path=str(other.parent))
     with pytest.raises(ClusterError, match=r"worker tcp://\S+ has fingerpad 0\.0\.7, this is .*: install"):
-        run(made, tmp_path / "out", processes.address)
+        run(made, tmp_path / "out", workers.address)
 
 
-def test_a_worker_of_other_code_is_refused_by_its_name(
-    made: Path, tmp_path: Path, processes: Processes
-) -> None:
+def test_a_worker_of_other_code_is_refused_by_its_name(made: Path, tmp_path: Path, workers: Workers) -> None:
     package = Path(shutil.copytree(Path(fingerpad.__file__).parent, tmp_path / "src" / "fingerpad"))
     with (package / "image" / "scale.py").open("a") as file:
         file.write("\n# changed\n")
-    processes.worker(path=str(package.parent))
+    workers.start_alone(path=str(package.parent))
     with pytest.raises(ClusterError, match=r"worker tcp://\S+ has another fingerpad than this"):
-        run(made, tmp_path / "out", processes.address)
+        run(made, tmp_path / "out", workers.address)
 
 
 def test_workers_that_are_all_dead_end_the_run_in_words(
-    made: Path, undisturbed: list[dict], tmp_path: Path, processes: Processes, monkeypatch: pytest.MonkeyPatch
+    unfinished: Path, undisturbed: list[dict], workers: Workers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "_COUNT_AGAIN_S", 0.5)
-    processes.worker()
+    workers.start()
+    reported: list[Progress] = []
 
     def kill_all(progress: Progress) -> None:
-        if progress.pictures:
+        reported.append(progress)
+        if progress.pictures > reported[0].pictures:
             monkeypatch.setattr(cluster, "_WAIT_S", 3)
-            for process in processes.started[1:]:
-                with suppress(ProcessLookupError):
-                    os.killpg(process.pid, signal.SIGKILL)
+            workers.end()
 
     with pytest.raises(ClusterError, match="has had no worker for 3 s: what was measured is kept"):
-        run(made, tmp_path / "out", processes.address, kill_all)
-    assert list(run_study(made, tmp_path / "out").rows) == undisturbed
-
-
-def crashing(_folder: Path, _out: Path) -> dict:
-    os.kill(os.getpid(), signal.SIGSEGV)
-    raise AssertionError
+        run(unfinished, unfinished.parent / "out", workers.address, kill_all)
+    assert list(run_study(unfinished, unfinished.parent / "out").rows) == undisturbed
 
 
 def test_a_task_that_crashes_is_named_and_costs_no_worker(
-    made: Path, tmp_path: Path, processes: Processes
+    made: Path, tmp_path: Path, workers: Workers
 ) -> None:
-    processes.worker(path=str(Path(__file__).parents[2]))
-    task = Task(name="a", item="a", file="a.png", key="k", work=crashing, inputs=())
-    with cluster.cluster_executor(made, 1, processes.address, Limits()) as executor:
+    workers.start_alone(path=str(Path(__file__).parents[2]))
+    task = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=())
+    with cluster.cluster_executor(made, 1, workers.address, Limits()) as executor:
         result = executor.submit(task).result(60)
-        with Client(processes.address, set_as_default=False) as client:
+        with Client(workers.address, set_as_default=False) as client:
             assert len(client.nthreads()) == 1
     assert result.record["reason"].startswith("a.png: the process that measured it crashed twice")
 
@@ -214,11 +255,11 @@ def test_wrong_address(
 
 
 def test_scheduler_without_workers(
-    made: Path, tmp_path: Path, processes: Processes, monkeypatch: pytest.MonkeyPatch
+    made: Path, tmp_path: Path, scheduler: Scheduler, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "_WAIT_S", 3)
-    words = f"has no worker: start some with `dask worker {processes.address}"
-    assert words in refusal(made, tmp_path / "out", processes.address)
+    words = f"has no worker: start some with `dask worker {scheduler.address}"
+    assert words in refusal(made, tmp_path / "out", scheduler.address)
 
 
 def refusal(manifest: Path, out: Path, scheduler: str) -> str:
@@ -228,10 +269,10 @@ def refusal(manifest: Path, out: Path, scheduler: str) -> str:
     return " ".join(result.stderr.split())
 
 
-def test_waiting_for_one_result_delays_no_other(processes: Processes) -> None:
-    processes.worker()
+def test_waiting_for_one_result_delays_no_other(workers: Workers) -> None:
+    workers.start_alone()
     lost, seen = threading.Event(), threading.Event()
-    with Client(processes.address, timeout=60, set_as_default=False) as client:
+    with Client(workers.address, timeout=60, set_as_default=False) as client:
         cluster.when_done(client.submit(sum, [1]), lambda _: lost.wait())
         cluster.when_done(client.submit(sum, [2]), lambda _: seen.set())
         came = seen.wait(60)
@@ -239,15 +280,16 @@ def test_waiting_for_one_result_delays_no_other(processes: Processes) -> None:
     assert came
 
 
-def test_a_scheduler_of_ones_own(made: Path, undisturbed: list[dict], tmp_path: Path) -> None:
-    assert list(run_study(made, tmp_path / "out", workers=2, scheduler="local").rows) == undisturbed
+def test_a_scheduler_of_ones_own(unfinished: Path, undisturbed: list[dict]) -> None:
+    out = unfinished.parent / "out"
+    assert list(run_study(unfinished, out, workers=2, scheduler="local").rows) == undisturbed
 
 
 def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(
     made: Path, tmp_path: Path
 ) -> None:
     log = tmp_path / "log.jsonl"
-    words = ["--out", str(tmp_path / "out"), "--scheduler", "local", "--workers", "2", "--log", str(log)]
+    words = ["--out", str(tmp_path / "out"), "--scheduler", "local", "--workers", "1", "--log", str(log)]
     run = subprocess.Popen(
         [sys.executable, "-m", "fingerpad", "run", str(made), *words],
         stderr=subprocess.PIPE,

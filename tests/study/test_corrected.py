@@ -25,6 +25,7 @@ from fingerpad.study.measuring.scales import measured_scales, scale_key
 from fingerpad.study.measuring.tasks import photograph_tasks
 
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
+MM_PER_PX = 0.1
 FACES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
 
 
@@ -34,18 +35,17 @@ def folder(tmp_path_factory):
     cv2.imwrite(str(folder / "print.png"), np.rint(TRUTH.pixels).clip(0, 255).astype(np.uint8))
     cv2.imwrite(str(folder / "empty.png"), np.full((300, 300), 200, np.uint8))
     for number, (face, axes) in enumerate(FACES.items()):
-        truth = render_finger(face, semi_axes=axes, seed=number)
+        truth = render_finger(face, semi_axes=axes, mm_per_px=MM_PER_PX, seed=number)
         cv2.imwrite(str(folder / f"{face}.png"), truth.pixels[..., ::-1])
     return folder
 
 
 def study_of():
-    mm_per_px = render_finger("palmar", semi_axes=FACES["palmar"], seed=0).mm_per_px
     contact = {"finger": "f", "wedge_angle_deg": 30, "load_N": 1}
     return Study.model_validate(
         {
             "title": "t",
-            "scales": {"camera": {"mm_per_px": mm_per_px}, "reader": {"ppi": 500}},
+            "scales": {"camera": {"mm_per_px": MM_PER_PX}, "reader": {"ppi": 500}},
             "fingers": [
                 {
                     "name": "f",
@@ -211,7 +211,7 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
     items = [photograph_item(finger, one) for one in finger.photographs]
     assert items[0] == "f/palmar.png"
     log = CorrectionLog(tmp_path)
-    by_hand = {"centre": [400, 380], "semi_axes": [250, 290]}
+    by_hand = {"centre": [200, 190], "semi_axes": [125, 145]}
     log.append(items[0], {"ellipse_px": by_hand}, who="ben", expected=0, study=STUDY)
     log.append(items[2], {"rejected": "nail in view"}, who="ben", expected=0, study=STUDY)
     found = finger_of(finger, scales, folder, tmp_path / "out", log.active_corrections())
@@ -235,7 +235,7 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
     assert found.scale == "camera"
     np.testing.assert_array_equal(joint.semi_axes, found.semi_axes)
     np.testing.assert_array_equal(joint.covariance, found.covariance)
-    assert joint.semi_axes[1] == pytest.approx(290 * scale.mm_per_px, rel=1e-6)
+    assert joint.semi_axes[1] == pytest.approx(145 * scale.mm_per_px, rel=1e-6)
 
 
 def test_points_of_a_photograph_are_edited(folder):

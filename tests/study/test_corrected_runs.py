@@ -9,19 +9,19 @@ from fingerpad.report import write_report
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.manifest import read_study
-from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
 
+pytestmark = pytest.mark.usefixtures("small_pieces")
 ELLIPSE = {"ellipse_px": {"centre": [60, 60], "semi_axes": [40, 30], "orientation_deg": 10}}
 
 
 @pytest.fixture
-def manifest(small_study: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(sequences, "_LEAST_PIECE", 5)
-    return copy(small_study, tmp_path / "study")
+def manifest(small_run: Path, tmp_path: Path) -> Path:
+    """Return the manifest of a study with the results of a run in ``out``."""
+    return copy(small_run, tmp_path / "study")
 
 
 def decide(manifest: Path, item: str, change: dict) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.study.small_study import FRAMES, PICTURES, copy, run_here
+from tests.study.small_study import FRAMES, PICTURES, PIECE, copy, copy_unfinished, run_here
 from tests.waiting import wait_until
 
 from fingerpad.exceptions import FingerpadError, StoreError
@@ -22,18 +22,12 @@ from fingerpad.study.engine import store as store_module
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.worker import POOL
-from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
 ITEMS = PICTURES + 3  # two photographs and a film
-
-
-@pytest.fixture
-def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sequences, "_LEAST_PIECE", 5)
 
 
 @pytest.fixture(scope="module")
@@ -52,17 +46,30 @@ def manifest(small_study: Path, tmp_path: Path) -> Path:
     return copy(small_study, tmp_path / "study")
 
 
+@pytest.fixture
+def finished(small_run: Path, tmp_path: Path) -> Path:
+    """Return the manifest of a study with the results of a run in ``out``."""
+    return copy(small_run, tmp_path / "study")
+
+
+@pytest.fixture
+def unfinished(small_run: Path, tmp_path: Path) -> Path:
+    """Return the manifest of a study whose run had yet to measure the pictures and the film."""
+    return copy_unfinished(small_run, tmp_path / "study", "o", "p")
+
+
 def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
     return list(run_study(manifest, out, **options).rows)
 
 
-def test_a_film_in_pieces_gives_the_rows_of_the_whole(
-    manifest: Path, undisturbed: list[dict], tmp_path: Path
-) -> None:
-    assert rows(manifest, tmp_path / "out") == undisturbed
-    with Store.reading(tmp_path / "out" / STORE_NAME) as store:
+def test_a_film_in_pieces_gives_the_rows_of_the_whole(finished: Path, undisturbed: list[dict]) -> None:
+    out = finished.parent / "out"
+    with Store.reading(out / STORE_NAME) as store:
         pieces = [name for name in store.statuses() if name.startswith("p frames")]
-    assert len(pieces) == -(-FRAMES // 5)
+    assert len(pieces) == -(-FRAMES // PIECE)
+    reported: list[Progress] = []
+    assert rows(finished, out, on_progress=reported.append) == undisturbed
+    assert [one.status for one in reported] == ["started", "written"]
 
 
 def test_two_processes_and_a_tiff_give_the_rows_of_one(
@@ -113,10 +120,16 @@ def workers_of(parent: int) -> list[str]:
     return found.stdout.split()
 
 
+def stored(out: Path) -> int:
+    """Return the number of results in the store, but for the film's header, which no task reports."""
+    with Store.reading(out / STORE_NAME) as store:
+        return len(store.statuses().keys() - {"p header"})
+
+
 @pytest.mark.parametrize("workers", [1, 2])
-def test_an_interrupt_keeps_what_is_in_hand(
-    manifest: Path, undisturbed: list[dict], tmp_path: Path, workers: int
-) -> None:
+def test_an_interrupt_keeps_what_is_in_hand(unfinished: Path, undisturbed: list[dict], workers: int) -> None:
+    out = unfinished.parent / "out"
+    before = stored(out)
     reported: list[Progress] = []
 
     def interrupt(progress: Progress) -> None:
@@ -125,19 +138,16 @@ def test_an_interrupt_keeps_what_is_in_hand(
             os.kill(os.getpid(), signal.SIGINT)
 
     with pytest.raises(KeyboardInterrupt):
-        rows(manifest, tmp_path / "out", workers=workers, on_progress=interrupt)
-    with Store.reading(tmp_path / "out" / STORE_NAME) as store:
-        kept = len(store.statuses().keys() - {"p header"})
+        rows(unfinished, out, workers=workers, on_progress=interrupt)
+    kept = stored(out) - before
     assert kept == len(reported) - 1
     assert 2 <= kept <= 2 + 2 * workers
     again: list[Progress] = []
-    assert rows(manifest, tmp_path / "out", on_progress=again.append) == undisturbed
+    assert rows(unfinished, out, on_progress=again.append) == undisturbed
     assert again[-1].pictures == again[-1].total == PICTURES + 2 + FRAMES
 
 
-def test_a_run_can_be_cancelled_from_another_thread(
-    manifest: Path, undisturbed: list[dict], tmp_path: Path
-) -> None:
+def test_a_run_can_be_cancelled_from_another_thread(unfinished: Path, undisturbed: list[dict]) -> None:
     outcome: list[type[BaseException]] = []
 
     def cancel(progress: Progress) -> None:
@@ -146,7 +156,7 @@ def test_a_run_can_be_cancelled_from_another_thread(
 
     def work() -> None:
         try:
-            rows(manifest, tmp_path / "out", on_progress=cancel)
+            rows(unfinished, unfinished.parent / "out", on_progress=cancel)
         except KeyboardInterrupt as error:
             outcome.append(type(error))
 
@@ -154,7 +164,7 @@ def test_a_run_can_be_cancelled_from_another_thread(
     thread.start()
     thread.join()
     assert outcome == [KeyboardInterrupt]
-    assert rows(manifest, tmp_path / "out") == undisturbed
+    assert rows(unfinished, unfinished.parent / "out") == undisturbed
 
 
 def replaced(path: Path, other: bytes) -> None:
@@ -180,58 +190,58 @@ CHANGES: dict[str, tuple[int, str, Callable[[Path], object]]] = {
 
 @pytest.mark.parametrize(("workers", "name", "change"), CHANGES.values(), ids=CHANGES)
 def test_an_input_that_changes_while_the_run_goes_on(
-    manifest: Path, undisturbed: list[dict], tmp_path: Path, workers: int, name: str, change: Callable
+    small_run: Path, undisturbed: list[dict], tmp_path: Path, workers: int, name: str, change: Callable
 ) -> None:
-    path = manifest.parent / name
+    item = name.partition("/")[0]
+    task = {"film": "p", "palmar.jpg": "g/palmar.jpg"}.get(item, item.removesuffix(".png"))
+    manifest = copy_unfinished(small_run, tmp_path / "study", "o0", task)
+    path, out = manifest.parent / name, manifest.parent / "out"
     before = path.read_bytes()
 
     def disturb(progress: Progress) -> None:
         if progress.status == "started":
             change(path)
 
-    result = run_study(manifest, tmp_path / "out", workers=workers, on_progress=disturb)
-    item = name.partition("/")[0]
+    result = run_study(manifest, out, workers=workers, on_progress=disturb)
     assert any(item in failure and "run again" in failure for failure in result.failures)
-    assert study_status(manifest, tmp_path / "out").done < ITEMS if path.exists() else True
+    assert study_status(manifest, out).done < ITEMS if path.exists() else True
     # The very bytes of before, so that a result of the others under the old key would be found again.
     path.write_bytes(before)
-    assert rows(manifest, tmp_path / "out") == undisturbed
+    assert rows(manifest, out) == undisturbed
 
 
-def test_a_picture_of_the_same_size_and_time(manifest: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+def test_a_picture_of_the_same_size_and_time(finished: Path, undisturbed: list[dict]) -> None:
     """A clock that was set back gives a file a time that it had before."""
-    assert rows(manifest, tmp_path / "out") == undisturbed
-    path = manifest.parent / "o1.png"
+    assert rows(finished, finished.parent / "out") == undisturbed
+    path = finished.parent / "o1.png"
     content = path.read_bytes()
     replaced(path, content[:-40] + bytes(40))
-    assert study_status(manifest, tmp_path / "out").stale == 1
+    assert study_status(finished, finished.parent / "out").stale == 1
     os.utime(path, (1, 1))
-    assert study_status(manifest, tmp_path / "out").stale == 1
+    assert study_status(finished, finished.parent / "out").stale == 1
 
 
 def test_results_do_not_depend_on_the_clock(
-    manifest: Path, undisturbed: list[dict], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    unfinished: Path, undisturbed: list[dict], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Clock:
         now = staticmethod(lambda zone: datetime(2099, 1, 1, tzinfo=zone))
 
-    out = tmp_path / "out"
+    out = unfinished.parent / "out"
     with monkeypatch.context() as patched:
         patched.setattr(store_module, "datetime", Clock)
-        rows(manifest, out)
+        rows(unfinished, out)
     reported: list[Progress] = []
-    assert rows(manifest, out, on_progress=reported.append) == undisturbed
+    assert rows(unfinished, out, on_progress=reported.append) == undisturbed
     assert [one.status for one in reported] == ["started", "written"]
 
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """Give a file system of its own, too small for all that a run writes."""
+    """Give a file system of its own, which can be made too small."""
     disk = tmp_path / "disk"
     disk.mkdir()
-    made = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=300k", "tmpfs", str(disk)], capture_output=True
-    )
+    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=50m", "tmpfs", str(disk)], capture_output=True)
     if made.returncode:
         pytest.skip("mounting a small tmpfs needs rights that this machine does not give")
     try:
@@ -240,61 +250,68 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
         subprocess.run(["umount", "-l", str(disk)], check=True)
 
 
-def test_a_full_disk(manifest: Path, undisturbed: list[dict], small_disk: Path) -> None:
-    out = small_disk / "out"
+def remount(disk: Path, options: str) -> None:
+    subprocess.run(["mount", "-o", f"remount,{options}", str(disk)], check=True)
+
+
+def test_a_full_disk(small_run: Path, undisturbed: list[dict], small_disk: Path) -> None:
+    manifest = copy_unfinished(small_run, small_disk / "study", "o", "p")
+    out = manifest.parent / "out"
+    used = subprocess.run(["du", "-sk", small_disk], capture_output=True, text=True, check=True).stdout
+    remount(small_disk, f"size={int(used.split()[0]) + 300}k")
     with pytest.raises(StoreError, match=r"(?s)make room.*run again"):
         rows(manifest, out)
     kept = study_status(manifest, out)
     assert kept.failed == kept.stale == 0
-    subprocess.run(["mount", "-o", "remount,size=50m", str(small_disk)], check=True)
+    remount(small_disk, "size=50m")
     assert rows(manifest, out) == undisturbed
 
 
 def test_a_full_disk_where_pictures_are_drawn(
-    manifest: Path,
+    unfinished: Path,
     undisturbed: list[dict],
     small_disk: Path,
-    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     request: pytest.FixtureRequest,
 ) -> None:
-    subprocess.run(["mount", "-o", "remount,size=10m", str(small_disk)], check=True)
     monkeypatch.setenv("TMPDIR", str(small_disk))
     POOL.close()  # workers that are started now draw there
     request.addfinalizer(POOL.close)
+    out = unfinished.parent / "out"
 
     def fill(progress: Progress) -> None:
         if progress.item == "o0":
             with suppress(OSError):
-                (small_disk / "full").write_bytes(bytes(20_000_000))
+                (small_disk / "full").write_bytes(bytes(60_000_000))
 
     with pytest.raises(StoreError, match=rf"{small_disk}: the disk is full: make room and run again"):
-        rows(manifest, tmp_path / "out", on_progress=fill)
-    kept = study_status(manifest, tmp_path / "out")
+        rows(unfinished, out, on_progress=fill)
+    kept = study_status(unfinished, out)
     assert kept.failed == 0
     assert 0 < kept.done < kept.total
     (small_disk / "full").unlink()
-    assert rows(manifest, tmp_path / "out") == undisturbed
+    assert rows(unfinished, out) == undisturbed
 
 
-def test_a_folder_that_cannot_be_written(manifest: Path, undisturbed: list[dict], small_disk: Path) -> None:
-    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+def test_a_folder_that_cannot_be_written(finished: Path, undisturbed: list[dict], small_disk: Path) -> None:
+    out = small_disk / "out"
+    remount(small_disk, "ro")
     with pytest.raises(FingerpadError, match=r"cannot (be written|make this folder).*choose another"):
-        rows(manifest, small_disk / "out")
-    subprocess.run(["mount", "-o", "remount,rw,size=50m", str(small_disk)], check=True)
-    assert rows(manifest, small_disk / "out") == undisturbed
-    subprocess.run(["mount", "-o", "remount,ro", str(small_disk)], check=True)
+        rows(finished, out)
+    remount(small_disk, "rw")
+    shutil.copytree(finished.parent / "out", out)
+    assert rows(finished, out) == undisturbed
+    remount(small_disk, "ro")
     with pytest.raises(FingerpadError, match=r"cannot be written.*choose another"):
-        rows(manifest, small_disk / "out")
+        rows(finished, out)
 
 
-def test_the_store_is_damaged_while_the_run_goes_on(
-    manifest: Path, undisturbed: list[dict], tmp_path: Path
-) -> None:
-    store = tmp_path / "out" / STORE_NAME
+def test_the_store_is_damaged_while_the_run_goes_on(unfinished: Path, undisturbed: list[dict]) -> None:
+    out = unfinished.parent / "out"
+    store, done = out / STORE_NAME, study_status(unfinished, out).done
 
     def damage(progress: Progress) -> None:
-        if progress.pictures > FRAMES:
+        if progress.pictures > done + 2:
             for path in (store, store.with_name(STORE_NAME + "-wal")):
                 if path.exists():
                     path.write_bytes(b"damage" * 5000)
@@ -302,7 +319,7 @@ def test_the_store_is_damaged_while_the_run_goes_on(
     # Whether a run sees it or not, a result is right or there is none.
     for options in ({"on_progress": damage}, {}):
         with suppress(StoreError):
-            assert rows(manifest, tmp_path / "out", **options) == undisturbed
+            assert rows(unfinished, out, **options) == undisturbed
     for path in store.parent.glob(f"{STORE_NAME}*"):
         path.unlink()
-    assert rows(manifest, tmp_path / "out") == undisturbed
+    assert rows(unfinished, out) == undisturbed

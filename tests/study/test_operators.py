@@ -16,6 +16,7 @@ from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.verify import verify_study
 
+pytestmark = pytest.mark.usefixtures("small_pieces")
 MM = 25.4 / PPI
 
 
@@ -24,8 +25,9 @@ def ellipse(major: float, minor: float, centre: tuple[float, float] = (60, 60)) 
 
 
 @pytest.fixture
-def manifest(small_study: Path, tmp_path: Path) -> Path:
-    return copy(small_study, tmp_path / "study")
+def manifest(small_run: Path, tmp_path: Path) -> Path:
+    """Return the manifest of a study with the results of a run in ``out``."""
+    return copy(small_run, tmp_path / "study")
 
 
 def decide(manifest: Path, item: str, change: dict, who: str, name: str = "corrections.jsonl") -> None:

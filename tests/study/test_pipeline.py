@@ -124,19 +124,17 @@ def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
         assert row["overlay"] is None or (out / row["overlay"]).is_file()
 
 
-@pytest.fixture
-def copy(tmp_path: Path) -> Path:
-    return Path(shutil.copytree(EXAMPLE, tmp_path / "study"))
-
-
-def test_a_bad_image_costs_its_row_only(copy: Path, tmp_path: Path, demo: tuple[StudyResult, Path]) -> None:
+def test_a_bad_image_costs_its_row_only(
+    run_demo: Path, tmp_path: Path, demo: tuple[StudyResult, Path]
+) -> None:
+    copy = Path(shutil.copytree(run_demo, tmp_path / "study"))
     bad = copy / "synthetic"
     (bad / "synthetic_30deg_1N.png").write_bytes((bad / "synthetic_30deg_1N.png").read_bytes()[:2000])
     (bad / "synthetic_30deg_2N.png").write_text("not a picture")
     Image.fromarray(np.full((300, 300), 255, np.uint8)).save(bad / "synthetic_30deg_4N.png")
     Image.fromarray(np.full((300, 300, 3), 200, np.uint8)).save(bad / "photograph_palmar.jpg")
     (bad / "curve_30deg_10mm_per_s.csv").write_text("force_N\n1\n")
-    result = run_study(copy / "study.toml", tmp_path / "out")
+    result = run_study(copy / "study.toml", copy / "results")  # the others are there already
     rows = {row["observation"]: row for row in result.rows if row["frame"] is None}
     untouched = {row["observation"]: row for row in demo[0].rows}
     for load in ("1N", "2N", "4N"):
@@ -155,9 +153,10 @@ def test_a_bad_image_costs_its_row_only(copy: Path, tmp_path: Path, demo: tuple[
 
 
 def single_row(folder: Path, rows: str) -> Path:
+    """Write a study of angles known so well that few random draws check the uncertainty."""
     manifest = folder / "study.toml"
     manifest.write_text(
-        'title = "T"\n[[fingers]]\nname = "f"\n'
+        'title = "T"\n[uncertainty]\nwedge_angle_deg_std = 0.3\n[[fingers]]\nname = "f"\n'
         "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
         "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + rows
     )
@@ -269,10 +268,10 @@ def test_study_through_a_link(tmp_path: Path) -> None:
     assert set(result.provenance["inputs_sha256"]) == {"study.toml"}
 
 
-def test_a_study_of_failures_still_reports(copy: Path, tmp_path: Path) -> None:
-    manifest = copy / "study.toml"
+def test_a_study_of_failures_still_reports(tmp_path: Path) -> None:
+    manifest = tmp_path / "study.toml"
     manifest.write_text(
-        'title = "T"\n[[fingers]]\nname = "f"\n'
+        'title = "T"\n[uncertainty]\nwedge_angle_deg_std = 0.3\n[[fingers]]\nname = "f"\n'
         "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
         "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
         '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 0\nload_N = 1\n'

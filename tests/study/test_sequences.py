@@ -67,14 +67,15 @@ def untouched(press: SyntheticSequence, tmp_path_factory: pytest.TempPathFactory
     return folder
 
 
-@pytest.fixture
-def film(untouched: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(untouched, tmp_path / "study"))
-
-
 @pytest.fixture(scope="module")
 def plain(untouched: Path) -> StudyResult:
     return run(untouched, ("p", CLOCK))
+
+
+@pytest.fixture
+def film(untouched: Path, plain: StudyResult, tmp_path: Path) -> Path:
+    """Return the folder of a study with the results of the plain run in ``out``."""
+    return Path(shutil.copytree(untouched, tmp_path / "study"))
 
 
 def run(folder: Path, *sequences: tuple[str, str], more: str = "") -> StudyResult:

@@ -28,8 +28,11 @@ from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 
+# Angles known so well that few random draws check the uncertainty.
 MANIFEST = """
 title = "T"
+[uncertainty]
+wedge_angle_deg_std = 0.3
 [[fingers]]
 name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
@@ -56,11 +59,35 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def whole(pictures: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[dict]]:
+    """Return a study with the results of a run in ``out``, which no test may change, and the run's rows."""
+    folder = tmp_path_factory.mktemp("whole")
+    shutil.copytree(pictures, folder, dirs_exist_ok=True)
+    write(folder)
+    measured, rows = run(folder)
+    assert measured == [f"o{k}" for k in range(COUNT)]
+    return folder, rows
+
+
 @pytest.fixture
-def folder(pictures: Path, tmp_path: Path) -> Path:
+def fresh(pictures: Path, tmp_path: Path) -> Path:
+    """Return the folder of a study that was not run."""
     shutil.copytree(pictures, tmp_path, dirs_exist_ok=True)
     write(tmp_path)
     return tmp_path
+
+
+@pytest.fixture
+def folder(whole: tuple[Path, list[dict]], tmp_path: Path) -> Path:
+    """Return the folder of a study with the results of a run in ``out``."""
+    shutil.copytree(whole[0], tmp_path, dirs_exist_ok=True)
+    return tmp_path
+
+
+@pytest.fixture
+def rows(whole: tuple[Path, list[dict]]) -> list[dict]:
+    return whole[1]
 
 
 def write(folder: Path, more: dict[int, str] | None = None, load: float = 1.0) -> None:
@@ -78,11 +105,8 @@ def run(folder: Path, **options: object) -> tuple[list[str], list[dict]]:
     return sorted(measured), list(result.rows)
 
 
-def test_a_second_run_measures_nothing_and_says_the_same(folder: Path) -> None:
-    first, rows = run(folder)
-    again, same = run(folder)
-    assert (first, again) == ([f"o{k}" for k in range(COUNT)], [])
-    assert same == rows
+def test_a_second_run_measures_nothing_and_says_the_same(folder: Path, rows: list[dict]) -> None:
+    assert run(folder) == ([], rows)
     assert study_status(folder / "study.toml", folder / "out").done == COUNT
 
 
@@ -96,37 +120,32 @@ def test_a_second_run_measures_nothing_and_says_the_same(folder: Path) -> None:
     ],
 )
 def test_only_what_bears_on_the_picture_is_measured_again(folder: Path, more: dict, expected: list) -> None:
-    run(folder)
     write(folder, more)
     assert study_status(folder / "study.toml", folder / "out").stale == len(expected)
     assert run(folder)[0] == expected
 
 
-def test_a_changed_load_changes_the_row_without_measuring(folder: Path) -> None:
-    _, before = run(folder)
+def test_a_changed_load_changes_the_row_without_measuring(folder: Path, rows: list[dict]) -> None:
     write(folder, load=2.0)
     measured, after = run(folder)
     assert measured == []
     assert [row["load_N"] for row in after] == [2.0] * COUNT
-    assert after[0]["reduced_modulus_kpa"] == pytest.approx(2 * before[0]["reduced_modulus_kpa"])
+    assert after[0]["reduced_modulus_kpa"] == pytest.approx(2 * rows[0]["reduced_modulus_kpa"])
 
 
 def test_a_replaced_picture_is_measured_again_and_a_touched_one_is_not(folder: Path) -> None:
-    run(folder)
     os.utime(folder / "o0.png", (1, 1))
     shutil.copy(folder / "o2.png", folder / "o1.png")
     assert run(folder)[0] == ["o1"]
 
 
 def test_a_lost_overlay_is_drawn_again(folder: Path) -> None:
-    run(folder)
     (folder / "out" / "overlays" / "o3.png").unlink()
     assert run(folder)[0] == ["o3"]
     assert (folder / "out" / "overlays" / "o3.png").is_file()
 
 
 def test_fresh_measures_everything(folder: Path) -> None:
-    run(folder)
     assert len(run(folder, force=True)[0]) == COUNT
 
 
@@ -143,7 +162,6 @@ def test_a_failed_picture_is_kept_as_failed_until_it_is_mended(folder: Path) -> 
 
 
 def test_pictures_of_removed_observations_do_not_stay(folder: Path) -> None:
-    run(folder)
     text = (folder / "study.toml").read_text()
     (folder / "study.toml").write_text(text[: text.rindex("[[observations]]")])
     run(folder)
@@ -151,9 +169,8 @@ def test_pictures_of_removed_observations_do_not_stay(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("wanted", [1, 3])
-def test_a_killed_run_loses_no_row_and_doubles_none(folder: Path, wanted: int) -> None:
-    _, undisturbed = run(folder)
-    shutil.rmtree(folder / "out")
+def test_a_killed_run_loses_no_row_and_doubles_none(fresh: Path, rows: list[dict], wanted: int) -> None:
+    folder = fresh
     command = [
         sys.executable,
         "-m",
@@ -167,29 +184,28 @@ def test_a_killed_run_loses_no_row_and_doubles_none(folder: Path, wanted: int) -
     assert wait_until(lambda: len(list((folder / "out" / ".drawn").glob("*.png"))) >= wanted)
     process.send_signal(signal.SIGKILL)
     process.wait()
-    measured, rows = run(folder)
+    measured, again = run(folder)
     assert len(measured) <= COUNT - wanted + 1
-    assert rows == undisturbed
+    assert again == rows
 
 
-def test_two_runs_at_once(folder: Path) -> None:
-    (folder / "out").mkdir()
-    with FileLock(folder / "out" / "store.lock"):
-        result = CliRunner().invoke(app, ["run", str(folder / "study.toml"), "--out", str(folder / "out")])
+def test_two_runs_at_once(fresh: Path) -> None:
+    (fresh / "out").mkdir()
+    with FileLock(fresh / "out" / "store.lock"):
+        result = CliRunner().invoke(app, ["run", str(fresh / "study.toml"), "--out", str(fresh / "out")])
     assert result.exit_code == 2
     assert "another run writes here" in result.stderr
 
 
-def test_a_store_that_is_none(folder: Path) -> None:
-    (folder / "out").mkdir()
-    (folder / "out" / STORE_NAME).write_bytes(b"not a database" * 100)
+def test_a_store_that_is_none(fresh: Path) -> None:
+    (fresh / "out").mkdir()
+    (fresh / "out" / STORE_NAME).write_bytes(b"not a database" * 100)
     with pytest.raises(StoreError, match="damaged or no store .* move it away and run again"):
-        run(folder)
-    assert (folder / "out" / STORE_NAME).read_bytes() == b"not a database" * 100
+        run(fresh)
+    assert (fresh / "out" / STORE_NAME).read_bytes() == b"not a database" * 100
 
 
 def test_a_damaged_store(folder: Path) -> None:
-    run(folder)
     path = folder / "out" / STORE_NAME
     content = bytearray(path.read_bytes())
     content[4096 : 4096 + 2000] = bytes(2000)
@@ -222,7 +238,6 @@ FOREIGN: dict[str, tuple[Callable[[Path], object], str]] = {
 def test_a_store_that_this_version_did_not_write_is_left_alone(
     folder: Path, change: Callable[[Path], object], words: str
 ) -> None:
-    run(folder)
     path = folder / "out" / STORE_NAME
     change(path)
     before = path.read_bytes()
@@ -243,7 +258,6 @@ def snapshot(folder: Path) -> dict[str, tuple[int, bytes]]:
 @pytest.mark.parametrize("state", ["finished", "killed", "at work"])
 def test_status_writes_nothing(folder: Path, state: str) -> None:
     out = folder / "out"
-    run(folder)
     if state != "finished":
         (folder / "o1.png").write_bytes((folder / "o2.png").read_bytes())
         pid = os.fork()
@@ -270,8 +284,7 @@ def test_status_writes_nothing(folder: Path, state: str) -> None:
         os.waitpid(pid, 0)
 
 
-def test_a_damaged_result_is_measured_again_and_named(folder: Path) -> None:
-    _, rows = run(folder)
+def test_a_damaged_result_is_measured_again_and_named(folder: Path, rows: list[dict]) -> None:
     connection = sqlite3.connect(folder / "out" / STORE_NAME)
     change = """replace(record, '"semi_major_mm": 4', '"semi_major_mm": 6')"""
     connection.execute(f"UPDATE result SET record = {change} WHERE task = 'o2'")
@@ -291,8 +304,7 @@ def test_a_damaged_result_is_measured_again_and_named(folder: Path) -> None:
     assert study_status(folder / "study.toml", folder / "out").faults == ()
 
 
-def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path) -> None:
-    _, rows = run(folder)
+def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path, rows: list[dict]) -> None:
     path = folder / "out" / STORE_NAME
     whole = path.read_bytes()
     rng = np.random.default_rng(8)
@@ -308,13 +320,13 @@ def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path) -> None:
             other.unlink()
 
 
-def test_status_for_scripts(folder: Path) -> None:
-    command = ["status", str(folder / "study.toml"), "--out", str(folder / "out"), "--json"]
+def test_status_for_scripts(fresh: Path) -> None:
+    command = ["status", str(fresh / "study.toml"), "--out", str(fresh / "out"), "--json"]
     before = json.loads(CliRunner().invoke(app, command).stdout)
     assert (before["left"], before["total"], before["seconds_left"]) == (COUNT, COUNT, None)
-    run(folder)
+    run(fresh)
     whole = json.loads(CliRunner().invoke(app, command).stdout)["seconds"]
-    write(folder, {0: "threshold = 50"})
+    write(fresh, {0: "threshold = 50"})
     after = json.loads(CliRunner().invoke(app, command).stdout)
     assert {key: after[key] for key in ("done", "failed", "stale", "left", "total")} == {
         "done": COUNT - 1,
@@ -341,9 +353,9 @@ def test_the_store_keeps_numbers_to_the_last_digit(tmp_path: Path) -> None:
     assert (found["words"], found["none"]) == (record["words"], None)
 
 
-def test_the_log_of_runs(folder: Path) -> None:
-    log = folder / "run.jsonl"
-    command = ["run", str(folder / "study.toml"), "--out", str(folder / "out"), "--log"]
+def test_the_log_of_runs(fresh: Path) -> None:
+    log = fresh / "run.jsonl"
+    command = ["run", str(fresh / "study.toml"), "--out", str(fresh / "out"), "--log"]
     for _ in range(2):
         assert CliRunner().invoke(app, [*command, str(log)]).exit_code == 0
     lines = [json.loads(line) for line in log.read_text().splitlines()]

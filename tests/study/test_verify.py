@@ -8,22 +8,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.study.small_study import copy
+from tests.study.small_study import PIECE, copy
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
+from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 
 
 @pytest.fixture(scope="module")
-def finished(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def finished(small_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study") / "study"
-    manifest = copy(small_study, folder)
+    manifest = copy(small_run, folder)
     study = read_study(manifest)
     CorrectionLog(folder).append("o1", {"accepted": True}, who="anna", expected=0, study=study)
-    run_study(manifest, folder / "out")
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(sequences, "_LEAST_PIECE", PIECE)
+        run_study(manifest, folder / "out")
     return folder
 
 

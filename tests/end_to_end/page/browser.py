@@ -9,12 +9,16 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 from playwright.sync_api import Browser, Locator, Page, Request, Route
 from tests.web.conftest import TOKEN, serving
 
+from fingerpad.exceptions import FingerpadError
+from fingerpad.web.app import listening
 from fingerpad.web.security import START
 from fingerpad.web.workspace import Workspace
 
@@ -38,9 +42,24 @@ def served(folder: Path, study: Path | None = None) -> Iterator[Served]:
     workspace = Workspace(folder)
     if study is not None:
         workspace.open_folder(study)
-    with serving(workspace) as client:
+    with serving(workspace, port=_free_port()) as client:
         host = str(client.base_url).rstrip("/")
         yield Served(f"{host}{START}?token={TOKEN}", host)
+
+
+@cache
+def _usual_port() -> int:
+    with listening(0) as listener:
+        return listener.getsockname()[1]
+
+
+def _free_port() -> int:
+    """Return the port of the servers before, if free: a browser keeps the page's files of one address."""
+    try:
+        with listening(_usual_port()):
+            return _usual_port()
+    except FingerpadError:
+        return 0
 
 
 @contextmanager
@@ -61,27 +80,44 @@ def launched(study: Path) -> Iterator[tuple[Served, subprocess.Popen]]:
         process.communicate()
 
 
+# Tabs that tests are done with, by browser: to open another takes four times as long as to empty one.
+_IDLE: WeakKeyDictionary[Browser, list[Page]] = WeakKeyDictionary()
+_VIEWPORT = {"width": 1280, "height": 800}
+
+
+# The page may still be at work, and must store nothing any more.
+_EMPTY_STORES = """() => {
+  Storage.prototype.setItem = () => {};
+  localStorage.clear();
+  sessionStorage.clear();
+}"""
+
+
 class Tab:
     """A tab of the browser, and what it heard."""
 
     def __init__(self, browser: Browser, server: Served, **options) -> None:
         self.server = server
-        self.context = browser.new_context(
-            viewport={"width": 1280, "height": 800}, reduced_motion="reduce", **options
-        )
-        self.page: Page = self.context.new_page()
+        self.idle = None if options else _IDLE.setdefault(browser, [])
+        if self.idle:
+            self.page: Page = self.idle.pop()
+        else:
+            context = browser.new_context(viewport=_VIEWPORT, reduced_motion="reduce", **options)
+            self.page = context.new_page()
+        self.context = self.page.context
         self.page.set_default_timeout(PATIENCE_MS)
         self.said: list[str] = []
         self.asked: list[str] = []
         self.expected: list[str] = []
-        self.page.on(
-            "console",
-            lambda m: (
+        self.heard = {
+            "console": lambda m: (
                 self.said.append(f"{m.text} {m.location['url']}") if m.type in ("error", "warning") else None
             ),
-        )
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.on("request", lambda request: self.asked.append(request.url))
+            "pageerror": lambda error: self.said.append(str(error)),
+            "request": lambda request: self.asked.append(request.url),
+        }
+        for event, hear in self.heard.items():
+            self.page.on(event, hear)
 
     def open(self, step: str = "study") -> Page:
         self.page.goto(self.server.address)
@@ -90,21 +126,49 @@ class Tab:
             self.go(step)
         return self.page
 
-    def go(self, step: str) -> None:
+    def go(self, step: str) -> Page:
         """Go to a step, and wait until it is the one that hears keys."""
         self.page.evaluate("step => { location.hash = `#/${step}` }", step)
         self.page.locator(f"#work.view-{step.partition('/')[0]}").wait_for()
+        return self.page
 
     def off_host(self) -> list[str]:
         return [url for url in self.asked if not url.startswith((self.server.host, "data:", "blob:"))]
 
     def close(self) -> None:
-        self.context.close()
+        if self.idle is None:
+            self.context.close()
+        else:
+            self._empty()
+            self.idle.append(self.page)
+        self.judge()
+
+    def judge(self) -> None:
+        """Judge what was heard since the last time."""
         unexpected = [
             words for words in self.said if not any(re.search(each, words) for each in self.expected)
         ]
+        abroad = self.off_host()
+        for heard in (self.said, self.asked, self.expected):
+            heard.clear()
         assert not unexpected, unexpected
-        assert not self.off_host(), self.off_host()
+        assert not abroad, abroad
+
+    def _empty(self) -> None:
+        """Leave nothing of a test to the next."""
+        for page in self.context.pages:
+            if page != self.page:
+                page.close()
+        self.context.unroute_all(behavior="ignoreErrors")
+        self.page.unroute_all(behavior="ignoreErrors")
+        if self.page.url.startswith(self.server.host):
+            self.page.evaluate(_EMPTY_STORES)
+        self.page.goto("about:blank")
+        for event, hear in self.heard.items():
+            self.page.remove_listener(event, hear)
+        self.context.clear_cookies()
+        self.page.set_viewport_size(_VIEWPORT)
+        self.page.mouse.move(0, 0)
 
 
 class Late:

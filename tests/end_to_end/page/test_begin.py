@@ -12,7 +12,6 @@ from tests.waiting import wait_until
 
 from fingerpad.simulate import render_coin
 
-FACES = [DEMO / "synthetic" / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (0.5, 2, 4)]
 PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
   && !document.querySelector('.stage.waiting')"""
@@ -47,11 +46,12 @@ def say_scale(page, name: str, way: str, field: str, value: str) -> None:
     page.get_by_role("heading", name=f"Scale {name}").wait_for()
 
 
-def test_six_files_become_a_plot(empty_tab: Tab) -> None:
+def test_six_files_become_a_plot(empty_tab: Tab, written_example) -> None:
     page = empty_tab.open()
     begin(page)
     page.get_by_role("heading", name="Missing").wait_for()
-    page.set_input_files("input[type=file][multiple]", FACES + CONTACTS)
+    photographs = [written_example / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
+    page.set_input_files("input[type=file][multiple]", [*photographs, *CONTACTS])
     page.get_by_role("heading", name="6 new files").wait_for()
     assert page.get_by_label("Face on photograph_distal.jpg").input_value() == "distal"
     assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "4"
@@ -73,7 +73,7 @@ def test_six_files_become_a_plot(empty_tab: Tab) -> None:
     page.get_by_text("6 files added.").wait_for()  # once all are looked at
     page.locator("h1").click()
     page.keyboard.press("2")
-    say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.05")
+    say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.1")
     assert page.get_by_role("link", name="Run the study").count() == 0
     say_scale(page, "reader", "ppi", "Pixels per inch", "500")
     page.get_by_role("link", name="Run the study").wait_for()  # the last that was missing

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from tests.end_to_end.page.browser import Tab, served
-from tests.end_to_end.page.test_begin import CONTACTS, FACES, begin, paste
+from tests.end_to_end.page.test_begin import CONTACTS, begin, paste
 from tests.end_to_end.page.test_conduct import AXE, JUDGE
 
 from fingerpad.simulate import render_coin
@@ -18,15 +18,16 @@ LOOKED = re.compile("was read from its content")
 
 
 @pytest.fixture
-def plain_names(tmp_path):
+def plain_names(written_example, tmp_path):
     """Two faces, three contact images and a coin, under the names of a camera."""
-    paths = [FACES[0], FACES[2], *CONTACTS]
+    faces = [written_example / f"photograph_{face}.jpg" for face in ("palmar", "radial")]
+    paths = [*faces, *CONTACTS]
     named = [
         Path(shutil.copy(path, tmp_path / f"IMG_{number:04}{path.suffix}"))
         for number, path in enumerate(paths, 31)
     ]
-    # 23.25 mm, at the scale of the photographs, 0.05 mm per pixel.
-    coin = render_coin(radius=232.5, shape=(640, 640), seed=3).pixels
+    # 23.25 mm, at the scale of the photographs, 0.1 mm per pixel.
+    coin = render_coin(radius=116.25, shape=(320, 320), seed=3).pixels
     Image.fromarray(coin).save(tmp_path / "IMG_0036.png")
     return [*named, tmp_path / "IMG_0036.png"]
 
@@ -87,10 +88,13 @@ def test_a_doubtful_guess_is_asked(empty_tab: Tab, tmp_path) -> None:
     assert [one["file"] for one in manifest_of(empty_tab)["observations"]] == ["uploads/IMG_1.png"]
 
 
-def test_the_resolution_that_a_contact_image_states_is_a_guess(empty_tab: Tab, tmp_path) -> None:
+def test_the_resolution_that_a_contact_image_states_is_a_guess(
+    empty_tab: Tab, written_example, tmp_path
+) -> None:
     page = empty_tab.open()
     begin(page)
-    stated = {"IMG_1.png": (CONTACTS[0], 500), "IMG_2.png": (CONTACTS[1], 72), "IMG_3.jpg": (FACES[0], 300)}
+    palmar = written_example / "photograph_palmar.jpg"
+    stated = {"IMG_1.png": (CONTACTS[0], 500), "IMG_2.png": (CONTACTS[1], 72), "IMG_3.jpg": (palmar, 300)}
     for name, (path, ppi) in stated.items():
         Image.open(path).save(tmp_path / name, dpi=(ppi, ppi))
     drop(page, [tmp_path / name for name in stated])
@@ -116,7 +120,7 @@ def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path)
     sheet = tmp_path / "details.csv"
     sheet.write_text(
         "Picture;Subject;Digit;Theta (deg);Load (mN);mm/px;Mood\n"
-        "IMG_0031.JPG;S7;LI;;;0,05;\nIMG_0033;S7;LI;30;500;0,0508;calm\nIMG_0034;S8;RI;45;2 N;0,0508;\n"
+        "IMG_0031.JPG;S7;LI;;;0,1;\nIMG_0033;S7;LI;30;500;0,0508;calm\nIMG_0034;S8;RI;45;2 N;0,0508;\n"
         "IMG_0099;S8;RI;45;4000;0,0508;\n"
     )
     page.set_input_files("input[type=file][multiple]", sheet)

@@ -2,7 +2,11 @@
 
 import json
 import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
 
+import pytest
 from tests.end_to_end.page.browser import (
     Late,
     Tab,
@@ -16,7 +20,17 @@ from tests.end_to_end.page.browser import (
     stroke,
 )
 
-ITEM = "synthetic_pad/synthetic/photograph_palmar.jpg"
+
+@pytest.fixture(scope="module")
+def same_files(run_demo, tmp_path_factory) -> Path:
+    return Path(shutil.copytree(run_demo, tmp_path_factory.mktemp("photographs") / "demo"))
+
+
+@pytest.fixture
+def demo(same_files) -> Iterator[Path]:
+    """The study without corrections; fits of its photographs, the same files each time, are cached."""
+    yield same_files
+    (same_files / "corrections.jsonl").unlink(missing_ok=True)
 
 
 def last_change(demo) -> dict:

@@ -13,11 +13,23 @@ def reading(run_demo, tmp_path_factory):
         yield server
 
 
-@pytest.fixture
-def tab(browser, reading):
+@pytest.fixture(scope="module")
+def opened(browser, reading):
+    """One tab on it, opened once."""
     tab = Tab(browser, reading)
+    tab.open("run")
     yield tab
     tab.close()
+
+
+@pytest.fixture
+def tab(opened):
+    """The tab, in a view that no test looks at; what it heard is judged after each test."""
+    opened.go("run")
+    yield opened
+    opened.page.unroute_all(behavior="ignoreErrors")
+    opened.page.mouse.move(0, 0)
+    opened.judge()
 
 
 def test_pad_is_drawn_by_webgl(webgl_browser, reading) -> None:
@@ -29,7 +41,7 @@ def test_pad_is_drawn_by_webgl(webgl_browser, reading) -> None:
 
 
 def test_pad_turns_with_its_angles_by_slider_and_by_key(tab: Tab) -> None:
-    page = tab.open("pad")
+    page = tab.go("pad")
     assert numbers(page, "u").startswith("45.2 ± 3.5")
     was = numbers(page, "u")
     page.get_by_label("Wedge angle θ", exact=True).fill("45")
@@ -50,7 +62,7 @@ def test_pad_turns_with_its_angles_by_slider_and_by_key(tab: Tab) -> None:
 
 
 def test_pad_is_drawn_in_svg_where_webgl_is_missing(tab: Tab) -> None:
-    page = tab.open("pad")
+    page = tab.go("pad")
     numbers(page, "u")
     assert page.locator(".pad-scene").get_attribute("data-drawn") == "svg"
     assert page.locator(".pad-scene .surface path").count() > 500
@@ -58,7 +70,7 @@ def test_pad_is_drawn_in_svg_where_webgl_is_missing(tab: Tab) -> None:
 
 
 def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
-    page = tab.open("results")
+    page = tab.go("results")
     page.locator(".chart .scatterlayer .point").first.wait_for()
     cards = page.locator(".plot-card")
     assert cards.count() == 6
@@ -79,7 +91,7 @@ def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
 
 
 def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
-    page = tab.open("results")
+    page = tab.go("results")
     page.locator("h1").click()
     page.keyboard.press("t")
     page.get_by_text("34 of 34 rows").wait_for()
@@ -103,7 +115,7 @@ def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
 
 @pytest.mark.parametrize(("left", "then"), [("plot", "table"), ("rows", "plot"), ("budget", "audit")])
 def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: str) -> None:
-    page = tab.open("pad")
+    page = tab.go("pad")
     late = Late(page, f"**/api/results/{left}*")
     tab.go("results/table" if left == "rows" else f"results/{left}")
     late.wait()
@@ -117,7 +129,7 @@ def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: s
 
 def test_figure_for_publication(tab: Tab) -> None:
     tab.expected.append("422")
-    page = tab.open("results/figures")
+    page = tab.go("results/figures")
     page.get_by_label("Show", exact=True).select_option("corrected_radius")
     page.get_by_role("button", name="Size, axes and colours of").first.click()
     dialog = page.locator("dialog.figure-settings")
@@ -148,7 +160,7 @@ def test_figure_for_publication(tab: Tab) -> None:
     ],
 )
 def test_a_chart_leads_to_its_figure(tab: Tab, view: str, choice: str, figure: str) -> None:
-    page = tab.open(view)
+    page = tab.go(view)
     if choice:
         page.get_by_label("Against load", exact=True).select_option(choice)
     page.get_by_role("button", name=f"Size, axes and colours of {figure}").click()
@@ -160,7 +172,7 @@ def test_a_chart_leads_to_its_figure(tab: Tab, view: str, choice: str, figure: s
 
 
 def test_a_chart_without_a_figure_leads_nowhere(tab: Tab) -> None:
-    page = tab.open("results/plot")
+    page = tab.go("results/plot")
     page.get_by_role("button", name="Size, axes and colours of").first.wait_for()
     page.get_by_label("Against load", exact=True).select_option("indentation")
     page.locator(".plot-card").first.wait_for()
@@ -168,7 +180,7 @@ def test_a_chart_without_a_figure_leads_nowhere(tab: Tab) -> None:
 
 
 def test_figures_budget_and_audit(tab: Tab) -> None:
-    page = tab.open("results/figures")
+    page = tab.go("results/figures")
     page.get_by_label("Show", exact=True).select_option("corrected_radius")
     figure = page.locator("figure img").first
     figure.wait_for()
