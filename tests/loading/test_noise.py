@@ -188,6 +188,18 @@ def test_drift_is_found_only_where_it_is_looked_for_and_is_then_uncertain_too() 
     assert noise_uncertainty(plain, residuals, jacobians).names == white
 
 
+def test_rounding_does_not_decide_the_noise() -> None:
+    start, (force, area), jacobians = white_record(1)
+    rng = np.random.default_rng(2)
+    force = force + np.repeat(rng.normal(0, 0.02, 10), 20)
+    found = []
+    for _ in range(5):
+        rounded = [one * (1 + 1e-13 * rng.standard_normal(one.size)) for one in (force, area)]
+        noise = estimate_noise(start, (rounded[0], rounded[1]), jacobians)
+        found.append([getattr(noise, name) for name in ("force_std", "displacement_std", "drift_std")])
+    assert_allclose(found, [found[0]] * 5, rtol=1e-5)
+
+
 def test_of_likely_drifts_the_least_favourable_is_taken() -> None:
     """A random walk that 1/f noise fits as well, whose slow part is a tenth: it would be understated."""
     start, (force, area), jacobians = white_record(11)

@@ -124,11 +124,12 @@ def test_a_process_that_dies_once_costs_nothing(tmp_path: Path) -> None:
 
 
 def test_a_task_that_never_ends_is_ended_and_tried_again_only_with_more_time(tmp_path: Path) -> None:
-    found = records(tmp_path, endless, process, limits=Limits(seconds=0.5))
-    assert found[0]["reason"].startswith("file 0: measuring it takes longer than 0.5 s")
+    # On a busy machine a new process takes seconds to import the work itself.
+    found = records(tmp_path, endless, process, limits=Limits(seconds=6))
+    assert found[0]["reason"].startswith("file 0: measuring it takes longer than 6 s")
     assert "reason" not in found[1]
     # Whether a task is performed again shows in what another work makes of it.
-    assert records(tmp_path, process, process, limits=Limits(seconds=0.4)) == found
+    assert records(tmp_path, process, process, limits=Limits(seconds=5)) == found
     assert "reason" not in records(tmp_path, process, process, limits=Limits(seconds=60))[0]
 
 

@@ -20,8 +20,8 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._display import Displayed
 from fingerpad.loading.drift import Drift
 
-# A log-likelihood need not be known better than to a few hundredths.
-_ENOUGH: Final[Any] = {"ftol": 1e-6, "gtol": 1e-3}
+# Its derivatives come from differences: by smaller steps rounding decides where the search ends.
+_SEARCH: Final[Any] = {"eps": 1e-4, "ftol": 1e-12, "gtol": 1e-5}
 _WHITE: Final = ("force_std", "displacement_std", "area_std")
 _DRIFT: Final = ("drift_std", "drift_time")
 _LOG_STEP = 0.1
@@ -236,7 +236,7 @@ def _maximise_likelihood(
         np.array(start),
         method="L-BFGS-B",
         bounds=bounds,
-        options=_ENOUGH,
+        options=_SEARCH,
     )
     return _with_logs(first, names, found.x), float(found.fun) + len(names)
 

@@ -193,7 +193,7 @@ def test_apparatus_is_stated_for_the_methods_section(tab: Tab, demo) -> None:
     card.get_by_label("Force sensor").fill('a "six-axis" sensor')
     card.get_by_label("Dwell before the image").fill("2.5")
     card.get_by_label("Platen").click()
-    page.wait_for_function("document.querySelector('[aria-label=Apparatus] details').open")
+    page.wait_for_function("() => document.querySelector('[aria-label=Apparatus] details').open")
     stated = {"force_sensor": 'a "six-axis" sensor', "dwell_s": 2.5}
 
     def kept() -> bool:
