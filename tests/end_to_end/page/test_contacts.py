@@ -12,6 +12,7 @@ from playwright.sync_api import expect
 from tests.end_to_end.page.browser import (
     DEMO,
     PRINTS,
+    Late,
     Tab,
     changed,
     drag,
@@ -447,18 +448,20 @@ def test_limits_of_phases_are_moved_by_hand(tab: Tab, demo) -> None:
         "after a look at force and area",
     )
     assert {one["phase"]: one["start_s"] for one in record["change"]["phases"]["starts"]}["hold"] == moved
-    # By keys, no further than the next limit.
+    # By keys, no further than the next limit, while the answer to the move before is still to come.
+    late = Late(page, "**/api/corrections", lambda asked: asked.method == "POST")
     hold.focus()
     hold.press("ArrowLeft")
     hold.press("ArrowLeft")
     hold.press("Tab")
-    page.wait_for_function("() => document.querySelectorAll('.limits .limit').length === 4")
+    late.wait()
     earlier = float(hold.get_attribute("aria-valuenow"))
     assert moved - 0.15 < earlier < moved
     hold.press("End")
-    hold.blur()
     ends = page.get_by_role("slider", name="Start of unloading").get_attribute("aria-valuenow")
+    late.let_go()
     assert hold.get_attribute("aria-valuenow") == ends
+    hold.blur()
     reason = page.get_by_label("Reason of the phases")
     reason.fill("the pad slipped")
     reason.press("Enter")

@@ -17,9 +17,11 @@ export class PhaseLimits {
   #corrections = null;
   /** @type {PhaseStart[]} */
   #found = [];
-  /** @type {PhaseStart[] | null} while a limit is moved */
+  /** @type {PhaseStart[] | null} while a limit is moved, and until that is saved */
   #moved = null;
   #timer = null;
+  #dragged = false;
+  #saves = 0;
   /** @type {{ x: (time: number) => number, time: (x: number) => number, ends: number[], top: number,
    *   bottom: number, height: number, step: number } | null} */
   #place = null;
@@ -88,9 +90,11 @@ export class PhaseLimits {
   }
 
   #corrected() {
+    if (!this.#corrections) return;
     const { can_undo, can_redo } = this.#corrections.document;
-    this.#moved = null;
-    this.why.value = this.#byHand?.why ?? "";
+    // What is not saved yet outlasts the answer to an earlier change.
+    if (!this.#dragged && this.#timer === null && !this.#saves) this.#moved = null;
+    if (document.activeElement !== this.why) this.why.value = this.#byHand?.why ?? "";
     this.reason.hidden = this.resetButton.hidden = !this.#byHand;
     this.undoButton.hidden = !can_undo;
     this.redoButton.hidden = !can_redo;
@@ -218,6 +222,7 @@ export class PhaseLimits {
     this.#confirm();
     node.focus({ preventScroll: true });
     node.setPointerCapture(event.pointerId);
+    this.#dragged = true;
     const { x, time } = this.#place;
     const offset = x(this.#starts[k].start_s) - event.clientX;
     const move = ({ clientX }) => this.#move(k, time(clientX + offset));
@@ -225,6 +230,7 @@ export class PhaseLimits {
       node.removeEventListener("pointermove", move);
       node.removeEventListener("pointerup", end);
       node.removeEventListener("pointercancel", end);
+      this.#dragged = false;
       this.#save(this.#moved);
     };
     node.addEventListener("pointermove", move);
@@ -276,11 +282,13 @@ export class PhaseLimits {
   #save(starts) {
     if (!starts) return;
     const phases = { starts, why: this.why.value.trim() || REASON };
+    this.#saves += 1;
     this.#corrections
       .keep(() => ({ phases }))
-      .catch((error) => {
+      .catch(showError)
+      .finally(() => {
+        this.#saves -= 1;
         this.#corrected();
-        showError(error);
       });
   }
 
