@@ -11,21 +11,23 @@ from tests.end_to_end.page.browser import Tab, served
 
 from fingerpad.study.editing.example import write_example
 
+PROGRAMS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+
 
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Callable[..., AbstractContextManager[Browser]]]:
     """Starts a browser with some options."""
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    program = next(filter(None, map(shutil.which, PROGRAMS)), None)
     if program is None:
-        pytest.skip("no Chromium on this machine: sudo apt install chromium")
+        pytest.skip("no Chromium on this machine: sudo apt install chromium-headless-shell")
     with sync_playwright() as play:
         yield lambda *options: play.chromium.launch(executable_path=program, args=["--no-sandbox", *options])
 
 
 @pytest.fixture(scope="session")
 def browser(chromium) -> Iterator[Browser]:
-    """A browser without WebGL: emulated by the processor, it makes every page slow."""
-    with chromium("--disable-gpu", "--disable-software-rasterizer") as browser:
+    """A browser without WebGL, which emulated makes every page slow; one process keeps what was compiled."""
+    with chromium("--disable-gpu", "--disable-software-rasterizer", "--process-per-site") as browser:
         yield browser
 
 
