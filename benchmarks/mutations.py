@@ -29,7 +29,8 @@ from fingerpad.study.corrections.history import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
-from fingerpad.web.app import ENDPOINTS, make_app
+from fingerpad.web.app import make_app
+from fingerpad.web.routes import ENDPOINTS
 from fingerpad.web.security import Access
 from fingerpad.web.workspace import Workspace
 

@@ -6,6 +6,7 @@ import struct
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -30,13 +31,21 @@ SCALE = Scale(0.1)
 _ODD_NUMBERS = (0, 1, 2, 3, 7, 255, 256, 32767, 65535, 10**5, 10**7, 2**31 - 1, 2**31, 2**32 - 1)
 
 
+NAMES = (
+    *("a.png", "a.jpg", "a.bmp", "a.pgm", "lzw.tif", "deep.png", "face.jpg", "face.ppm", "deep_colour.png"),
+    *("packbits.tif", "jpeg.tif", "tiff_lzw.tif", "fax.tif", "palette.png", "progressive.jpg", "tiled.tif"),
+    *("white.tif", "planes.tif", "doubles.tif", "stack.tif", "film.avi", "film.mp4"),
+)
+
+
+@cache
 def originals() -> dict[str, bytes]:
     """Return whole files by name: every format, and every kind of TIFF."""
     grey = render_contact_image(semi_major=6.0, semi_minor=5.0, ppi=254.0, seed=1).pixels
     deep = grey.astype(np.uint16) * 257
     face = render_finger("palmar", semi_axes=(8.0, 9.0), mm_per_px=0.1, seed=1).pixels
     found: dict[str, bytes] = {}
-    for name in ("a.png", "a.jpg", "a.bmp", "a.pgm", "lzw.tif", "deep.png", "face.jpg", "face.ppm"):
+    for name in NAMES[:8]:
         pixels = np.asarray({"face": face[..., ::-1], "deep": deep}.get(name.split(".", maxsplit=1)[0], grey))
         found[name] = cv2.imencode(Path(name).suffix, pixels)[1].tobytes()
     found["deep_colour.png"] = cv2.imencode(".png", face.astype(np.uint16) * 257)[1].tobytes()

@@ -1,6 +1,8 @@
 """Stress under solved contacts: point loads, boundaries, equilibrium, limits, and what is refused."""
 
 import math
+from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -35,50 +37,62 @@ def contact(
     )
 
 
-LAYER = contact(2.5, 0.4)
-HALF_SPACE = contact(math.inf, 0.3, angle=0.3)
-ELLIPSOID = EllipsoidContact.of(
-    Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8),
-    wedge_angle=np.radians(60),
-    roll_angle=np.radians(20),
-    load=2.0,
-    reduced_modulus=0.09,
-    poisson_ratio=0.3,
-    points=128,
-)
+@cache
+def layer() -> ContactSolution:
+    return contact(2.5, 0.4)
+
+
+@cache
+def half_space() -> ContactSolution:
+    return contact(math.inf, 0.3, angle=0.3)
+
+
+@cache
+def ellipsoid() -> EllipsoidContact:
+    return EllipsoidContact.of(
+        Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8),
+        wedge_angle=np.radians(60),
+        roll_angle=np.radians(20),
+        load=2.0,
+        reduced_modulus=0.09,
+        poisson_ratio=0.3,
+        points=128,
+    )
+
+
 PLACES = np.array([[0.3, 0.4], [1.0, -0.7], [2.5, 2.0], [-4.0, 0.2]])
 
 
 @pytest.mark.parametrize("depth", [0.5, 1.5, 2.5])
 def test_each_level_carries_the_load(depth: float) -> None:
     side = np.linspace(-16, 16, 321)
-    field = contact_stress(LAYER, side[:, None], side, depth)
-    assert_allclose(-field.tensor[..., 2, 2].sum() * 0.1**2, LAYER.load, rtol=2e-3)
+    field = contact_stress(layer(), side[:, None], side, depth)
+    assert_allclose(-field.tensor[..., 2, 2].sum() * 0.1**2, layer().load, rtol=2e-3)
 
 
 def test_surface_carries_the_pressure() -> None:
-    x, y = LAYER.grid.coordinates
-    field = contact_stress(LAYER, x, y, 0.0)
-    assert_allclose(-field.tensor[..., 2, 2], LAYER.pressure, atol=1e-9)
+    x, y = layer().grid.coordinates
+    field = contact_stress(layer(), x, y, 0.0)
+    assert_allclose(-field.tensor[..., 2, 2], layer().pressure, atol=1e-9)
     assert_allclose(field.tensor[..., :2, 2], 0, atol=1e-12)
 
 
 def test_paraboloid_on_a_half_space_is_hertz_s() -> None:
     x, y, z = np.random.default_rng(4).uniform([-4, -4, 0.2], [4, 4, 4], (60, 3)).T
-    found = contact_stress(HALF_SPACE, x, y, z).tensor
+    found = contact_stress(half_space(), x, y, z).tensor
     expected = hertz_stress(
         *(x, y, z),
-        semi_x=HALF_SPACE.semi_minor,
-        semi_y=HALF_SPACE.semi_major,
-        peak_pressure=1.5 * HALF_SPACE.mean_pressure,
+        semi_x=half_space().semi_minor,
+        semi_y=half_space().semi_major,
+        peak_pressure=1.5 * half_space().mean_pressure,
         poisson_ratio=0.3,
     ).tensor
-    assert_allclose(found, expected, atol=2e-3 * HALF_SPACE.peak_pressure)
+    assert_allclose(found, expected, atol=2e-3 * half_space().peak_pressure)
 
 
 @pytest.mark.parametrize(("depth", "tolerance"), [(0.6, 3e-4), (2.0, 1e-4), (12.0, 3e-5)])
 def test_whole_ellipsoid_on_a_half_space_is_a_sum_of_point_loads(depth: float, tolerance: float) -> None:
-    found = ELLIPSOID.solution
+    found = ellipsoid().solution
     x, y = np.random.default_rng(5).uniform(-9, 9, (2, 25))
     stress = contact_stress(found, x, y, depth).tensor
     pressed = found.pressure > 0
@@ -90,16 +104,16 @@ def test_whole_ellipsoid_on_a_half_space_is_a_sum_of_point_loads(depth: float, t
 
 
 def test_half_space_has_no_end() -> None:
-    far = contact_stress(HALF_SPACE, 300.0, -400.0, 200.0).tensor
+    far = contact_stress(half_space(), 300.0, -400.0, 200.0).tensor
     place = [np.array([[side]]) for side in (300.0, -400.0, 200.0)]
-    expected = point_load_stress(*place, 0.3)[..., 0, 0] * HALF_SPACE.load
+    expected = point_load_stress(*place, 0.3)[..., 0, 0] * half_space().load
     assert_allclose(far, expected, atol=2e-4 * np.abs(expected).max())
 
 
 def test_base_does_not_stretch() -> None:
     # Nothing moves at the base: no strain in its plane, so that both in-plane stresses are νσ_zz/(1 − ν).
-    field = contact_stress(LAYER, *PLACES.T, 2.5).tensor
-    peak = LAYER.peak_pressure
+    field = contact_stress(layer(), *PLACES.T, 2.5).tensor
+    peak = layer().peak_pressure
     assert_allclose(field[:, 0, 0], 0.4 / 0.6 * field[:, 2, 2], atol=1e-9 * peak)
     assert_allclose(field[:, 1, 1], 0.4 / 0.6 * field[:, 2, 2], atol=1e-9 * peak)
     assert_allclose(field[:, 0, 1], 0, atol=1e-9 * peak)
@@ -111,12 +125,12 @@ def test_stress_is_in_equilibrium_and_compatible_with_the_surface() -> None:
 
     def tensor(shift: FloatArray) -> FloatArray:
         x, y, z = np.array([*PLACES.T, np.full(len(PLACES), 1.2)]) + shift[:, None]
-        return contact_stress(LAYER, x, y, z).tensor
+        return contact_stress(layer(), x, y, z).tensor
 
     divergence = sum(
         (tensor(step * unit) - tensor(-step * unit))[:, :, k] / (2 * step) for k, unit in enumerate(np.eye(3))
     )
-    assert_allclose(divergence, 0, atol=2e-4 * LAYER.peak_pressure)
+    assert_allclose(divergence, 0, atol=2e-4 * layer().peak_pressure)
 
 
 @pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
@@ -143,12 +157,12 @@ def test_thick_layer_is_the_half_space(poisson_ratio: float) -> None:
 
 def test_the_grid_s_direction_does_not_matter() -> None:
     turned = contact(2.5, 0.4, angle=0.6)
-    one, other = (contact_stress(found, *PLACES.T, 1.0).tensor for found in (LAYER, turned))
-    assert_allclose(one, other, atol=2e-3 * LAYER.peak_pressure)
+    one, other = (contact_stress(found, *PLACES.T, 1.0).tensor for found in (layer(), turned))
+    assert_allclose(one, other, atol=2e-3 * layer().peak_pressure)
 
 
 def test_nothing_in_the_air_in_the_bone_or_far_away() -> None:
-    field = contact_stress(LAYER, [0, 0, 0, 100], 0.0, [-0.1, 2.6, 1.0, 1.0]).tensor
+    field = contact_stress(layer(), [0, 0, 0, 100], 0.0, [-0.1, 2.6, 1.0, 1.0]).tensor
     assert np.isnan(field).all(axis=(1, 2)).tolist() == [True, True, False, True]
 
 
@@ -157,8 +171,9 @@ def test_refuses_layers_that_are_half_spaces() -> None:
         contact_stress(contact(500.0, 0.5), 0.0, 0.0, 1.0)
 
 
-@pytest.mark.parametrize("found", [LAYER, HALF_SPACE])
-def test_plate_lies_on_the_surface(found: ContactSolution) -> None:
+@pytest.mark.parametrize("solved", [layer, half_space])
+def test_plate_lies_on_the_surface(solved: Callable[[], ContactSolution]) -> None:
+    found = solved()
     x, y = found.grid.coordinates
     gap = found.indentation - contact_displacement(found, x, y)
     touching = found.pressure > 0.2 * found.peak_pressure
@@ -168,7 +183,7 @@ def test_plate_lies_on_the_surface(found: ContactSolution) -> None:
 
 
 def test_displacement_of_a_half_space_is_a_sum_of_point_loads() -> None:
-    found = ELLIPSOID.solution
+    found = ellipsoid().solution
     x, y = np.array([[7.0, 2.0, 9.0, 40.0], [1.0, -8.0, 9.0, -30.0]])
     cell_x, cell_y = found.grid.coordinates
     distance = np.hypot(x[:, None] - cell_x.ravel(), y[:, None] - cell_y.ravel())

@@ -4,22 +4,24 @@ import random
 import zlib
 
 import pytest
-from tests.mutated_images import mutated, originals, use
-
-ORIGINALS = originals()
+from tests.mutated_images import NAMES, mutated, originals, use
 
 
-@pytest.mark.parametrize("name", ORIGINALS)
+def test_every_file_has_a_test():
+    assert set(originals()) == set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_intact_files_are_read(tmp_path, name):
-    (tmp_path / name).write_bytes(ORIGINALS[name])
+    (tmp_path / name).write_bytes(originals()[name])
     film = name in {"film.avi", "film.mp4", "stack.tif"}
     frames = "read" if film or name.endswith(".tif") else "refused"
     assert use(tmp_path / name, as_photograph=False) == ["refused" if film else "read"] * 2 + [frames]
 
 
-@pytest.mark.parametrize("name", ORIGINALS)
+@pytest.mark.parametrize("name", NAMES)
 def test_damaged_files_read_or_refused(tmp_path, name):
     rng = random.Random(zlib.crc32(name.encode()))
     for number in range(10):
-        (tmp_path / name).write_bytes(mutated(ORIGINALS[name], rng))
+        (tmp_path / name).write_bytes(mutated(originals()[name], rng))
         assert set(use(tmp_path / name, as_photograph=number == 0)) <= {"read", "refused"}

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy import optimize, stats
-from statsmodels.tools import eval_measures
 
 from fingerpad.exceptions import FitError
 from fingerpad.loading import effective_count, fit_least_squares
@@ -123,6 +122,7 @@ def test_aicc_without_rows_to_spare_is_infinite() -> None:
 
 def test_aicc_differences_agree_with_statsmodels() -> None:
     """Of seven points, where the correction for few points is most of it."""
+    eval_measures = pytest.importorskip("statsmodels.tools.eval_measures")
     x = np.linspace(-1, 1, 7)
     y = 1 + x + 0.1 * np.random.default_rng(0).standard_normal(7)
 

@@ -14,8 +14,9 @@ from tests.web.conftest import DEMO, serving, shorten
 
 import fingerpad
 from fingerpad.study.results.columns import COLUMNS
-from fingerpad.web.app import ENDPOINTS, STATIC
+from fingerpad.web.app import STATIC
 from fingerpad.web.endpoints import openapi
+from fingerpad.web.routes import ENDPOINTS
 from fingerpad.web.workspace import Workspace
 
 # They change the open study, start a run, or do not end.

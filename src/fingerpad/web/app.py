@@ -23,46 +23,14 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 import fingerpad
 from fingerpad.exceptions import FingerpadError
-from fingerpad.web import (
-    contacts,
-    corrections,
-    figures,
-    files,
-    geometry,
-    image_routes,
-    new_files,
-    operators,
-    photographs,
-    results,
-    scales,
-    sequences,
-    state,
-    studies,
-)
-from fingerpad.web.endpoints import Endpoint, openapi
+from fingerpad.web.endpoints import openapi
+from fingerpad.web.routes import ENDPOINTS
 from fingerpad.web.security import START, Access, Guard, cookie_name
 from fingerpad.web.study_session import OF_STUDY
 from fingerpad.web.workspace import PLOTLY_ADDRESS, REQUESTED, Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
 _IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
-_ROUTES: Final = (
-    studies,
-    state,
-    image_routes,
-    operators,
-    scales,
-    photographs,
-    contacts,
-    sequences,
-    corrections,
-    results,
-    figures,
-    geometry,
-    files,
-    new_files,
-)
-ENDPOINTS: Final[tuple[Endpoint, ...]] = tuple(one for room in _ROUTES for one in room.ENDPOINTS)
 
 
 def make_app(workspace: Workspace, access: Access) -> ASGIApp:

@@ -26,13 +26,13 @@ from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.web import answers
-from fingerpad.web.corrections import pooling_choice
 from fingerpad.web.endpoints import Endpoint, Item, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
-from fingerpad.web.photographs import measured_finger
 from fingerpad.web.pictures import Cache, ImageLocation
-from fingerpad.web.scales import scale_of
+from fingerpad.web.routes.corrections import pooling_choice
+from fingerpad.web.routes.photographs import measured_finger
+from fingerpad.web.routes.scales import scale_of
 from fingerpad.web.study_session import NO_TABLE, StudySession
 from fingerpad.web.workspace import Workspace
 

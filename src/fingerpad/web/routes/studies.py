@@ -15,7 +15,7 @@ from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.state import document
+from fingerpad.web.routes.state import document
 from fingerpad.web.workspace import NAME, Workspace
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]

@@ -24,7 +24,7 @@ from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.results import require_results
+from fingerpad.web.routes.results import require_results
 from fingerpad.web.workspace import Workspace
 
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')

@@ -23,8 +23,8 @@ from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bundle import Bundle
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
+from fingerpad.web.routes.state import document
 from fingerpad.web.security import FRAMED_HEADERS
-from fingerpad.web.state import document
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.uploads import FOLDER, kept, placed, plain_name, stored
 from fingerpad.web.workspace import NAME, Workspace

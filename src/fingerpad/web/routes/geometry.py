@@ -12,7 +12,7 @@ from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
-from fingerpad.web.photographs import measured_finger
+from fingerpad.web.routes.photographs import measured_finger
 from fingerpad.web.workspace import Workspace
 
 _AXES: Final = ("palmar", "distal", "radial_ulnar")

@@ -17,10 +17,10 @@ from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT, RANGE_NOTES
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.web import answers
-from fingerpad.web.corrections import pooling_choice
 from fingerpad.web.endpoints import Endpoint, Params
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
+from fingerpad.web.routes.corrections import pooling_choice
 from fingerpad.web.workspace import Workspace
 
 _MOST_IN_QUESTION: Final = 200

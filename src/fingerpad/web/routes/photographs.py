@@ -29,7 +29,7 @@ from fingerpad.web.endpoints import Endpoint, Item, Params, Point
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger
 from fingerpad.web.pictures import Cache
-from fingerpad.web.scales import scale_of
+from fingerpad.web.routes.scales import scale_of
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 

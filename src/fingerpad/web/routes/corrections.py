@@ -1,4 +1,4 @@
-"""Corrections of items: saved with author and time, undone and redone."""
+"""Corrections of items: saved with author and time, undone and redone, and repeated by a second operator."""
 
 from collections.abc import Callable
 from http import HTTPStatus
@@ -13,9 +13,12 @@ from fingerpad.study.corrections.history import ActiveCorrection, Record
 from fingerpad.study.corrections.items import kind_of, on_another_image
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.corrections.similar import similar_images, with_settings_of
+from fingerpad.study.measuring.operators import blind_order
 from fingerpad.web import answers
 from fingerpad.web.endpoints import Endpoint, Item, Params, Person
 from fingerpad.web.errors import RequestError
+from fingerpad.web.last_results import last_results
+from fingerpad.web.routes.state import review_record
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
@@ -152,6 +155,25 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
     return found
 
 
+def second_operator(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+    """Return the images in random order with the second operator's review, and the last run's agreement."""
+    opened = workspace.study
+    first, second = opened.corrections.active_corrections(), opened.second_operator.active_corrections()
+    named = {one.name: one for one in opened.with_incomplete().observations if one.file and one.scale}
+    looked = [
+        name
+        for name in named
+        if (change := contact_correction(first.get(name))).accepted or (change.edits and not change.rejected)
+    ]
+    found = last_results(opened)
+    return {
+        "first_operators": sorted({first[name].who for name in looked}),
+        "images": [{"item": name, **review_record(second.get(name))} for name in blind_order(looked)],
+        "unseen": len(named) - len(looked),
+        "agreement": found.summary.get("second_operator", []) if found else [],
+    }
+
+
 ENDPOINTS: Final = (
     Endpoint(
         method="GET",
@@ -195,5 +217,12 @@ ENDPOINTS: Final = (
         body=StepParams,
         status=HTTPStatus.CREATED,
         summary="Redo what was undone",
+    ),
+    Endpoint(
+        method="GET",
+        path="/api/study/second-operator",
+        answer=second_operator,
+        model=answers.SecondOperator,
+        summary="Images for a second operator in random order, and the agreement with the first",
     ),
 )

@@ -1,0 +1,37 @@
+"""The endpoints of the API, by what they are about."""
+
+from typing import Final
+
+from fingerpad.web.endpoints import Endpoint
+from fingerpad.web.routes import (
+    contacts,
+    corrections,
+    figures,
+    files,
+    geometry,
+    images,
+    new_files,
+    photographs,
+    results,
+    scales,
+    sequences,
+    state,
+    studies,
+)
+
+_MODULES: Final = (
+    studies,
+    state,
+    images,
+    scales,
+    photographs,
+    contacts,
+    sequences,
+    corrections,
+    results,
+    figures,
+    geometry,
+    files,
+    new_files,
+)
+ENDPOINTS: Final[tuple[Endpoint, ...]] = tuple(one for module in _MODULES for one in module.ENDPOINTS)
