@@ -49,7 +49,9 @@ def serving(workspace, access=None, port=0):
     base = f"http://127.0.0.1:{listener.getsockname()[1]}"
     headers = {"authorization": f"Bearer {TOKEN}"}
     try:
-        with httpx.Client(base_url=base, headers=headers, timeout=60, trust_env=False) as client:
+        with httpx.Client(
+            base_url=base, headers=headers, timeout=60, trust_env=False, verify=False
+        ) as client:
             yield client
     finally:
         server.should_exit = True

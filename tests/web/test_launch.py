@@ -48,7 +48,7 @@ def require_reached_from_here_alone(address, token_file):
     assert token_file.stat().st_mode & 0o777 == 0o600
     assert token_file.parent.stat().st_mode & 0o777 == 0o700
     bearer = {"authorization": f"Bearer {token_file.read_text().strip()}"}
-    with httpx.Client(base_url=address.partition("/start")[0], trust_env=False) as client:
+    with httpx.Client(base_url=address.partition("/start")[0], trust_env=False, verify=False) as client:
         for other in other_addresses():
             with pytest.raises(OSError, match="refused|timed out|unreachable"):
                 socket.create_connection((other, client.base_url.port), timeout=2)
@@ -61,7 +61,7 @@ def require_codes(printed, argument, token_file):
     assert token_file.read_text().strip() not in argument
     for address, again in ((argument, 403), (printed, 200)):
         for expected in (200, again):
-            with httpx.Client(trust_env=False) as client:
+            with httpx.Client(trust_env=False, verify=False) as client:
                 assert client.get(address, follow_redirects=True).status_code == expected
 
 
@@ -88,7 +88,7 @@ def test_two_launches_stand_side_by_side_until_each_is_stopped(studies_folder):
             require_reached_from_here_alone(address, token_file)
         assert wait_until(there.exists)
         require_codes(addresses[0], there.read_text(), token_files[0])
-        with httpx.Client(trust_env=False) as client:
+        with httpx.Client(trust_env=False, verify=False) as client:
             for address in addresses:
                 page = client.get(address, follow_redirects=True)
                 assert page.status_code == 200

@@ -15,7 +15,7 @@ from fingerpad.web.workspace import Workspace
 
 
 def bare(client, **headers):
-    return httpx.Client(base_url=client.base_url, headers=headers, trust_env=False)
+    return httpx.Client(base_url=client.base_url, headers=headers, trust_env=False, verify=False)
 
 
 @pytest.mark.parametrize(
