@@ -231,9 +231,19 @@ def moving(page: Page, before: str, part: str = "numbers") -> str:
     return page.locator(f"[data-live={part}]").inner_text().replace("\N{NO-BREAK SPACE}", " ")
 
 
+def box(place: Locator) -> dict[str, float]:
+    """Where something is on the screen, though it may be drawn anew just now."""
+    patience = PATIENCE_MS // 20
+    while (found := place.bounding_box()) is None:
+        assert patience, f"{place} is not shown"
+        place.page.wait_for_timeout(20)
+        patience -= 1
+    return found
+
+
 def middle(place: Locator) -> tuple[float, float]:
-    box = place.bounding_box()
-    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    x, y, width, height = box(place).values()
+    return x + width / 2, y + height / 2
 
 
 def stroke(page: Page, start: tuple[float, float], end: tuple[float, float]) -> None:

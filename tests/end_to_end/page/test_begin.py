@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 from PIL import Image
-from tests.end_to_end.page.browser import DEMO, PRINTS, Late, Tab, drag, focus, middle, settle, stroke
+from tests.end_to_end.page.browser import DEMO, PRINTS, Late, Tab, box, drag, focus, middle, settle, stroke
 from tests.waiting import wait_until
 
 from fingerpad.simulate import render_coin
@@ -78,7 +78,7 @@ def test_six_files_become_a_plot(empty_tab: Tab, written_example) -> None:
     say_scale(page, "reader", "ppi", "Pixels per inch", "500")
     page.get_by_role("link", name="Run the study").wait_for()  # the last that was missing
     tops = page.get_by_role("radiogroup", name="Type of scale").get_by_role("radio").all()
-    assert len({radio.bounding_box()["y"] for radio in tops}) == 1
+    assert len({box(radio)["y"] for radio in tops}) == 1
     page.locator("h1").click()
     page.keyboard.press("1")
     page.get_by_text("Nothing is missing.").wait_for()
@@ -102,8 +102,8 @@ def test_six_files_become_a_plot(empty_tab: Tab, written_example) -> None:
 def require_plot_in_view(page) -> None:
     """The plot of one finger and angle is seen whole, and its legend names what it shows."""
     assert page.locator(".banner").inner_text().count("\n") >= 1  # two notes above it
-    box = page.locator(".chart .xtitle").bounding_box()
-    assert box["y"] + box["height"] < page.viewport_size["height"]
+    place = box(page.locator(".chart .xtitle"))
+    assert place["y"] + place["height"] < page.viewport_size["height"]
     legend = page.get_by_label("Legend").inner_text()
     assert "compare with" not in legend  # there are no loading data
     assert "on the layer" not in legend
@@ -111,7 +111,7 @@ def require_plot_in_view(page) -> None:
         page.locator(f".chart .scatterlayer .trace:nth-child({place}) .point") for place in (2, 1)
     )
     assert circles.count() == squares.count() == 3
-    assert squares.first.bounding_box()["width"] > circles.first.bounding_box()["width"]
+    assert box(squares.first)["width"] > box(circles.first)["width"]
 
 
 def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:

@@ -7,7 +7,7 @@ import tomllib
 import pytest
 from benchmarks.grid_scenes import Scene
 from PIL import Image
-from tests.end_to_end.page.browser import Tab, focus, numbers
+from tests.end_to_end.page.browser import Tab, box, focus, numbers
 
 from fingerpad.simulate import render_coin
 
@@ -29,13 +29,13 @@ def test_three_points_on_the_rim_of_a_coin(tab: Tab, demo) -> None:
     page = tab.open("scale")
     new_scale(page, "Circle", "some_coin.png")
     page.wait_for_selector(".stage:not(.waiting) .picture")
-    box = page.locator(".stage .picture").bounding_box()
-    zoom = box["width"] / coin.pixels.shape[1]
+    place = box(page.locator(".stage .picture"))
+    zoom = place["width"] / coin.pixels.shape[1]
     (row, column), radius = coin.centre, float(coin.ellipse.semi_major)
     for turn in (0.3, 2.4, 4.5):
         page.mouse.click(
-            box["x"] + zoom * (column + 0.5 + radius * math.cos(turn)),
-            box["y"] + zoom * (row + 0.5 + radius * math.sin(turn)),
+            place["x"] + zoom * (column + 0.5 + radius * math.cos(turn)),
+            place["y"] + zoom * (row + 0.5 + radius * math.sin(turn)),
         )
     page.get_by_label("Diameter", exact=True).fill("20")
     page.keyboard.press("Tab")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from tests.end_to_end.page.browser import Tab, served
+from tests.end_to_end.page.browser import Tab, box, served
 from tests.end_to_end.page.test_begin import CONTACTS, begin, paste
 from tests.end_to_end.page.test_conduct import AXE, JUDGE
 
@@ -202,7 +202,7 @@ def test_new_files_are_accessible_and_fit_the_screen(browser, tmp_path, plain_na
             if each["impact"] in ("serious", "critical")
         ]
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-        box = page.get_by_label("Load of IMG_0033.png, newtons").bounding_box()
-        assert box["x"] + box["width"] <= width
+        place = box(page.get_by_label("Load of IMG_0033.png, newtons"))
+        assert place["x"] + place["width"] <= width
         tab.close()
     assert serious == []

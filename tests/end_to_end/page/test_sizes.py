@@ -1,7 +1,7 @@
 """The page on small screens: at 390 px, and at 1366 px with 200 %, which are 683."""
 
 from playwright.sync_api import Page, expect
-from tests.end_to_end.page.browser import Tab, numbers, settle
+from tests.end_to_end.page.browser import Tab, box, numbers, settle
 
 STEPS = ("study", "scale", "photographs", "contacts", "pad", "results", "run")
 # How far the page, or its work area, can be scrolled sideways.
@@ -25,9 +25,9 @@ def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab) ->
             page.locator("#work h1").first.wait_for()
             page.wait_for_timeout(200)
             assert page.evaluate(SIDEWAYS) <= 0, (step, width)
-            box = page.locator("[aria-current=step]").bounding_box()
-            assert box["x"] >= 0, (step, width)
-            assert box["x"] + box["width"] <= width, (step, width)
+            place = box(page.locator("[aria-current=step]"))
+            assert place["x"] >= 0, (step, width)
+            assert place["x"] + place["width"] <= width, (step, width)
         # What a column of the study's tables holds is named beside it, not beyond the edge.
         example_tab.go("study")
         page.locator(".study-grid .table-wrap").first.wait_for()
@@ -35,7 +35,7 @@ def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab) ->
         example_tab.go(f"contacts/images/{item}")
         page.get_by_role("heading", name=item).wait_for()
         numbers(page)
-        assert page.locator(".stage").bounding_box()["width"] > 0.95 * width
+        assert box(page.locator(".stage"))["width"] > 0.95 * width
         page.get_by_role("button", name="Accept and next").click()
         page.get_by_role("heading", name=following).wait_for()
 
