@@ -68,7 +68,8 @@ frames_per_second = 500
 
 def report() -> None:
     """Print the times."""
-    chromium = next((path for name in ("chromium", "google-chrome") if (path := shutil.which(name))), None)
+    names = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+    chromium = next(filter(None, map(shutil.which, names)), None)
     if chromium is None:
         print("\nThe page in a browser: not measured, there is no Chromium")
         return
@@ -80,7 +81,7 @@ def report() -> None:
             )
             page = browser.new_page(viewport={"width": 1280, "height": 800})
             page.goto(address)
-            page.locator("#rail .brand").wait_for()
+            page.locator("#sidebar .brand").wait_for()
             print("\nThe page in a browser, ms")
             drag, opened, scroll = _drag(page), *_scroll(page)
             browser.close()
