@@ -239,6 +239,20 @@ def test_a_task_that_crashes_is_named_and_costs_no_worker(
     assert result.record["reason"].startswith("a.png: the process that measured it crashed twice")
 
 
+@pytest.mark.parametrize("inputs", [(), ("study.toml",)])
+def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(
+    made: Path, workers: Workers, inputs: tuple[str, ...]
+) -> None:
+    workers.start_alone()
+    task = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=inputs)
+    with Client(workers.address, set_as_default=False) as client:
+        executor = cluster.ClusterExecutor(client, made.parent, Limits(), sends=True)
+        client.close()
+        assert executor.capacity == 2
+        with pytest.raises(ClusterError, match="the scheduler is gone.*run again"):
+            executor.submit(task)
+
+
 @pytest.mark.parametrize(
     ("address", "words"),
     [

@@ -29,6 +29,7 @@ _WAIT_S: Final = 30
 _COUNT_AGAIN_S: Final = 5
 # Files of so many tasks stay with the workers: the pieces of a film follow one another.
 _KEPT: Final = 4
+_GONE: Final = "the scheduler is gone: what was measured is kept; start it again and run again to go on"
 
 
 class ClusterExecutor:
@@ -59,7 +60,7 @@ class ClusterExecutor:
     def _count_threads(self) -> None:
         if monotonic() > self._counted + _COUNT_AGAIN_S:
             self._counted = monotonic()
-            with suppress(OSError):  # the tasks at work report a scheduler that is gone
+            with suppress(ClusterError), _connected(self._client):  # tasks report a scheduler that is gone
                 self._threads = sum(self._client.nthreads().values())
         if self._threads:
             self._last_seen = monotonic()
@@ -67,9 +68,10 @@ class ClusterExecutor:
     def submit(self, task: Task) -> Future[TaskResult]:
         """Hand a task to the scheduler."""
         files = self._files(task) if self._sends else None
-        remote = self._client.submit(
-            _perform_there, task, str(self._folder), self.limits, working_code(), files, pure=False
-        )
+        with _connected(self._client):
+            remote = self._client.submit(
+                _perform_there, task, str(self._folder), self.limits, working_code(), files, pure=False
+            )
         future: Future[TaskResult] = Future()
         future.set_running_or_notify_cancel()  # an interrupt waits for what is at work
         when_done(remote, lambda done: _pass_on(done, future, task.file, self.limits))
@@ -81,11 +83,24 @@ class ClusterExecutor:
             return {}
         if task.inputs not in self._sent:
             content = {name: _read(self._folder / name) for name in task.inputs}
-            self._sent[task.inputs] = self._client.scatter(content, hash=False)
+            with _connected(self._client):
+                self._sent[task.inputs] = self._client.scatter(content, hash=False)
             while len(self._sent) > _KEPT:
                 self._sent.popitem(last=False)
         self._sent.move_to_end(task.inputs)
         return self._sent[task.inputs]
+
+
+@contextmanager
+def _connected(client: Any) -> Iterator[None]:
+    """Raise `ClusterError` where the connection breaks, or was given up after a while without an answer."""
+    try:
+        yield
+    except Exception as error:
+        # What a client raises once it is closed depends on the call.
+        if isinstance(error, OSError) or client.status in {"closing", "closed"}:
+            raise ClusterError(_GONE) from error
+        raise
 
 
 # A terminal interrupts workers that are started here too: their tasks in progress would be lost.
@@ -186,8 +201,7 @@ def _pass_on(remote: Any, future: Future[TaskResult], file: str, limits: Limits)
     try:
         future.set_result(remote.result())
     except (OSError, CancelledError):  # of the connection, and of all that depended on it
-        gone = "the scheduler is gone: what was measured is kept; start it again and run again to go on"
-        future.set_exception(ClusterError(gone))
+        future.set_exception(ClusterError(_GONE))
     except Exception as error:  # whatever went wrong with the task goes to the caller
         if type(error).__name__ == "KilledWorker":
             reason = f"{file}: several workers died while they measured it, perhaps for want of memory"
