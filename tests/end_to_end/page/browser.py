@@ -232,7 +232,7 @@ def moving(page: Page, before: str, part: str = "numbers") -> str:
 
 
 def box(place: Locator) -> dict[str, float]:
-    """Where something is on the screen, though it may be drawn anew just now."""
+    """Where something is on the screen, though it may be redrawn meanwhile."""
     patience = PATIENCE_MS // 20
     while (found := place.bounding_box()) is None:
         assert patience, f"{place} is not shown"
