@@ -371,7 +371,7 @@ def test_measure_print_explains_scale_flags_and_overlays(tmp_path: Path) -> None
     picture.save(tmp_path / "stated.png", dpi=(500, 500))
     code, out, _ = run("measure", "print", tmp_path / "stated.png", "--overlay-dir", tmp_path / "drawn")
     assert code == 0
-    assert re.search(r"^mm_per_px +0\.0508\nscale_from +file$", out, re.M)
+    assert re.search(r"^mm_per_px +0\.050800 ± 0\.000029\nscale_from +file$", out, re.M)
     assert "check the scale" not in out
     assert out.endswith(f"Overlays: {tmp_path / 'drawn'}\n")
     code, out, _ = run("measure", "print", tmp_path / "stated.png", "--ppi", 50)
@@ -453,6 +453,7 @@ def test_scale_from_ruler_and_coin(print_file: Path, tmp_path: Path) -> None:
     (ruler,) = run_json(*common, *line)
     assert ruler == known
     (doubted,) = run_json(*common, *line, "--line-mm-std", 0.2)
+    assert (known["mm_per_px_std"], doubted["mm_per_px_std"]) == pytest.approx((0.0, 0.001))
     gained = doubted["semi_major_mm_std"] ** 2 - ruler["semi_major_mm_std"] ** 2
     assert gained == pytest.approx((0.02 * ruler["semi_major_mm"]) ** 2)
     Image.fromarray(render_coin(radius=120.0, shadow=0.0).pixels).save(tmp_path / "coin.png")

@@ -63,6 +63,7 @@ def measure_prints(
             write_overlay(overlays[path], picture.pixels, contact_image)
         return {
             "mm_per_px": used.mm_per_px,
+            "mm_per_px_std": used.mm_per_px_std,
             "scale_from": "option" if scale else "file",
             **contact_image.as_record(),
         }
