@@ -2,6 +2,7 @@
 
 import { h, render, s } from "./dom.js";
 import { showHelp } from "./keys.js";
+import { showError } from "./messages.js";
 import { workspace } from "./workspace.js";
 
 const mark = new URL("../mark.svg", import.meta.url).href;
@@ -71,7 +72,7 @@ export function drawSidebar(open, steps) {
         h("strong", { title: study.title }, study.title || study.name),
         h(
           "button.link",
-          { type: "button", onclick: () => workspace.close().catch(() => {}) },
+          { type: "button", onclick: () => workspace.close().catch(showError) },
           "Other studies",
         ),
       ),

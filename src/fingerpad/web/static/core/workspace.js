@@ -67,6 +67,7 @@ class Workspace extends EventTarget {
     do {
       known = this.#version;
       document = await get("/api/study");
+      if (context.study === null) return null; // left meanwhile
     } while (known !== this.#version);
     return this.#update(document);
   }
@@ -78,7 +79,8 @@ class Workspace extends EventTarget {
     this.#version += 1;
     this.study = this.run = context.study = null;
     clearMessages();
-    location.hash = "#/study";
+    // Without an event, upon which the start page would be drawn twice, and a click between the two be lost.
+    history.replaceState(null, "", "#/study");
   }
 
   /** @param {State} document */
@@ -147,9 +149,9 @@ class Workspace extends EventTarget {
 
   /** Leave the study: it stays open for other windows, and its run goes on. */
   async close() {
+    this.session = await get("/api/session");
     this.#leave();
     sessionStorage.setItem(OPEN, "");
-    this.session = await get("/api/session");
     this.emit("study", { first: true });
   }
 
@@ -184,6 +186,7 @@ class Workspace extends EventTarget {
     } catch (error) {
       if (!(error instanceof ApiError) || error.status !== 409 || !error.body.digest) throw error;
       await this.reload();
+      if (!this.study) return null; // left meanwhile
       if (edits.some((edit, index) => tableOf(this.study, edit) !== before[index])) {
         toast(
           "Another window changed this entry just now. Its values are shown; enter yours again if needed.",
