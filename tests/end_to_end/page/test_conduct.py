@@ -172,6 +172,19 @@ def test_each_window_has_its_own_study(tab: Tab, demo) -> None:
     assert [each["uncertainty"]["roll_angle_deg_std"] for each in said] == [0.3, 0.7]
 
 
+def test_a_study_that_was_left_is_not_opened_again_by_a_late_state(tab: Tab) -> None:
+    page = tab.open("study")
+    late = Late(page, "**/api/study")
+    own = "import(document.querySelector('[type=module]').src.replace('app.js', 'core/workspace.js'))"
+    page.evaluate(f"() => {{ {own}.then(({{ workspace }}) => workspace.reload()) }}")
+    late.wait()
+    page.get_by_role("button", name="Other studies").click()
+    page.get_by_role("heading", name="Open study").wait_for()
+    late.let_go()
+    page.wait_for_load_state("networkidle")
+    assert page.get_by_role("heading", name="Open study").is_visible()
+
+
 def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) -> None:
     one = tab.open(f"contacts/images/{PRINT}")
     two = tab.context.new_page()
