@@ -66,10 +66,15 @@ frames_per_second = 500
 """
 
 
+def find_chromium() -> str | None:
+    """Return the program of a browser, first one without windows, which is the fastest."""
+    names = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+    return next(filter(None, map(shutil.which, names)), None)
+
+
 def report() -> None:
     """Print the times."""
-    names = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-    chromium = next(filter(None, map(shutil.which, names)), None)
+    chromium = find_chromium()
     if chromium is None:
         print("\nThe page in a browser: not measured, there is no Chromium")
         return

@@ -196,7 +196,7 @@ def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None
         )
         assert process.stdout is not None
         assert process.stdout.readline() == "started\n"
-        time.sleep(rng.uniform(0.1, 1.3))
+        time.sleep(rng.uniform(0.03, 1.2))
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=60)
         assert err in {"", "fingerpad: interrupted\n"}

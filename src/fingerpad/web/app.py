@@ -23,14 +23,13 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 import fingerpad
 from fingerpad.exceptions import FingerpadError
-from fingerpad.web.endpoints import openapi
+from fingerpad.web.endpoints import IMMUTABLE, openapi
 from fingerpad.web.routes import ENDPOINTS
 from fingerpad.web.security import START, Access, Guard, cookie_name
 from fingerpad.web.study_session import OF_STUDY
 from fingerpad.web.workspace import PLOTLY_ADDRESS, REQUESTED, Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
-_IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
 
 
 def make_app(workspace: Workspace, access: Access) -> ASGIApp:
@@ -105,7 +104,7 @@ class _Static(StaticFiles):
 
     async def get_response(self, path: str, scope: Scope) -> Response:
         answer = await super().get_response(path, scope)
-        answer.headers.update(_IMMUTABLE)
+        answer.headers.update(IMMUTABLE)
         return answer
 
 
@@ -122,7 +121,7 @@ def _plotly(_: Request) -> Response:
     """Return Plotly's script from the installed package: nothing is loaded from the network."""
     package = distribution("plotly")
     script = str(package.locate_file("plotly/package_data/plotly.min.js"))
-    return FileResponse(script, media_type="text/javascript", headers=_IMMUTABLE)
+    return FileResponse(script, media_type="text/javascript", headers=IMMUTABLE)
 
 
 def _not_there(request: Request, error: Exception) -> Response:

@@ -24,6 +24,8 @@ from fingerpad.web.errors import RequestError
 from fingerpad.web.workspace import Workspace
 
 BODY_LIMIT: Final = 8_000_000
+# Headers of what has another address once it changes.
+IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
 # Odd pictures and numbers may raise these: the request fails, and the page goes on.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, ValueError, cv2.error)
 

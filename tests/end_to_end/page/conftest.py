@@ -6,18 +6,17 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
+from benchmarks.browser import find_chromium
 from playwright.sync_api import Browser, sync_playwright
 from tests.end_to_end.page.browser import Tab, served
 
 from fingerpad.study.editing.example import write_example
 
-PROGRAMS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-
 
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Callable[..., AbstractContextManager[Browser]]]:
     """Starts a browser with some options."""
-    program = next(filter(None, map(shutil.which, PROGRAMS)), None)
+    program = find_chromium()
     if program is None:
         pytest.skip("no Chromium on this machine: sudo apt install chromium-headless-shell")
     with sync_playwright() as play:

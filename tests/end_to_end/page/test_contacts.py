@@ -462,6 +462,8 @@ def test_limits_of_phases_are_moved_by_hand(tab: Tab, demo) -> None:
     late.let_go()
     assert hold.get_attribute("aria-valuenow") == ends
     hold.blur()
+    assert page.locator(".limits .limit").count() == 4
+    assert hold.get_attribute("aria-valuenow") == ends
     reason = page.get_by_label("Reason of the phases")
     reason.fill("the pad slipped")
     reason.press("Enter")

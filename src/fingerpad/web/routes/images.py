@@ -8,12 +8,10 @@ from pydantic import Field
 from starlette.responses import Response
 
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Item, Params
+from fingerpad.web.endpoints import IMMUTABLE, Endpoint, Item, Params
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_film
 from fingerpad.web.workspace import Workspace
 
-# The address changes with the image.
-_IMMUTABLE: Final = {"cache-control": "private, max-age=31536000, immutable"}
 _NO_CACHE: Final = {"cache-control": "private, no-cache"}
 
 
@@ -58,13 +56,13 @@ def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
     """Return a preview of an image."""
     place = workspace.study.place_of(params.item)
     drawn, kind = workspace.study.pictures.preview(place, params.longest_px)
-    return Response(drawn, media_type=kind, headers=_IMMUTABLE if params.v else _NO_CACHE)
+    return Response(drawn, media_type=kind, headers=IMMUTABLE if params.v else _NO_CACHE)
 
 
 def thumbnail(workspace: Workspace, params: PictureParams, _: Any) -> Response:
     """Return a thumbnail."""
     drawn = workspace.study.pictures.thumbnail(workspace.study.place_of(params.item))
-    return Response(drawn, media_type="image/webp", headers=_IMMUTABLE if params.v else _NO_CACHE)
+    return Response(drawn, media_type="image/webp", headers=IMMUTABLE if params.v else _NO_CACHE)
 
 
 ENDPOINTS: Final = (
