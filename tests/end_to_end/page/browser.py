@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
-from playwright.sync_api import Browser, Locator, Page, Request, Route
+from playwright.sync_api import Browser, Locator, Page, Request, Route, expect
 from tests.web.conftest import TOKEN, serving
 
 from fingerpad.exceptions import FingerpadError
@@ -27,6 +27,7 @@ DEMO = ROOT / "examples" / "dzidek2017"
 REAL = ROOT.parent / "shared" / "data"
 PRINTS = REAL / "nist_nbis_livescan_slaps"
 PATIENCE_MS = 60_000  # test machines may be slow
+expect.set_options(timeout=PATIENCE_MS)
 
 
 class Served(NamedTuple):

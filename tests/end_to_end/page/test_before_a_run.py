@@ -4,6 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, middle, numbers, stroke, unexplained
 
 from fingerpad.study.results.glossary import GLOSSARY
@@ -45,8 +46,8 @@ def test_pad_and_contact_take_the_semi_axes_of_the_photographs(example_tab: Tab)
     page.get_by_role("heading", name="Empty").wait_for()
     example_tab.go("pad")
     page.get_by_role("heading", name="No semi-axes yet").wait_for()
-    assert page.get_by_label("Palmar", exact=True).input_value() == ""
-    assert page.locator(".pad-scene").is_hidden()
+    expect(page.get_by_label("Palmar", exact=True)).to_have_value("")
+    expect(page.locator(".pad-scene")).to_be_hidden()
 
 
 def test_scale_bar_goes_and_drafts_stay(example_tab: Tab, example, tmp_path) -> None:
@@ -63,13 +64,13 @@ def test_scale_bar_goes_and_drafts_stay(example_tab: Tab, example, tmp_path) -> 
     page.locator(".scale-bar").wait_for()
     page.get_by_label("Image", exact=True).select_option("contact_1N.png")
     page.wait_for_function(PICTURE_THERE)
-    assert page.locator(".scale-bar").is_hidden()
+    expect(page.locator(".scale-bar")).to_be_hidden()
     page.get_by_role("radio", name="Coin").click()
     page.get_by_label("Diameter").fill("24")
     page.get_by_label("Diameter").press("Enter")
     page.reload()
     page.get_by_role("radio", name="Coin").and_(page.locator("[aria-checked=true]")).wait_for()
-    assert page.get_by_label("Diameter").input_value() == "24"
+    expect(page.get_by_label("Diameter")).to_have_value("24")
     # A file that is a ruler or a coin stays one.
     example_tab.go("study")
     shutil.copy(example / "contact_1N.png", tmp_path / "my coin.png")
@@ -79,7 +80,7 @@ def test_scale_bar_goes_and_drafts_stay(example_tab: Tab, example, tmp_path) -> 
     kind.select_option("")
     page.reload()
     kind.wait_for()
-    assert kind.input_value() == ""
+    expect(kind).to_have_value("")
 
 
 def test_names_with_a_space_are_refused_in_their_field(example_tab: Tab, example, tmp_path) -> None:
@@ -90,7 +91,8 @@ def test_names_with_a_space_are_refused_in_their_field(example_tab: Tab, example
     name.fill("left index")
     page.get_by_role("button", name="Add", exact=True).click()
     page.get_by_role("dialog").wait_for()
-    assert name.evaluate("field => field.matches(':invalid') && field === document.activeElement")
+    expect(name).to_be_focused()
+    assert name.evaluate("field => field.matches(':invalid')")
     assert "without spaces" in name.get_attribute("title")
     page.get_by_role("button", name="Cancel").click()
     shutil.copy(example / "contact_1N.png", tmp_path / "a print.png")
@@ -98,7 +100,8 @@ def test_names_with_a_space_are_refused_in_their_field(example_tab: Tab, example
     finger = page.get_by_label("Finger on a-print.png")
     finger.fill("left index")
     page.get_by_role("button", name="Add to study").click()
-    assert finger.evaluate("field => field.matches(':invalid') && field === document.activeElement")
+    expect(finger).to_be_focused()
+    assert finger.evaluate("field => field.matches(':invalid')")
     assert (example / "study.toml").read_text() == before
     finger.fill("synthetic_pad")
     page.get_by_role("button", name="Add to study").click()

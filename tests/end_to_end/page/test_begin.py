@@ -7,6 +7,7 @@ import zipfile
 
 import pytest
 from PIL import Image
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import DEMO, PRINTS, Late, Tab, box, drag, focus, middle, settle, stroke
 from tests.waiting import wait_until
 
@@ -53,20 +54,20 @@ def test_six_files_become_a_plot(empty_tab: Tab, written_example) -> None:
     photographs = [written_example / f"photograph_{face}.jpg" for face in ("palmar", "distal", "radial")]
     page.set_input_files("input[type=file][multiple]", [*photographs, *CONTACTS])
     page.get_by_role("heading", name="6 new files").wait_for()
-    assert page.get_by_label("Face on photograph_distal.jpg").input_value() == "distal"
-    assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "4"
-    assert page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons").input_value() == "0.5"
+    expect(page.get_by_label("Face on photograph_distal.jpg")).to_have_value("distal")
+    expect(page.get_by_label("Load of synthetic_30deg_4N.png, newtons")).to_have_value("4")
+    expect(page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons")).to_have_value("0.5")
     page.get_by_label("Finger of all new files").fill("left_index")
     paste(page, "Load of synthetic_30deg_0.5N.png, newtons", "0,5\n2\n4")
-    assert page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons").input_value() == "0.5"
+    expect(page.get_by_label("Load of synthetic_30deg_0.5N.png, newtons")).to_have_value("0.5")
     paste(page, "Load of synthetic_30deg_2N.png, newtons", "1\n2\n3")
     page.get_by_text("3 values for 2 fields from here down: nothing was pasted.").wait_for()
-    assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "4"
+    expect(page.get_by_label("Load of synthetic_30deg_4N.png, newtons")).to_have_value("4")
     x, y = middle(page.get_by_label("Load of synthetic_30deg_4N.png, newtons"))
     page.mouse.click(x, y)
     page.keyboard.press("End")
     page.keyboard.type("0")  # into the field that was clicked
-    assert page.get_by_label("Load of synthetic_30deg_4N.png, newtons").input_value() == "40"
+    expect(page.get_by_label("Load of synthetic_30deg_4N.png, newtons")).to_have_value("40")
     page.keyboard.press("Backspace")
     page.get_by_label("These files are synthetic (rendered or simulated)").check()
     page.get_by_role("button", name="Add to study").click()
@@ -74,7 +75,7 @@ def test_six_files_become_a_plot(empty_tab: Tab, written_example) -> None:
     page.locator("h1").click()
     page.keyboard.press("2")
     say_scale(page, "camera", "mm/px", "Millimetres per pixel", "0.1")
-    assert page.get_by_role("link", name="Run the study").count() == 0
+    expect(page.get_by_role("link", name="Run the study")).to_have_count(0)
     say_scale(page, "reader", "ppi", "Pixels per inch", "500")
     page.get_by_role("link", name="Run the study").wait_for()  # the last that was missing
     tops = page.get_by_role("radiogroup", name="Type of scale").get_by_role("radio").all()
@@ -110,7 +111,8 @@ def require_plot_in_view(page) -> None:
     circles, squares = (
         page.locator(f".chart .scatterlayer .trace:nth-child({place}) .point") for place in (2, 1)
     )
-    assert circles.count() == squares.count() == 3
+    expect(circles).to_have_count(3)
+    expect(squares).to_have_count(3)
     assert box(squares.first)["width"] > box(circles.first)["width"]
 
 
@@ -118,9 +120,9 @@ def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
     page = empty_tab.open()
     begin(page)
     wedge = page.get_by_label("Wedge angle ±")
-    shown = wedge.input_value(), wedge.get_attribute("placeholder")
-    assert shown == ("", "3 assumed")
-    assert page.get_by_label("Load, relative ±").input_value() == "0.01"
+    expect(wedge).to_have_value("")
+    expect(wedge).to_have_attribute("placeholder", "3 assumed")
+    expect(page.get_by_label("Load, relative ±")).to_have_value("0.01")
     manifest = empty_tab.folder / "index-finger" / "study.toml"
     for entered, kept in [("0.5", True), ("", False)]:
         wedge.fill(entered)
@@ -128,7 +130,8 @@ def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
             wedge.press("Enter")
         settle(page)
         assert ("wedge_angle_deg_std" in manifest.read_text()) is kept
-    assert (wedge.input_value(), wedge.get_attribute("placeholder")) == shown
+    expect(wedge).to_have_value("")
+    expect(wedge).to_have_attribute("placeholder", "3 assumed")
 
 
 def test_a_double_press_creates_one_study(empty_tab: Tab) -> None:
@@ -151,7 +154,7 @@ def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
     )
     page.dispatch_event("#work", "drop", {"dataTransfer": data})
     page.get_by_role("heading", name="1 new file").wait_for()
-    assert page.locator(".new-files tbody b").count() == 0
+    expect(page.locator(".new-files tbody b")).to_have_count(0)
     files = sorted(p.name for p in empty_tab.folder.rglob("*.csv"))
     assert len(files) == 1
     assert all(
@@ -171,7 +174,7 @@ def test_removed_file_is_restored_with_its_entries(tab: Tab, demo, tmp_path) -> 
     assert not (demo / "uploads" / "print.png").exists()
     page.get_by_role("button", name="Undo").click()
     page.get_by_text("print.png was restored.").wait_for()
-    assert page.get_by_label("Finger on print.png").input_value() == "synthetic_pad"
+    expect(page.get_by_label("Finger on print.png")).to_have_value("synthetic_pad")
     assert (demo / "uploads" / "print.png").read_bytes() == (tmp_path / "print.png").read_bytes()
 
 
@@ -266,7 +269,7 @@ def test_an_incomplete_entry_is_named_and_run_when_complete(tab: Tab, demo, tmp_
     assert 'file = "uploads/print.png"' in (demo / "study.toml").read_text()
     tab.go("run")
     page.get_by_text("The study is incomplete").wait_for()
-    assert page.get_by_role("button", name="Run", exact=True).is_disabled()
+    expect(page.get_by_role("button", name="Run", exact=True)).to_be_disabled()
     tab.go("study")
     page.get_by_label("Load of print", exact=True).fill("1")
     page.keyboard.press("Tab")
@@ -337,7 +340,7 @@ def test_line_drawn_with_keys_alone(tab: Tab) -> None:
     page.get_by_label("Line along").select_option("a bank card's long side, 85.60 mm")
     scale = page.locator("[data-live=scale]")
     scale.wait_for()
-    assert page.get_by_label("Length of the line").input_value() == "85.6"
+    expect(page.get_by_label("Length of the line")).to_have_value("85.6")
     card = float(scale.inner_text().split()[0])
     page.get_by_label("Length of the line").fill("10")
     page.keyboard.press("Enter")
@@ -375,7 +378,7 @@ def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> N
     page.get_by_role("button", name="Other studies").click()
     page.get_by_label("ZIP file of a study").set_input_files(folder.value.path())
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
-    assert tab.page.locator("#sidebar .step-state.good").first.inner_text() == "complete"
+    expect(tab.page.locator("#sidebar .step-state.good").first).to_have_text("complete")
 
 
 def test_files_left_out_are_listed_and_the_export_is_imported(tab: Tab, demo, tmp_path) -> None:

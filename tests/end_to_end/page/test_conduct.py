@@ -7,7 +7,7 @@ from importlib import resources
 
 import pytest
 from PIL import Image
-from playwright.sync_api import Page
+from playwright.sync_api import Page, expect
 from tests.end_to_end.page.browser import (
     DEMO,
     Late,
@@ -155,8 +155,8 @@ def test_each_window_has_its_own_study(tab: Tab, demo) -> None:
     two.get_by_role("button", name="Other studies").click()
     two.get_by_role("button", name="The other pad").click()
     two.get_by_role("heading", name="The other pad").wait_for()
-    assert not two.get_by_text("Of demo").is_visible()
-    assert two.get_by_role("alert").count() == 0
+    expect(two.get_by_text("Of demo")).not_to_be_visible()
+    expect(two.get_by_role("alert")).to_have_count(0)
     two.get_by_label("Roll angle ±").fill("0.7")
     two.get_by_label("Roll angle ±").press("Enter")
     # The first window stays where it is, takes edits, and hears of those of its own study only.
@@ -182,7 +182,7 @@ def test_a_study_that_was_left_is_not_opened_again_by_a_late_state(tab: Tab) -> 
     page.get_by_role("heading", name="Open study").wait_for()
     late.let_go()
     page.wait_for_load_state("networkidle")
-    assert page.get_by_role("heading", name="Open study").is_visible()
+    expect(page.get_by_role("heading", name="Open study")).to_be_visible()
 
 
 def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) -> None:
@@ -272,7 +272,7 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
         page = tab.open()
         tab.go("contacts/film:long")
         page.locator(".filmstrip .cell").first.wait_for()
-        assert page.locator(".track").evaluate("track => track.style.width") == "200000px"
+        expect(page.locator(".track")).to_have_css("width", "200000px")
         most = page.evaluate(SCROLL)
         page.locator(".cell.there").first.wait_for()
         thumbnails = sum("/thumbnail" in url for url in tab.asked)
@@ -293,7 +293,7 @@ def test_late_state_does_not_replace_a_newer_one(tab: Tab, demo) -> None:
     with page.expect_response("**/api/study"):
         late.let_go()
     settle(page)
-    assert page.get_by_role("heading", name="Kept since").is_visible()
+    expect(page.get_by_role("heading", name="Kept since")).to_be_visible()
 
 
 def first_edit_on_its_way(tab: Tab) -> tuple[Page, Late]:
@@ -315,7 +315,7 @@ def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:
     page.keyboard.type("0.")
     late.let_go()
     page.keyboard.type("25")
-    assert page.get_by_label("Roll angle ±").input_value() == "0.25"
+    expect(page.get_by_label("Roll angle ±")).to_have_value("0.25")
     with page.expect_response("**/api/study/edits"):
         page.keyboard.press("Tab")
     settle(page)
@@ -323,8 +323,8 @@ def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:
     with page.expect_response("**/api/study/edits"):
         page.keyboard.press("Enter")
     settle(page)
-    assert page.get_by_label("Load, relative ±").input_value() == "0.02"
-    assert page.evaluate("() => document.activeElement.labels[0].textContent") == "Load, relative ±"
+    expect(page.get_by_label("Load, relative ±")).to_have_value("0.02")
+    expect(page.get_by_label("Load, relative ±")).to_be_focused()
     require_three_uncertainties(demo)
 
 

@@ -43,10 +43,10 @@ def test_dragged_handle_gives_new_numbers_beside_the_automatic_ones(tab: Tab, de
     assert value(after, "mm²") > value(before, "mm²") * 1.03
     program = re.search(r"ℓd\s+[\d.]+ ± [\d.]+ mm\s+.*?([\d.]+) ± ", after, re.DOTALL).group(1)
     assert float(program) == value(before, "mm")
-    assert page.get_by_text("manual", exact=True).is_visible()
+    expect(page.get_by_text("manual", exact=True)).to_be_visible()
     (record,) = corrections(demo)
     assert (record["item"], list(record["change"])) == (PRINT, ["ellipse_px"])
-    assert record["who"] in page.locator(".history").inner_text()
+    expect(page.locator(".history")).to_contain_text(record["who"])
     page.keyboard.press("u")
     assert numbers(page) == before
     page.keyboard.press("r")
@@ -182,7 +182,7 @@ def test_a_threshold_is_applied_to_similar_images_one_by_one(tab: Tab, demo) -> 
     cards.last.get_by_text("from now").wait_for()
     names = [card.get_attribute("data-item") for card in cards.all()]
     assert PRINT not in names
-    assert cards.first.locator("path.region").get_attribute("d")
+    expect(cards.first.locator("path.region")).to_have_attribute("d", re.compile("."))
     page.keyboard.press("Enter")  # the first card's Accept has the focus
     cards.nth(1).get_by_role("button", name="Leave").click()
     dialog.get_by_text(f"2 of {len(names)} decided").wait_for()
@@ -201,8 +201,8 @@ def test_second_operator_sees_no_outline_but_their_own(tab: Tab, demo) -> None:
     page.evaluate("localStorage.setItem('fingerpad.who', 'bob')")
     tab.go("contacts/second")
     page.get_by_text("No other outline is shown").wait_for()
-    assert page.locator("path.region").get_attribute("d") == ""
-    assert page.get_by_label("Show the automatic outline").count() == 0
+    expect(page.locator("path.region")).to_have_attribute("d", "")
+    expect(page.get_by_label("Show the automatic outline")).to_have_count(0)
     page.keyboard.press("Enter")  # nothing to accept yet
     page.get_by_text("Outline the contact first").wait_for()
     x, y = middle(page.locator(".stage"))
@@ -213,7 +213,7 @@ def test_second_operator_sees_no_outline_but_their_own(tab: Tab, demo) -> None:
     lift(page)
     mine = numbers(page)
     assert value(mine, "mm²") != value(first, "mm²")
-    assert "program" not in page.locator("[data-part=numbers]").inner_text()
+    expect(page.locator("[data-part=numbers]")).not_to_contain_text("program")
     page.keyboard.press("Enter")
     page.get_by_text("This was the last image").wait_for()
     (line,) = (demo / "second_operator.jsonl").read_text().splitlines()[-1:]
@@ -226,11 +226,11 @@ def test_brightness_changes_what_is_seen_and_nothing_else(tab: Tab, demo) -> Non
     before = numbers(page)
     page.get_by_text("Brightness and contrast, for looking only").click()
     page.get_by_role("slider", name="Contrast").fill("250")
-    assert "contrast(250%)" in page.locator(".stage .picture").get_attribute("style")
+    expect(page.locator(".stage .picture")).to_have_attribute("style", re.compile(r"contrast\(250%\)"))
     assert numbers(page) == before
     assert corrections(demo) == []
     page.get_by_role("button", name="Reset", exact=True).click()
-    assert "contrast" not in page.locator(".stage .picture").get_attribute("style")
+    expect(page.locator(".stage .picture")).not_to_have_attribute("style", re.compile("contrast"))
 
 
 def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
@@ -255,7 +255,7 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     assert corrections(demo)[-1]["change"]["dark_on_light"] is False
     page.get_by_role("button", name="Reset to automatic").click()
     assert numbers(page) == before
-    assert page.get_by_text("automatic", exact=True).is_visible()
+    expect(page.get_by_text("automatic", exact=True)).to_be_visible()
 
 
 def test_an_address_opens_its_image_from_any_view(tab: Tab) -> None:
@@ -272,7 +272,7 @@ def test_an_address_opens_its_image_from_any_view(tab: Tab) -> None:
         before = numbers(page)
         focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
         changed(page, before)
-        assert page.locator(".history li").count() == 1
+        expect(page.locator(".history li")).to_have_count(1)
         page.keyboard.press("u")
         assert numbers(page) == before
 
@@ -286,7 +286,7 @@ def test_reject_with_a_reason_and_undo(tab: Tab, demo) -> None:
     assert corrections(demo)[-1]["change"] == {"rejected": "smeared"}
     page.get_by_label("Show", exact=True).select_option("rejected")
     page.locator(".stage.rejected").wait_for()
-    assert page.locator(".filmstrip .cell").count() == 1
+    expect(page.locator(".filmstrip .cell")).to_have_count(1)
     page.locator("h1").click()
     page.keyboard.press("x")
     page.wait_for_function("() => !document.querySelector('.stage.rejected')")
@@ -308,14 +308,14 @@ def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> Non
     page = tab.open("contacts/film:synthetic_press_30deg/synthetic_press_30deg%25234")
     program = numbers(page)
     grown = page.get_by_label("Aspect ratio against force, up to the current frame").locator("path.grown")
-    first = len(grown.get_attribute("d"))
+    first = grown.get_attribute("d")
     page.locator("h1").click()
     page.keyboard.press("k")
     page.get_by_text("manual", exact=True).wait_for()
     for _ in range(4):
         page.keyboard.press(".")
         numbers(page)
-    assert len(grown.get_attribute("d")) > first
+    expect(grown).to_have_attribute("d", re.compile(f"{first}."))
     focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
     page.get_by_role("checkbox", name="Key frame").check()
     page.locator(".cell[data-index='6'] .dot[data-kind='interpolated']").wait_for()
@@ -328,7 +328,7 @@ def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> Non
         "4",
         "8",
     ]
-    assert not page.get_by_role("checkbox", name="Key frame").is_checked()
+    expect(page.get_by_role("checkbox", name="Key frame")).not_to_be_checked()
 
 
 def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
@@ -337,7 +337,7 @@ def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
     shallow = np.asarray(Image.open(DEMO / "synthetic/synthetic_30deg_2N.png"), dtype=np.uint16)
     tifffile.imwrite(deep, shallow * 100 + 7000)
     begin_with_print(page, deep, "0.0508")
-    assert "16 bit" in page.locator("[data-part=head]").inner_text()
+    expect(page.locator("[data-part=head]")).to_contain_text("16 bit")
     assert value(numbers(page), "mm²") == pytest.approx(116.3, rel=0.02)
     shades = page.evaluate(
         "() => { const image = document.querySelector('.stage .picture');"
@@ -460,10 +460,10 @@ def test_limits_of_phases_are_moved_by_hand(tab: Tab, demo) -> None:
     hold.press("End")
     ends = page.get_by_role("slider", name="Start of unloading").get_attribute("aria-valuenow")
     late.let_go()
-    assert hold.get_attribute("aria-valuenow") == ends
+    expect(hold).to_have_attribute("aria-valuenow", ends)
     hold.blur()
-    assert page.locator(".limits .limit").count() == 4
-    assert hold.get_attribute("aria-valuenow") == ends
+    expect(page.locator(".limits .limit")).to_have_count(4)
+    expect(hold).to_have_attribute("aria-valuenow", ends)
     reason = page.get_by_label("Reason of the phases")
     reason.fill("the pad slipped")
     reason.press("Enter")

@@ -3,6 +3,7 @@
 import re
 import tomllib
 
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, numbers
 
 PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
@@ -28,10 +29,10 @@ def test_a_photograph_without_face_shows_and_takes_its_face(example_tab: Tab, ex
     page.wait_for_function(PICTURE_THERE)
     side = page.locator(".inspector")
     side.get_by_role("alert").get_by_text("state which face").wait_for()
-    assert page.get_by_role("alert").count() == 1
-    assert page.get_by_text("state which face").count() == 1  # not on the picture as well
-    assert "null" not in page.locator("#work").inner_text()
-    assert "scale no scale" not in page.locator("#work").inner_text()
+    expect(page.get_by_role("alert")).to_have_count(1)
+    expect(page.get_by_text("state which face")).to_have_count(1)  # not on the picture as well
+    expect(page.locator("#work")).not_to_contain_text("null")
+    expect(page.locator("#work")).not_to_contain_text("scale no scale")
     # The other faces of the finger measure, and the contacts too, though no model applies yet.
     page.keyboard.press("ArrowRight")
     numbers(page, "face")
@@ -66,7 +67,7 @@ def test_a_contact_without_load_or_scale_shows_and_takes_them(example_tab: Tab, 
     page.keyboard.press("ArrowLeft")
     page.wait_for_function(PICTURE_THERE)
     side.get_by_role("alert").get_by_text("state the scale").wait_for()
-    assert page.locator(".scale-bar").is_hidden()  # not that of the picture before
+    expect(page.locator(".scale-bar")).to_be_hidden()  # not that of the picture before
     # A correction is kept before the entry is complete.
     page.keyboard.press("x")  # which goes on to the next image
     page.wait_for_url(re.compile("contact_1N"))

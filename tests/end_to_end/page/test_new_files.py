@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, box, served
 from tests.end_to_end.page.test_begin import CONTACTS, begin, paste
 from tests.end_to_end.page.test_conduct import AXE, JUDGE
@@ -48,8 +49,8 @@ def test_files_of_a_camera_become_a_plot(empty_tab: Tab, plain_names) -> None:
     drop(page, plain_names)  # 2
     kinds = [page.get_by_label(f"Type of {path.name}").input_value() for path in plain_names]
     assert kinds == ["photograph"] * 2 + ["observation"] * 3 + ["coin"]
-    assert page.get_by_label("Face on IMG_0031.jpg").input_value() == "palmar"
-    assert page.get_by_label("Face on IMG_0032.jpg").input_value() == "radial"
+    expect(page.get_by_label("Face on IMG_0031.jpg")).to_have_value("palmar")
+    expect(page.get_by_label("Face on IMG_0032.jpg")).to_have_value("radial")
     page.get_by_label("Finger of all new files").fill("left_index")  # 3
     page.get_by_label("Wedge angle of all new files, degrees").fill("30")  # 4
     paste(page, "Load of IMG_0033.png, newtons", "Load\n500 mN\n2 N\n4")  # 5
@@ -81,7 +82,7 @@ def test_a_doubtful_guess_is_asked(empty_tab: Tab, tmp_path) -> None:
         page.get_by_role("button", name="Add to study").click()
         page.get_by_role("button", name="Change").click()
         page.get_by_label("Type of IMG_1.png").select_option("observation")
-        assert page.get_by_text("guess: check").count() == 0  # a choice is no guess
+        expect(page.get_by_text("guess: check")).to_have_count(0)  # a choice is no guess
     page.get_by_label("Finger on IMG_1.png").fill("left_index")
     page.get_by_role("button", name="Add to study").click()
     page.get_by_text("1 file added.").wait_for()
@@ -99,14 +100,15 @@ def test_the_resolution_that_a_contact_image_states_is_a_guess(
         Image.open(path).save(tmp_path / name, dpi=(ppi, ppi))
     drop(page, [tmp_path / name for name in stated])
     scales = [page.get_by_label(f"Scale of {name}") for name in stated]
-    assert [scale.input_value() for scale in scales] == ["ppi:500", "", ""]
-    assert page.get_by_text("500 ppi, from the file").count() == 1
+    for scale, shown in zip(scales, ["ppi:500", "", ""], strict=True):
+        expect(scale).to_have_value(shown)
+    expect(page.get_by_text("500 ppi, from the file")).to_have_count(1)
     page.get_by_label("Finger of all new files").fill("left_index")
     page.keyboard.press("Tab")
     page.get_by_role("button", name="Add to study").click()
     page.get_by_text("500 ppi as its file says").wait_for()
     page.get_by_role("button", name="Change").click()
-    assert scales[0].evaluate("select => select === document.activeElement")
+    expect(scales[0]).to_be_focused()
     page.get_by_role("button", name="Add to study").click()
     page.get_by_role("button", name="Yes, add them").click()
     page.get_by_text("3 files added.").wait_for()
@@ -130,10 +132,10 @@ def test_a_spreadsheet_fills_in_the_files(empty_tab: Tab, plain_names, tmp_path)
     page.get_by_text("Not used: Mood.").wait_for()
     page.get_by_text("Rows without one file: IMG_0099 (line 5).").wait_for()
     page.get_by_text("Files without a row: IMG_0032.jpg, IMG_0035.png, IMG_0036.png.").wait_for()
-    assert page.get_by_label("Finger on IMG_0034.png").input_value() == "S8_right_index"
+    expect(page.get_by_label("Finger on IMG_0034.png")).to_have_value("S8_right_index")
     page.get_by_role("button", name="Fill down: Finger").click()
-    assert page.get_by_label("Finger on IMG_0032.jpg").input_value() == "S7_left_index"
-    assert page.get_by_label("Finger on IMG_0035.png").input_value() == "S8_right_index"
+    expect(page.get_by_label("Finger on IMG_0032.jpg")).to_have_value("S7_left_index")
+    expect(page.get_by_label("Finger on IMG_0035.png")).to_have_value("S8_right_index")
     page.get_by_label("Wedge angle of IMG_0035.png, degrees").fill("0")
     page.get_by_label("Load of IMG_0035.png, newtons").fill("4")
     page.get_by_role("button", name="Add to study").click()
@@ -167,9 +169,9 @@ def test_a_pattern_is_previewed_and_fills_in_the_files(empty_tab: Tab, tmp_path)
     tools = page.locator(".new-file-tools details").nth(1)
     tools.get_by_role("button", name="Fill in").click()
     page.get_by_text("2 files filled in by the pattern.").wait_for()
-    assert page.get_by_label("Finger on 8-RM-w45-f2000.png").input_value() == "8_right_middle"
-    assert page.get_by_label("Load of 7-LI-w30-f500.png, newtons").input_value() == "500"
-    assert page.get_by_label("Finger on odd.png").input_value() == ""
+    expect(page.get_by_label("Finger on 8-RM-w45-f2000.png")).to_have_value("8_right_middle")
+    expect(page.get_by_label("Load of 7-LI-w30-f500.png, newtons")).to_have_value("500")
+    expect(page.get_by_label("Finger on odd.png")).to_have_value("")
 
 
 def test_pasted_cells_are_a_spreadsheet(empty_tab: Tab, plain_names) -> None:
@@ -178,9 +180,9 @@ def test_pasted_cells_are_a_spreadsheet(empty_tab: Tab, plain_names) -> None:
     drop(page, plain_names)
     paste(page, "Finger on IMG_0031.jpg", "file\tload\nIMG_0033\t1,5\nIMG_0034\t500mN")
     page.get_by_text("2 of 6 files found in the spreadsheet.").wait_for()
-    assert page.get_by_label("Load of IMG_0033.png, newtons").input_value() == "1.5"
-    assert page.get_by_label("Load of IMG_0034.png, newtons").input_value() == "0.5"
-    assert page.get_by_label("Finger on IMG_0031.jpg").input_value() == ""
+    expect(page.get_by_label("Load of IMG_0033.png, newtons")).to_have_value("1.5")
+    expect(page.get_by_label("Load of IMG_0034.png, newtons")).to_have_value("0.5")
+    expect(page.get_by_label("Finger on IMG_0031.jpg")).to_have_value("")
 
 
 @pytest.mark.parametrize("width", [390, 1366])

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import (
     Late,
     Tab,
@@ -54,13 +55,13 @@ def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
     assert distal(held) < distal(pad) - 0.02
     lift(page)
     assert distal(numbers(page, "finger")) < distal(pad) - 0.02
-    assert page.get_by_text("manual", exact=True).is_visible()
+    expect(page.get_by_text("manual", exact=True)).to_be_visible()
     assert list(last_change(demo)) == ["ellipse_px"]
-    assert re.fullmatch(r"[+−]\d+\.\d %", page.locator(".difference .number").first.inner_text())
+    expect(page.locator(".difference .number").first).to_have_text(re.compile(r"^[+−]\d+\.\d %$"))
     page.keyboard.press("u")
     assert numbers(page, "finger") == pad
     assert numbers(page, "face") == face
-    assert page.get_by_text("automatic", exact=True).is_visible()
+    expect(page.get_by_text("automatic", exact=True)).to_be_visible()
 
 
 def test_axes_and_rotation_by_keyboard(tab: Tab, demo) -> None:

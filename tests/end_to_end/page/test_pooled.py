@@ -4,6 +4,7 @@ import json
 import re
 
 from PIL import Image
+from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, numbers, unexplained
 
 from fingerpad.report import write_report
@@ -40,7 +41,7 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     run_study(example / "study.toml", example / "results", write_report=write_report)
     page.reload()
     card.get_by_text("3 of 3 contacts pooled").wait_for()
-    assert card.locator(".main-fact dd").first.inner_text() != before
+    expect(card.locator(".main-fact dd").first).not_to_have_text(before)
     report = re.sub(r"\s+", " ", (example / "results" / "report.html").read_text())
     assert "3 of 3 contacts pooled" in report
     assert f"contact_1N is included by {record['who']}: shown whole enough (the contact is cut" in report
