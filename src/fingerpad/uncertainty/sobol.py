@@ -7,6 +7,7 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
+from fingerpad.uncertainty.monte_carlo import normal_points
 from fingerpad.uncertainty.quantities import Inputs, Model, evaluate
 
 _REPEATS = 8
@@ -82,8 +83,6 @@ def sobol_indices(
     >>> round(product.first["a"], 2)
     0.5
     """
-    from scipy.stats import qmc  # noqa: PLC0415 (slow to import, seldom needed)
-
     mean, covariance = inputs.mean, covariance_of(inputs.covariance)
     _require_independent(inputs)
     if draws < 2 or draws & (draws - 1):
@@ -98,8 +97,10 @@ def sobol_indices(
     def at(points: FloatArray) -> FloatArray:
         return evaluate(model, inputs.names, points)[1]
 
-    def once(random: np.random.Generator) -> tuple[FloatArray, FloatArray]:
-        normal = qmc.MultivariateNormalQMC(np.zeros(2 * size), rng=random).random(draws)
+    random = np.random.default_rng(seed)
+
+    def once() -> tuple[FloatArray, FloatArray]:
+        normal = normal_points(draws, 2 * size, random)
         inputs_a, inputs_b = mean + normal[:, :size] @ root.T, mean + normal[:, size:] @ root.T
         a, b = at(inputs_a), at(inputs_b)
         variance = np.concatenate([a, b]).var(axis=0)
@@ -112,8 +113,7 @@ def sobol_indices(
             total.append(0.5 * np.square(a - ab).mean(axis=0) / variance)
         return np.stack(first, axis=-1), np.stack(total, axis=-1)
 
-    seeds = np.random.default_rng(seed).spawn(_REPEATS)
-    first, total = (np.stack(parts) for parts in zip(*map(once, seeds), strict=True))
+    first, total = (np.stack(parts) for parts in zip(*(once() for _ in range(_REPEATS)), strict=True))
 
     def by_source(shares: FloatArray) -> dict[str, float]:
         return dict(zip(inputs.groups, map(float, shares), strict=True))

@@ -46,7 +46,7 @@ STATED_APART: Final[Mapping[str, tuple[str, ...]]] = {
 
 # Names of the columns of parts: first-order ones, then those of second order.
 PART_SOURCES: Final = np.array(2 * [source for source, names in PAD_SOURCES.items() for _ in names])
-# Draws for a row's own interval; GUM-S1 asks for 10⁶ where two digits must stand.
+# Most draws for a row's own interval.
 MOST_DRAWS: Final = 200_000
 
 
