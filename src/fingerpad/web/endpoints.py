@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from http import HTTPStatus
+from inspect import iscoroutinefunction, signature
 from pathlib import PurePath
 from typing import Annotated, Any, Final, Literal, TypeAlias
 
@@ -75,12 +76,12 @@ class Endpoint:
     path: str
     answer: Callable[[Workspace, Any, Any], Any]
     summary: str
-    model: type[Answer] | None = None
-    query: type[Params] = NoParams
-    body: type[Params] = NoParams
-    status: HTTPStatus = HTTPStatus.OK
-    media: str = "application/octet-stream"
-    streamed: bool = False
+    model: type[Answer] | None
+    query: type[Params]
+    body: type[Params]
+    status: HTTPStatus
+    media: str
+    streamed: bool
 
     @property
     def plain_path(self) -> str:
@@ -118,6 +119,35 @@ class Endpoint:
         text = _encoded(content)
         self.model.model_validate_json(text)
         return Response(text, status_code=status, media_type="application/json")
+
+
+def endpoint(
+    method: Literal["GET", "POST", "PUT", "DELETE"],
+    path: str,
+    summary: str,
+    model: type[Answer] | None = None,
+    *,
+    status: HTTPStatus = HTTPStatus.OK,
+    media: str = "application/octet-stream",
+) -> Callable[[Callable[[Workspace, Any, Any], Any]], Endpoint]:
+    """Make an `Endpoint` of the function that answers it, whose annotations are query and body."""
+
+    def of(answer: Callable[[Workspace, Any, Any], Any]) -> Endpoint:
+        _, query, body = (one.annotation for one in signature(answer).parameters.values())
+        return Endpoint(
+            method=method,
+            path=path,
+            answer=answer,
+            summary=summary,
+            model=model,
+            query=NoParams if query is Any else query,
+            body=NoParams if body in (Any, Request) else body,
+            status=status,
+            media=media,
+            streamed=iscoroutinefunction(answer),
+        )
+
+    return of
 
 
 class plain_errors:  # noqa: N801 (used as a statement)

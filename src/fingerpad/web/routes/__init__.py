@@ -34,4 +34,6 @@ _MODULES: Final = (
     files,
     new_files,
 )
-ENDPOINTS: Final[tuple[Endpoint, ...]] = tuple(one for module in _MODULES for one in module.ENDPOINTS)
+ENDPOINTS: Final = tuple(
+    one for module in _MODULES for one in vars(module).values() if isinstance(one, Endpoint)
+)

@@ -26,7 +26,7 @@ from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Item, Params
+from fingerpad.web.endpoints import Item, Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
 from fingerpad.web.pictures import Cache, ImageLocation
@@ -50,6 +50,12 @@ class ContactParams(Params):
     scale: ScaleKey | None = None
 
 
+@endpoint(
+    "POST",
+    "/api/measure/contact",
+    "Measure a contact image under a correction, without storing it",
+    answers.ContactMeasurement,
+)
 def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
     """Measure a contact image under a correction; nothing is stored."""
     began = time.perf_counter()
@@ -81,6 +87,12 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     }
 
 
+@endpoint(
+    "POST",
+    "/api/measure/levels",
+    "Histogram of an image's levels, to choose a threshold by",
+    answers.ContactLevels,
+)
 def levels(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
     """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
     opened = workspace.study
@@ -262,23 +274,3 @@ def _load_of_frame(opened: StudySession, item: str) -> float | None:
     found = last_results(opened)
     row = found and found.row(item)
     return row["load_N"] if row else None
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="POST",
-        path="/api/measure/contact",
-        answer=measure,
-        model=answers.ContactMeasurement,
-        summary="Measure a contact image under a correction, without storing it",
-        body=ContactParams,
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/measure/levels",
-        answer=levels,
-        model=answers.ContactLevels,
-        summary="Histogram of an image's levels, to choose a threshold by",
-        body=ContactParams,
-    ),
-)

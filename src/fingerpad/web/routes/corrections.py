@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from http import HTTPStatus
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -15,7 +15,7 @@ from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.corrections.similar import similar_images, with_settings_of
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Item, Params, Person
+from fingerpad.web.endpoints import Item, Params, Person, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
 from fingerpad.web.routes.state import review_record
@@ -79,6 +79,7 @@ def pooling_choice(active_correction: ActiveCorrection | None) -> dict[str, Any]
     }
 
 
+@endpoint("GET", "/api/corrections", "Corrections of an item", answers.Corrections)
 def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the corrections of an item."""
     opened = workspace.study
@@ -86,6 +87,7 @@ def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     return _document(opened, params)
 
 
+@endpoint("POST", "/api/corrections", "Correct an item", answers.Corrections, status=HTTPStatus.CREATED)
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     """Save a correction; it is on the disk before the response."""
     opened = workspace.study
@@ -106,18 +108,34 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     )
 
 
+@endpoint(
+    "POST",
+    "/api/corrections/undo",
+    "Undo the last correction",
+    answers.Corrections,
+    status=HTTPStatus.CREATED,
+)
 def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Undo the last correction."""
     log = _log(workspace.study, params)
     return _save(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
 
 
+@endpoint(
+    "POST", "/api/corrections/redo", "Redo what was undone", answers.Corrections, status=HTTPStatus.CREATED
+)
 def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Redo the correction that was undone last."""
     log = _log(workspace.study, params)
     return _save(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
 
 
+@endpoint(
+    "GET",
+    "/api/corrections/similar",
+    "Images of the same finger and device, with what their corrections would become",
+    answers.SimilarImages,
+)
 def similar(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the images that a correction's settings may apply to, with their new corrections."""
     opened = workspace.study
@@ -155,6 +173,12 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
     return found
 
 
+@endpoint(
+    "GET",
+    "/api/study/second-operator",
+    "Images for a second operator in random order, and the agreement with the first",
+    answers.SecondOperator,
+)
 def second_operator(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the images in random order with the second operator's review, and the last run's agreement."""
     opened = workspace.study
@@ -172,57 +196,3 @@ def second_operator(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
         "unseen": len(named) - len(looked),
         "agreement": found.summary.get("second_operator", []) if found else [],
     }
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/corrections",
-        answer=show,
-        model=answers.Corrections,
-        query=ItemParams,
-        summary="Corrections of an item",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/corrections/similar",
-        answer=similar,
-        model=answers.SimilarImages,
-        query=ItemParams,
-        summary="Images of the same finger and device, with what their corrections would become",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/corrections",
-        answer=add,
-        model=answers.Corrections,
-        body=ChangeParams,
-        status=HTTPStatus.CREATED,
-        summary="Correct an item",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/corrections/undo",
-        answer=undo,
-        model=answers.Corrections,
-        body=StepParams,
-        status=HTTPStatus.CREATED,
-        summary="Undo the last correction",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/corrections/redo",
-        answer=redo,
-        model=answers.Corrections,
-        body=StepParams,
-        status=HTTPStatus.CREATED,
-        summary="Redo what was undone",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/study/second-operator",
-        answer=second_operator,
-        model=answers.SecondOperator,
-        summary="Images for a second operator in random order, and the agreement with the first",
-    ),
-)

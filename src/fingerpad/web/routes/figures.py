@@ -22,7 +22,7 @@ from fingerpad.figures.publish import (
 )
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.routes.results import require_results
 from fingerpad.web.workspace import Workspace
@@ -60,6 +60,7 @@ class FigureFileParams(FigureParams):
     attachment: bool = False
 
 
+@endpoint("GET", "/api/results/figures", "The report's figures", answers.Figures)
 def figures(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the report's figures with their captions."""
     require_results(workspace)
@@ -84,6 +85,7 @@ def _listed(workspace: Workspace, names: list[str]) -> Iterator[dict[str, Any]]:
         }
 
 
+@endpoint("GET", "/api/results/figure", "What can be set of a figure", answers.FigureDetails)
 def figure(workspace: Workspace, params: FigureParams, _: Any) -> dict[str, Any]:
     """Return what can be set of a figure, as it is in the report."""
     found = _read(workspace, params.name)
@@ -104,6 +106,9 @@ def figure(workspace: Workspace, params: FigureParams, _: Any) -> dict[str, Any]
     }
 
 
+@endpoint(
+    "GET", "/api/results/figure/file", "A figure as SVG, PDF or PNG for publication, or its data as CSV"
+)
 def figure_download(workspace: Workspace, params: FigureFileParams, _: Any) -> Response:
     """Return a figure as a file."""
     settings = FigureSettings(
@@ -135,29 +140,3 @@ def _read(workspace: Workspace, name: str) -> PanelFigure:
         return PanelFigure.of_json((workspace.study.out / file).read_text(encoding="utf-8"))
     except ValueError as error:
         raise RequestError.conflict(f"{file}: is damaged: {RERUN}") from error
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/results/figures",
-        answer=figures,
-        model=answers.Figures,
-        summary="The report's figures",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/results/figure",
-        answer=figure,
-        model=answers.FigureDetails,
-        query=FigureParams,
-        summary="What can be set of a figure",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/results/figure/file",
-        answer=figure_download,
-        query=FigureFileParams,
-        summary="A figure as SVG, PDF or PNG for publication, or its data as CSV",
-    ),
-)

@@ -21,7 +21,7 @@ from starlette.responses import FileResponse, Response, StreamingResponse
 from fingerpad.web import answers
 from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bundle import Bundle
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.routes.state import document
 from fingerpad.web.security import FRAMED_HEADERS
@@ -80,6 +80,7 @@ class RestoreParams(Params):
     removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
+@endpoint("POST", "/api/files", "Add a file to the study", answers.UploadedFile, status=HTTPStatus.CREATED)
 async def upload(
     workspace: Workspace, params: UploadParams, request: Request
 ) -> tuple[dict[str, Any], HTTPStatus]:
@@ -105,6 +106,13 @@ async def upload(
     return await run_in_threadpool(keep)
 
 
+@endpoint(
+    "POST",
+    "/api/session/import",
+    "Import a study from a ZIP, and open it",
+    answers.State,
+    status=HTTPStatus.CREATED,
+)
 async def import_study(workspace: Workspace, params: ImportParams, request: Request) -> dict[str, Any]:
     """Import a study from a ZIP, and open it."""
     folder = workspace.new_folder(params.name)
@@ -120,11 +128,18 @@ async def import_study(workspace: Workspace, params: ImportParams, request: Requ
     return await run_in_threadpool(open_it)
 
 
+@endpoint("GET", "/api/events", "Server-sent events", media="text/event-stream")
 async def listen(workspace: Workspace, _: Any, __: Request) -> Response:
     """Stream events."""
     return StreamingResponse(workspace.study.events.listen(), media_type="text/event-stream")
 
 
+@endpoint(
+    "DELETE",
+    "/api/files",
+    "Remove an uploaded file that is not used; it can be restored",
+    answers.StateAfterRemoval,
+)
 def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]:
     """Move an uploaded file that is not used into a hidden folder."""
     opened = workspace.study
@@ -144,6 +159,7 @@ def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]
     return {**document(opened), "removed": number}
 
 
+@endpoint("POST", "/api/files/restore", "Restore a removed file", answers.StateAfterRestore)
 def restore(workspace: Workspace, _: Any, params: RestoreParams) -> dict[str, Any]:
     """Restore a removed file, under another name if its own is taken."""
     opened = workspace.study
@@ -165,6 +181,7 @@ class DownloadParams(Params):
     attachment: bool = False
 
 
+@endpoint("GET", "/api/download/{path:path}", "A file of the results, or the whole study as study.zip")
 def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
     """Return a file of the results."""
     opened = workspace.study
@@ -181,6 +198,9 @@ def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
     return FileResponse(path, media_type=_TYPES.get(path.suffix, "application/octet-stream"), headers=headers)
 
 
+@endpoint(
+    "GET", "/api/study/bundle", "Contents of the study's ZIP, and files left out", answers.BundleContents
+)
 def bundle(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the contents of the study's ZIP, and the files left out."""
     found = _bundle(workspace.study)
@@ -221,65 +241,3 @@ def _zipped(workspace: Workspace) -> Response:
 
 def _ascii(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9._+-]", "_", name)
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/study/bundle",
-        answer=bundle,
-        model=answers.BundleContents,
-        summary="Contents of the study's ZIP, and files left out",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/files",
-        answer=upload,
-        model=answers.UploadedFile,
-        query=UploadParams,
-        status=HTTPStatus.CREATED,
-        streamed=True,
-        summary="Add a file to the study",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/session/import",
-        answer=import_study,
-        model=answers.State,
-        query=ImportParams,
-        status=HTTPStatus.CREATED,
-        streamed=True,
-        summary="Import a study from a ZIP, and open it",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/events",
-        answer=listen,
-        media="text/event-stream",
-        streamed=True,
-        summary="Server-sent events",
-    ),
-    Endpoint(
-        method="DELETE",
-        path="/api/files",
-        answer=remove,
-        model=answers.StateAfterRemoval,
-        body=RemoveParams,
-        summary="Remove an uploaded file that is not used; it can be restored",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/files/restore",
-        answer=restore,
-        model=answers.StateAfterRestore,
-        body=RestoreParams,
-        summary="Restore a removed file",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/download/{path:path}",
-        answer=download,
-        query=DownloadParams,
-        summary="A file of the results, or the whole study as study.zip",
-    ),
-)

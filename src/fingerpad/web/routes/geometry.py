@@ -10,7 +10,7 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.tables import Length
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.routes.photographs import measured_finger
 from fingerpad.web.workspace import Workspace
@@ -44,6 +44,12 @@ class GeometryParams(PadParams):
     u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
 
+@endpoint(
+    "POST",
+    "/api/geometry",
+    "A pad on its wedge: point of contact, curvature, and drawing",
+    answers.PadGeometry,
+)
 def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, Any]:
     """Return the point of contact, the curvature there, and the drawing."""
     axes, covariance, angle_stds = _pad(workspace, params)
@@ -141,15 +147,3 @@ def _wedge(pad: Ellipsoid, placement: Placement) -> dict[str, Any]:
     vertices = np.stack([side for corner in (low, high, foot) for side in (corner - width, corner + width)])
     faces = [[0, 1, 3], [0, 3, 2], [0, 1, 5], [0, 5, 4], [2, 3, 5], [2, 5, 4], [0, 2, 4], [1, 3, 5]]
     return {"vertices_mm": vertices, "faces": faces}
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="POST",
-        path="/api/geometry",
-        answer=geometry,
-        model=answers.PadGeometry,
-        summary="A pad on its wedge: point of contact, curvature, and drawing",
-        body=GeometryParams,
-    ),
-)

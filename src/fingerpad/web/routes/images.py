@@ -8,7 +8,7 @@ from pydantic import Field
 from starlette.responses import Response
 
 from fingerpad.web import answers
-from fingerpad.web.endpoints import IMMUTABLE, Endpoint, Item, Params
+from fingerpad.web.endpoints import IMMUTABLE, Item, Params, endpoint
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_film
 from fingerpad.web.workspace import Workspace
 
@@ -28,6 +28,7 @@ class PreviewParams(PictureParams):
     longest_px: Annotated[int, Field(ge=16, le=8192)] = PREVIEW_PX
 
 
+@endpoint("GET", "/api/picture/info", "Size of an image", answers.PictureInfo)
 def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
     """Return the size of an image and the addresses of its previews."""
     opened = workspace.study
@@ -52,6 +53,7 @@ def version(place: ImageLocation) -> str:
     return hashlib.sha256(repr(place.stamp).encode()).hexdigest()[:16]
 
 
+@endpoint("GET", "/api/picture/preview", "An image in 8 bits", media="image/png")
 def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
     """Return a preview of an image."""
     place = workspace.study.place_of(params.item)
@@ -59,35 +61,8 @@ def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
     return Response(drawn, media_type=kind, headers=IMMUTABLE if params.v else _NO_CACHE)
 
 
+@endpoint("GET", "/api/picture/thumbnail", "A thumbnail", media="image/webp")
 def thumbnail(workspace: Workspace, params: PictureParams, _: Any) -> Response:
     """Return a thumbnail."""
     drawn = workspace.study.pictures.thumbnail(workspace.study.place_of(params.item))
     return Response(drawn, media_type="image/webp", headers=IMMUTABLE if params.v else _NO_CACHE)
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/picture/info",
-        answer=info,
-        model=answers.PictureInfo,
-        query=PictureParams,
-        summary="Size of an image",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/picture/preview",
-        answer=preview,
-        query=PreviewParams,
-        media="image/png",
-        summary="An image in 8 bits",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/picture/thumbnail",
-        answer=thumbnail,
-        query=PictureParams,
-        media="image/webp",
-        summary="A thumbnail",
-    ),
-)

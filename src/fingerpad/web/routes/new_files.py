@@ -14,7 +14,7 @@ from fingerpad.study.new_files import (
     read_file_table,
 )
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.workspace import Workspace
 
@@ -45,6 +45,7 @@ class PatternParams(Params):
     files: Annotated[list[FileName], Field(max_length=20_000)]
 
 
+@endpoint("GET", "/api/files/identity", "What a file may be, by its content and its name", answers.FileGuess)
 def identity(workspace: Workspace, params: FileParams, _: Any) -> dict[str, Any]:
     """Guess what a file is."""
     opened = workspace.study
@@ -60,6 +61,7 @@ def identity(workspace: Workspace, params: FileParams, _: Any) -> dict[str, Any]
     }
 
 
+@endpoint("POST", "/api/files/table", "Join a spreadsheet to new files by their names", answers.JoinedTable)
 def join(workspace: Workspace, _: Any, params: TableParams) -> dict[str, Any]:
     """Join a spreadsheet to new files."""
     if params.file is not None:
@@ -78,6 +80,7 @@ def join(workspace: Workspace, _: Any, params: TableParams) -> dict[str, Any]:
     }
 
 
+@endpoint("POST", "/api/files/pattern", "Read names of new files by a pattern", answers.PatternMatches)
 def match(_: Workspace, __: Any, params: PatternParams) -> dict[str, Any]:
     """Read the names of new files by a pattern."""
     found = match_file_names(params.pattern, params.files)
@@ -86,31 +89,3 @@ def match(_: Workspace, __: Any, params: PatternParams) -> dict[str, Any]:
 
 def _stated(file: str, values: FileValues, problem: str) -> dict[str, Any]:
     return {"file": file, "values": {key: values.get(key) for key in _KEYS}, "problem": problem}
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/files/identity",
-        answer=identity,
-        model=answers.FileGuess,
-        query=FileParams,
-        summary="What a file may be, by its content and its name",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/files/table",
-        answer=join,
-        model=answers.JoinedTable,
-        body=TableParams,
-        summary="Join a spreadsheet to new files by their names",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/files/pattern",
-        answer=match,
-        model=answers.PatternMatches,
-        body=PatternParams,
-        summary="Read names of new files by a pattern",
-    ),
-)

@@ -25,7 +25,7 @@ from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import FingerResult, outline_radii, photograph_item
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Item, Params, Point
+from fingerpad.web.endpoints import Item, Params, Point, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger
 from fingerpad.web.pictures import Cache
@@ -58,6 +58,12 @@ class PhotographParams(Params):
     with_finger: bool = False
 
 
+@endpoint(
+    "POST",
+    "/api/measure/photograph",
+    "Measure a photograph under a correction, without storing it",
+    answers.PhotographMeasurement,
+)
 def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str, Any]:
     """Measure a photograph under a correction; nothing is stored."""
     began = time.perf_counter()
@@ -264,15 +270,3 @@ def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:
             for item, face, off in zip(items, found.faces, found.disagreements, strict=True)
         ],
     }
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="POST",
-        path="/api/measure/photograph",
-        answer=measure,
-        model=answers.PhotographMeasurement,
-        summary="Measure a photograph under a correction, without storing it",
-        body=PhotographParams,
-    ),
-)

@@ -17,7 +17,7 @@ from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT, RANGE_NOTES
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
 from fingerpad.web.routes.corrections import pooling_choice
@@ -58,6 +58,7 @@ class RowsParams(Params):
     columns: Annotated[str, Field(max_length=4000)] = ""
 
 
+@endpoint("GET", "/api/results/rows", "Rows of the results", answers.Rows)
 def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
     """Return some rows of the results."""
     found = require_results(workspace)
@@ -110,6 +111,7 @@ class PlotParams(Params):
     finger: str | None = None
 
 
+@endpoint("GET", "/api/results/plot", "Data to plot", answers.Plot)
 def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
     """Return the data to plot for each finger and placement."""
     found = require_results(workspace)
@@ -194,6 +196,7 @@ def _pooling(rows: ResultsTable, active_corrections: Mapping[str, ActiveCorrecti
     }
 
 
+@endpoint("GET", "/api/results/budget", "Uncertainty budgets", answers.Budget)
 def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
     return {
@@ -210,40 +213,7 @@ def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     }
 
 
+@endpoint("GET", "/api/published", "Audit of the published tables", answers.Audit)
 def published(_: Workspace, __: Any, ___: Any) -> dict[str, Any]:
     """Return the audit of the numbers that Dzidek et al. (2017) print."""
     return {"items": [item.as_record() for item in audit()]}
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/results/rows",
-        answer=rows,
-        model=answers.Rows,
-        query=RowsParams,
-        summary="Rows of the results",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/results/plot",
-        answer=plot,
-        model=answers.Plot,
-        query=PlotParams,
-        summary="Data to plot",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/results/budget",
-        answer=budget,
-        model=answers.Budget,
-        summary="Uncertainty budgets",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/published",
-        answer=published,
-        model=answers.Audit,
-        summary="Audit of the published tables",
-    ),
-)

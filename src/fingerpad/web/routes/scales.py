@@ -13,7 +13,7 @@ from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Item, Params, Point
+from fingerpad.web.endpoints import Item, Params, Point, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession
@@ -55,6 +55,9 @@ class ScaleParams(Params):
     table: ScaleKey
 
 
+@endpoint(
+    "POST", "/api/measure/scale", "The scale that a table means, without storing it", answers.ScaleMeasurement
+)
 def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
     """Return the scale that a table means."""
     opened = workspace.study
@@ -131,6 +134,12 @@ class RectifyParams(Params):
     files: Annotated[list[Item], Field(min_length=1, max_length=2000)]
 
 
+@endpoint(
+    "POST",
+    "/api/scale/rectify",
+    "Write pictures as if seen straight on, by a grid in their plane",
+    answers.RectifiedPictures,
+)
 def rectify(workspace: Workspace, _: Any, params: RectifyParams) -> dict[str, Any]:
     """Write pictures as if seen straight on into the folder ``rectified`` of the study."""
     opened = workspace.study
@@ -161,6 +170,7 @@ class LengthParams(Params):
     ends_px_std: Annotated[float, Field(ge=0, le=1000)] = 1.0
 
 
+@endpoint("POST", "/api/measure/length", "The length of a line", answers.LengthMeasurement)
 def length(workspace: Workspace, _: Any, params: LengthParams) -> dict[str, Any]:
     """Return the length of a line."""
     start, end = ((row, column) for row, column in params.line_px)
@@ -168,31 +178,3 @@ def length(workspace: Workspace, _: Any, params: LengthParams) -> dict[str, Any]
         start, end, point_px_std=params.ends_px_std
     )
     return {"length_mm": found, "length_mm_std": std}
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="POST",
-        path="/api/measure/scale",
-        answer=scale,
-        model=answers.ScaleMeasurement,
-        summary="The scale that a table means, without storing it",
-        body=ScaleParams,
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/scale/rectify",
-        answer=rectify,
-        model=answers.RectifiedPictures,
-        summary="Write pictures as if seen straight on, by a grid in their plane",
-        body=RectifyParams,
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/measure/length",
-        answer=length,
-        model=answers.LengthMeasurement,
-        summary="The length of a line",
-        body=LengthParams,
-    ),
-)

@@ -12,7 +12,7 @@ from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, rea
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
 from fingerpad.web.workspace import Workspace
@@ -29,6 +29,7 @@ class SignalParams(Params):
     sequence: Annotated[str, Field(max_length=100)]
 
 
+@endpoint("GET", "/api/study/signal", "Force of a sequence", answers.SequenceSignal)
 def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]:
     """Return the force of a sequence over time, and how well its frames agree with it."""
     opened = workspace.study
@@ -78,15 +79,3 @@ def _alignment(
         "shift_s": shift.tolist(),
         "area_scatter": [float(one) if np.isfinite(one) else None for one in scatter],
     }
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/study/signal",
-        answer=signal,
-        model=answers.SequenceSignal,
-        query=SignalParams,
-        summary="Force of a sequence",
-    ),
-)

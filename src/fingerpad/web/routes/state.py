@@ -31,7 +31,7 @@ from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.status import item_states
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.last_results import Results, known_finger, last_results, results_faults
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.study_session import StudySession, table_content
@@ -322,6 +322,7 @@ def _files(opened: StudySession) -> list[dict[str, Any]]:
     return [described(name, status.st_size) for name, status in opened.files().items()]
 
 
+@endpoint("GET", "/api/study", "State of the study", answers.State)
 def state(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the state of the open study."""
     return document(workspace.study)
@@ -335,6 +336,7 @@ class FramesParams(Params):
     limit: Annotated[int, Field(ge=1, le=5000)] = 2000
 
 
+@endpoint("GET", "/api/study/frames", "Frames of a sequence", answers.Frames)
 def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]:
     """Return frames of a sequence, with the results of the last run."""
     opened = workspace.study
@@ -364,22 +366,3 @@ def _frame(
         and isinstance(active_correction.change, InterpolatedCorrection),
         **review_record(active_correction),
     }
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/study",
-        answer=state,
-        model=answers.State,
-        summary="State of the study",
-    ),
-    Endpoint(
-        method="GET",
-        path="/api/study/frames",
-        answer=frames,
-        model=answers.Frames,
-        query=FramesParams,
-        summary="Frames of a sequence",
-    ),
-)

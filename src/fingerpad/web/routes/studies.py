@@ -2,7 +2,7 @@
 
 import os
 from http import HTTPStatus
-from typing import Annotated, Any, Final
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -13,7 +13,7 @@ from fingerpad.study.editing.example import write_example
 from fingerpad.study.manifest.check import Kind
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.web import answers
-from fingerpad.web.endpoints import Endpoint, Params
+from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.routes.state import document
 from fingerpad.web.workspace import NAME, Workspace
@@ -41,11 +41,13 @@ class RunParams(Params):
     force: bool = False
 
 
+@endpoint("GET", "/api/session", "The open study, and the studies of the workspace", answers.Session)
 def session(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the studies of the workspace and the open one."""
     return workspace.describe()
 
 
+@endpoint("POST", "/api/session/new", "Create a study", answers.State, status=HTTPStatus.CREATED)
 def new(workspace: Workspace, _: Any, params: NewParams) -> dict[str, Any]:
     """Create a study in a new folder."""
     folder = workspace.new_folder(params.name)
@@ -53,6 +55,13 @@ def new(workspace: Workspace, _: Any, params: NewParams) -> dict[str, Any]:
     return document(workspace.open_folder(folder))
 
 
+@endpoint(
+    "POST",
+    "/api/session/example",
+    "Create the synthetic example study",
+    answers.State,
+    status=HTTPStatus.CREATED,
+)
 def example(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Write the example study into a new folder, and open it."""
     taken = {path.name for path in workspace.workspace.iterdir()}
@@ -62,6 +71,7 @@ def example(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     return document(workspace.open_folder(folder))
 
 
+@endpoint("POST", "/api/session/open", "Open a study", answers.State)
 def open_study(workspace: Workspace, _: Any, params: OpenParams) -> dict[str, Any]:
     """Open a study of the workspace."""
     return document(workspace.open(params.name))
@@ -82,6 +92,7 @@ class EditsParams(Params):
     edits: Annotated[list[EditParams], Field(min_length=1, max_length=10_000)]
 
 
+@endpoint("POST", "/api/study/edits", "Change the manifest: all edits or none", answers.State)
 def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     """Apply all edits to the manifest, or none."""
     opened = workspace.study
@@ -95,12 +106,14 @@ def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     return found
 
 
+@endpoint("POST", "/api/session/close", "Close the study", answers.Session)
 def close(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Close the study."""
     workspace.close_study()
     return workspace.describe()
 
 
+@endpoint("POST", "/api/run", "Run the study", answers.RunStatus, status=HTTPStatus.ACCEPTED)
 def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
     """Start a run of the study."""
     opened = workspace.study
@@ -115,82 +128,19 @@ def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
     )
 
 
+@endpoint("GET", "/api/run", "Status of the run", answers.RunStatus)
 def progress(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the status of the run."""
     return workspace.study.run_job.describe()
 
 
+@endpoint(
+    "POST",
+    "/api/run/cancel",
+    "Stop the run; finished measurements are kept",
+    answers.RunStatus,
+    status=HTTPStatus.ACCEPTED,
+)
 def cancel(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Stop the run; finished measurements are kept."""
     return workspace.study.run_job.cancel()
-
-
-ENDPOINTS: Final = (
-    Endpoint(
-        method="GET",
-        path="/api/session",
-        answer=session,
-        model=answers.Session,
-        summary="The open study, and the studies of the workspace",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/session/new",
-        answer=new,
-        model=answers.State,
-        body=NewParams,
-        status=HTTPStatus.CREATED,
-        summary="Create a study",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/session/example",
-        answer=example,
-        model=answers.State,
-        status=HTTPStatus.CREATED,
-        summary="Create the synthetic example study",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/session/open",
-        answer=open_study,
-        model=answers.State,
-        body=OpenParams,
-        summary="Open a study",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/session/close",
-        answer=close,
-        model=answers.Session,
-        summary="Close the study",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/study/edits",
-        answer=edit,
-        model=answers.State,
-        body=EditsParams,
-        summary="Change the manifest: all edits or none",
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/run",
-        answer=run,
-        model=answers.RunStatus,
-        body=RunParams,
-        status=HTTPStatus.ACCEPTED,
-        summary="Run the study",
-    ),
-    Endpoint(
-        method="GET", path="/api/run", answer=progress, model=answers.RunStatus, summary="Status of the run"
-    ),
-    Endpoint(
-        method="POST",
-        path="/api/run/cancel",
-        answer=cancel,
-        model=answers.RunStatus,
-        status=HTTPStatus.ACCEPTED,
-        summary="Stop the run; finished measurements are kept",
-    ),
-)
