@@ -20,7 +20,8 @@ from starlette.routing import Route
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.manifest.tables import Pixel
-from fingerpad.web.answers import EVENTS, Answer, Refusal
+from fingerpad.web.answers.base import Answer, Refusal
+from fingerpad.web.answers.events import EVENTS
 from fingerpad.web.errors import RequestError
 from fingerpad.web.workspace import Workspace
 

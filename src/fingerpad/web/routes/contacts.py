@@ -25,7 +25,7 @@ from fingerpad.study.measuring.measure import Measurement, doubts_of, from_conta
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.web import answers
+from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results

@@ -14,7 +14,8 @@ from fingerpad.study.corrections.items import kind_of, on_another_image
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.corrections.similar import similar_images, with_settings_of
 from fingerpad.study.measuring.operators import blind_order
-from fingerpad.web import answers
+from fingerpad.web.answers.measurements import Corrections, SimilarImages
+from fingerpad.web.answers.study import SecondOperator
 from fingerpad.web.endpoints import Item, Params, Person, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
@@ -79,7 +80,7 @@ def pooling_choice(active_correction: ActiveCorrection | None) -> dict[str, Any]
     }
 
 
-@endpoint("GET", "/api/corrections", "Corrections of an item", answers.Corrections)
+@endpoint("GET", "/api/corrections", "Corrections of an item", Corrections)
 def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the corrections of an item."""
     opened = workspace.study
@@ -87,7 +88,7 @@ def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     return _document(opened, params)
 
 
-@endpoint("POST", "/api/corrections", "Correct an item", answers.Corrections, status=HTTPStatus.CREATED)
+@endpoint("POST", "/api/corrections", "Correct an item", Corrections, status=HTTPStatus.CREATED)
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     """Save a correction; it is on the disk before the response."""
     opened = workspace.study
@@ -112,7 +113,7 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     "POST",
     "/api/corrections/undo",
     "Undo the last correction",
-    answers.Corrections,
+    Corrections,
     status=HTTPStatus.CREATED,
 )
 def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
@@ -121,9 +122,7 @@ def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     return _save(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
 
 
-@endpoint(
-    "POST", "/api/corrections/redo", "Redo what was undone", answers.Corrections, status=HTTPStatus.CREATED
-)
+@endpoint("POST", "/api/corrections/redo", "Redo what was undone", Corrections, status=HTTPStatus.CREATED)
 def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Redo the correction that was undone last."""
     log = _log(workspace.study, params)
@@ -134,7 +133,7 @@ def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     "GET",
     "/api/corrections/similar",
     "Images of the same finger and device, with what their corrections would become",
-    answers.SimilarImages,
+    SimilarImages,
 )
 def similar(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the images that a correction's settings may apply to, with their new corrections."""
@@ -177,7 +176,7 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
     "GET",
     "/api/study/second-operator",
     "Images for a second operator in random order, and the agreement with the first",
-    answers.SecondOperator,
+    SecondOperator,
 )
 def second_operator(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the images in random order with the second operator's review, and the last run's agreement."""

@@ -21,7 +21,7 @@ from fingerpad.figures.publish import (
     plain_text,
 )
 from fingerpad.study.results.result_set import RERUN, result_files
-from fingerpad.web import answers
+from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.routes.results import require_results

@@ -18,7 +18,8 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
-from fingerpad.web import answers
+from fingerpad.web.answers.files import BundleContents, UploadedFile
+from fingerpad.web.answers.study import State, StateAfterRemoval, StateAfterRestore
 from fingerpad.web.archive import pack, unpack
 from fingerpad.web.bundle import Bundle
 from fingerpad.web.endpoints import Params, endpoint
@@ -80,7 +81,7 @@ class RestoreParams(Params):
     removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
-@endpoint("POST", "/api/files", "Add a file to the study", answers.UploadedFile, status=HTTPStatus.CREATED)
+@endpoint("POST", "/api/files", "Add a file to the study", UploadedFile, status=HTTPStatus.CREATED)
 async def upload(
     workspace: Workspace, params: UploadParams, request: Request
 ) -> tuple[dict[str, Any], HTTPStatus]:
@@ -110,7 +111,7 @@ async def upload(
     "POST",
     "/api/session/import",
     "Import a study from a ZIP, and open it",
-    answers.State,
+    State,
     status=HTTPStatus.CREATED,
 )
 async def import_study(workspace: Workspace, params: ImportParams, request: Request) -> dict[str, Any]:
@@ -138,7 +139,7 @@ async def listen(workspace: Workspace, _: Any, __: Request) -> Response:
     "DELETE",
     "/api/files",
     "Remove an uploaded file that is not used; it can be restored",
-    answers.StateAfterRemoval,
+    StateAfterRemoval,
 )
 def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]:
     """Move an uploaded file that is not used into a hidden folder."""
@@ -159,7 +160,7 @@ def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]
     return {**document(opened), "removed": number}
 
 
-@endpoint("POST", "/api/files/restore", "Restore a removed file", answers.StateAfterRestore)
+@endpoint("POST", "/api/files/restore", "Restore a removed file", StateAfterRestore)
 def restore(workspace: Workspace, _: Any, params: RestoreParams) -> dict[str, Any]:
     """Restore a removed file, under another name if its own is taken."""
     opened = workspace.study
@@ -198,9 +199,7 @@ def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
     return FileResponse(path, media_type=_TYPES.get(path.suffix, "application/octet-stream"), headers=headers)
 
 
-@endpoint(
-    "GET", "/api/study/bundle", "Contents of the study's ZIP, and files left out", answers.BundleContents
-)
+@endpoint("GET", "/api/study/bundle", "Contents of the study's ZIP, and files left out", BundleContents)
 def bundle(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the contents of the study's ZIP, and the files left out."""
     found = _bundle(workspace.study)

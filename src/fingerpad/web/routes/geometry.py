@@ -9,7 +9,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.tables import Length
 from fingerpad.uncertainty import Inputs, placement_model, propagate
-from fingerpad.web import answers
+from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.routes.photographs import measured_finger

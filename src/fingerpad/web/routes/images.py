@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 from pydantic import Field
 from starlette.responses import Response
 
-from fingerpad.web import answers
+from fingerpad.web.answers import files as answers
 from fingerpad.web.endpoints import IMMUTABLE, Item, Params, endpoint
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_film
 from fingerpad.web.workspace import Workspace

@@ -13,7 +13,7 @@ from fingerpad.study.new_files import (
     parse_file_table,
     read_file_table,
 )
-from fingerpad.web import answers
+from fingerpad.web.answers import files as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.workspace import Workspace

@@ -24,7 +24,7 @@ from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import FingerResult, outline_radii, photograph_item
-from fingerpad.web import answers
+from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, Point, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger

@@ -16,7 +16,7 @@ from fingerpad.study.results.columns import COLUMNS, Column
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT, RANGE_NOTES
 from fingerpad.study.results.table import ResultsTable
-from fingerpad.web import answers
+from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults

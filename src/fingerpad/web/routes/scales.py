@@ -12,7 +12,7 @@ from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
 from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
-from fingerpad.web import answers
+from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, Point, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation

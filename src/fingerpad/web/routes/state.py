@@ -30,7 +30,7 @@ from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.status import item_states
-from fingerpad.web import answers
+from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.last_results import Results, known_finger, last_results, results_faults
 from fingerpad.web.pictures import kind_of_file
