@@ -6,7 +6,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, as_float_array
 from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import BLACK, BLUE, GREY, draw_points, in_style
+from fingerpad.figures.style import BLACK, BLUE, GREY, draw_points, in_style, mark_synthetic
 from fingerpad.uncertainty import Agreement
 
 
@@ -54,6 +54,7 @@ def plot_agreement(
     """
     one, other = as_float_array(first), as_float_array(second)
     draw_points(axes, np.sqrt(one * other), 100 * (other / one - 1), synthetic=synthetic)
+    mark_synthetic(axes, synthetic)
     axes.axhline(0, color=GREY, linewidth=0.6)
     axes.axhline(100 * found.bias, color=BLACK, linewidth=1.0)
     if np.isfinite(found.std):

@@ -17,7 +17,7 @@ from fingerpad.figures.style import (
     ORANGE,
     SKY,
     VERMILLION,
-    draw_unmarked_points,
+    draw_points,
     in_style,
     legend_above,
 )
@@ -119,7 +119,7 @@ def plot_forest(
         for known in (True, False):
             chosen = same & (np.isfinite(spread) == known)
             if chosen.any():
-                draw_unmarked_points(
+                draw_points(
                     axes,
                     x[chosen],
                     y[chosen],

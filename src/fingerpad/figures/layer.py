@@ -73,8 +73,7 @@ def plot_layer_effect(
     axes.set_xlabel("assumed effective thickness of the tissue (mm)")
     axes.set_ylabel("over Hertz theory")
     legend_above(axes)
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     return axes
 
 

@@ -86,8 +86,7 @@ def plot_load_indentation(
             chosen = np.asarray(phase) == name
             if chosen.any():
                 axes.plot(xi[chosen], W[chosen], ".", color=colour, markersize=2.2, label=name)
-        if np.any(synthetic):
-            mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     _draw_fits(axes, fits)
     axes.set_xlabel("indentation ξ (mm)")
     axes.set_ylabel("normal load W (N)")
@@ -142,6 +141,7 @@ def plot_contact_compliance(
     """
     x = np.pi * as_float_array(indentation)
     draw_points(axes, x, area, y_std=area_std, synthetic=synthetic)
+    mark_synthetic(axes, synthetic)
     if loading_radius is not None and np.isfinite(x).any():
         line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
         fitted = area_at_zero + loading_radius * line
@@ -213,8 +213,7 @@ def plot_secant_modulus(
         )
         axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
         axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     # The first points after contact divide by nearly nothing; they must not set the scale.
     if chosen.any():
         axes.set_ylim(0, 1.6 * float(np.nanpercentile(modulus[chosen], 99)))
@@ -261,6 +260,7 @@ def plot_initial_modulus(
     std = None if initial_modulus_std is None else KPA_PER_MPA * as_float_array(initial_modulus_std)
     axes.set_xscale("log")
     draw_points(axes, velocity, KPA_PER_MPA * as_float_array(initial_modulus), y_std=std, synthetic=synthetic)
+    mark_synthetic(axes, synthetic)
     axes.margins(x=0.15)
     axes.set_ylim(bottom=0)
     plain_log_ticks(axes, "x")
@@ -331,8 +331,7 @@ def plot_relaxation(
         axes.axvline(float(constant), color=GREEN, linestyle=":", linewidth=0.9)
     if np.size(time_constants):
         axes.plot([], [], ":", color=GREEN, label="time constants")
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     axes.set_xlabel("time since the hold began (s)")
     axes.set_ylabel("normal load W (N)" if quantity == "load" else "ridge area (mm²)")
     legend_above(axes)
@@ -380,8 +379,7 @@ def plot_modulus_from_area_and_indentation(
     axes.axhline(1.0, color=BLACK, linewidth=0.8)
     if expected_ratio is not None:
         axes.plot(*expected_ratio, "--", color=ORANGE, label="expected of the true ellipsoid")
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     axes.set_xlim(left=0)
     if np.isfinite(ratio).any():
         axes.set_ylim(0, max(1.6, 1.3 * float(np.nanpercentile(ratio, 98))))

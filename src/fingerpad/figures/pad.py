@@ -111,8 +111,7 @@ def plot_pad(
             zorder=6,
         )
     _draw_scale_bar(axes)
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     return axes
 
 
@@ -181,8 +180,7 @@ def plot_pad_with_contact(
     axes.set_title(f"θ = {np.degrees(wedge_angle):g}°{roll}, u = {np.degrees(placement.u):.1f}°")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=1)
     _draw_scale_bar(axes)
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     return axes
 
 

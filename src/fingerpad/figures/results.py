@@ -20,6 +20,7 @@ from fingerpad.figures.style import (
     draw_shapes,
     in_style,
     legend_above,
+    mark_synthetic,
     plain_log_ticks,
 )
 from fingerpad.published import PublishedWedge
@@ -81,6 +82,7 @@ def plot_corrected_radius(
         synthetic=synthetic,
         label=r"$R_\mathrm{g}^\mathrm{corr}$",
     )
+    mark_synthetic(axes, synthetic)
     if compliance_radius is not None:
         label = r"$R_{A\xi}$, to compare with $R_\mathrm{g}$"
         axes.plot(load, compliance_radius, "s", color=GREY, markersize=3, label=label)
@@ -180,6 +182,7 @@ def plot_area_against_load(
     draw_points(
         axes, W, A, y_std=None if area_std is None else std[good], synthetic=flags[good] != 0, label="area"
     )
+    mark_synthetic(axes, flags[good] != 0)
     if W.size:
         line = np.geomspace(W.min() / 1.15, W.max() * 1.15, 50)
 
@@ -251,6 +254,7 @@ def plot_aspect_ratio(
         )
     )
     draw_points(axes, W, ratio, y_std=aspect_ratio_std, synthetic=flags)
+    mark_synthetic(axes, flags)
     for mask, face in ((flags == 0, "#cfe3f1"), (flags != 0, "white")):
         _draw_shapes(axes, W[mask], ratio[mask], ratio[mask], angle[mask], face=face, edge=BLUE)
     if predicted_aspect_ratio is not None:

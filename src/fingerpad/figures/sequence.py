@@ -78,8 +78,7 @@ def plot_press(
         panel.set_xlim(left=min(0.0, float(W.min())) if W.size else 0.0)
     if t.size:
         legend_above(area_by_time, columns=3)
-    if synthetic:
-        mark_synthetic(area_by_load)
+    mark_synthetic(area_by_load, synthetic)
     return axes
 
 
@@ -126,8 +125,7 @@ def plot_area_against_indentation(
     axes.set_xlim(left=min(0.0, float(xi.min())) if xi.size else 0.0)
     if xi.size:
         legend_above(axes, columns=3)
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     return axes
 
 

@@ -234,8 +234,10 @@ def pair(point: ArrayLike) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def mark_synthetic(axes: Axes | Panel) -> None:
-    """Write "synthetic" into the lower right corner, where a growing curve leaves room."""
+def mark_synthetic(axes: Axes | Panel, synthetic: ArrayLike) -> None:
+    """Write "synthetic", if anything is, into the lower right corner, where a growing curve leaves room."""
+    if not np.any(synthetic):
+        return
     axes.annotate(
         "synthetic",
         (0.99, 0.02),
@@ -252,24 +254,6 @@ def mark_synthetic(axes: Axes | Panel) -> None:
 
 
 def draw_points(
-    axes: Axes | Panel,
-    x: ArrayLike,
-    y: ArrayLike,
-    *,
-    x_std: ArrayLike | None = None,
-    y_std: ArrayLike | None = None,
-    synthetic: ArrayLike = False,
-    colour: str = BLUE,
-    label: str = "measured",
-) -> None:
-    """Draw points with error bars of one standard uncertainty; synthetic ones hollow and labelled."""
-    bars = {"x_std": x_std, "y_std": y_std}
-    draw_unmarked_points(axes, x, y, **bars, synthetic=synthetic, colour=colour, label=label)
-    if np.any(synthetic):
-        mark_synthetic(axes)
-
-
-def draw_unmarked_points(
     axes: Axes | Panel,
     x: ArrayLike,
     y: ArrayLike,

@@ -63,6 +63,5 @@ def plot_uncertainty_budget(
     axes.set_xlim(min(0, *(100 * share for share in first_order.values())), 118)
     axes.grid(visible=False, axis="y")
     axes.set_xlabel("share of the variance (%)")
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     return axes

@@ -71,8 +71,7 @@ def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: boo
     axes.set_xlabel("horizontal (mm)")
     axes.set_ylabel("vertical (mm)")
     axes.set_title(f"on the wedge, θ = {np.degrees(wedge_angle):g}°")
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     return axes
 
 
@@ -149,8 +148,7 @@ def plot_wedge_in_pad_axes(
     axes.set_xlabel("x, palmar (mm)")
     axes.set_ylabel("y, distal (mm)")
     axes.set_title(f"u = {np.degrees(u):.1f}°")
-    if synthetic:
-        mark_synthetic(axes)
+    mark_synthetic(axes, synthetic)
     return axes
 
 

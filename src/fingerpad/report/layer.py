@@ -189,8 +189,7 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         points=_SECTION_POINTS,
         levels=_SECTION_LEVELS,
     )
-    if summary.synthetic:
-        mark_synthetic(figure.axes[0])
+    mark_synthetic(figure.axes[0], summary.synthetic)
     yield Plot(
         name=f"{_name(summary)}_section",
         figure=figure,
