@@ -22,7 +22,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult, perform
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.scales import measured_scales
+from fingerpad.study.measuring.scales import scale_from, scale_record, scale_tables
 from fingerpad.study.measuring.sequence_header import header_task
 from fingerpad.study.measuring.sequences import film_plan
 from fingerpad.study.pipeline import run_study
@@ -155,7 +155,11 @@ def _fill(manifest: Path, out: Path) -> None:
     first = study.sequences[0].name
     with Store.writing(out / STORE_NAME) as store:
         context = RunContext.of(study, folder, {}, store)
-        context = replace(context, scales=measured_scales(study, folder))
+        scales = {
+            key: scale_from(scale_record(name, table, folder, folder), name)
+            for key, (name, table) in scale_tables(study).items()
+        }
+        context = replace(context, scales=scales)
         records: dict[str, str] = {}
         for sequence in study.sequences:
             header = header_task(sequence, context)

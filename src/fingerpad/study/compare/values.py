@@ -21,8 +21,6 @@ class Kind:
         Its unit, empty for a pure number.
     words : str
         What it is.
-    by_angle : bool
-        Whether it belongs to a finger on its wedge, or to the finger alone.
     proportional : bool
         Whether its uncertainty grows in proportion to it.
     """
@@ -30,19 +28,18 @@ class Kind:
     symbol: str
     unit: str
     words: str
-    by_angle: bool = True
     proportional: bool = True
 
 
 QUANTITIES: Final[Mapping[str, Kind]] = {
     "palmar_mm": Kind(
-        symbol=r"$\ell_\mathrm{a}$", unit="mm", words="palmar semi-axis", by_angle=False
+        symbol=r"$\ell_\mathrm{a}$", unit="mm", words="palmar semi-axis"
     ),
     "distal_mm": Kind(
-        symbol=r"$\ell_\mathrm{b}$", unit="mm", words="distal semi-axis", by_angle=False
+        symbol=r"$\ell_\mathrm{b}$", unit="mm", words="distal semi-axis"
     ),
     "radial_ulnar_mm": Kind(
-        symbol=r"$\ell_\mathrm{c}$", unit="mm", words="radial–ulnar semi-axis", by_angle=False
+        symbol=r"$\ell_\mathrm{c}$", unit="mm", words="radial–ulnar semi-axis"
     ),
     "mean_curvature_radius_mm": Kind(
         symbol=r"$R_\mathrm{0g}$", unit="mm", words="radius of the undeformed pad, 1/H"

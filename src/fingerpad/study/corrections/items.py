@@ -58,25 +58,11 @@ def image_of(item: str, study: Study) -> str | None:
     return next((each.file for each in study.observations if each.name == item), None)
 
 
-def picture_digest(
-    item: str, study: Study, folder: Path, file_digest: Callable[[Path], str] = digest_of
-) -> str:
-    """Return the SHA-256 of an item's file as of `image_of`, or of a frame's pixels; empty without any.
-
-    Parameters
-    ----------
-    item : str
-        The item.
-    study : Study
-        The manifest.
-    folder : Path
-        The study folder.
-    file_digest : callable
-        That of a file, empty where it cannot be read.
-    """
+def picture_digest(item: str, study: Study, folder: Path) -> str:
+    """Return the SHA-256 of an item's file as of `image_of`, or of a frame's pixels; empty without any."""
     image = image_of(item, study)
     if image is not None:
-        return file_digest(folder / image)
+        return digest_of(folder / image)
     name, _, number = item.partition("#")
     path = next((sequence.file for sequence in study.sequences if sequence.name == name), None)
     if path is None or not _is_frame(number):

@@ -4,7 +4,6 @@ from pathlib import Path
 
 from fingerpad.study.fiji.ellipse import MeasuredEllipse
 from fingerpad.study.fiji.observations import (
-    FIELDS,
     LabelPattern,
     ManualObservation,
     manual_observations,
@@ -14,7 +13,6 @@ from fingerpad.study.fiji.rois import read_rois
 from fingerpad.study.fiji.table import read_results_table
 
 __all__ = [
-    "FIELDS",
     "LabelPattern",
     "ManualObservation",
     "MeasuredEllipse",

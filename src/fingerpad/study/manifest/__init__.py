@@ -3,7 +3,6 @@
 from fingerpad.study.manifest.contacts import (
     CORRECTIONS,
     Contact,
-    ContactEllipse,
     ContactSequence,
     Direction,
     Observation,
@@ -21,15 +20,13 @@ from fingerpad.study.manifest.scales import (
     ScaleKey,
     ScaleTable,
 )
-from fingerpad.study.manifest.study import Apparatus, Study, Uncertainty
+from fingerpad.study.manifest.study import Study, Uncertainty
 
 __all__ = [
     "CORRECTIONS",
-    "Apparatus",
     "CircleScale",
     "CoinScale",
     "Contact",
-    "ContactEllipse",
     "ContactSequence",
     "Curve",
     "Direction",

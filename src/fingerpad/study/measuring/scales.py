@@ -52,14 +52,6 @@ def scale_key(key: ScaleKey) -> str:
     return key if isinstance(key, str) else key.model_dump_json()
 
 
-def measured_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
-    """Return every scale of a study, or why there is none; each is measured once."""
-    return {
-        key: scale_from(scale_record(name, table, folder, folder), name)
-        for key, (name, table) in scale_tables(study).items()
-    }
-
-
 def scale_tables(study: Study) -> dict[str, tuple[str | None, ScaleTable]]:
     """Return the name, if it has one, and the table of each scale of a study."""
     named = {name: (name, table) for name, table in study.scales.items()}

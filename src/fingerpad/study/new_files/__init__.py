@@ -1,7 +1,6 @@
 """New files of a study: what each is, and what a spreadsheet or their names say of them."""
 
 from fingerpad.study.new_files.file_table import (
-    FileRow,
     FileTable,
     JoinedFiles,
     join_files,
@@ -14,7 +13,6 @@ from fingerpad.study.new_files.quantities import FileValues
 
 __all__ = [
     "FileIdentity",
-    "FileRow",
     "FileTable",
     "FileValues",
     "JoinedFiles",

@@ -113,10 +113,10 @@ class ResultsTable(Sequence[Row]):
         places = sorted(np.flatnonzero(known).tolist(), key=items.__getitem__, reverse=descending)
         return self.at(np.array([*places, *np.flatnonzero(~known)], dtype=np.intp))
 
-    def batches(self, size: int = _AT_ONCE) -> Iterator["ResultsTable"]:
+    def batches(self) -> Iterator["ResultsTable"]:
         """Yield all rows, some at a time."""
-        for start in range(0, len(self), size):
-            yield self[start : start + size]
+        for start in range(0, len(self), _AT_ONCE):
+            yield self[start : start + _AT_ONCE]
 
 
 class GrowingArray:
