@@ -37,14 +37,23 @@ def read_text_or_none(path: Path) -> str | None:
 
 def replace_file(path: Path, text: str) -> None:
     """Write a file so that it is there whole, old or new, whatever happens."""
-    new = path.with_name(f".{path.name}.new")
-    new.parent.mkdir(parents=True, exist_ok=True)
-    with new.open("w", encoding="utf-8", newline="") as file:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_synced(new_path(path), text)
+    new_path(path).replace(path)
+    sync_folder(path.parent)
+
+
+def new_path(path: Path) -> Path:
+    """Return the path of a file's new content."""
+    return path.with_name(f".{path.name}.new")
+
+
+def write_synced(path: Path, text: str) -> None:
+    """Write a file, and wait until its content is on the disk."""
+    with path.open("w", encoding="utf-8", newline="") as file:
         file.write(text)
         file.flush()
         os.fsync(file.fileno())
-    new.replace(path)
-    sync_folder(path.parent)
 
 
 def sync_folder(folder: Path) -> None:

@@ -12,7 +12,14 @@ from typing import Final
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.atomic_files import locked, read_text_or_none, replace_file, sync_folder
+from fingerpad.study.atomic_files import (
+    locked,
+    new_path,
+    read_text_or_none,
+    replace_file,
+    sync_folder,
+    write_synced,
+)
 
 JOURNAL_NAME: Final = ".study.journal"
 LOCK_NAME: Final = ".study.lock"
@@ -37,10 +44,10 @@ def replace_files(folder: Path, texts: Mapping[str, str]) -> None:
     journal = folder / JOURNAL_NAME
     try:
         for name, text in texts.items():
-            _write(_new(folder / name), text)
+            write_synced(new_path(folder / name), text)
         replace_file(journal, _Journal(replace=list(texts)).model_dump_json())
     except BaseException:
-        for path in (journal, *(_new(folder / name) for name in texts)):
+        for path in (journal, *(new_path(folder / name) for name in texts)):
             path.unlink(missing_ok=True)
         raise
     complete(folder)
@@ -68,8 +75,8 @@ def complete(folder: Path) -> None:
             f"{folder / JOURNAL_NAME}: is no journal of a change ({reason}): remove it"
         ) from error
     for path in replaced:
-        if _new(path).exists():  # else it was replaced before the process was killed
-            _new(path).replace(path)
+        if new_path(path).exists():  # else it was replaced before the process was killed
+            new_path(path).replace(path)
     for parent in {path.parent for path in replaced}:
         sync_folder(parent)
     (folder / JOURNAL_NAME).unlink()
@@ -87,18 +94,6 @@ def recover(folder: Path) -> None:
     if os.path.lexists(folder / JOURNAL_NAME):
         with locked(folder, folder / LOCK_NAME):
             complete(folder)
-
-
-def _new(path: Path) -> Path:
-    """Return the path of a file's new content."""
-    return path.with_name(f".{path.name}.new")
-
-
-def _write(path: Path, text: str) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def _inside(folder: Path, name: str) -> Path:

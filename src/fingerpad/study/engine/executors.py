@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Protocol
 
@@ -46,11 +46,10 @@ class LocalExecutor:
         """Do nothing: a process that dies is replaced."""
 
 
-@contextmanager
 def executor_for(
     manifest: Path, workers: int, scheduler: str | None, limits: Limits = DEFAULT_LIMITS
-) -> Iterator[Executor]:
-    """Provide the executor of a run, and close it in the end.
+) -> AbstractContextManager[Executor]:
+    """Return the executor of a run, which is closed in the end.
 
     Parameters
     ----------
@@ -69,11 +68,8 @@ def executor_for(
         If the scheduler or its workers cannot be used.
     """
     if scheduler is None:
-        with local_executor(manifest.absolute().parent, workers, limits) as processes:
-            yield processes
-    else:
-        with cluster_executor(manifest, workers, scheduler, limits) as cluster:
-            yield cluster
+        return local_executor(manifest.absolute().parent, workers, limits)
+    return cluster_executor(manifest, workers, scheduler, limits)
 
 
 @contextmanager

@@ -145,21 +145,21 @@ class WorkerPool:
 
     def trim(self) -> None:
         """End idle workers beyond the few that are worth keeping."""
+        self._keep(self._most_idle)
+
+    def close(self) -> None:
+        """End all idle workers."""
+        self._keep(0)
+
+    def _keep(self, most: int) -> None:
         with self._lock:
-            extra, self._idle = self._idle[self._most_idle :], self._idle[: self._most_idle]
+            extra, self._idle = self._idle[most:], self._idle[:most]
         for worker in extra:
             worker.kill()
 
     def forget(self) -> None:
         """Leave the workers to the process of which this one is a copy."""
         self._idle, self._lock = [], threading.Lock()
-
-    def close(self) -> None:
-        """End all idle workers."""
-        with self._lock:
-            extra, self._idle = self._idle, []
-        for worker in extra:
-            worker.kill()
 
 
 POOL: Final = WorkerPool(most_idle=1)

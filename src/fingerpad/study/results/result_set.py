@@ -15,7 +15,7 @@ from typing import Final
 
 from fingerpad._files import digest_of, sha256_of
 from fingerpad.exceptions import FingerpadError, StoreError
-from fingerpad.study.atomic_files import sync_folder
+from fingerpad.study.atomic_files import sync_folder, write_synced
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import manifest_in
 
@@ -93,10 +93,7 @@ class NewResultSet:
         sums = "".join(
             f"{self._digests.get(name) or sha256_of(self.folder / name)}  {name}\n" for name in names
         )
-        with (self.folder / SUMS_NAME).open("w", encoding="utf-8", newline="\n") as file:
-            file.write(sums)
-            file.flush()
-            os.fsync(file.fileno())
+        write_synced(self.folder / SUMS_NAME, sums)
 
 
 @contextmanager
