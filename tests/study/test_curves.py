@@ -184,14 +184,14 @@ def test_curves_of_one_placement_are_pooled(tmp_path: Path) -> None:
     for seed in (1, 2):
         write_curve(tmp_path / f"{seed}.csv", loading_radius=15.0, seed=seed)
     result = study(tmp_path, 'file = "1.csv"\n', 'file = "2.csv"\n')
-    pooled = loading_radius(result.curves, "f", 30, synthetic=False)
+    pooled = loading_radius(result.curves, ("f", 30, False))
     low, high = sorted(curve.loading_radius for curve in result.curves)
     assert low < pooled.value < high
     assert abs(pooled.value - 15) < 4 * pooled.std
-    assert loading_radius(result.curves, "f", 30, synthetic=True) is None
-    assert loading_radius(result.curves, "f", 45, synthetic=False) is None
+    assert loading_radius(result.curves, ("f", 30, True)) is None
+    assert loading_radius(result.curves, ("f", 45, False)) is None
     exact = study(tmp_path, "loading_radius_mm = 14\n", "loading_radius_mm = 16\n")
-    assert loading_radius(exact.curves, "f", 30, synthetic=False).value == 15
+    assert loading_radius(exact.curves, ("f", 30, False)).value == 15
 
 
 def test_a_bad_curve_costs_itself_only(tmp_path: Path) -> None:
@@ -220,6 +220,6 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
 
 def test_a_curve_whose_radius_came_out_small_does_not_count_for_more(tmp_path: Path) -> None:
     given = (f"loading_radius_mm = {r}\nloading_radius_mm_std = {0.1 * r}\n" for r in (14.0, 16.0))
-    pooled = loading_radius(study(tmp_path, *given).curves, "f", 30, synthetic=False)
+    pooled = loading_radius(study(tmp_path, *given).curves, ("f", 30, False))
     assert pooled.value == pytest.approx(15.0)
     assert pooled.std == pytest.approx(1.5 / np.sqrt(2))

@@ -60,7 +60,7 @@ def test_measures_the_photographs_and_the_curve(demo: tuple[StudyResult, Path]) 
     # A viscoelastic pad is the stiffer the faster it is pressed.
     moduli = [curve.fit.initial_modulus.value for curve in curves]
     assert moduli == sorted(moduli)
-    loading = loading_radius(result.curves, "synthetic_pad", 30, synthetic=True)
+    loading = loading_radius(result.curves, ("synthetic_pad", 30, True))
     assert abs(loading.value - 13.6248 * 0.99986) < 3 * loading.std < 0.2
 
 

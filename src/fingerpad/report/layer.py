@@ -84,10 +84,9 @@ def comparisons(result: StudyResult, summary: Summary) -> list[Comparison]:
 
 def _of_curves(result: StudyResult, summary: Summary) -> Iterator[Comparison]:
     """Yield a line for each loading curve of the finger at the angle."""
-    place = summary.finger, summary.wedge_angle_deg, summary.synthetic
     for curve in result.curves:
         of = curve.manifest
-        if (of.finger, of.wedge_angle_deg, of.synthetic) != place:
+        if of.place != summary.place:
             continue
         found = curve_on_layer(result.study, result.fingers[of.finger], curve)
         if found is not None:
@@ -155,7 +154,7 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         synthetic=summary.synthetic,
     )
     yield Plot(
-        name=f"{_name(summary)}_if_on_layer",
+        name=f"{group_name(summary.key)}_if_on_layer",
         figure=figure,
         caption=(
             f"Conditional: no thickness is stated for {summary.finger}. If its tissue acted like a layer of "
@@ -191,7 +190,7 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     )
     mark_synthetic(figure.axes[0], summary.synthetic)
     yield Plot(
-        name=f"{_name(summary)}_section",
+        name=f"{group_name(summary.key)}_section",
         figure=figure,
         caption=(
             f"Section along the finger under {layer.observation} ({layer.load:.3g} N; {summary.finger}, "
@@ -199,10 +198,4 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             "mm of tissue over bone, with the modulus on the layer. Dashed: pressure of Hertz theory for the "
             "same load and modulus."
         ),
-    )
-
-
-def _name(summary: Summary) -> str:
-    return group_name(
-        summary.finger, summary.wedge_angle_deg, summary.roll_angle_deg, synthetic=summary.synthetic
     )

@@ -26,7 +26,6 @@ from fingerpad.report.plots import (
     area_indentation_plot,
     budget_plot,
     curve_plots,
-    loading_radius_of,
     press_plot,
     shown_rows,
     summary_plots,
@@ -50,6 +49,7 @@ from fingerpad.report.text import (
 )
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.layer import LAYER_FLAGS
+from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.operators import QUANTITY_WORDS
 from fingerpad.study.results.rows import RANGE_NOTES
@@ -201,7 +201,7 @@ def _line(result: StudyResult, summary: Summary, validity: Validity) -> dict[str
         "contacts": len(contacts),
         "pooled": int(np.count_nonzero(contacts.column("pooled"))),
         "doubtful": int(np.count_nonzero(contacts.column("flags") != "")),
-        "loading": loading_radius_of(result, summary),
+        "loading": loading_radius(result.curves, summary.place),
     }
 
 

@@ -28,6 +28,7 @@ from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
+from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Exponent, Summary, area_exponent
 from fingerpad.study.results.table import ResultsTable, Row
@@ -37,24 +38,18 @@ _MOST_FRAMES: Final = 150
 MOST_POINTS: Final = 60
 
 
-def group_name(finger: str, wedge_angle_deg: float, roll_angle_deg: float, *, synthetic: bool) -> str:
+def group_name(key: PlacementKey) -> str:
     """Return the file name of a group of rows, which no other group has."""
+    finger, wedge_angle_deg, roll_angle_deg, synthetic = key
     roll = f"_roll{roll_angle_deg!r}" if roll_angle_deg else ""
     name = f"{finger}_{wedge_angle_deg!r}deg{roll}".replace(".0deg", "deg")
     return file_stem(name + ("_synthetic" if synthetic else ""))
 
 
-def loading_radius_of(result: StudyResult, summary: Summary) -> LoadingRadius | None:
-    """Return R_g from loading data of a summary's finger at its angle, as real or synthetic as its rows."""
-    return loading_radius(result.curves, summary.finger, summary.wedge_angle_deg, synthetic=summary.synthetic)
-
-
 def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw one finger at one placement."""
     rows = shown_rows(summary)
-    name = group_name(
-        summary.finger, summary.wedge_angle_deg, summary.roll_angle_deg, synthetic=summary.synthetic
-    )
+    name = group_name(summary.key)
     label = "; synthetic" if summary.synthetic else ""
     where = f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°{label}"
     yield Plot(
@@ -68,7 +63,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     )
     yield Plot(
         name=f"{name}_corrected_radius",
-        figure=_corrected_radius(rows, loading_radius_of(result, summary)),
+        figure=_corrected_radius(rows, loading_radius(result.curves, summary.place)),
         caption=(
             f"Corrected radius against load ({where}); bars: one standard uncertainty with the pad's "
             "geometry held exact, as Dzidek et al. do. Dotted: undeformed pad. Dashed: loading data, if any."
@@ -159,7 +154,7 @@ def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:
         return
     of, shape = curve.manifest, curve.shape
     yield from loading_plots(
-        f"curve{number}_{group_name(of.finger, of.wedge_angle_deg, 0.0, synthetic=of.synthetic)}",
+        f"curve{number}_{group_name((of.finger, of.wedge_angle_deg, 0.0, of.synthetic))}",
         curve.curve,
         curve.fit,
         where=f"{curve.name}{'; synthetic' if of.synthetic else ''}",
@@ -176,8 +171,7 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
     for curve in curves:
         of, initial = curve.manifest, curve.fit and curve.fit.initial_modulus
         if isinstance(initial, Estimate) and np.isfinite(curve.velocity):
-            key = (of.finger, of.wedge_angle_deg, of.synthetic)
-            groups.setdefault(key, []).append((curve.velocity, initial))
+            groups.setdefault(of.place, []).append((curve.velocity, initial))
     for (finger, wedge, synthetic), found in groups.items():
         if len({velocity for velocity, _ in found}) < 2:
             continue
@@ -191,7 +185,7 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
         )
         label = "; synthetic" if synthetic else ""
         yield Plot(
-            name=f"{group_name(finger, wedge, 0.0, synthetic=synthetic)}_initial_modulus",
+            name=f"{group_name((finger, wedge, 0.0, synthetic))}_initial_modulus",
             figure=figure,
             caption=f"Young's modulus at no load against velocity ({finger}, wedge {wedge:g}°{label}).",
         )
@@ -203,9 +197,7 @@ def budget_plot(summary: Summary, check: UncertaintyCheck | None) -> Iterator[Pl
         return
     figure, (axes,) = new_panels()
     plot_uncertainty_budget(axes, check.shares, total=check.total, synthetic=summary.synthetic)
-    name = group_name(
-        summary.finger, summary.wedge_angle_deg, summary.roll_angle_deg, synthetic=summary.synthetic
-    )
+    name = group_name(summary.key)
     yield Plot(
         name=f"{name}_budget",
         figure=figure,

@@ -48,6 +48,11 @@ class Curve(ManifestModel):
     synthetic: bool = False
     """Whether the curve was simulated."""
 
+    @property
+    def place(self) -> tuple[str, float, bool]:
+        """Finger and angle, and whether it is synthetic: as in `Summary.place`."""
+        return self.finger, self.wedge_angle_deg, self.synthetic
+
     @model_validator(mode="after")
     def _useful(self) -> Self:
         if self.file is None and self.loading_radius_mm is None:

@@ -24,20 +24,12 @@ class LoadingRadius(NamedTuple):
     misfit_std: float = 0.0
 
 
-def loading_radius(
-    curves: Iterable[CurveResult], finger: str, wedge_angle_deg: float, *, synthetic: bool
-) -> LoadingRadius | None:
+def loading_radius(curves: Iterable[CurveResult], place: tuple[str, float, bool]) -> LoadingRadius | None:
     """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any."""
-    fitting = [
-        curve
-        for curve in curves
-        if curve.manifest.finger == finger
-        and curve.manifest.wedge_angle_deg == wedge_angle_deg
-        and curve.manifest.synthetic == synthetic
-        and math.isfinite(curve.loading_radius)
-    ]
+    fitting = [one for one in curves if one.manifest.place == place and math.isfinite(one.loading_radius)]
     if not fitting:
         return None
+    *_, synthetic = place
     values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
     misfits = np.array([each.fit.misfit_std["loading_radius"] if each.fit else 0.0 for each in fitting])
     flags = tuple(sorted({flag for each in fitting if each.fit for flag in each.fit.notes}))

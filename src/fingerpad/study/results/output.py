@@ -127,9 +127,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
             _summary(
                 summary,
                 check,
-                loading_radius(
-                    result.curves, summary.finger, summary.wedge_angle_deg, synthetic=summary.synthetic
-                ),
+                loading_radius(result.curves, summary.place),
             )
             | {"validity": validity.as_record()}
             for summary, check, validity in zip(

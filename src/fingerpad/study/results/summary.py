@@ -48,6 +48,11 @@ class Summary:
         return self.finger, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
 
     @property
+    def place(self) -> tuple[str, float, bool]:
+        """What the rows have in common with loading curves: all but the roll."""
+        return self.finger, self.wedge_angle_deg, self.synthetic
+
+    @property
     def contacts(self) -> ResultsTable:
         """Rows of single contacts, without frames."""
         return self.rows.at(~self.rows.known("frame"))

@@ -125,7 +125,7 @@ def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
 
 
 def _figure(of: Mapping[str, Any]) -> str:
-    return group_name(of["finger"], of["wedge_angle_deg"], of["roll_angle_deg"], synthetic=of["synthetic"])
+    return group_name(tuple(of[name] for name in PLACEMENT))
 
 
 def _group(

@@ -66,9 +66,7 @@ class Place(NamedTuple):
             summary=summary,
             highest=highest,
             highest_row=highest and of.at(of.column("observation") == highest.observation)[0],
-            loading=loading_radius(
-                curves, summary.finger, summary.wedge_angle_deg, synthetic=summary.synthetic
-            ),
+            loading=loading_radius(curves, summary.place),
             fits=tuple(_fits(curves, summary)),
         )
 
@@ -81,10 +79,9 @@ class Place(NamedTuple):
 
 def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
     """Yield the fits of the loading curves of a finger at its angle that found the place of contact."""
-    place = of.finger, of.wedge_angle_deg, of.synthetic
     for curve in curves:
-        given, fit = curve.manifest, curve.fit
-        if fit is None or (given.finger, given.wedge_angle_deg, given.synthetic) != place:
+        fit = curve.fit
+        if fit is None or curve.manifest.place != of.place:
             continue
         if isinstance(fit.contact_offset, Estimate) and 0 < fit.contact_offset.std < math.inf:
             yield fit
