@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.manifest.tables import Length
-from fingerpad.study.measuring.fingers import FingerResult, finger_result
+from fingerpad.study.measuring.fingers import FingerResult, finger_result, stated
 from fingerpad.study.results.result_set import RERUN, quick_faults
 from fingerpad.study.results.results_reader import read_summary, read_table
 from fingerpad.study.results.table import ResultsTable, Row
@@ -221,7 +221,6 @@ def known_finger(opened: StudySession, name: str) -> FingerResult | None:
     if not record or record["palmar_mm"] is None:
         return None
     return FingerResult(
-        name=name,
         semi_axes=np.array([record[f"{axis}_mm"] for axis in ("palmar", "distal", "radial_ulnar")]),
         covariance=np.array(record["covariance_mm2"]),
         source="photographs",
@@ -231,8 +230,5 @@ def known_finger(opened: StudySession, name: str) -> FingerResult | None:
             if (radii := photograph["outline_radii_deg_mm"])
         ),
         scale=record.get("scale"),
-        pad_thickness=finger.pad_thickness_mm,
-        effective_thickness=finger.effective_thickness_mm,
-        effective_thickness_std=finger.effective_thickness_mm_std,
-        synthetic=record["synthetic"],
+        **(stated(finger) | {"synthetic": record["synthetic"]}),
     )

@@ -43,6 +43,12 @@ def contact_correction(active_correction: ActiveCorrection | None) -> ContactCor
     return change if isinstance(change, ContactCorrection) else NOTHING
 
 
+def photograph_correction(active_correction: ActiveCorrection | None) -> PhotographCorrection:
+    """Return what a person wants of a photograph, an empty correction by default."""
+    change = None if active_correction is None else active_correction.change
+    return change if isinstance(change, PhotographCorrection) else PhotographCorrection()
+
+
 class ManualPhases(NamedTuple):
     """Phases of a sequence that a person set.
 

@@ -99,6 +99,11 @@ class ActiveCorrection:
         return [self.item, self.who, self.change.as_json()]
 
 
+def is_rejected(active_correction: ActiveCorrection | None) -> bool:
+    """Tell whether a person rejected an item."""
+    return active_correction is not None and active_correction.change.rejected is not None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class History:
     """All decisions about one item.

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, Self
 
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.history import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, Record
 from fingerpad.study.engine.versions import versions_of
@@ -86,8 +86,7 @@ class RunContext:
 
     def is_rejected(self, item: str) -> bool:
         """Tell whether a person rejected an item."""
-        active_correction = self.active_corrections.get(item)
-        return active_correction is not None and active_correction.change.rejected is not None
+        return is_rejected(self.active_corrections.get(item))
 
     def record(self, name: str, key: str) -> Record | None:
         """Return what the store holds of a task, None where there is nothing with this key."""

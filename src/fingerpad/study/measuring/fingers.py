@@ -1,8 +1,8 @@
 """The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
@@ -24,7 +24,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.history import ActiveCorrection, is_rejected
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
@@ -198,21 +198,13 @@ def finger_result(
     active_corrections : mapping
         What people corrected, by item: photographs that they rejected are left out.
     """
-    common: dict[str, Any] = {
-        "name": finger.name,
-        "person": finger.person,
-        "pad_thickness": finger.pad_thickness_mm,
-        "effective_thickness": finger.effective_thickness_mm,
-        "effective_thickness_std": finger.effective_thickness_mm_std,
-        "synthetic": finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
-    }
     if finger.semi_axes_mm is not None and finger.semi_axes_mm_std is not None:
         given, std = finger.semi_axes_mm, finger.semi_axes_mm_std
         return FingerResult(
             semi_axes=np.array([given.palmar, given.distal, given.radial_ulnar]),
             covariance=np.diag(np.square([std.palmar, std.distal, std.radial_ulnar])),
             source="given",
-            **common,
+            **stated(finger),
         )
     try:
         seen = [
@@ -227,20 +219,39 @@ def finger_result(
             covariance=np.full((3, 3), np.nan),
             source="photographs",
             reason=in_study(f"finger {finger.name}: {error}", folder),
-            **common,
+            **stated(finger),
         )
-    names = {face.scale for face in joint.faces}
     photographs = tuple(result for _, result in seen if result is not None)
+    found = finger_from_faces(finger, joint, (one.outline_radii for one in photographs))
+    return replace(found, photographs=photographs)
+
+
+def finger_from_faces(
+    finger: Finger, joint: OutlineSemiAxes, outline_radii: Iterable[tuple[tuple[float, float, float], ...]]
+) -> FingerResult:
+    """Return a finger with the semi-axes of its faces, and the radii that side faces' outlines show."""
+    names = {face.scale for face in joint.faces}
     return FingerResult(
         semi_axes=joint.semi_axes,
         covariance=joint.covariance,
         source="photographs",
         scale=names.pop() if len(names) == 1 else None,
         outlines=joint,
-        photographs=photographs,
-        outline_radii=tuple(one.outline_radii for one in photographs if one.outline_radii),
-        **common,
+        outline_radii=tuple(filter(None, outline_radii)),
+        **stated(finger),
     )
+
+
+def stated(finger: Finger) -> dict[str, Any]:
+    """Return what the manifest says of a finger, by the names of `FingerResult`."""
+    return {
+        "name": finger.name,
+        "person": finger.person,
+        "pad_thickness": finger.pad_thickness_mm,
+        "effective_thickness": finger.effective_thickness_mm,
+        "effective_thickness_std": finger.effective_thickness_mm_std,
+        "synthetic": finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
+    }
 
 
 def photograph_item(finger: Finger, photograph: Photograph) -> str:
@@ -248,17 +259,12 @@ def photograph_item(finger: Finger, photograph: Photograph) -> str:
     return f"{finger.name}/{photograph.file or photograph.outline}"
 
 
-def is_rejected(active_correction: ActiveCorrection | None) -> bool:
-    """Tell whether a person rejected an item."""
-    return active_correction is not None and active_correction.change.rejected is not None
-
-
 def face_record(
     folder: Path,
     out: Path,
     *,
     photograph: Photograph,
-    correction: PhotographCorrection | None,
+    correction: PhotographCorrection,
     overlay: str,
     scale: FoundScale | str,
 ) -> dict[str, Any]:
@@ -270,7 +276,7 @@ def face_record(
         The study folder, and the one to draw into.
     photograph : Photograph
         What the manifest says of it.
-    correction : PhotographCorrection or None
+    correction : PhotographCorrection
         What a person wants of it.
     overlay : str
         Picture to draw, relative to `out`.

@@ -5,8 +5,8 @@ from functools import partial
 from pathlib import Path
 
 from fingerpad._files import file_stem
-from fingerpad.study.corrections.apply import contact_correction
-from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
+from fingerpad.study.corrections.apply import contact_correction, photograph_correction
+from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.executors import Executor
 from fingerpad.study.engine.runner import records_of
 from fingerpad.study.engine.store import Store
@@ -74,9 +74,6 @@ def photograph_tasks(finger: Finger, context: RunContext) -> Iterator[Task]:
         if photograph.file is None or context.is_rejected(item):
             continue
         assert photograph.scale is not None  # the manifest's own rule
-        active_correction = context.active_corrections.get(item)
-        change = None if active_correction is None else active_correction.change
-        assert change is None or isinstance(change, PhotographCorrection)  # the items' own rule
         yield Task(
             name=item,
             item=item,
@@ -85,7 +82,7 @@ def photograph_tasks(finger: Finger, context: RunContext) -> Iterator[Task]:
             work=partial(
                 face_record,
                 photograph=photograph,
-                correction=change,
+                correction=photograph_correction(context.active_corrections.get(item)),
                 overlay=f"overlays/photographs/{file_stem(f'{finger.name}_{photograph.face}_{number}')}.png",
                 scale=context.scale(photograph.scale),
             ),

@@ -20,10 +20,11 @@ from fingerpad.image import (
     read_outline,
     with_marked_points,
 )
-from fingerpad.study.corrections.apply import corrected_photograph
+from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
+from fingerpad.study.corrections.history import is_rejected
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
-from fingerpad.study.measuring.fingers import FingerResult, outline_radii, photograph_item
+from fingerpad.study.measuring.fingers import FingerResult, finger_from_faces, outline_radii, photograph_item
 from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, Point, endpoint
 from fingerpad.web.errors import RequestError
@@ -69,7 +70,7 @@ def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str,
     began = time.perf_counter()
     opened = workspace.study
     finger, photograph = _table(opened, params)
-    change = _change(opened, params)
+    change = params.change or photograph_correction(opened.corrections.active_correction(params.item))
     fit = _fit(opened, params.item, photograph, change, params.handles)
     together: dict[str, Any] | None = None
     error = None
@@ -103,14 +104,6 @@ def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | Non
     if params.face is None or params.scale is None:
         raise RequestError.impossible(f"{params.item}: state its face and its scale")
     return None, Photograph(face=params.face, file=params.item.removeprefix("file:"), scale=params.scale)
-
-
-def _change(opened: StudySession, params: PhotographParams) -> PhotographCorrection:
-    if params.change is not None:
-        return params.change
-    active_correction = opened.corrections.active_correction(params.item)
-    change = active_correction and active_correction.change
-    return change if isinstance(change, PhotographCorrection) else PhotographCorrection()
 
 
 def described(fit: PhotographFit) -> dict[str, Any]:
@@ -198,26 +191,12 @@ def measured_finger(opened: StudySession, name: str) -> FingerResult | None:
     if finger is None or (found := known_finger(opened, name)) is not None:
         return found if finger is not None else None
     faces = _faces(opened, finger)
-    outlines = combine_faces(faces.values())
-    sides = [
+    sides = (
         outline_radii(_stored_fit(opened, item, one))
         for one in finger.photographs
         if one.outline is None and (item := photograph_item(finger, one)) in faces
-    ]
-    names = {face.scale for face in outlines.faces}
-    return FingerResult(
-        name=name,
-        semi_axes=outlines.semi_axes,
-        covariance=outlines.covariance,
-        source="photographs",
-        outlines=outlines,
-        outline_radii=tuple(filter(None, sides)),
-        scale=names.pop() if len(names) == 1 else None,
-        pad_thickness=finger.pad_thickness_mm,
-        effective_thickness=finger.effective_thickness_mm,
-        effective_thickness_std=finger.effective_thickness_mm_std,
-        synthetic=finger.synthetic or any(photograph.synthetic for photograph in finger.photographs),
     )
+    return finger_from_faces(finger, combine_faces(faces.values()), sides)
 
 
 def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
@@ -234,11 +213,9 @@ def _faces(
     for one in finger.photographs:
         own = photograph_item(finger, one)
         scale = one.scale if isinstance(one.scale, str) else None
-        active_correction = opened.corrections.active_correction(own)
-        change = None if active_correction is None else active_correction.change
         if fit is not None and own == item:
             faces[own] = replace(fit.face_semi_axes, scale=scale)
-        elif change is not None and change.rejected is not None:
+        elif is_rejected(opened.corrections.active_correction(own)):
             continue
         elif one.outline is not None:
             points = read_outline(opened.folder / one.outline)
@@ -250,9 +227,7 @@ def _faces(
 
 def _stored_fit(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit:
     """Return the fit of a photograph under the correction that is stored."""
-    active_correction = opened.corrections.active_correction(item)
-    change = None if active_correction is None else active_correction.change
-    stored = change if isinstance(change, PhotographCorrection) else PhotographCorrection()
+    stored = photograph_correction(opened.corrections.active_correction(item))
     return _fit(opened, item, photograph, stored)
 
 

@@ -16,7 +16,12 @@ from fingerpad.image import FACE_AXES, PHOTOGRAPH_FLAGS
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
-from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, ActiveCorrection
+from fingerpad.study.corrections.history import (
+    CORRECTIONS_NAME,
+    SECOND_OPERATOR_NAME,
+    ActiveCorrection,
+    is_rejected,
+)
 from fingerpad.study.corrections.items import frames_of
 from fingerpad.study.corrections.key_frames import InterpolatedCorrection, frame_corrections
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -24,7 +29,6 @@ from fingerpad.study.manifest import LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_items
-from fingerpad.study.measuring.fingers import is_rejected
 from fingerpad.study.new_files.file_names import read_file_name
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.layer import LAYER_FLAGS
