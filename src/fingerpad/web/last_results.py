@@ -13,20 +13,13 @@ from fingerpad.study.measuring.fingers import FingerResult, finger_result, state
 from fingerpad.study.results.result_set import RERUN, quick_faults
 from fingerpad.study.results.results_reader import read_summary, read_table
 from fingerpad.study.results.table import ResultsTable, Row
+from fingerpad.web.answers.results import BudgetCheck, ModelCheck, ModelHeadline
 from fingerpad.web.study_session import StudySession
 
 _Triple: TypeAlias = Annotated[list[float], Field(min_length=3, max_length=3)]
-_OF_FRAMES: Final = (
-    "status",
-    "flags",
-    "phase",
-    "phase_decided_by",
-    "measured_indentation_mm",
-    "time_s",
-    "load_N",
-    "gross_area_mm2",
-    "aspect_ratio",
-    "pooled",
+FRAME_COLUMNS: Final = (
+    *("phase", "phase_decided_by", "time_s", "load_N"),
+    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
 )
 
 
@@ -55,27 +48,16 @@ class _Finger(_Record):
         return self
 
 
-class _Check(_Record):
-    observation: str
-    value: float
-    std: float
-    valid: bool
-    shares: dict[str, float | None]
-    total: dict[str, float | None]
+class _Check(BudgetCheck, _Record):
+    pass
 
 
-class _ModelHeadline(_Record):
-    verdict: str
-    total_std: float | None
-    model_std: float | None
+class _ModelHeadline(ModelHeadline, _Record):
+    pass
 
 
-class _ModelCheck(_Record):
-    compared: str
-    verdict: str
-    relative_difference: float | None
-    p_value: float | None
-    note: str | None
+class _ModelCheck(ModelCheck, _Record):
+    pass
 
 
 class _Validity(_Record):
@@ -165,7 +147,8 @@ class Results:
     def frames(self, sequence: str) -> dict[int, Row]:
         """Return what the page lists of a sequence's frames, by their numbers."""
         frames = self.table.at((self.table.column("sequence") == sequence) & self.table.known("frame"))
-        return {row["frame"]: row for row in frames.records("frame", *_OF_FRAMES)}
+        columns = ("frame", "status", "flags", "pooled", *FRAME_COLUMNS)
+        return {row["frame"]: row for row in frames.records(*columns)}
 
     def row(self, item: str) -> Row | None:
         """Return the row of an item, None where it has none."""

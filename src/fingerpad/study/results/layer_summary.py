@@ -6,7 +6,6 @@ from typing import Any, Final, Self
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.layer import (
     HERTZ_OF,
     LAYER_PART_SOURCES,
@@ -15,7 +14,7 @@ from fingerpad.study.results.layer import (
     unit_of,
 )
 from fingerpad.study.results.model import OF_THE_DEVICE, OF_THE_PLACEMENT
-from fingerpad.study.results.pooling import shared_errors
+from fingerpad.study.results.pooling import mean_within, shared_errors
 from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.table import Places, ResultsTable, numbered
 from fingerpad.uncertainty import (
@@ -85,13 +84,7 @@ class PooledOnLayer(LayerQuantity):
         pooled, estimate = pooled.at(known), numbered(estimate[known])
         parts = factor * parts[known, POOLED_ON_LAYER.index(output)]
         own_std = np.sqrt(np.sum(parts[:, _OWN] ** 2, axis=-1))
-        counts = np.bincount(estimate)
-        weights = np.where(counts[estimate] > 1, own_std**-2.0, 1.0)
-        weights /= np.bincount(estimate, weights)[estimate]
-
-        def mean(of: FloatArray) -> FloatArray:
-            return as_float_array(np.bincount(estimate, weights * of))
-
+        mean = mean_within(estimate, own_std)
         value, parts = mean(pooled.column(f"{output}_{unit}")), np.stack(list(map(mean, parts.T)), axis=-1)
         first = np.unique(estimate, return_index=True)[1]
         sources = LAYER_PART_SOURCES[~_OWN].tolist()

@@ -4,11 +4,11 @@ Every uncertain input belongs to a source. The effect of a source on a contact's
 parts, one for each of its independent errors, so that contacts which share a source can be pooled as such.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
-from typing import Any, Final, Self, TypeAlias
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -82,7 +82,7 @@ class Modelled:
             parts = parts_of(propagated, POOLED_OUTPUTS)
         has_output = np.isfinite(propagated.value).all(axis=-1) & np.isfinite(propagated.std).all(axis=-1)
         answered = np.asarray(finite & has_output)
-        std = METHODS[method](propagated, answered)
+        std = _monte_carlo(propagated, answered) if method == "monte_carlo" else propagated.std
         names = propagated.names
         return cls(
             value=dict(zip(names, np.where(answered, propagated.value.T, np.nan), strict=True)),
@@ -191,21 +191,12 @@ def contact_inputs(
     )
 
 
-def _first_order(propagated: Propagated, _: BoolArray) -> FloatArray:
-    """Return standard uncertainties by first-order propagation, shape (contacts, outputs)."""
-    return propagated.std
-
-
 def _monte_carlo(propagated: Propagated, answered: BoolArray) -> FloatArray:
-    """Return the same by Monte Carlo."""
+    """Return standard uncertainties by Monte Carlo, shape (contacts, outputs)."""
     std = propagated.std
     for place in np.flatnonzero(answered).tolist():
         std[place] = run_monte_carlo(pad_model, propagated.inputs.at(place), max_draws=MOST_DRAWS).std
     return std
-
-
-Method: TypeAlias = Callable[[Propagated, BoolArray], FloatArray]
-METHODS: Final[dict[str, Method]] = {"first_order": _first_order, "monte_carlo": _monte_carlo}
 
 
 def _std_from(propagated: Propagated, sources: Sequence[str]) -> FloatArray:

@@ -1,6 +1,6 @@
 """One radius from the contacts of a finger at one angle, with their shared errors."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -110,19 +110,13 @@ class PooledRadius:
         parts = rows.parts[places, POOLED_OUTPUTS.index(output)]
         bias = np.sum(parts[:, _OWN & _SECOND], axis=-1) / np.sqrt(2)
         own_std = _own_std(parts, rows.elongation_std[places])
-        weights = np.where(np.bincount(estimate)[estimate] > 1, own_std**-2.0, 1.0)
-        weights /= np.bincount(estimate, weights)[estimate]
-
-        def mean(of: FloatArray) -> FloatArray:
-            return as_float_array(np.bincount(estimate, weights * of))
-
+        mean = mean_within(estimate, own_std)
         value, own = mean(pooled.column(f"{output}_mm")), mean(own_std)
         own = np.maximum(own, np.spacing(value))
         value -= (1 - pool_random_effects(value, own).weights) * mean(bias)
         parts = np.stack([mean(part) for part in parts.T], axis=-1)
-        first, last = (np.empty(value.size, dtype=np.intp) for _ in range(2))
-        last[estimate] = np.arange(estimate.size)
-        first[estimate[::-1]] = np.arange(estimate.size)[::-1]
+        first = np.unique(estimate, return_index=True)[1]
+        last = estimate.size - 1 - np.unique(estimate[::-1], return_index=True)[1]
         shared = shared_errors(parts[:, ~_OWN], PART_SOURCES[~_OWN].tolist(), pooled.column("scale")[first])
         random = pool_random_effects(value, own, shared)
         variances = shared.variances(random.weights)
@@ -141,6 +135,13 @@ def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
     variance = np.sum(elongation_std**2)
     slope = np.sum(parts[:, _OWN & ~_SECOND] ** 2) / variance if variance > 0 else 0.0
     return as_float_array(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
+
+
+def mean_within(estimate: Places, own_std: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return the mean over the rows of each estimate, weighted by their own errors where they are several."""
+    weights = np.where(np.bincount(estimate)[estimate] > 1, own_std**-2.0, 1.0)
+    weights /= np.bincount(estimate, weights)[estimate]
+    return lambda of: as_float_array(np.bincount(estimate, weights * of))
 
 
 def shared_errors(parts: FloatArray, sources: Sequence[str], scales: ColumnArray) -> SharedErrors:

@@ -8,6 +8,7 @@ from typing import Any, Final, Self
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
@@ -345,14 +346,10 @@ def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: Nes
             "finger": "no person has two fingers under one load",
             "session": "no finger has two sessions under one load",
         }[level]
-    return f"{_degrees(one.freedom)} of freedom; {MIN_LEVEL_FREEDOM} are needed"
+    return f"{counted(one.freedom, 'degree')} of freedom; {MIN_LEVEL_FREEDOM} are needed"
 
 
 def _too_few_repeats(groups: int, freedom: int) -> str:
     if groups == 0:
         return "no contact was repeated"
-    return f"{_degrees(freedom)} of freedom; {MIN_REPEAT_FREEDOM} are needed"
-
-
-def _degrees(freedom: int) -> str:
-    return f"{freedom} degree{'' if freedom == 1 else 's'}"
+    return f"{counted(freedom, 'degree')} of freedom; {MIN_REPEAT_FREEDOM} are needed"

@@ -36,16 +36,12 @@ from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.status import item_states
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint
-from fingerpad.web.last_results import Results, known_finger, last_results, results_faults
+from fingerpad.web.last_results import FRAME_COLUMNS, Results, known_finger, last_results, results_faults
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.study_session import StudySession, table_content
 from fingerpad.web.workspace import Workspace
 
 _UNREADABLE: Final = (OSError, StoreError)
-_OF_FRAMES: Final = (
-    *("phase", "phase_decided_by", "time_s", "load_N"),
-    *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
-)
 _WORDS: Final[Mapping[str, Any]] = {
     "flags": dict(FLAG_WORDS),
     "photograph_flags": dict(PHOTOGRAPH_FLAGS),
@@ -364,7 +360,7 @@ def _frame(
         "frame": number,
         "status": known.get("status", "none"),
         "flags": (known.get("flags") or "").split(),
-        **{key: known.get(key) for key in _OF_FRAMES},
+        **{key: known.get(key) for key in FRAME_COLUMNS},
         "pooled": bool(known.get("pooled")),
         "interpolated": active_correction is not None
         and isinstance(active_correction.change, InterpolatedCorrection),

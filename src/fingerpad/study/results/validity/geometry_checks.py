@@ -47,11 +47,18 @@ class Shape(NamedTuple):
     predicted_std: float
     known: bool
 
-    def toward(self, predicted: float) -> tuple[float, str]:
-        """Return what was measured to compare with a prediction, and a note."""
-        if self.known:
-            return self.measured, ""
-        return math.copysign(self.measured, predicted), _NO_DIRECTION
+    def check(self, name: str, compared: str, quantities: tuple[str, ...], predicted: float) -> ValidityCheck:
+        """Compare what was measured with a prediction, which is as uncertain as that of Hertz theory."""
+        ratio = math.exp(self.measured if self.known else math.copysign(self.measured, predicted))
+        expected = math.exp(predicted)
+        return compare_ratio(
+            name,
+            compared,
+            quantities,
+            (ratio, ratio * self.std),
+            (expected, expected * self.predicted_std),
+            note="" if self.known else _NO_DIRECTION,
+        )
 
 
 def measured_shape(place: Place) -> Shape | None:
@@ -86,16 +93,7 @@ def shape_check(place: Place) -> ValidityCheck:
     shape = measured_shape(place)
     if shape is None:
         return missing("shape", _SHAPE, HEADLINES, NOTHING_COUNTS)
-    measured, note = shape.toward(shape.predicted)
-    ratio, expected = math.exp(measured), math.exp(shape.predicted)
-    return compare_ratio(
-        "shape",
-        _SHAPE,
-        HEADLINES,
-        (ratio, ratio * shape.std),
-        (expected, expected * shape.predicted_std),
-        note=note,
-    )
+    return shape.check("shape", _SHAPE, HEADLINES, shape.predicted)
 
 
 def size_checks(place: Place) -> Iterator[ValidityCheck]:

@@ -111,13 +111,4 @@ def _shape_check(place: Place) -> ValidityCheck:
     )
     ratio = float(form.semi_major / form.semi_minor)
     predicted = math.log(ratio if form.long_axis == 0 else 1 / ratio)
-    measured, note = shape.toward(predicted)
-    # The pad's geometry is as uncertain as in Hertz theory.
-    return compare_ratio(
-        _SHAPE,
-        _WORDS[_SHAPE],
-        _ON_LAYER,
-        (math.exp(measured), math.exp(measured) * shape.std),
-        (math.exp(predicted), math.exp(predicted) * shape.predicted_std),
-        note=note,
-    )
+    return shape.check(_SHAPE, _WORDS[_SHAPE], _ON_LAYER, predicted)

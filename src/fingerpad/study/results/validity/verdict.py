@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
@@ -220,8 +221,7 @@ def _validity(place: Place, checks: tuple[ValidityCheck, ...], routes: Discrepan
         parts, words = [], []
         if (route := routes[name]) is not None:
             parts.append(route.relative_std)
-            times = f"{route.count} comparison{'s' if route.count > 1 else ''}"
-            words.append(f"{times} of images with loading data")
+            words.append(f"{counted(route.count, 'comparison')} of images with loading data")
         if name == MODULUS and not math.isnan(over_loads):
             parts.append(over_loads)
             words.append("its change over loads")
