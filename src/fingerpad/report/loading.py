@@ -1,6 +1,7 @@
 """The figures of one loading curve."""
 
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
@@ -14,9 +15,8 @@ from fingerpad.figures import (
     plot_secant_modulus,
 )
 from fingerpad.figures.loading import FORCE_MODEL_NAMES
-from fingerpad.figures.panels import new_panels
 from fingerpad.loading import Estimate, LoadingCurve, LoadingFit, Relaxation, fit_relaxation, shape_check
-from fingerpad.report.plot import Plot
+from fingerpad.report.plot import Plot, panel
 from fingerpad.units import KPA_PER_MPA, value_with_uncertainty
 
 
@@ -52,31 +52,32 @@ def loading_plots(
     """
     where = where or name
     drawn = _Drawn(curve, fit, cycle)
-    figure, (axes,) = new_panels()
-    plot_load_indentation(
-        axes, drawn.indentation, drawn.load, phase=drawn.phase, fits=drawn.laws(), synthetic=synthetic
-    )
     yield Plot(
         name=f"{name}_load_indentation",
-        figure=figure,
+        figure=panel(
+            plot_load_indentation,
+            drawn.indentation,
+            drawn.load,
+            phase=drawn.phase,
+            fits=drawn.laws(),
+            synthetic=synthetic,
+        ),
         caption=f"Load against indentation from the fitted place of contact, and the laws fitted to the "
         f"loading ({where}).",
     )
     if drawn.area is not None:
-        figure, (axes,) = new_panels()
         radius = fit.loading_radius if isinstance(fit.loading_radius, Estimate) else None
         fitted = drawn.phase == "loading"
-        plot_contact_compliance(
-            axes,
-            drawn.indentation[fitted],
-            drawn.area[fitted],
-            loading_radius=radius.value if radius else None,
-            loading_radius_std=radius.std if radius else 0.0,
-            synthetic=synthetic,
-        )
         yield Plot(
             name=f"{name}_compliance",
-            figure=figure,
+            figure=panel(
+                plot_contact_compliance,
+                drawn.indentation[fitted],
+                drawn.area[fitted],
+                loading_radius=radius.value if radius else None,
+                loading_radius_std=radius.std if radius else 0.0,
+                synthetic=synthetic,
+            ),
             caption=f"Contact area against π × indentation; its slope is the effective radius ({where}).",
         )
     yield from _secant_plots(name, where, fit, synthetic=synthetic)
@@ -136,21 +137,20 @@ def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) ->
         line = (loads, initial.value + growth.value * loads)
         label = rf"$E_\mathrm{{0g}}$ = {_in_kpa(initial)} kPa, β = {_in_kpa(growth)} kPa/N"
     region = (secant.load >= low) & (secant.load <= high)
+    against: Literal["load", "indentation"]
     for against, abscissa in (("load", secant.load), ("indentation", secant.indentation)):
-        figure, (axes,) = new_panels()
-        plot_secant_modulus(
-            axes,
-            abscissa,
-            secant.modulus,
-            against=against,  # type: ignore[arg-type]
-            fitted_region=region,
-            fit=line if against == "load" else None,
-            label=label,
-            synthetic=synthetic,
-        )
         yield Plot(
             name=f"{name}_secant_modulus_{against}",
-            figure=figure,
+            figure=panel(
+                plot_secant_modulus,
+                abscissa,
+                secant.modulus,
+                against=against,
+                fitted_region=region,
+                fit=line if against == "load" else None,
+                label=label,
+                synthetic=synthetic,
+            ),
             caption=f"Secant modulus against {against}, with the region in which it was fitted ({where}).",
         )
 
@@ -173,18 +173,16 @@ def _shape(
     check = shape_check(
         drawn.load[fitted], drawn.indentation[fitted], drawn.area[fitted], loading_radius=radius
     )
-    figure, (axes,) = new_panels()
-    plot_modulus_from_area_and_indentation(
-        axes,
-        check.load,
-        check.modulus_from_area,
-        check.modulus_from_indentation,
-        expected_ratio=expected,
-        synthetic=synthetic,
-    )
     return Plot(
         name=f"{name}_shape",
-        figure=figure,
+        figure=panel(
+            plot_modulus_from_area_and_indentation,
+            check.load,
+            check.modulus_from_area,
+            check.modulus_from_indentation,
+            expected_ratio=expected,
+            synthetic=synthetic,
+        ),
         caption="E* read from the area over E* read from the indentation, on R_e of the undeformed pad: "
         f"one for a Hertzian contact ({where}).",
     )
@@ -195,24 +193,22 @@ def _relaxation(name: str, where: str, drawn: _Drawn, found: Relaxation, *, synt
     assert hold is not None and drawn.zeroed.time is not None  # noqa: PT018 (fitted only with both)
     begin = drawn.zeroed.time[hold.start]
     times = [term.time for term in found.terms]
-    figure, (axes,) = new_panels()
-    plot_relaxation(
-        axes,
-        drawn.zeroed.time[hold.rows] - begin,
-        drawn.zeroed.load[hold.rows],
-        fit=(found.time + drawn.zeroed.time[loading.start] - begin, found.load),
-        label=f"Prony series of {len(times)} terms" if len(times) != 1 else "Prony series of one term",
-        ramp_time=found.ramp_time,
-        time_constants=[time.value for time in times if isinstance(time, Estimate)],
-        synthetic=synthetic,
-    )
     said = ", ".join(
         f"{value_with_uncertainty(each.value, each.std)} s" if isinstance(each, Estimate) else each.reason
         for each in times
     )
     return Plot(
         name=f"{name}_relaxation",
-        figure=figure,
+        figure=panel(
+            plot_relaxation,
+            drawn.zeroed.time[hold.rows] - begin,
+            drawn.zeroed.load[hold.rows],
+            fit=(found.time + drawn.zeroed.time[loading.start] - begin, found.load),
+            label=f"Prony series of {len(times)} terms" if len(times) != 1 else "Prony series of one term",
+            ramp_time=found.ramp_time,
+            time_constants=[time.value for time in times if isinstance(time, Estimate)],
+            synthetic=synthetic,
+        ),
         caption=f"Load during the hold, with the Prony series through the recorded ramp; time constants: "
         f"{said or 'none'} ({where}).",
     )

@@ -1,13 +1,17 @@
 """A drawn figure with its name and caption."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Concatenate, ParamSpec
 
 from matplotlib.figure import Figure
 
 from fingerpad.figures import save_figure, save_panels
-from fingerpad.figures.panels import PanelFigure
+from fingerpad.figures.panels import Panel, PanelFigure, new_panels
 from fingerpad.units import MM_PER_INCH
+
+Arguments = ParamSpec("Arguments")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,6 +38,15 @@ class Plot:
         if isinstance(self.figure, PanelFigure):
             return self.figure.width_mm
         return MM_PER_INCH * self.figure.get_figwidth()
+
+
+def panel(
+    plot: Callable[Concatenate[Panel, Arguments], object], *args: Arguments.args, **kwargs: Arguments.kwargs
+) -> PanelFigure:
+    """Return a figure of one panel, drawn by a ``plot_*`` function."""
+    figure, (axes,) = new_panels()
+    plot(axes, *args, **kwargs)
+    return figure
 
 
 def save_plot(plot: Plot, folder: Path) -> Path:

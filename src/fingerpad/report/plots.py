@@ -23,7 +23,7 @@ from fingerpad.figures.panels import PanelFigure, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
-from fingerpad.report.plot import Plot
+from fingerpad.report.plot import Plot, panel
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
@@ -88,19 +88,17 @@ def agreement_plots(result: StudyResult) -> Iterator[Plot]:
     for found in result.operators:
         if (area := found.quantities.get("gross_area_mm2")) is None:
             continue
-        figure, (axes,) = new_panels()
-        plot_agreement(
-            axes,
-            [one.first["gross_area_mm2"] for one in found.pairs],
-            [one.second["gross_area_mm2"] for one in found.pairs],
-            area,
-            quantity="gross area (mm²)",
-            names=[" and ".join(names) for names in found.operators],
-            synthetic=found.synthetic,
-        )
         yield Plot(
             name="second_operator_synthetic" if found.synthetic else "second_operator",
-            figure=figure,
+            figure=panel(
+                plot_agreement,
+                [one.first["gross_area_mm2"] for one in found.pairs],
+                [one.second["gross_area_mm2"] for one in found.pairs],
+                area,
+                quantity="gross area (mm²)",
+                names=[" and ".join(names) for names in found.operators],
+                synthetic=found.synthetic,
+            ),
             caption="Contact areas by two persons, the second without seeing the first's outlines"
             + ("; synthetic images" if found.synthetic else "")
             + ". Line: bias, with its 95 % interval. Dashed: limits of agreement.",
@@ -175,18 +173,16 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
     for (finger, wedge, synthetic), found in groups.items():
         if len({velocity for velocity, _ in found}) < 2:
             continue
-        figure, (axes,) = new_panels()
-        plot_initial_modulus(
-            axes,
-            [velocity for velocity, _ in found],
-            [initial.value for _, initial in found],
-            initial_modulus_std=[initial.std for _, initial in found],
-            synthetic=np.full(len(found), synthetic),
-        )
         label = "; synthetic" if synthetic else ""
         yield Plot(
             name=f"{group_name((finger, wedge, 0.0, synthetic))}_initial_modulus",
-            figure=figure,
+            figure=panel(
+                plot_initial_modulus,
+                [velocity for velocity, _ in found],
+                [initial.value for _, initial in found],
+                initial_modulus_std=[initial.std for _, initial in found],
+                synthetic=np.full(len(found), synthetic),
+            ),
             caption=f"Young's modulus at no load against velocity ({finger}, wedge {wedge:g}°{label}).",
         )
 
@@ -195,12 +191,9 @@ def budget_plot(summary: Summary, check: UncertaintyCheck | None) -> Iterator[Pl
     """Draw who contributes what to the uncertainty of the highest_load contact's corrected radius."""
     if check is None:
         return
-    figure, (axes,) = new_panels()
-    plot_uncertainty_budget(axes, check.shares, total=check.total, synthetic=summary.synthetic)
-    name = group_name(summary.key)
     yield Plot(
-        name=f"{name}_budget",
-        figure=figure,
+        name=f"{group_name(summary.key)}_budget",
+        figure=panel(plot_uncertainty_budget, check.shares, total=check.total, synthetic=summary.synthetic),
         caption=f"Shares of the variance of the corrected radius of {check.observation}: of first order, and "
         "Sobol's total index, which counts interactions.",
     )
@@ -243,18 +236,16 @@ def area_indentation_plot(film: SequenceResult, frames: ResultsTable) -> Iterato
     if not seen:
         return
     of, rows = film.manifest, thinned(seen, _MOST_FRAMES)
-    figure, (axes,) = new_panels()
     synthetic = bool(rows[0]["synthetic"])
-    plot_area_against_indentation(
-        axes,
-        rows.column("measured_indentation_mm"),
-        rows.column("gross_area_mm2"),
-        phase=rows.column("phase").tolist(),
-        synthetic=synthetic,
-    )
     yield Plot(
         name=f"sequence_{file_stem(of.name)}_indentation{'_synthetic' if synthetic else ''}",
-        figure=figure,
+        figure=panel(
+            plot_area_against_indentation,
+            rows.column("measured_indentation_mm"),
+            rows.column("gross_area_mm2"),
+            phase=rows.column("phase").tolist(),
+            synthetic=synthetic,
+        ),
         caption=(
             f"Contact area against the platen's displacement from the place of contact ({of.name}, "
             f"{of.finger}, wedge {of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}); the stage is "
@@ -303,9 +294,8 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:
 
 
 def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> PanelFigure:
-    figure, (axes,) = new_panels()
-    plot_corrected_radius(
-        axes,
+    return panel(
+        plot_corrected_radius,
         rows.column("load_N"),
         rows.column("radius_from_indentation_mm"),
         corrected_radius_std=rows.column("radius_from_indentation_mm_fixed_geometry_std"),
@@ -314,14 +304,12 @@ def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> Pane
         mean_curvature_radius=rows[0]["mean_curvature_radius_mm"],
         synthetic=rows.column("synthetic"),
     )
-    return figure
 
 
 def _area(rows: ResultsTable, exponent: Exponent) -> PanelFigure:
-    figure, (axes,) = new_panels()
     major, minor = rows.column("semi_major_mm"), rows.column("semi_minor_mm")
-    plot_area_against_load(
-        axes,
+    return panel(
+        plot_area_against_load,
         rows.column("load_N"),
         np.pi * major * minor,
         area_std=rows.column("gross_area_mm2_std"),
@@ -329,11 +317,9 @@ def _area(rows: ResultsTable, exponent: Exponent) -> PanelFigure:
         exponent_std=exponent.std,
         synthetic=rows.column("synthetic"),
     )
-    return figure
 
 
 def _aspect_ratio(rows: ResultsTable) -> PanelFigure:
-    figure, (axes,) = new_panels()
     ratio = rows.column("aspect_ratio")
     names = ("semi_major_mm", "semi_minor_mm")
     noise = [rows.column(f"{name}_noise_std") / rows.column(name) for name in names]
@@ -341,8 +327,8 @@ def _aspect_ratio(rows: ResultsTable) -> PanelFigure:
     across = np.where(rows.column("long_axis") == "across", 90.0, 0.0)
     orientation = rows.column("orientation_deg")
     first = rows[0]
-    plot_aspect_ratio(
-        axes,
+    return panel(
+        plot_aspect_ratio,
         rows.column("load_N"),
         ratio,
         aspect_ratio_std=ratio * np.linalg.norm([*noise, edge], axis=0),
@@ -351,4 +337,3 @@ def _aspect_ratio(rows: ResultsTable) -> PanelFigure:
         predicted_long_axis_angle=np.pi / 2 if first["predicted_long_axis"] == "across" else 0.0,
         synthetic=rows.column("synthetic"),
     )
-    return figure
