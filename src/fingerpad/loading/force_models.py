@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -17,12 +18,12 @@ Values = Mapping[str, float]
 _STEPS = 6
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ForceModel:
-    """A load as a function of ξ: parameter names, and W(values, ξ, 4/3 R^½/(1 − ν²))."""
+def _hertz(values: Values, xi: FloatArray, stiffness: FloatArray) -> FloatArray:
+    return values["youngs_modulus"] * (stiffness * xi**1.5)
 
-    names: tuple[str, ...]
-    load: Callable[[Values, FloatArray, FloatArray], FloatArray]
+
+def _growing(values: Values, xi: FloatArray, stiffness: FloatArray) -> FloatArray:
+    return clipped_load(stiffness * xi**1.5, values["initial_modulus"], values["load_coefficient"])
 
 
 def _power(values: Values, xi: FloatArray, stiffness: FloatArray) -> FloatArray:
@@ -30,20 +31,15 @@ def _power(values: Values, xi: FloatArray, stiffness: FloatArray) -> FloatArray:
     return values["youngs_modulus"] * stiffness * xi**exponent
 
 
-_GROWING: Final = ForceModel(
-    names=("initial_modulus", "load_coefficient"),
-    load=lambda values, xi, c: clipped_load(
-        c * xi**1.5, values["initial_modulus"], values["load_coefficient"]
-    ),
+# The load W as a function of values, ξ and 4/3 R^½/(1 − ν²).
+FORCE_MODELS: Final[Mapping[str, Callable[[Values, FloatArray, FloatArray], FloatArray]]] = MappingProxyType(
+    {
+        "hertz": _hertz,
+        "load_dependent": _growing,
+        "exact_sphere": _growing,  # its shape is a factor on the stiffness
+        "free_exponent": _power,
+    }
 )
-FORCE_MODELS: Final = {
-    "hertz": ForceModel(
-        names=("youngs_modulus",), load=lambda values, xi, c: values["youngs_modulus"] * (c * xi**1.5)
-    ),
-    "load_dependent": _GROWING,
-    "exact_sphere": _GROWING,  # its shape is a factor on the stiffness
-    "free_exponent": ForceModel(names=("youngs_modulus", "load_exponent"), load=_power),
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -116,7 +112,7 @@ def load_at(values: Values, law: str, xi: FloatArray, poisson_ratio: float) -> F
     """Return the load W (N) at indentations ξ (mm), none of them negative."""
     stiffness = hertz_stiffness(max(values["loading_radius"], 1e-9), poisson_ratio)
     factor, _ = shape_factors(law, values, xi, poisson_ratio)
-    return FORCE_MODELS[law].load(values, xi, stiffness * factor)
+    return FORCE_MODELS[law](values, xi, stiffness * factor)
 
 
 def indentation_of(values: Values, law: str, displacement: FloatArray, poisson_ratio: float) -> FloatArray:
