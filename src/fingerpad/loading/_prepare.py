@@ -1,13 +1,14 @@
 """Preparation of one press for the fit: rows, flags, and initial values."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 
 from fingerpad._loading_curve import LoadingCurve
-from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading.estimate import Estimate
 from fingerpad.loading.joint import FitData
 from fingerpad.loading.models import hertz_stiffness
@@ -38,6 +39,18 @@ class Press:
     cycles: tuple[Cycle, ...]
     baseline_rows: int
     flags: tuple[str, ...]
+
+
+@contextmanager
+def determined(what: str, hint: str = "") -> Iterator[None]:
+    """Raise FitError where the numbers of a fit run out of range or it has no solution."""
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except FingerpadError:
+        raise
+    except (ArithmeticError, np.linalg.LinAlgError, ValueError) as error:
+        raise FitError(f"the record does not determine {what} and its noise ({error}){hint}") from error
 
 
 def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:

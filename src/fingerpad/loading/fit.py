@@ -9,8 +9,15 @@ import numpy as np
 
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad._records import Recorded
-from fingerpad.exceptions import FingerpadError, FitError, LoadingError
-from fingerpad.loading._prepare import Press, fixed_quantities, instrument_quantities, prepare, start_values
+from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.loading._prepare import (
+    Press,
+    determined,
+    fixed_quantities,
+    instrument_quantities,
+    prepare,
+    start_values,
+)
 from fingerpad.loading.alternatives import allow_for_bend, compare, fit_growing
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
@@ -234,24 +241,40 @@ def fit_loading_curve(
             "LoadingCurve(load=…, indentation=…) takes arrays in N and mm"
         )
     _require_options(poisson_ratio, contact_point)
-    try:
-        with np.errstate(all="ignore"):
-            return _fit_curve(
-                curve,
-                poisson_ratio,
-                loading_radius,
-                cycle=cycle,
-                contact_point=contact_point,
-                region=region,
-                given={"stage_compliance": stage_compliance, "area_delay": area_delay},
-            )
-    except FingerpadError:
-        raise
-    except (ArithmeticError, np.linalg.LinAlgError, ValueError) as error:
-        raise FitError(
-            f"the record does not determine the model and its noise ({error}): is it rounded, repeated, or "
-            "of the wrong sign?"
-        ) from error
+    with determined("the model", ": is it rounded, repeated, or of the wrong sign?"):
+        instrument = instrument_quantities(
+            curve, {"stage_compliance": stage_compliance, "area_delay": area_delay}
+        )
+        press = prepare(curve, poisson_ratio, cycle)
+        held = fixed_quantities(press, loading_radius) | instrument
+        main, limits, doubts = _main_fit(press, held, contact_point, region)
+        compared = compare(allow_for_bend(main))
+        main = compared.main
+        models = _models(main)
+        preferred = min(models, key=lambda name: models[name].aicc)
+        grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
+        known = press.record.area.size > 0 or loading_radius is not None
+        found, added = quantities(compared, models, known=known)
+        return LoadingFit(
+            **found,
+            misfit_std=added,
+            modulus_load=top_load(main),
+            region=limits,
+            cycles=press.cycles,
+            hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
+            models={name: model.fitted_law() for name, model in models.items()},
+            preferred_model=preferred,
+            alternatives={name: rival.fitted_law() for name, rival in compared.rivals.items()},
+            notes=dict(compared.doubts),
+            secant=secant_of(main),
+            flags=(
+                *press.flags,
+                *doubts,
+                *compared.doubts,
+                *(("modulus_depends_on_load",) if grows else ()),
+                *implausible(main, loading_radius, known=known),
+            ),
+        )
 
 
 def contact_points(
@@ -297,49 +320,6 @@ def contact_points(
     press = prepare(curve, poisson_ratio, cycle)
     held = fixed_quantities(press, loading_radius)
     return estimated_places(_growing_fit(press, held))
-
-
-def _fit_curve(
-    curve: LoadingCurve,
-    poisson_ratio: float,
-    loading_radius: float | Estimate | None,
-    *,
-    cycle: int,
-    contact_point: str,
-    region: tuple[float, float] | None,
-    given: Mapping[str, float | Estimate | None],
-) -> LoadingFit:
-    instrument = instrument_quantities(curve, given)
-    press = prepare(curve, poisson_ratio, cycle)
-    held = fixed_quantities(press, loading_radius) | instrument
-    main, limits, doubts = _main_fit(press, held, contact_point, region)
-    compared = compare(allow_for_bend(main))
-    main = compared.main
-    models = _models(main)
-    preferred = min(models, key=lambda name: models[name].aicc)
-    grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
-    known = press.record.area.size > 0 or loading_radius is not None
-    found, added = quantities(compared, models, known=known)
-    return LoadingFit(
-        **found,
-        misfit_std=added,
-        modulus_load=top_load(main),
-        region=limits,
-        cycles=press.cycles,
-        hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
-        models={name: model.fitted_law() for name, model in models.items()},
-        preferred_model=preferred,
-        alternatives={name: rival.fitted_law() for name, rival in compared.rivals.items()},
-        notes=dict(compared.doubts),
-        secant=secant_of(main),
-        flags=(
-            *press.flags,
-            *doubts,
-            *compared.doubts,
-            *(("modulus_depends_on_load",) if grows else ()),
-            *implausible(main, loading_radius, known=known),
-        ),
-    )
 
 
 def _require_options(poisson_ratio: float, contact_point: str) -> None:

@@ -199,7 +199,9 @@ def find_noise(
         found = (noise.kind if noise.drift_std > 0 else "white",)
         noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, kinds or found)
         if kinds:
-            whole |= _minimum(record, law, whole, held, noise)
+            _, residuals = _scaled_residuals(record, law, whole, held, noise)
+            found_values = minimum(residuals, [whole[name] for name in names], names)
+            whole |= zip(names, found_values.tolist(), strict=True)
     return noise, whole
 
 
@@ -237,14 +239,6 @@ def _scaled_residuals(
         return scaled(force[:, None], area[:, None])[:, 0]
 
     return names, residuals
-
-
-def _minimum(
-    record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise
-) -> dict[str, float]:
-    """Return the free parameters of least squares."""
-    names, residuals = _scaled_residuals(record, law, start, held, noise)
-    return dict(zip(names, minimum(residuals, [start[name] for name in names], names).tolist(), strict=True))
 
 
 def _fit(

@@ -9,8 +9,8 @@ import numpy as np
 
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad.contact import PadGap
-from fingerpad.exceptions import FingerpadError, FitError, LoadingError
-from fingerpad.loading._prepare import Press, instrument_quantities, prepare, start_values
+from fingerpad.exceptions import LoadingError
+from fingerpad.loading._prepare import Press, determined, instrument_quantities, prepare, start_values
 from fingerpad.loading.alternatives import (
     COUNTS,
     EXCLUDES,
@@ -19,10 +19,11 @@ from fingerpad.loading.alternatives import (
     TOO_FEW_RUNS,
     runs_deviation,
 )
-from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
+from fingerpad.loading.estimate import Estimate, Undetermined
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 from fingerpad.loading.layer_result import LayerThicknessFit
 from fingerpad.loading.noise import Noise
+from fingerpad.loading.quantities import bounded
 from fingerpad.loading.shapes import PAD_FORM
 
 # What may be added to either body: nothing, β of a modulus that grows with load, an offset of the areas.
@@ -121,13 +122,8 @@ def fit_layer_thickness(
             f"the pad's radius of {radius:.3g} mm is not known to a third: another one looks like a layer",
             press.flags,
         )
-    try:
-        with np.errstate(all="ignore"):
-            return _fit(press, radius, held, prior)
-    except FingerpadError:
-        raise
-    except FAILURES as error:
-        raise FitError(f"the record does not determine a layer and its noise ({error})") from error
+    with determined("a layer"):
+        return _fit(press, radius, held, prior)
 
 
 def _geometry(
@@ -166,8 +162,13 @@ def _fit(
     for body in ("layer", "half_space"):
         for added, names in _ADDED.items():
             begin = {name: value for name, value in start.items() if body == "layer" or "thick" not in name}
+            begin |= dict.fromkeys(names, 0.0)
+            law = "hertz"
+            if "load_coefficient" in names:
+                law = "load_dependent"
+                begin["initial_modulus"] = begin.pop("youngs_modulus")
             try:
-                models[body + added] = _fitted(record, begin, names, held, noise=noise, prior=prior)
+                models[body + added] = fit_joint(record, law, begin, held, noise, prior=prior)
             except FAILURES:
                 if body + added == "layer":
                     raise
@@ -183,22 +184,6 @@ def _noise(
     except FAILURES:
         noise, near = find_noise(record, "hertz", start, known)
     return noise, {name: near[name] for name in start}
-
-
-def _fitted(
-    record: FitData,
-    start: dict[str, float],
-    added: tuple[str, ...],
-    held: Mapping[str, Estimate],
-    *,
-    noise: Noise,
-    prior: Mapping[str, Estimate],
-) -> JointFit:
-    law, begin = "hertz", start | dict.fromkeys(added, 0.0)
-    if "load_coefficient" in added:
-        law = "load_dependent"
-        begin["initial_modulus"] = begin.pop("youngs_modulus")
-    return fit_joint(record, law, begin, held, noise, prior=prior)
 
 
 def _result(
@@ -226,7 +211,7 @@ def _result(
     undetermined = Undetermined(reason)
     return LayerThicknessFit(
         thickness=undetermined if reason else _thickness(inverse, widest),
-        youngs_modulus=undetermined if reason else _bounded(modulus),
+        youngs_modulus=undetermined if reason else bounded(modulus),
         contact_offset=_first_order(main, "contact_offset").including(
             *(_first_order(one, "contact_offset") for one in (*better, *unsynchronised))
         ),
@@ -258,12 +243,6 @@ def _thickness(inverse: Estimate, widest: float) -> Estimate:
         lower=1 / inverse.upper if inverse.upper * widest < _THINNEST else 0.0,
         upper=1 / inverse.lower if inverse.lower > 0 else math.inf,
     )
-
-
-def _bounded(estimate: Estimate) -> Quantity:
-    if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
-        return estimate
-    return Undetermined(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
 
 
 def _first_order(fit: JointFit, name: str) -> Estimate:

@@ -34,7 +34,7 @@ def quantities(
     whole = {"initial_modulus": 1.0, "load_coefficient": top}
     value = sum(main.values[name] * weight for name, weight in whole.items())
     found: dict[str, Quantity] = {"youngs_modulus": main.combined(value, whole)}
-    found |= {name: _quantity(main, name) for name in _PARAMETERS}
+    found |= {name: bounded(main.estimate(name)) for name in _PARAMETERS}
     added = {}
     for name in found:
         gradient = whole if name == "youngs_modulus" else {name: 1.0}
@@ -47,7 +47,7 @@ def quantities(
     found |= {
         "reduced_modulus": found["youngs_modulus"].times(reduction),
         "load_exponent": (
-            _quantity(models["free_exponent"], "load_exponent")
+            bounded(models["free_exponent"].estimate("load_exponent"))
             if "free_exponent" in models
             else Undetermined("a power law with free exponent does not fit the curve")
         ),
@@ -61,8 +61,8 @@ def top_load(main: JointFit) -> float:
     return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
 
 
-def _quantity(fit: JointFit, name: str) -> Quantity:
-    estimate = fit.estimate(name)
+def bounded(estimate: Estimate) -> Quantity:
+    """Return an estimate whose interval has both ends, or say that the curve does not bound it."""
     if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
         return estimate
     return Undetermined(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
