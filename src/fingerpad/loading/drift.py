@@ -68,11 +68,6 @@ class Drift(Displayed):
         density = self.stds**2 * -np.expm1(-2 * step / self.times) / (1 - 2 * kept * cosine + kept**2)
         return float(density.sum())
 
-    @property
-    def variance(self) -> float:
-        """Return the variance of one row."""
-        return float(self.stds @ self.stds)
-
     def covariance_of(self, weights: FloatArray) -> FloatArray:
         """Return the covariance of sums of the rows with weights (n, p), (p, p)."""
         total = np.zeros((weights.shape[1], weights.shape[1]))

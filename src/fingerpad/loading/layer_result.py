@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
+from fingerpad._json import plain
 from fingerpad._records import Recorded
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.units import KPA_PER_MPA
@@ -114,10 +115,7 @@ class LayerThicknessFit(Recorded):
         """
         unknown = Undetermined(reason)
         return cls(
-            thickness=unknown,
-            youngs_modulus=unknown,
-            contact_offset=unknown,
-            radius=unknown,
+            **dict.fromkeys(("thickness", "youngs_modulus", "contact_offset", "radius"), unknown),
             contact_over_thickness=0.0,
             correlation=0.0,
             aicc={},
@@ -143,9 +141,9 @@ class LayerThicknessFit(Recorded):
             }
         )
         return {
-            **{name: _finite(value) for name, value in record.items()},
+            **plain(record),
             "contact_over_thickness": self.contact_over_thickness,
-            "correlation": _finite(self.correlation),
+            "correlation": plain(self.correlation),
             "preferred_model": self.preferred_model or None,
             "layer_weight": self.layer_weight if self.weights else None,
             "aicc": dict(self.aicc),
@@ -153,10 +151,3 @@ class LayerThicknessFit(Recorded):
             "notes": dict(self.notes),
             "flags": list(self.flags),
         }
-
-
-def _finite(value: Any) -> Any:
-    """Return a value with None for what is infinite."""
-    if isinstance(value, list):
-        return [_finite(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

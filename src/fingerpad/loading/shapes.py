@@ -72,9 +72,7 @@ def _pad(form: tuple[float, ...], inverse: float, poisson_ratio: float) -> Cubic
     first = (1 + form[0]) / 2
     radii = np.array([first, first / form[0]])
     a = np.linspace(0.01, _WIDEST_PAD, _KNOTS) * min(1.0, _THINNEST / (inverse * _WIDEST_PAD + 1e-12))
-    skew = dict(
-        zip(("first_skewness", "second_skewness", "flatness"), map(np.asarray, form[1:]), strict=True)
-    )
+    skew = dict(zip(PAD_FORM[1:], map(np.asarray, form[1:]), strict=True))
     contact = fast_contact(
         PadGap(first_radius=radii[0], second_radius=radii[1], **skew),
         area=np.pi * a**2,
