@@ -10,6 +10,8 @@ and, as a sum of positive terms, B/K: Gauss' transformation leaves ∫ (α cos²
 weights α, β are averaged along with the axes. Here k = ℓe/ℓd is the axis ratio of the contact ellipse.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
@@ -51,12 +53,13 @@ def _shares(k: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray]:
     return b, 1 - b
 
 
-def _polynomial(coefficients: tuple[float, ...], t: FloatArray) -> FloatArray:
-    value = coefficients[-1] * t
-    value += coefficients[-2]
-    for coefficient in coefficients[-3::-1]:
-        value *= t
+def polynomial(coefficients: Sequence[float] | FloatArray, at: FloatArray) -> FloatArray:
+    """Return Σ c_j x^j, the coefficients along the first axis."""
+    value = coefficients[-1] * at
+    for coefficient in coefficients[-2:0:-1]:
         value += coefficient
+        value *= at
+    value += coefficients[0]
     return value
 
 
@@ -74,7 +77,7 @@ def _newton_step(k: FloatArray, ratio: FloatArray, steps: int) -> tuple[FloatArr
 def _solve(ratio: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return k and K for curvature ratios R'/R'' ≥ 1: one step from the guess, more only near the line."""
     t = np.log(ratio)
-    k = np.exp(t * (_polynomial(_GUESS_NUMERATOR, t) / _polynomial(_GUESS_DENOMINATOR, t)))
+    k = np.exp(t * (polynomial(_GUESS_NUMERATOR, t) / polynomial(_GUESS_DENOMINATOR, t)))
     k, integral = _newton_step(k, ratio, _STEPS)
     far = ratio > _GUESS_LIMIT
     if far.any():
@@ -125,10 +128,6 @@ def solve_contact_ellipse(
     return apply_blockwise(contact_ellipse_kernel, 3, first_radius, second_radius)  # type: ignore[return-value]
 
 
-def _domain(axis_ratio: FloatArray) -> FloatArray:
-    return np.where((axis_ratio.real > 0) & (axis_ratio.real <= 1), axis_ratio, np.nan)
-
-
 def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the complete elliptic integrals K, B and D of modulus e = √(1 − k²).
 
@@ -152,7 +151,7 @@ def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, F
     """
 
     def kernel(k: FloatArray) -> tuple[FloatArray, ...]:
-        k = _domain(k)
+        k = np.where((k.real > 0) & (k.real <= 1), k, np.nan)
         integral, p = _mean(k, _STEPS if np.nanmin(k.real, initial=1) >= _FEW_STEPS else _STEPS_NEAR_LINE)
         b, d = _shares(k, p)
         return integral, integral * b, integral * d

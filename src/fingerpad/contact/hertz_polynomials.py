@@ -6,8 +6,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import cheb2poly, chebfit
 
 from fingerpad._arrays import FloatArray, as_float_array
-from fingerpad.contact.elliptic import contact_ellipse_kernel
-from fingerpad.contact.law_factors import polynomial
+from fingerpad.contact.elliptic import contact_ellipse_kernel, polynomial
 
 _RANGE, _TERMS = 1.2, 10  # of |ln(R1/R2)|, and of its square's polynomials
 

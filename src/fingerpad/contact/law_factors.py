@@ -16,6 +16,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import law_coefficients as law
+from fingerpad.contact.elliptic import polynomial
 
 Value = tuple[FloatArray, FloatArray]  # and its slope over the logarithm of the contact's mean radius
 
@@ -52,16 +53,6 @@ def thin_layer(size: FloatArray, poisson_ratio: FloatArray) -> tuple[FloatArray,
     root = np.sqrt(1 + stiff / (12 * spread) * square)
     load = (np.pi / 64) / spread * square * size / (root * (1 + root))
     return load, load * (1 + (1 + root) / (root * root)), 0.5 - 0.25 / root
-
-
-def polynomial(coefficients: Sequence[float] | FloatArray, at: FloatArray) -> FloatArray:
-    """Return Σ c_j x^j, the coefficients along the first axis."""
-    value = coefficients[-1] * at
-    for coefficient in coefficients[-2:0:-1]:
-        value += coefficient
-        value *= at
-    value += coefficients[0]
-    return value
 
 
 def polynomial_slope(coefficients: Sequence[float] | FloatArray, at: FloatArray) -> FloatArray:
