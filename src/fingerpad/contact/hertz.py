@@ -149,18 +149,10 @@ class HertzGeometry(Displayed):
         HertzContact
             Shapes broadcast.
         """
-
-        def kernel(*values: FloatArray) -> tuple[FloatArray, ...]:
-            first, second, k, K, D, W, E = values
-            return _size_under_load(np.maximum(first, second) * D, k, K, W, E)
-
-        sizes = apply_blockwise(
-            kernel,
-            3,
-            *(self.first_radius, self.second_radius, self.axis_ratio, self.K, self.D),
-            *(load, reduced_modulus),
-        )
-        return _contact(load, reduced_modulus, *sizes)
+        W, E = as_float_array(load), as_float_array(reduced_modulus)
+        with np.errstate(all="ignore"):
+            sizes = _size_under_load(self._larger_radius * self.D, self.axis_ratio, self.K, W, E)
+        return _contact(W, E, *sizes)
 
     def at_indentation(self, indentation: ArrayLike, *, reduced_modulus: ArrayLike) -> HertzContact:
         """Return the contact at a mutual approach.
