@@ -112,19 +112,8 @@ def _profiles(
 ) -> FloatArray:
     """Return the colour along each normal, (n, offsets, channels)."""
     spots = (points[:, None] + offsets[None, :, None] * normals[:, None]).astype(np.float32)
-    samples = np.stack(
-        [
-            cv2.remap(
-                np.ascontiguousarray(light[..., k]),
-                spots[..., 1],
-                spots[..., 0],
-                cv2.INTER_LINEAR,
-                borderMode=cv2.BORDER_REPLICATE,
-            )
-            for k in range(light.shape[2])
-        ],
-        axis=-1,
-    ).astype(np.float64)
+    seen = cv2.remap(light, spots[..., 1], spots[..., 0], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    samples = seen.reshape(*spots.shape[:2], -1).astype(np.float64)
     # The outline is smooth over a few pixels: neighbours share their noise.
     mode: Literal["wrap", "nearest"] = "wrap" if closed else "nearest"
     return np.asarray(gaussian_filter1d(samples, _ALONG_PX / spacing, axis=0, mode=mode), dtype=np.float64)
