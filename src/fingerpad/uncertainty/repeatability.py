@@ -146,7 +146,7 @@ def nested_scatter(
     for of in levels.values():
         units.append(_numbers(of, values.size))
         groups.append(_within(groups[-1], units[-1]))
-    squares = [_Squares.of_repeats(values, groups[-1])]
+    squares = [_Squares.of_level(REPEAT, values, {}, groups[-1], np.bincount(groups[-1]))]
     mean, spread = _means(values, groups[-1]), {REPEAT: 1 / np.bincount(groups[-1])}
     for depth in range(len(units), 0, -1):
         inner, outer = groups[depth], groups[depth - 1]
@@ -154,7 +154,7 @@ def nested_scatter(
         parent[inner] = outer
         name = tuple(levels)[depth - 1]
         above = units[depth - 2] if depth > 1 else np.zeros(values.size, dtype=np.intp)
-        squares.append(_Squares.of_level(name, mean, spread, parent, _count_below(units[depth - 1], above)))
+        squares.append(_Squares.of_level(name, mean, spread, parent, _members(units[depth - 1], above)))
         size = np.bincount(parent)
         mean = np.bincount(parent, mean) / size
         spread = {key: np.bincount(parent, of) / size**2 for key, of in spread.items()} | {name: 1 / size}
@@ -173,39 +173,25 @@ class _Squares:
     added: dict[str, float]
 
     @classmethod
-    def of_repeats(cls, values: FloatArray, group: npt.NDArray[np.intp]) -> "_Squares":
-        size = np.bincount(group)
-        freedom = int(values.size - size.size)
-        squares = float(np.sum((values - _means(values, group)[group]) ** 2))
-        return cls(
-            level=REPEAT,
-            mean_square=squares / max(freedom, 1),
-            freedom=freedom,
-            groups=int(np.sum(size > 1)),
-            count=int(size[size > 1].sum()),
-            added={},
-        )
-
-    @classmethod
     def of_level(
         cls,
         level: str,
         mean: FloatArray,
         spread: Mapping[str, FloatArray],
         parent: npt.NDArray[np.intp],
-        distinct: tuple[int, int, int],
+        members: npt.NDArray[np.intp],
     ) -> "_Squares":
+        """Return those of means within their parents; `members` counts the distinct units of each group."""
         size = np.bincount(parent)
         compared = int(mean.size - size.size)
         weight = (size - 1) / size / max(compared, 1)
         squares = float(np.sum((mean - _means(mean, parent)[parent]) ** 2))
-        freedom, groups, count = distinct
         return cls(
             level=level,
             mean_square=squares / max(compared, 1),
-            freedom=min(compared, freedom),
-            groups=groups,
-            count=count,
+            freedom=min(compared, int(np.sum(members - 1))),
+            groups=int(np.sum(members > 1)),
+            count=int(members[members > 1].sum()),
             added={key: float(weight @ np.bincount(parent, of)) for key, of in spread.items()},
         )
 
@@ -330,8 +316,7 @@ def _means(values: FloatArray, group: npt.NDArray[np.intp]) -> FloatArray:
     return as_float_array(np.bincount(group, values) / np.bincount(group))
 
 
-def _count_below(unit: npt.NDArray[np.intp], above: npt.NDArray[np.intp]) -> tuple[int, int, int]:
-    """Return degrees of freedom of distinct units, the groups of two and more of them, and their members."""
+def _members(unit: npt.NDArray[np.intp], above: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+    """Return the number of distinct units in each group of the level above."""
     pairs = np.unique(np.stack([above, unit], axis=-1), axis=0)
-    size = np.unique(pairs[:, 0], return_counts=True)[1] if len(pairs) else np.zeros(0, dtype=np.intp)
-    return int(np.sum(size - 1)), int(np.sum(size > 1)), int(size[size > 1].sum())
+    return np.unique(pairs[:, 0], return_counts=True)[1]
