@@ -1,6 +1,6 @@
 """What pressing a pad on one layer of tissue over bone shows: R_g, read in three ways, and exponents."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Final
 
 import numpy as np
@@ -139,7 +139,7 @@ def expected_loading(
     modulus = load / fast_contact(gap, area=area, reduced_modulus=1.0, **tissue).load
     loads = np.linspace(min_load, load, _LOADS + 1)[1:]
     contact = fast_contact(
-        _with_loads(gap),
+        PadGap(**{name: value[..., None] for name, value in asdict(gap).items()}),
         load=loads,
         reduced_modulus=modulus[..., None],
         thickness=thickness[..., None],
@@ -158,17 +158,6 @@ def expected_loading(
         area_exponent=_slope(np.log(loads), np.log(y)),
         load_exponent=_slope(np.log(x), np.log(loads)),
         along_over_across=np.where(form.long_axis == 0, aspect_ratio, 1 / aspect_ratio),
-    )
-
-
-def _with_loads(gap: PadGap) -> PadGap:
-    """Return the gaps with one more axis, for the loads."""
-    return PadGap(
-        first_radius=gap.first_radius[..., None],
-        second_radius=gap.second_radius[..., None],
-        first_skewness=gap.first_skewness[..., None],
-        second_skewness=gap.second_skewness[..., None],
-        flatness=gap.flatness[..., None],
     )
 
 

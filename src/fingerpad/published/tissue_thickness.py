@@ -5,7 +5,7 @@ for the same contact area. One number is fitted here, the thickness, to two meas
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import Final, Self
 
 import numpy as np
@@ -254,17 +254,10 @@ class _Data:
 
 def _semi_axes_std() -> FloatArray:
     """Return the standard deviation of the two methods of Table 1, and of rounding, in one."""
-    direct, ellipse = (dzidek2017().semi_axes[method] for method in METHODS)
-    return np.array(
-        [
-            np.hypot((one.value - other.value) / np.sqrt(2), one.rounding / np.sqrt(3))
-            for one, other in (
-                (direct.palmar, ellipse.palmar),
-                (direct.distal, ellipse.distal),
-                (direct.radial_ulnar, ellipse.radial_ulnar),
-            )
-        ]
+    (direct, rounding), (ellipse, _) = (
+        np.transpose(astuple(dzidek2017().semi_axes[name])) for name in METHODS
     )
+    return as_float_array(np.hypot((direct - ellipse) / np.sqrt(2), rounding / np.sqrt(3)))
 
 
 def _fit(
