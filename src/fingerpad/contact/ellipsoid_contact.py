@@ -135,10 +135,12 @@ class EllipsoidContact:
         )
         normal = platen_normal(wedge_angle, roll_angle)
         geometry, angle = hertz_geometry_of_pad(pad, normal, rigid)
+        guess = hertz_contact_at(geometry, reduced_modulus, load, indentation, area)
+        semi_axes = float(guess.semi_major), float(guess.semi_minor)
         solution = solve_contact(
             partial(ellipsoid_gap, pad, normal, counterface=rigid),
             body,
-            half_widths=_guess(geometry, reduced_modulus, load, indentation, area),
+            half_widths=semi_axes[::-1] if geometry.long_axis == 1 else semi_axes,
             angle=angle,
             load=load,
             indentation=indentation,
@@ -173,16 +175,3 @@ def hertz_contact_at(
     if indentation is not None:
         return geometry.at_indentation(indentation, reduced_modulus=reduced_modulus)
     return geometry.at_area(np.nan if area is None else area, reduced_modulus=reduced_modulus)
-
-
-def _guess(
-    geometry: HertzGeometry,
-    reduced_modulus: float,
-    load: float | None,
-    indentation: float | None,
-    area: float | None,
-) -> tuple[float, float]:
-    """Return Hertz theory's semi-axes along the two principal directions."""
-    contact = hertz_contact_at(geometry, reduced_modulus, load, indentation, area)
-    axes = float(contact.semi_major), float(contact.semi_minor)
-    return axes[::-1] if geometry.long_axis == 1 else axes

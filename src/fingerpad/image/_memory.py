@@ -10,11 +10,6 @@ MEMORY_LIMIT: Final = 2_000_000_000
 _MEASURING_BYTES: Final = 24
 
 
-def memory_needed(columns: int, rows: int, channels: int, sample_bytes: int) -> int:
-    """Return the bytes that reading and measuring take: two copies as decoded, and those for measuring."""
-    return columns * rows * (2 * channels * sample_bytes + _MEASURING_BYTES)
-
-
 def check_memory(
     path: str | PathLike[str],
     size: tuple[int, int],
@@ -33,7 +28,8 @@ def check_memory(
     columns, rows = size
     if not (columns > 0 and rows > 0):
         raise ImageError(f"{path}: has {columns} × {rows} pixels, the file is damaged: copy it again")
-    needed = memory_needed(columns, rows, channels, sample_bytes)
+    # Two copies as decoded, and those for measuring.
+    needed = columns * rows * (2 * channels * sample_bytes + _MEASURING_BYTES)
     if needed > memory_limit:
         raise ImageError(
             f"{path}: {columns} × {rows} pixels of {channels} × {8 * sample_bytes} bits take "

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.exceptions import CalibrationError, ImageError
-from fingerpad.geometry.faces import Direction, Face
+from fingerpad.geometry.faces import Direction, Face, opposite
 from fingerpad.image._levels import eight_bit
 from fingerpad.image.coin.measure import measure_coin
 from fingerpad.image.contact_image._texture import LineTexture, line_texture
@@ -159,14 +159,13 @@ def _silhouette(pixels: npt.NDArray[np.uint8]) -> tuple[Silhouette | None, Direc
     if whole is not None and not whole.cut_sides():
         return whole, None
     roots: Iterable[Direction] = ("down", "up", "left", "right")
-    tips: dict[Direction, Direction] = {"down": "up", "up": "down", "left": "right", "right": "left"}
     best: tuple[Silhouette | None, Direction | None] = None, None
     for root in roots:
         found = _found(light, root)
         if found is not None and set(found.cut_sides()) == {root}:
-            return found, tips[root]
+            return found, opposite(root)
         if found is not None and root in found.cut_sides() and best[0] is None:
-            best = found, tips[root]
+            best = found, opposite(root)
     return best
 
 

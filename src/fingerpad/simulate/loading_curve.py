@@ -131,7 +131,9 @@ def simulate_loading_curve(
     rng = np.random.default_rng(seed)
     area = None
     if with_area:
-        area = np.maximum(np.pi * loading_radius * np.maximum(xi, 0) + _in_contact(xi, rng, area_std), 0)
+        # Before contact a picture shows no noise of the area either.
+        noise = np.where(xi > 0, area_std * rng.standard_normal(xi.size), 0.0)
+        area = np.maximum(np.pi * loading_radius * np.maximum(xi, 0) + noise, 0)
     noise = _force_noise(rng, time, force_std, correlation_time)
     return LoadingCurve(
         time=time,
@@ -139,11 +141,6 @@ def simulate_loading_curve(
         indentation=xi + contact_offset + displacement_std * rng.standard_normal(points),
         area=area,
     )
-
-
-def _in_contact(xi: FloatArray, rng: np.random.Generator, std: float) -> FloatArray:
-    """Return noise of the area: before contact a picture shows none."""
-    return np.where(xi > 0, std * rng.standard_normal(xi.size), 0.0)
 
 
 def _force_noise(

@@ -86,9 +86,9 @@ class SyntheticSequence:
         ).pixels
         rng = np.random.default_rng([self.seed, index])
         light = 1 + self.flicker * rng.normal()
-        exposed = light * _middle(rendered, self._columns) + rng.normal(
-            0, self.noise_std, (rendered.shape[0], self._columns)
-        )
+        start = (rendered.shape[1] - self._columns) // 2
+        middle = rendered[:, start : start + self._columns]
+        exposed = light * middle + rng.normal(0, self.noise_std, middle.shape)
         return np.clip(np.rint(exposed), 0, 255).astype(np.uint8)
 
     @property
@@ -151,8 +151,3 @@ def render_sequence(
         noise_std=noise_std,
         seed=seed,
     )
-
-
-def _middle(pixels: npt.NDArray[np.uint8], columns: int) -> npt.NDArray[np.uint8]:
-    start = (pixels.shape[1] - columns) // 2
-    return pixels[:, start : start + columns]

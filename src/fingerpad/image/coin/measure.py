@@ -211,7 +211,8 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
         )
     apart = [outlines[0]]
     for one in outlines:
-        if all(_distance(one, other) > 0.8 * other.ellipse.size for other in apart):
+        x, y, *_ = one.ellipse
+        if all(math.hypot(x - o.ellipse.x, y - o.ellipse.y) > 0.8 * o.ellipse.size for o in apart):
             apart.append(one)
     if len(apart) > 1:
         places = ", ".join(f"(row {o.ellipse.y:.0f}, column {o.ellipse.x:.0f})" for o in apart)
@@ -269,10 +270,6 @@ def _sharpness(outline: Outline, coarse: Float32Array) -> float:
     """Return how much of its slope an edge loses to a wider blur: a penumbra loses little."""
     _, slope, _ = edge_points(coarse, outline.ellipse, 1.0)
     return float(np.median(outline.slope[outline.kept]) / np.median(slope))
-
-
-def _distance(one: Outline, other: Outline) -> float:
-    return math.hypot(one.ellipse.x - other.ellipse.x, one.ellipse.y - other.ellipse.y)
 
 
 def _touch(one: Outline, other: Outline) -> bool:

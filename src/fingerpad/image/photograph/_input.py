@@ -105,7 +105,7 @@ def check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
         raise ImageError(
             f"pixels must be grey (rows, columns) or colour (rows, columns, 3), found shape {values.shape}"
         )
-    if values.dtype == np.bool_ or values.dtype.kind not in "uif":
+    if values.dtype.kind not in "uif":
         raise ImageError(f"pixels must be numbers, found {values.dtype}: read the picture as grey or colour")
     if values.dtype.kind == "f" and not np.isfinite(values).all():
         raise ImageError("pixels must be finite: fill NaN and infinite ones before measuring")
