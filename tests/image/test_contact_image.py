@@ -423,6 +423,15 @@ def test_a_narrow_mask_keeps_the_least_side(column, region, expected):
     np.testing.assert_array_equal(part.inside, mask[10:70, first:last])
 
 
+@pytest.mark.parametrize("kind", [np.uint8, np.int8, np.int16, np.float32])
+def test_a_polygon_of_small_numbers_is_where_it_was_drawn(kind):
+    pixels = np.add.outer(np.arange(130.0), np.arange(140.0))
+    corners = np.array([(20, 30), (20, 120), (110, 120), (110, 30)], dtype=kind)
+    part = crop_image(pixels, background=None, mask=corners, region_of_interest=None)
+    assert part.corner == (20, 30)
+    np.testing.assert_array_equal(part.inside, np.ones((91, 91), bool))
+
+
 def test_cut_at_joint_crease():
     tip = render_contact_image(semi_major=9, semi_minor=7, seed=8, look="ink", noise_std=5, margin=2)
     rest = render_contact_image(semi_major=7, semi_minor=6, seed=9, look="ink", noise_std=5, margin=2)

@@ -7,16 +7,17 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray
+from fingerpad._arrays import BoolArray, as_float_array
 from fingerpad.exceptions import ImageError
 from fingerpad.image._arguments import number_array, picture_array
+from fingerpad.image.contact_image._region import filled_polygon
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
 _MIN_SIDE_PX = 16
 # Squares of levels, and 1 over them, stay within single precision.
 _MAX_LEVEL, _MIN_RANGE = 1e15, 1e-15
-# Corners of a polygon become whole sixteenths of a pixel.
+# Corners of a polygon become whole fractions of a pixel.
 _FARTHEST_CORNER_PX = 1e6
 
 
@@ -129,8 +130,7 @@ def _inside(mask: npt.ArrayLike, shape: tuple[int, int]) -> BoolArray:
             raise ImageError(
                 f"mask: the corners of the polygon must be finite and within ±{_FARTHEST_CORNER_PX:g} px"
             )
-        corners = np.rint(array[:, ::-1] * 16).astype(np.int32)
-        inside = cv2.fillPoly(np.zeros(shape, np.uint8), [corners], 1, shift=4) > 0
+        inside = filled_polygon(as_float_array(array[:, ::-1]), shape) > 0
     else:
         raise ImageError(
             f"mask must be a bool array of the picture's shape {shape}, or a polygon of three or more "
