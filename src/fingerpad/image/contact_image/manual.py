@@ -19,7 +19,7 @@ from fingerpad.image.contact_image._outline import (
     resample_outline,
     running_mean,
 )
-from fingerpad.image.contact_image._region import UInt8
+from fingerpad.image.contact_image._region import UInt8, fill_holes, filled_polygon
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.ellipse import ImageEllipse
 
@@ -30,6 +30,8 @@ _FINE: Final = 4
 # Nearer than this, px of the copy, a point of the edited outline is one of the automatic outline.
 _SAME: Final = 0.6
 _BITS: Final = 4
+# No farther than this OpenCV draws, px.
+_FAR: Final = 2e4
 # Strokes that reach beyond so many pictures are refused.
 _MAX_REACH: Final = 10
 
@@ -102,9 +104,7 @@ def outline_of_ellipse(
     _require_near("ellipse: its semi-axes", major, view.shape)
     count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
     points = view.to_copy(ellipse.points(count)[:, ::-1])
-    canvas = np.zeros(view.values.shape, dtype=np.uint8)
-    cv2.fillPoly(canvas, [_to_fixed_point(points)], 1, shift=_BITS)
-    return canvas > 0, _manual_outline(points, view, noise)
+    return _filled(points, view.values.shape) > 0, _manual_outline(points, view, noise)
 
 
 def outline_after_strokes(
@@ -142,7 +142,7 @@ def outline_after_strokes(
     patch = np.zeros(shape, np.uint8) if before is None else before[0].astype(np.uint8)
     fine = np.zeros((_FINE * shape[0], _FINE * shape[1]), dtype=np.uint8)
     if before is not None:
-        cv2.fillPoly(fine, [_to_fixed_point(_to_fine_canvas(before[1].points))], 1, shift=_BITS)
+        fine = _filled(_to_fine_canvas(before[1].points), fine.shape)
     for stroke in strokes:
         points, radius = _check_edit(stroke, view)
         level = int(stroke.action != "remove")
@@ -153,13 +153,11 @@ def outline_after_strokes(
     if not max(areas, default=0.0) > (_FINE * view.period) ** 2:
         raise ImageError("the strokes leave no contact: add to the region, or undo some of them")
     chosen = int(np.argmax(areas))
-    piece = np.zeros(shape, np.uint8)
     rough = (contours[chosen].reshape(-1, 2) + 0.5) / _FINE - 0.5
-    cv2.fillPoly(piece, [_to_fixed_point(rough)], 1, shift=_BITS)
     other = max((area for k, area in enumerate(areas) if k != chosen), default=0.0) / areas[chosen]
     outline = resample_outline(running_mean(rough, _FINE))
     edge = _manual_outline(outline, view, noise) if before is None else _restore_edge(outline, before[1])
-    return (patch & piece) > 0, edge, other
+    return (patch & _filled(rough, shape)) > 0, edge, other
 
 
 def _restore_edge(outline: Points, edge: ContactOutline) -> ContactOutline:
@@ -248,14 +246,12 @@ def _require_inside(what: str, points: Points, reach: float, shape: tuple[int, i
 
 def _draw(canvas: UInt8, points: Points, radius: float | None, level: int) -> None:
     """Paint a stroke, or fill a polygon; OpenCV rounds the ends and joints of a thick line."""
-    fixed = _to_fixed_point(points)
     if radius is None:
         # A hand crosses its own line: everything inside the outermost line counts.
-        filled = np.zeros_like(canvas)
-        cv2.fillPoly(filled, [fixed], 1, shift=_BITS)
-        contours, _ = cv2.findContours(filled, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        cv2.drawContours(canvas, contours, -1, level, cv2.FILLED)
-    elif len(points) > 1:
+        canvas[fill_holes(_filled(points, canvas.shape) > 0)] = level
+        return
+    fixed = np.rint(points.clip(-_FAR, _FAR) * 2**_BITS).astype(np.int32)
+    if len(points) > 1:
         cv2.polylines(canvas, [fixed], False, level, max(1, round(2 * radius)), cv2.LINE_8, _BITS)
     else:
         x, y = map(int, fixed[0])
@@ -267,5 +263,5 @@ def _to_fine_canvas(points: Points) -> Points:
     return np.asarray((points + 0.5) * _FINE - 0.5)
 
 
-def _to_fixed_point(points: Points) -> npt.NDArray[np.int32]:
-    return np.asarray(np.rint(points.clip(-2e4, 2e4) * 2**_BITS), dtype=np.int32)
+def _filled(points: Points, shape: tuple[int, ...]) -> UInt8:
+    return filled_polygon(points.clip(-_FAR, _FAR), shape)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry.faces import STEPS, Direction
+from fingerpad.image.contact_image._region import fill_holes, longest_contour
 
 _SIDE_PX = 900
 _MIN_SIDE_PX = 32
@@ -43,8 +44,7 @@ class Silhouette:
 
     def contour(self) -> FloatArray:
         """Return its outline, (row, column) in px of the photograph, in order, without the frame."""
-        contours, _ = cv2.findContours(self.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        longest = max(contours, key=len)[:, 0, ::-1].astype(np.float64)
+        longest = longest_contour(self.mask)[:, 0, ::-1].astype(np.float64)
         rows, columns = self.mask.shape
         framed = (longest.min(axis=1) <= 1) | (longest[:, 0] >= rows - 2) | (longest[:, 1] >= columns - 2)
         if framed.all():
@@ -192,10 +192,7 @@ def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
             if counts.max() < np.bincount(labels.ravel())[1:].max(initial=0)
             else "no finger found, only specks stand out from the backdrop: come nearer"
         )
-    region = (labels == counts.argmax()).astype(np.uint8)
-    contours, _ = cv2.findContours(region, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    filled = cv2.drawContours(np.zeros_like(region), contours, -1, 1, cv2.FILLED)
-    return np.asarray(filled > 0, dtype=bool)
+    return fill_holes(labels == counts.argmax())
 
 
 def _smooth_contour(points: FloatArray, *, closed: bool, sigma: float = 3.0) -> FloatArray:
