@@ -11,8 +11,6 @@ from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.image.contact_image._region import UInt8, distance_to, longest_contour
 from fingerpad.image.ellipse import AreaMoments, signed_area
 
-Points = npt.NDArray[np.float64]
-
 _HALF_LEVEL = 127.5
 # All lengths in ridge periods. The outline follows a ridge or not over this length.
 _FOLLOWED = 3.0
@@ -80,8 +78,8 @@ class ContactOutline:
         of a sharp edge where it is not known.
     """
 
-    points: Points
-    normals: Points
+    points: FloatArray
+    normals: FloatArray
     steps: FloatArray
     along: FloatArray
     period: float
@@ -94,7 +92,7 @@ class ContactOutline:
     rim: float = 0.0
     unevenness: float = _EVEN
 
-    def moved(self, outward: FloatArray | float) -> Points:
+    def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
         return np.asarray(self.points + self.normals * np.asarray(outward)[..., None])
 
@@ -188,7 +186,7 @@ def faded_outline(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[n
     )
 
 
-def point_spacings(points: Points) -> FloatArray:
+def point_spacings(points: FloatArray) -> FloatArray:
     """Return the length of a closed outline that each of its points stands for."""
     lengths = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
     return np.asarray((lengths + np.roll(lengths, 1)) / 2)
@@ -201,7 +199,7 @@ def running_mean(values: FloatArray, width: int) -> FloatArray:
     return np.asarray((total[width:] - total[:-width]) / width)
 
 
-def resample_outline(points: Points) -> Points:
+def resample_outline(points: FloatArray) -> FloatArray:
     """Return points one px apart along a closed outline."""
     closed = np.concatenate([points, points[:1]])
     place = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
@@ -210,7 +208,7 @@ def resample_outline(points: Points) -> Points:
     return np.stack([np.interp(even, place, closed[:, k]) for k in (0, 1)], axis=-1)
 
 
-def outward_normals(points: Points, period: float) -> Points:
+def outward_normals(points: FloatArray, period: float) -> FloatArray:
     """Return the outward normals of an outline seen at the scale of a ridge period."""
     smooth = running_mean(points, round(period))
     tangent = np.roll(smooth, -2, axis=0) - np.roll(smooth, 2, axis=0)
@@ -219,7 +217,7 @@ def outward_normals(points: Points, period: float) -> Points:
 
 
 def _profile(
-    field: npt.NDArray[np.float32], points: Points, normals: Points
+    field: npt.NDArray[np.float32], points: FloatArray, normals: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the level at points and its fall per px outward."""
     value = _sample(field, points)
@@ -227,7 +225,7 @@ def _profile(
     return value, (inner - outer) / 1.4
 
 
-def _sample(field: npt.NDArray[np.float32], points: Points) -> FloatArray:
+def _sample(field: npt.NDArray[np.float32], points: FloatArray) -> FloatArray:
     x, y = (np.ascontiguousarray(points[:, k], dtype=np.float32) for k in (0, 1))
     found = cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
     return np.asarray(found.ravel(), dtype=np.float64)
@@ -250,7 +248,7 @@ def _beyond_ridges(edge: ContactOutline) -> FloatArray:
     return (_ENDS + _FOLLOWING * edge.along) * edge.period
 
 
-def axis_weights(moments: AreaMoments, points: Points) -> FloatArray:
+def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
     """Return the change of (semi_major, semi_minor, area) for a unit of area added at each point, (n, 3)."""
     place = (points - moments.centroid) @ moments.axes.T
     stretch = (place[:, 0] ** 2 / moments.spread[0] - place[:, 1] ** 2 / moments.spread[1]) / 4

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import fft
 
-from fingerpad._arrays import BoolArray
+from fingerpad._arrays import BoolArray, Float32Array
 from fingerpad.image.contact_image._cropping import Pixels
 
 _WINDOW, _HOP = 64, 32
@@ -31,8 +31,6 @@ _BAND = ((_FREQUENCY >= 1 / _LONGEST) & (_FREQUENCY <= 1 / _SHORTEST)).astype(np
 _LOW = (_FREQUENCY <= 1.5 / _WINDOW).astype(np.float32)
 _MOMENTS = np.stack([np.ones_like(_FREQUENCY), _FREQUENCY], axis=-1)
 _TAPER = np.outer(np.hanning(_WINDOW), np.hanning(_WINDOW)).astype(np.float32)
-
-_Float32 = npt.NDArray[np.float32]
 
 
 def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -> float:
@@ -94,7 +92,7 @@ def _textured_windows(pixels: Pixels, inside: BoolArray | None) -> npt.NDArray[A
     return np.asarray(windows[rows, columns])
 
 
-def _window_means(sparse: _Float32) -> _Float32:
+def _window_means(sparse: Float32Array) -> Float32Array:
     """Return the mean of each window, half a window apart, of a picture given by every fourth pixel."""
     side = _HOP // _STRIDE
     rows, columns = (n // side for n in sparse.shape)
@@ -111,7 +109,7 @@ def _median_period(windows: npt.NDArray[Any]) -> tuple[float, float]:
     return _weighted_median(periods[clear], shares[clear]), float(shares[clear].sum()) / shares.size
 
 
-def _window_periods(windows: _Float32) -> tuple[_Float32, _Float32]:
+def _window_periods(windows: Float32Array) -> tuple[Float32Array, Float32Array]:
     """Return the ridge period of each window, and the share of its power in that peak.
 
     The edge of a smooth contact has its peak below the band: it has no share.
@@ -129,7 +127,7 @@ def _window_periods(windows: _Float32) -> tuple[_Float32, _Float32]:
     return weight / moment, _BAND[peak] * weight / total
 
 
-def _weighted_median(values: _Float32, weights: _Float32) -> float:
+def _weighted_median(values: Float32Array, weights: Float32Array) -> float:
     order = np.argsort(values)
     total = np.cumsum(weights[order])
     return float(values[order][np.searchsorted(total, total[-1] / 2)])

@@ -6,11 +6,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray
+from fingerpad._arrays import BoolArray, FloatArray
 
 UInt8 = npt.NDArray[np.uint8]
-Points = npt.NDArray[np.float64]
-
 HALF = 128
 # Radii in ridge periods.
 CLOSING_RADIUS = 1.1
@@ -51,7 +49,7 @@ def close_ridges(amount: UInt8, period: float) -> UInt8:
     return closed
 
 
-def filled_polygon(points: Points, shape: tuple[int, ...]) -> UInt8:
+def filled_polygon(points: FloatArray, shape: tuple[int, ...]) -> UInt8:
     """Return a picture with 1 inside a polygon (x, y) and on its border; pixel centres are whole numbers."""
     canvas = np.zeros(shape, dtype=np.uint8)
     cv2.fillPoly(canvas, [np.rint(points * 2**_BITS).astype(np.int32)], 1, shift=_BITS)
@@ -176,9 +174,7 @@ def longest_contour(patch: BoolArray) -> npt.NDArray[np.int32]:
     return np.asarray(max(contours, key=len), dtype=np.int32)
 
 
-def _notches(
-    contour: npt.NDArray[np.int32], least_depth: float
-) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.float64]]:
+def _notches(contour: npt.NDArray[np.int32], least_depth: float) -> tuple[npt.NDArray[np.intp], FloatArray]:
     """Return the deepest point under each side of the convex hull, and its depth, where deep enough."""
     hull = np.sort(cv2.convexHull(contour, returnPoints=False).ravel())
     defects = cv2.convexityDefects(contour, hull) if len(hull) > 3 else None
@@ -190,7 +186,7 @@ def _notches(
 
 
 def _opposite(
-    points: Points, start: int, notches: npt.NDArray[np.intp], depth: float, period: float
+    points: FloatArray, start: int, notches: npt.NDArray[np.intp], depth: float, period: float
 ) -> list[int]:
     """Return the ends that a cut from a notch may have: other notches, or for a deep one the far side."""
     ends = [int(k) for k in notches if k != start]
@@ -203,7 +199,7 @@ def _opposite(
     return ends
 
 
-def _narrowness(points: Points, start: int, end: int) -> float:
+def _narrowness(points: FloatArray, start: int, end: int) -> float:
     """Return the length of a cut over the lesser width, along the cut, of the two parts it makes."""
     chord = points[end] - points[start]
     length = float(np.linalg.norm(chord))

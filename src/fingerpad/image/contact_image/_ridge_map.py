@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image.contact_image._region import disk, filled_polygon
-from fingerpad.image.contact_image._ridges import MIN_RISE, Signal
-from fingerpad.image.contact_image._working_image import Points, WorkingImage
+from fingerpad.image.contact_image._ridges import MIN_RISE, Signal, enlarge
+from fingerpad.image.contact_image._working_image import WorkingImage
 
 # More pixels to a ridge period than this tell nothing more; directions and levels need fewer.
 _MOST_PER_PERIOD, _FEWER_PER_PERIOD = 12, 5
@@ -119,7 +119,7 @@ def _warped(
     )
 
 
-def ridge_map(view: WorkingImage, signal: Signal, edge: Points, threshold: float | None) -> RidgeMap:
+def ridge_map(view: WorkingImage, signal: Signal, edge: FloatArray, threshold: float | None) -> RidgeMap:
     """Find the ridges inside an outline (x, y) of the working copy.
 
     Where no threshold is given, a ridge is what lies, in means along the ridges, about half-way between the
@@ -220,17 +220,7 @@ def _ridge_direction(values: Float32Array, period: float) -> list[Float32Array]:
     x, y = cv2.Scharr(smooth, cv2.CV_32F, 1, 0), cv2.Scharr(smooth, cv2.CV_32F, 0, 1)
     cos2, sin2 = (cv2.GaussianBlur(each, (0, 0), _DIRECTION * few) for each in (y * y - x * x, -2 * x * y))
     angle = np.arctan2(sin2, cos2) / 2
-    return [
-        _enlarged(each, every, values.shape, cv2.INTER_NEAREST) for each in (np.cos(angle), np.sin(angle))
-    ]
-
-
-def _enlarged(
-    few: Float32Array, every: int, shape: tuple[int, ...], interpolation: int = cv2.INTER_LINEAR
-) -> Float32Array:
-    """Return values given at every so many pixels at each pixel of an image of this shape."""
-    size = (few.shape[1] * every, few.shape[0] * every)
-    return as_float32(cv2.resize(few, size, interpolation=interpolation))[: shape[0], : shape[1]]
+    return [enlarge(each, every, values.shape, cv2.INTER_NEAREST) for each in (np.cos(angle), np.sin(angle))]
 
 
 def local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
@@ -244,7 +234,7 @@ def local_levels(values: Float32Array, contrast: float, period: float) -> tuple[
     around = disk(_REACH * period / every / 2)
     sigma = _LEVELS * period / every
     low, high = (
-        _enlarged(as_float32(cv2.GaussianBlur(extreme(few, around), (0, 0), sigma)), every, values.shape)
+        enlarge(as_float32(cv2.GaussianBlur(extreme(few, around), (0, 0), sigma)), every, values.shape)
         for extreme in (cv2.erode, cv2.dilate)
     )
     return low, as_float32(np.maximum(high - low, MIN_RISE * contrast))

@@ -1,15 +1,13 @@
 """Ridges of a contact image: polarity, uneven lighting, local levels."""
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-
-UInt8: TypeAlias = npt.NDArray[np.uint8]
+from fingerpad.image.contact_image._region import UInt8
 
 _ROUNDS = 3
 # Weight of the whole picture's levels against a window's own, as a share of the window.
@@ -72,11 +70,11 @@ def to_signal(
         dark_on_light = _is_dark_on_light(means, rim, busy)
     sign = -1.0 if dark_on_light else 1.0
     places = _sample_blocks(quiet)
-    flat = sign * values - _enlarge_blocks(_background_surface(sign * means, places, rim), side, values.shape)
+    flat = sign * values - enlarge(_background_surface(sign * means, places, rim), side, values.shape)
     noise = float(np.median(deviations.flat[places])) if places.size else 0.0
     if contrast is None:
         contrast = _contrast(
-            flat, _enlarge_blocks(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
+            flat, enlarge(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
         )
     return Signal(values=as_float32(flat), noise=noise, contrast=contrast, dark_on_light=dark_on_light)
 
@@ -103,10 +101,12 @@ def _block_means(values: Float32Array | UInt8, side: int) -> Float32Array:
     return as_float32(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
 
 
-def _enlarge_blocks(blocks: Float32Array, side: int, shape: tuple[int, int]) -> Float32Array:
-    """Return values given by blocks at each pixel of a picture of this shape."""
-    size = (blocks.shape[1] * side, blocks.shape[0] * side)
-    return as_float32(cv2.resize(blocks, size, interpolation=cv2.INTER_LINEAR))[: shape[0], : shape[1]]
+def enlarge(
+    few: Float32Array, every: int, shape: tuple[int, ...], interpolation: int = cv2.INTER_LINEAR
+) -> Float32Array:
+    """Return values given at every so many pixels at each pixel of an image of this shape."""
+    size = (few.shape[1] * every, few.shape[0] * every)
+    return as_float32(cv2.resize(few, size, interpolation=interpolation))[: shape[0], : shape[1]]
 
 
 def _border_blocks(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
@@ -176,10 +176,8 @@ def ridge_amount(
         return np.asarray(amount, dtype=np.uint8), np.full((1, 1), threshold, dtype=np.float32)
     side = max(1, round(_WINDOW * period / step / 3))
     valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, contrast)
-    above = np.subtract(values, _enlarge_blocks(valley, side * step, values.shape))
-    amount = cv2.multiply(
-        above, _enlarge_blocks(as_float32(255 / rise), side * step, values.shape), dtype=cv2.CV_8U
-    )
+    above = np.subtract(values, enlarge(valley, side * step, values.shape))
+    amount = cv2.multiply(above, enlarge(as_float32(255 / rise), side * step, values.shape), dtype=cv2.CV_8U)
     return np.asarray(amount, dtype=np.uint8), as_float32(valley + rise / 2)
 
 
@@ -197,7 +195,7 @@ def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Ar
     # Where blur fills the valleys, only the local mean lies between the two levels.
     middle = np.maximum(whole, contrast / 2)
     for _ in range(_ROUNDS):
-        inside = as_float32(smooth > _enlarge_blocks(middle, side, smooth.shape))
+        inside = as_float32(smooth > enlarge(middle, side, smooth.shape))
         share = _window_means(inside, side)
         high = _window_means(np.multiply(inside, smooth, out=inside), side)
         valley = (whole - high) / ((1 + _PRIOR) - share)

@@ -9,7 +9,7 @@ from scipy import fft
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image.contact_image._region import filled_polygon
-from fingerpad.image.contact_image._working_image import Points, WorkingImage
+from fingerpad.image.contact_image._working_image import WorkingImage
 
 # Fingers' ridges are 0.3 to 0.7 mm apart; a window's spectrum resolves that to a tenth.
 _PERIODS_MM: Final = (0.28, 0.75)
@@ -37,7 +37,7 @@ _TWICE = as_float32(np.where(np.isin(_BINS.real, (0, _SIDE / 2)), 1.0, 2.0))
 _TAPER = as_float32(np.outer(*[np.hanning(_SIDE + 2)[1:-1]] * 2))
 
 
-def shows_ridges(view: WorkingImage, outline: Points, mm_per_px: float) -> bool:
+def shows_ridges(view: WorkingImage, outline: FloatArray, mm_per_px: float) -> bool:
     """Return whether ridges as far apart as a finger's fill at least a quarter of an outline.
 
     Local spectra, as those that the ridge period is found from, but at the scale of the picture: where a
@@ -116,7 +116,7 @@ def _lines_of_copy(copy: Float32Array) -> LineTexture:
     return LineTexture(filled, float(parallel), float(lengths.std() / lengths.mean()))
 
 
-def _copy_of(view: WorkingImage, outline: Points, reduction: float) -> tuple[Float32Array, Points]:
+def _copy_of(view: WorkingImage, outline: FloatArray, reduction: float) -> tuple[Float32Array, FloatArray]:
     """Return the outline's box with half a window round it, reduced, and the outline in it."""
     rows, columns = view.picture.shape
     places = outline - view.corner[::-1]
@@ -136,7 +136,7 @@ def _copy_of(view: WorkingImage, outline: Points, reduction: float) -> tuple[Flo
     ) / steps - 0.5
 
 
-def _centres(places: Points) -> tuple[FloatArray, int]:
+def _centres(places: FloatArray) -> tuple[FloatArray, int]:
     """Return the centres of the windows, (rows, columns, 2), and how far apart they are, px."""
     low, high = places.min(axis=0), places.max(axis=0)
     step = _STEP if np.prod(high - low) > _MANY * _STEP**2 else _STEP // 2
@@ -144,7 +144,7 @@ def _centres(places: Points) -> tuple[FloatArray, int]:
     return np.stack(np.meshgrid(x, y), axis=-1), step
 
 
-def _is_inside(places: Points, centres: FloatArray) -> BoolArray:
+def _is_inside(places: FloatArray, centres: FloatArray) -> BoolArray:
     size = np.ceil(np.maximum(places.max(axis=0), centres.max(axis=(0, 1)))).astype(int) + 2
     canvas = filled_polygon(places, (int(size[1]), int(size[0])))
     x, y = np.moveaxis(np.rint(centres).astype(int).clip(0), -1, 0)

@@ -8,14 +8,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, Float32Array
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray
 from fingerpad.image.contact_image._background_border import content_mask
 from fingerpad.image.contact_image._cropping import CroppedImage, Pixels
 from fingerpad.image.contact_image._region import disk
 
 WORKING_PERIOD_PX = 4.5
-
-Points = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,11 +80,11 @@ class WorkingImage:
             shape=frame.shape,
         )
 
-    def to_picture(self, points: Points) -> Points:
+    def to_picture(self, points: FloatArray) -> FloatArray:
         """Return points (x, y) of the copy as points (x, y) of the picture."""
         return np.asarray((points + 0.5) * self.steps[::-1] - 0.5 + np.array(self.corner[::-1]))
 
-    def to_copy(self, points: Points) -> Points:
+    def to_copy(self, points: FloatArray) -> FloatArray:
         """Return points (x, y) of the picture as points (x, y) of the copy."""
         return np.asarray((points + 0.5 - np.array(self.corner[::-1])) / self.steps[::-1] - 0.5)
 
@@ -96,7 +94,7 @@ class WorkingImage:
         x = int((column + 0.5 - self.corner[1]) // self.steps[1])
         return (y, x) if 0 <= y < self.values.shape[0] and 0 <= x < self.values.shape[1] else None
 
-    def touches_border(self, points: Points, steps: npt.NDArray[np.float64]) -> bool:
+    def touches_border(self, points: FloatArray, steps: FloatArray) -> bool:
         """Return whether an outline reaches the picture's frame or an added border, or runs along one.
 
         Scanners leave a blank margin of a few px: ten periods of outline within one of it are a cut too.
@@ -105,15 +103,15 @@ class WorkingImage:
         near = self._length_near(points, steps, self.card, margin=self.period, own=False, border=self.period)
         return on_edge > 2 * self.period or near > 10 * self.period
 
-    def cut_by_mask(self, points: Points, steps: npt.NDArray[np.float64]) -> bool:
+    def cut_by_mask(self, points: FloatArray, steps: FloatArray) -> bool:
         """Return whether an outline reaches the edge of the caller's mask."""
         near = self._length_near(points, steps, self.inside, margin=1.5, own=True, border=2.0)
         return near > 2 * self.period
 
     def _length_near(
         self,
-        points: Points,
-        steps: npt.NDArray[np.float64],
+        points: FloatArray,
+        steps: FloatArray,
         mask: BoolArray,
         *,
         margin: float,

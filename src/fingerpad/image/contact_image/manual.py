@@ -7,10 +7,9 @@ from typing import Final, Literal, TypeAlias
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from fingerpad._arrays import BoolArray, as_float_array
+from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import ImageError
 from fingerpad.image.contact_image._outline import (
     ContactOutline,
@@ -22,8 +21,6 @@ from fingerpad.image.contact_image._outline import (
 from fingerpad.image.contact_image._region import UInt8, fill_holes, filled_polygon
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.ellipse import ImageEllipse
-
-Points: TypeAlias = npt.NDArray[np.float64]
 
 # Strokes are drawn on a canvas so many times finer than the working copy.
 _FINE: Final = 4
@@ -160,7 +157,7 @@ def outline_after_strokes(
     return (patch & _filled(rough, shape)) > 0, edge, other
 
 
-def _restore_edge(outline: Points, edge: ContactOutline) -> ContactOutline:
+def _restore_edge(outline: FloatArray, edge: ContactOutline) -> ContactOutline:
     """Return an edited outline, on the automatic edge wherever it follows that."""
     nearest = cKDTree(edge.points).query(outline)[1]
     points, off = edge.points[nearest], np.full(len(outline), np.inf)
@@ -185,7 +182,7 @@ def _restore_edge(outline: Points, edge: ContactOutline) -> ContactOutline:
     )
 
 
-def _manual_outline(points: Points, view: WorkingImage, noise: float) -> ContactOutline:
+def _manual_outline(points: FloatArray, view: WorkingImage, noise: float) -> ContactOutline:
     """Return an edge that a person drew all round."""
     return ContactOutline(
         points=points,
@@ -201,7 +198,7 @@ def _manual_outline(points: Points, view: WorkingImage, noise: float) -> Contact
     )
 
 
-def _check_edit(edit: RegionEdit, view: WorkingImage) -> tuple[Points, float | None]:
+def _check_edit(edit: RegionEdit, view: WorkingImage) -> tuple[FloatArray, float | None]:
     """Return an edit's points (x, y) and, of a stroke, its radius in px of the copy."""
     points = as_float_array(edit.points)
     radius = edit.radius if isinstance(edit, BrushStroke) else None
@@ -233,7 +230,7 @@ def _require_near(what: str, reach: float, shape: tuple[int, int]) -> None:
         )
 
 
-def _require_inside(what: str, points: Points, reach: float, shape: tuple[int, int]) -> None:
+def _require_inside(what: str, points: FloatArray, reach: float, shape: tuple[int, int]) -> None:
     """Refuse places of which none comes within reach of the picture."""
     inside = ((points > -0.5 - reach) & (points < np.array(shape) - 0.5 + reach)).all(axis=1)
     if not inside.any():
@@ -244,7 +241,7 @@ def _require_inside(what: str, points: Points, reach: float, shape: tuple[int, i
         )
 
 
-def _draw(canvas: UInt8, points: Points, radius: float | None, level: int) -> None:
+def _draw(canvas: UInt8, points: FloatArray, radius: float | None, level: int) -> None:
     """Paint a stroke, or fill a polygon; OpenCV rounds the ends and joints of a thick line."""
     if radius is None:
         # A hand crosses its own line: everything inside the outermost line counts.
@@ -258,10 +255,10 @@ def _draw(canvas: UInt8, points: Points, radius: float | None, level: int) -> No
         cv2.circle(canvas, (x, y), round(radius * 2**_BITS), level, cv2.FILLED, cv2.LINE_8, _BITS)
 
 
-def _to_fine_canvas(points: Points) -> Points:
+def _to_fine_canvas(points: FloatArray) -> FloatArray:
     """Return places on the fine canvas; pixel centres are whole numbers on both."""
     return np.asarray((points + 0.5) * _FINE - 0.5)
 
 
-def _filled(points: Points, shape: tuple[int, ...]) -> UInt8:
+def _filled(points: FloatArray, shape: tuple[int, ...]) -> UInt8:
     return filled_polygon(points.clip(-_FAR, _FAR), shape)
