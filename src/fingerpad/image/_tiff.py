@@ -4,10 +4,12 @@ import io
 import logging
 import math
 import struct
+import sys
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -295,26 +297,16 @@ def description_of_page(page: Any) -> str:
     return str(page.tags.valueof("ImageDescription", default=""))
 
 
-class _Warnings(logging.Handler):
-    """Collect what tifffile only logs, such as a broken chain of pages."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.messages: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.messages.append(record.getMessage())
-
-
 @contextmanager
-def tifffile_warnings() -> Iterator[list[str]]:
-    """Collect what tifffile logs, and keep it from printing."""
-    logger, handler = logging.getLogger("tifffile"), _Warnings()
+def tifffile_warnings() -> Iterator[list[logging.LogRecord]]:
+    """Collect what tifffile only logs, such as a broken chain of pages, and keep it from printing."""
+    logger, handler = logging.getLogger("tifffile"), BufferingHandler(sys.maxsize)
+    handler.setLevel(logging.WARNING)
     before = logger.propagate
     logger.addHandler(handler)
     logger.propagate = False
     try:
-        yield handler.messages
+        yield handler.buffer
     finally:
         logger.removeHandler(handler)
         logger.propagate = before

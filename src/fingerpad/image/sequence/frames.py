@@ -239,7 +239,7 @@ def _folder_frames(pictures: list[Path], start: int, stop: int, memory_limit: in
 def _count_readable_pages(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
     """Return the number of pages that can be reached, and what breaks their chain, if anything does."""
     with tifffile_warnings() as heard:
-        return len(tiff.pages), heard[0] if heard else None
+        return len(tiff.pages), heard[0].getMessage() if heard else None
 
 
 def _count_pages(path: Path) -> int:
