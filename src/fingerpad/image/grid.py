@@ -173,16 +173,12 @@ class Grid:
 
     def _project(self, matrix: FloatArray) -> FloatArray:
         """Return where a homography has the points, (row, column)."""
-        rows, columns = self.points.shape[:2]
-        x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
-        seen = np.stack([x, y, np.ones_like(x)], axis=-1) @ matrix.T
+        seen = _plane(*self.points.shape[:2]) @ matrix.T
         return np.asarray(seen[..., 1::-1] / seen[..., 2:])
 
     def _jacobians(self, matrix: FloatArray) -> FloatArray:
         """Return the derivative of px by spacings at each point, (rows, columns, 2, 2)."""
-        rows, columns = self.points.shape[:2]
-        x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
-        seen = np.stack([x, y, np.ones_like(x)], axis=-1) @ matrix.T
+        seen = _plane(*self.points.shape[:2]) @ matrix.T
         place = seen[..., :2] / seen[..., 2:]
         slope = matrix[:2, :2] - place[..., None] * matrix[2, :2]
         return np.asarray(slope / seen[..., 2, None, None])
@@ -192,6 +188,12 @@ class Grid:
         return np.asarray(
             math.log(self.spacing_mm) - np.log(np.abs(np.linalg.det(self._jacobians(matrix)))) / 2
         )
+
+
+def _plane(rows: int, columns: int) -> FloatArray:
+    """Return the grid's points in its plane, (x, y, 1) in spacings, (rows, columns, 3)."""
+    x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
+    return np.stack([x, y, np.ones_like(x)], axis=-1)
 
 
 def local_middle(values: FloatArray) -> float:
@@ -266,8 +268,7 @@ def measure_grid(
             "a light margin"
         )
     seen = places.reshape(rows, columns, 2).astype(np.float64)
-    x, y = np.meshgrid(np.arange(columns, dtype=np.float64), np.arange(rows, dtype=np.float64))
-    plane = np.stack([x.ravel(), y.ravel()], axis=-1)
+    plane = _plane(rows, columns)[..., :2].reshape(-1, 2)
     homography, _ = cv2.findHomography(plane, seen.reshape(-1, 2), 0)
     if homography is None:
         raise CalibrationError("the points of the grid lie on one line: count them down and along")
