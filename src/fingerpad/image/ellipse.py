@@ -243,6 +243,17 @@ def _area_moments(area: float, centroid: FloatArray, second: FloatArray) -> Area
     return AreaMoments(area=area, centroid=centroid, axes=axes.T[::-1], spread=spread[::-1] * area)
 
 
+def evenly_spaced(
+    points: FloatArray, spacing: float = 1.0, *, closed: bool = True, min_count: int = 16
+) -> FloatArray:
+    """Return points along an outline, about `spacing` apart."""
+    path = np.concatenate([points, points[:1]]) if closed else points
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    count = max(min_count, round(along[-1] / spacing))
+    places = np.linspace(0, along[-1], count, endpoint=not closed)
+    return np.stack([np.interp(places, along, path[:, k]) for k in (0, 1)], axis=-1)
+
+
 def signed_area(points: FloatArray) -> float:
     """Return the area of a closed polygon (x, y), positive if it turns from x towards y."""
     following = np.roll(points, -1, axis=0)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.image.contact_image._region import UInt8, distance_to, longest_contour
-from fingerpad.image.ellipse import AreaMoments, signed_area
+from fingerpad.image.ellipse import AreaMoments, evenly_spaced, signed_area
 
 _HALF_LEVEL = 127.5
 # All lengths in ridge periods. The outline follows a ridge or not over this length.
@@ -109,7 +109,7 @@ def contact_outline(
 ) -> ContactOutline:
     """Find the outline of a patch where the closed ridge amount falls through half."""
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
-    points = resample_outline(running_mean(contour, round(period / 2)))
+    points = evenly_spaced(running_mean(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
     field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(closed, grown)), (3, 3), 0))
@@ -118,7 +118,7 @@ def contact_outline(
         value, slope = _profile(field, points, normals)
         off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
         points = points + normals * off[:, None]
-    points = resample_outline(running_mean(points, 2))
+    points = evenly_spaced(running_mean(points, 2))
     normals = outward_normals(points, period)
     levels = as_float32(amount)
     outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
@@ -197,15 +197,6 @@ def running_mean(values: FloatArray, width: int) -> FloatArray:
     width = min(max(1, width) | 1, len(values) | 1)
     total = np.cumsum(np.concatenate([values[-(width // 2 + 1) :], values, values[: width // 2]]), axis=0)
     return np.asarray((total[width:] - total[:-width]) / width)
-
-
-def resample_outline(points: FloatArray) -> FloatArray:
-    """Return points one px apart along a closed outline."""
-    closed = np.concatenate([points, points[:1]])
-    place = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    count = max(16, round(place[-1]))
-    even = np.arange(count) * (place[-1] / count)
-    return np.stack([np.interp(even, place, closed[:, k]) for k in (0, 1)], axis=-1)
 
 
 def outward_normals(points: FloatArray, period: float) -> FloatArray:

@@ -15,12 +15,11 @@ from fingerpad.image.contact_image._outline import (
     ContactOutline,
     outward_normals,
     point_spacings,
-    resample_outline,
     running_mean,
 )
 from fingerpad.image.contact_image._region import UInt8, fill_holes, filled_polygon
 from fingerpad.image.contact_image._working_image import WorkingImage
-from fingerpad.image.ellipse import ImageEllipse
+from fingerpad.image.ellipse import ImageEllipse, evenly_spaced
 
 # Strokes are drawn on a canvas so many times finer than the working copy.
 _FINE: Final = 4
@@ -152,7 +151,7 @@ def outline_after_strokes(
     chosen = int(np.argmax(areas))
     rough = (contours[chosen].reshape(-1, 2) + 0.5) / _FINE - 0.5
     other = max((area for k, area in enumerate(areas) if k != chosen), default=0.0) / areas[chosen]
-    outline = resample_outline(running_mean(rough, _FINE))
+    outline = evenly_spaced(running_mean(rough, _FINE))
     edge = _manual_outline(outline, view, noise) if before is None else _restore_edge(outline, before[1])
     return (patch & _filled(rough, shape)) > 0, edge, other
 

@@ -12,7 +12,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.special import ndtr
 
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad.image.ellipse import signed_area
+from fingerpad.image.ellipse import evenly_spaced, signed_area
 
 # Samples per pixel along a normal, and blurs (standard deviation, px) that are tried.
 _DENSITY = 2
@@ -87,11 +87,7 @@ def locate_edges(
 
 def _resample(contour: FloatArray, spacing: float, *, closed: bool) -> tuple[FloatArray, FloatArray]:
     """Return evenly spaced points of a contour and its outward unit normals."""
-    path = np.concatenate([contour, contour[:1]]) if closed else contour
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
-    count = max(8, round(along[-1] / spacing))
-    places = np.linspace(0, along[-1], count, endpoint=not closed)
-    points = np.stack([np.interp(places, along, path[:, k]) for k in (0, 1)], axis=-1)
+    points = evenly_spaced(contour, spacing, closed=closed, min_count=8)
     if closed:
         tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
     else:
