@@ -71,9 +71,8 @@ def fit_ellipse(points: ArrayLike) -> EllipseFit:
     (7.4, 5.0, 0.0)
     """
     points = _check_points(points, min_count=5)
-    shift, size = _frame(points)
-    start = _direct_ellipse((points - shift) / size)
-    values, covariance, residual_std = refine((points - shift) / size, start)
+    local, shift, size = normalise(points)
+    values, covariance, residual_std = refine(local, _direct_ellipse(local))
     to_units = np.array([size, size, size, size, 1.0])
     values, covariance = values * to_units, covariance * np.outer(to_units, to_units)
     if values[2] < values[3]:
@@ -114,10 +113,8 @@ def fit_aligned_ellipse(points: ArrayLike) -> EllipseFit:
     (11.8, 13.8)
     """
     points = _check_points(points, min_count=4)
-    shift, size = _frame(points)
-    values, covariance, residual_std = refine(
-        (points - shift) / size, _direct_aligned((points - shift) / size)
-    )
+    local, shift, size = normalise(points)
+    values, covariance, residual_std = refine(local, _direct_aligned(local))
     values = values * size
     values[:2] += shift
     return EllipseFit(
@@ -144,10 +141,11 @@ def _check_points(points: ArrayLike, min_count: int) -> FloatArray:
     return points
 
 
-def _frame(points: FloatArray) -> tuple[FloatArray, float]:
-    """Return the centroid and root-mean-square radius that condition the fit."""
+def normalise(points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Return points about their centroid in units of their spread, which conditions a fit, and these two."""
     shift = points.mean(axis=0)
-    return shift, float(np.sqrt(np.mean((points - shift) ** 2)))
+    size = float(np.sqrt(np.mean((points - shift) ** 2)))
+    return (points - shift) / size, shift, size
 
 
 def _direct_ellipse(points: FloatArray) -> Parameters:

@@ -13,9 +13,10 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.geometry.faces import Face
 from fingerpad.image._orthogonal_fit import distances
+from fingerpad.image.ellipse_fit import normalise
 from fingerpad.image.photograph._departure import Departure, PadShape, departure_of
 from fingerpad.image.photograph._edges import SubpixelOutline
-from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, parametric_angles
+from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, turns_from
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 
@@ -95,7 +96,7 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
         The face.
     """
     guess = _initial_ellipse(points, face)
-    off = (parametric_angles(points, guess) - PAD_MIDDLE[face] + math.pi) % (2 * math.pi) - math.pi
+    off = turns_from(PAD_MIDDLE[face], points, guess)
     inside = np.abs(off) < PAD_REACH[face]
     # Turned so that the outline begins outside, and the run that holds the middle is one piece.
     start = int(np.argmin(inside)) if not inside.all() else 0
@@ -210,8 +211,7 @@ def add_departure(
         Lean of the finger's axis and its standard uncertainty, radians.
     """
     guess = _initial_ellipse(points, face)
-    turns = parametric_angles(points[order], guess) - PAD_MIDDLE[face]
-    turns = (turns + math.pi) % (2 * math.pi) - math.pi
+    turns = turns_from(PAD_MIDDLE[face], points[order], guess)
     pad = np.isin(order, arc.used) | (np.abs(turns) < _SURELY_PAD)
     fit = arc.fit
     # A side face shows the nail's side too, whose distance is no semi-axis.
@@ -234,8 +234,7 @@ def _inliers(off: FloatArray) -> BoolArray:
 def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
     """Return the ellipse through five points that most of a track agrees with (MSAC, seeded)."""
     sparse = track[np.linspace(0, len(track) - 1, min(_SPARSE, len(track))).astype(int)]
-    shift, size = sparse.mean(axis=0), float(np.sqrt(np.mean((sparse - sparse.mean(axis=0)) ** 2)))
-    local = (sparse - shift) / size
+    local, shift, size = normalise(sparse)
     rng = np.random.default_rng(0)
     count = len(local)
     length = rng.uniform(0.35, 1.0, _HYPOTHESES) * (count - 1)
@@ -321,7 +320,7 @@ def _longest_window(
             keep.astype(float),
         )
     ]
-    turns = np.abs((parametric_angles(track, values) - middle + math.pi) % (2 * math.pi) - math.pi)
+    turns = np.abs(turns_from(middle, track, values))
     pivot = int(np.searchsorted(edges, np.argmin(turns), side="right")) - 1
     starts, ends = np.meshgrid(np.arange(0, pivot + 1), np.arange(pivot + 1, len(r) + 1), indexing="ij")
     wide = ends - starts >= min(_MIN_BLOCKS, len(r))

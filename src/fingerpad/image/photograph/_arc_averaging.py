@@ -13,9 +13,9 @@ from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.photograph._arc import IndexArray, PadArc
 from fingerpad.image.photograph.outline_fit import (
     departure_covariance,
-    parametric_angles,
     radii_of_curvature,
     student_widening,
+    turns_from,
 )
 
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
@@ -108,8 +108,7 @@ def _blocks(
 ) -> _Blocks:
     """Return the blocks of the outline, px, but for those that stand out from their neighbours."""
     off, slopes = distances(values, points[order])
-    turns = parametric_angles(points[order], values) - middle
-    turns = (turns + math.pi) % (2 * math.pi) - math.pi
+    turns = turns_from(middle, points[order], values)
     places = np.unwrap(order.astype(np.float64), period=len(points)) * spacing
     count = len(order) // _BLOCK
     every = np.column_stack([slopes, off, turns, places])[: count * _BLOCK]

@@ -14,7 +14,7 @@ from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directio
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import PAD_MIDDLE
 from fingerpad.image.photograph._departure import PadShape, departure_of, is_significant, with_departure
-from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, parametric_angles
+from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, turns_from
 from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import Scale
 
@@ -222,7 +222,8 @@ def with_marked_points(
     shared = fit.shared_error_covariance(_SHARED_PX, _SHARED_PX, _SHARED_REACH)
     x, y, semi_x, semi_y, lean = fit.ellipse
     place = np.array([x, y]) @ axes + centre
-    angles = _wrap_about_middle(parametric_angles(local, fit.ellipse), found)
+    middle = PAD_MIDDLE[found.face]
+    angles = middle + turns_from(middle, local, fit.ellipse)
     covariance = (fit.covariance + shared)[2:4, 2:4]
     shape = PadShape(lean=(found.lean, max(found.lean_std, 1e-3)), noise=fit.residual_std)
     departure = departure_of(local, fit.ellipse, covariance, shape)
@@ -254,18 +255,13 @@ def with_marked_points(
 
 def _outline_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:
     """Return the points' order along the outline, and the place of each in steps of the outline."""
-    angles = _wrap_about_middle(parametric_angles(local, start), found)
-    order = np.argsort(angles, kind="stable")
+    turns = turns_from(PAD_MIDDLE[found.face], local, start)
+    order = np.argsort(turns, kind="stable")
     lengths = np.linalg.norm(np.diff(local[order], axis=0), axis=1)
     step = float(np.median(lengths[lengths > 0])) if (lengths > 0).any() else 1.0
     # Never twice in one place: each point is one.
     places = np.concatenate([[0], np.cumsum(np.maximum(np.rint(lengths / step), 1))])
     return order.astype(np.int64), places.astype(np.int64)
-
-
-def _wrap_about_middle(angles: FloatArray, found: PhotographFit) -> FloatArray:
-    middle = PAD_MIDDLE[found.face]
-    return middle + (angles - middle + math.pi) % (2 * math.pi) - math.pi
 
 
 def _check_points(what: str, points: ArrayLike) -> FloatArray:

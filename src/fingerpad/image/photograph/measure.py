@@ -42,7 +42,7 @@ from fingerpad.image.photograph._input import (
 )
 from fingerpad.image.photograph._reach import with_reach
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
-from fingerpad.image.photograph.outline_fit import parametric_angles
+from fingerpad.image.photograph.outline_fit import turns_from
 from fingerpad.image.photograph.result import PhotographFit, size_flags
 from fingerpad.image.scale import Scale
 
@@ -205,8 +205,8 @@ def _result(
     x, y, semi_x, semi_y, lean = fit.ellipse
     centre = np.array([x, y]) @ axes + place
     middle = PAD_MIDDLE[face]
-    angles = parametric_angles((edges.points[arc.used] - place) @ axes.T, fit.ellipse)
-    angles = middle + (angles - middle + math.pi) % (2 * math.pi) - math.pi
+    local = (edges.points[arc.used] - place) @ axes.T
+    angles = middle + turns_from(middle, local, fit.ellipse)
     found = PhotographFit(
         face=face,
         semi_axes=np.array([semi_x, semi_y]) * scale.mm_per_px,

@@ -23,7 +23,7 @@ from fingerpad.exceptions import FitError
 from fingerpad.image._correlation import correlation_length
 from fingerpad.image._orthogonal_fit import Parameters, distances
 from fingerpad.image.ellipse import PlaneEllipse, rotation
-from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse
+from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, normalise
 
 _ROUNDS = 2
 _MIN_FREEDOM = 3.0
@@ -137,10 +137,9 @@ def fit_outline_ellipse(
     rows = np.asarray(np.arange(len(points)) if places is None else places, dtype=np.int64)
     past = np.zeros(len(points)) if beyond is None else as_float_array(beyond)
     on_arc = past == 0
-    shift = points.mean(axis=0)
-    size = float(np.sqrt(np.mean((points - shift) ** 2)))
-    local, past = (points - shift) / size, past / size
-    values = _start(local[on_arc], lean) if start is None else _normalise(as_float_array(start), shift, size)
+    local, shift, size = normalise(points)
+    past = past / size
+    values = _start(local[on_arc], lean) if start is None else _in_frame(as_float_array(start), shift, size)
     values = _refine(local[on_arc], values, (lean, math.inf), np.asarray)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
@@ -241,13 +240,18 @@ def parametric_angles(points: FloatArray, values: Parameters | PlaneEllipse) -> 
     return np.asarray(np.arctan2(local[:, 1] / values[3], local[:, 0] / values[2]), dtype=np.float64)
 
 
+def turns_from(middle: float, points: FloatArray, values: Parameters | PlaneEllipse) -> FloatArray:
+    """Return how far the parametric angles of points lie beyond a middle one, radians in [−π, π)."""
+    return (parametric_angles(points, values) - middle + math.pi) % (2 * math.pi) - math.pi
+
+
 def _start(points: FloatArray, lean: float) -> Parameters:
     turn = rotation(lean)
     x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse
     return np.array([*(turn @ (x, y)), semi_x, semi_y, lean])
 
 
-def _normalise(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
+def _in_frame(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
     return np.array([*((values[:2] - shift) / size), values[2] / size, values[3] / size, values[4]])
 
 
