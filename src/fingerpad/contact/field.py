@@ -7,7 +7,6 @@ from functools import partial
 from typing import Self, TypeAlias
 
 import numpy as np
-from scipy.ndimage import map_coordinates
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all
 from fingerpad.contact.contact_stress import contact_stress
@@ -307,10 +306,4 @@ class ContactField:
 
 def _solved_pressure(solution: ContactSolution, along: ArrayLike, across: ArrayLike) -> FloatArray:
     """Return the solved pressure at points of the surface, zero beyond its grid."""
-    grid = solution.grid
-    own = grid.to_own(*broadcast(along, across))
-    cells = (own - grid.centre + grid.half_widths) / grid.spacing - 0.5
-    found: FloatArray = map_coordinates(
-        solution.pressure, np.moveaxis(cells, -1, 0), order=1, mode="constant"
-    )
-    return found
+    return solution.grid.sample(solution.pressure, solution.grid.to_own(*broadcast(along, across)))

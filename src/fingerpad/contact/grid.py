@@ -55,8 +55,13 @@ class ContactGrid:
     @property
     def coordinates(self) -> tuple[FloatArray, FloatArray]:
         """Cell centres in the plane, each of shape (points, points)."""
-        place = self.to_plane(np.stack(np.meshgrid(*self.sides, indexing="ij"), axis=-1))
+        place = self.to_plane(self.cells)
         return place[..., 0], place[..., 1]
+
+    @property
+    def cells(self) -> FloatArray:
+        """Cell centres in the grid's own axes, shape (points, points, 2)."""
+        return np.stack(np.meshgrid(*self.sides, indexing="ij"), axis=-1)
 
     def to_plane(self, place: FloatArray) -> FloatArray:
         """Turn points of the grid's own axes into the plane's, shape (..., 2)."""
@@ -74,13 +79,8 @@ class ContactGrid:
         low, high = outline.points.min(axis=0), outline.points.max(axis=0)
         return replace(self, centre=(low + high) / 2, half_widths=(high - low) / 2 / FILLED, points=points)
 
-    def sample(self, field: FloatArray, other: Self) -> FloatArray:
-        """Return a field on this grid at the cells of another with the same angle, zero beyond this one."""
-        at = [
-            (side - start) / step
-            for side, start, step in zip(
-                other.sides, (side[0] for side in self.sides), self.spacing, strict=True
-            )
-        ]
-        values: FloatArray = map_coordinates(field, np.meshgrid(*at, indexing="ij"), order=1, mode="constant")
+    def sample(self, field: FloatArray, place: FloatArray) -> FloatArray:
+        """Return a field on this grid at points of its own axes, shape (..., 2), zero beyond it."""
+        index = (place - [side[0] for side in self.sides]) / self.spacing
+        values: FloatArray = map_coordinates(field, np.moveaxis(index, -1, 0), order=1, mode="constant")
         return values

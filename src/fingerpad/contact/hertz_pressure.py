@@ -145,7 +145,7 @@ class HertzPressure:
         HertzPressure
             In the coordinates of the plane.
         """
-        place = np.stack(np.meshgrid(*grid.sides, indexing="ij"), axis=-1)
+        place = grid.cells
         load = pressure.sum()
         middle = np.tensordot(pressure, place, 2) / load
         offset = place - middle

@@ -231,7 +231,7 @@ class _Problem:
                 moved = replace(grid, half_widths=1.5 * grid.half_widths)
             elif (moved.half_widths > 0.85 * grid.half_widths).all():
                 return found
-            start, guess, grid = grid.sample(found.pressure, moved), found.indentation, moved
+            start, guess, grid = grid.sample(found.pressure, moved.cells), found.indentation, moved
         raise ConvergenceError(
             "the grid did not settle on the contact: check the gap and the guess of its size"
         )
@@ -246,7 +246,7 @@ class _Problem:
         """Solve on a finer grid, from what a coarser one gave."""
         grid = before.grid.around(before.outline, points)
         for _ in range(_MOVES):
-            found = self._pressed(grid, before.grid.sample(before.pressure, grid), before.indentation)
+            found = self._pressed(grid, before.grid.sample(before.pressure, grid.cells), before.indentation)
             if not found.touches_border:
                 return found
             grid = replace(grid, half_widths=1.2 * grid.half_widths)
