@@ -55,8 +55,6 @@ def semi_axes_from_outlines(
     >>> round(found.palmar, 1), round(found.distal, 1), round(found.radial_ulnar, 1), found.degrees_of_freedom
     (7.9, 13.8, 11.8, 3)
     """
-    if not (math.isfinite(relative_scale_std) and relative_scale_std >= 0):
-        raise FitError(f"relative_scale_std must be zero or positive, and finite, found {relative_scale_std}")
     return combine_faces(
         [face_from_outline(face, points, relative_scale_std) for face, points in outlines.items()]
     )
