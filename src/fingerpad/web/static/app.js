@@ -61,12 +61,11 @@ function failed(error) {
     h(
       "div.empty",
       { role: "alert" },
-      h("h1", null, "The page cannot be loaded"),
-      h("p", null, error.message),
-      error.status === 403 && h("p", null, "Open the complete address that the terminal shows."),
+      h("h1", "The page cannot be loaded"),
+      h("p", error.message),
+      error.status === 403 && h("p", "Open the complete address that the terminal shows."),
       h(
         "div.actions",
-        null,
         h("button.primary", { type: "button", onclick: () => location.reload() }, "Try again"),
       ),
     ),

@@ -105,21 +105,18 @@ export class Corrections {
       if (!(error instanceof ApiError) || error.status !== 409) throw error;
       await this.#read();
       const theirs = this.document.history.at(-1);
-      const answer = await ask(
+      const mine = await ask(
         "Another window corrected this image",
         h(
           "p",
-          null,
           theirs
             ? `${theirs.who || "Someone"} saved ${describeChange(theirs)} just now. Yours is not saved yet.`
             : "It was changed just now.",
         ),
-        [
-          ["theirs", "Keep their correction"],
-          ["both", "Apply mine as well", "primary"],
-        ],
+        "Apply mine as well",
+        { no: "Keep their correction" },
       );
-      return answer === "both" ? this.#take(await send()) : this.document;
+      return mine ? this.#take(await send()) : this.document;
     }
   }
 }

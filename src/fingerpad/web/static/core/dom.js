@@ -2,8 +2,12 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 
-function fill(node, properties, children) {
-  for (const [key, value] of Object.entries(properties ?? {})) {
+const shown = (children) =>
+  children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false);
+
+function fill(node, parts) {
+  const [properties, ...children] = parts[0]?.constructor === Object ? parts : [{}, ...parts];
+  for (const [key, value] of Object.entries(properties)) {
     if (value === undefined || value === null || value === false) continue;
     if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
     else if (key === "style") Object.assign(node.style, value);
@@ -11,46 +15,40 @@ function fill(node, properties, children) {
       node[key] = value;
     else node.setAttribute(key, value === true ? "" : value);
   }
-  node.append(
-    ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
-  );
+  node.append(...shown(children));
   return node;
 }
 
 /**
- * Make an HTML element: h("p.soft", { title: "…" }, "text", child).
+ * Make an HTML element: h("p.soft", { title: "…" }, "text", child), or h("p", "text").
  *
  * @param {string} name
- * @param {Record<string, any> | null} [properties]
- * @param {...any} children
+ * @param {...any} parts properties, if there are any, and children
  * @returns {any}
  */
-export function h(name, properties, ...children) {
+export function h(name, ...parts) {
   const [tag, ...classes] = name.split(".");
   const node = document.createElement(tag || "div");
   if (classes.length) node.className = classes.join(" ");
-  return fill(node, properties, children);
+  return fill(node, parts);
 }
 
 /**
  * Make an SVG element.
  *
  * @param {string} name
- * @param {Record<string, any> | null} [properties]
- * @param {...any} children
+ * @param {...any} parts properties, if there are any, and children
  * @returns {any}
  */
-export function s(name, properties, ...children) {
+export function s(name, ...parts) {
   const [tag, ...classes] = name.split(".");
   const node = document.createElementNS(SVG, tag);
   if (classes.length) node.setAttribute("class", classes.join(" "));
-  return fill(node, properties, children);
+  return fill(node, parts);
 }
 
 export function render(node, ...children) {
-  node.replaceChildren(
-    ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
-  );
+  node.replaceChildren(...shown(children));
   return node;
 }
 

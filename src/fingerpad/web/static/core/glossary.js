@@ -25,10 +25,10 @@ function wordsOf(key) {
  */
 export function symbol(key, { inControl = false, words } = {}) {
   const parts = key.split(/(?=[_^/])/).map((part) => {
-    if (part[0] === "_") return h("sub", null, part.slice(1));
-    if (part[0] === "^") return h("sup", null, part.slice(1));
-    if (part[0] === "/") return ["/", h("i", null, part.slice(1))];
-    return h("i", null, part);
+    if (part[0] === "_") return h("sub", part.slice(1));
+    if (part[0] === "^") return h("sup", part.slice(1));
+    if (part[0] === "/") return ["/", h("i", part.slice(1))];
+    return h("i", part);
   });
   const known = meaningOf(key);
   return h(
@@ -47,9 +47,9 @@ function show(term) {
   const key = term.dataset.term;
   const { name, meaning, unit, column } = meaningOf(key);
   tip.replaceChildren(
-    h("strong", null, `${name}${unit ? `, ${unit}` : ""}`),
-    h("span", null, `${meaning}.`),
-    column && h("code", null, column),
+    h("strong", `${name}${unit ? `, ${unit}` : ""}`),
+    h("span", `${meaning}.`),
+    column && h("code", column),
   );
   // In an open dialog, which is above everything else.
   (term.closest("dialog") ?? document.body).append(tip);

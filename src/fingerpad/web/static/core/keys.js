@@ -1,6 +1,7 @@
 // Keyboard shortcuts: each view binds its own, and the help dialog lists them.
 
-import { h, render } from "./dom.js";
+import { h } from "./dom.js";
+import { openDialog } from "./messages.js";
 
 const everywhere = [];
 let here = [];
@@ -50,19 +51,15 @@ const shown = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: 
 function table(title, keys) {
   return h(
     "section",
-    null,
-    h("h3", null, title),
+    h("h3", title),
     h(
       "dl.keys",
-      null,
       keys.map(([names, words]) => [
         h(
           "dt",
-          null,
           names.split(" ").map((name) =>
             h(
               "kbd",
-              null,
               name
                 .split("+")
                 .map((part) => shown[part] ?? part)
@@ -70,24 +67,22 @@ function table(title, keys) {
             ),
           ),
         ),
-        h("dd", null, words),
+        h("dd", words),
       ]),
     ),
   );
 }
 
 export function showHelp() {
-  const dialog = h("dialog.help", { "aria-label": "Keys", onclose: () => dialog.remove() });
-  render(
-    dialog,
+  const dialog = h(
+    "dialog.help",
+    { "aria-label": "Keys" },
     h(
       "header",
-      null,
-      h("h2", null, "Keys"),
+      h("h2", "Keys"),
       h("button", { type: "button", autofocus: true, onclick: () => dialog.close() }, "Close"),
     ),
-    h("div.columns", null, here.length > 0 && table("This step", here), table("Everywhere", everywhere)),
+    h("div.columns", here.length > 0 && table("This step", here), table("Everywhere", everywhere)),
   );
-  document.body.append(dialog);
-  dialog.showModal();
+  openDialog(dialog);
 }

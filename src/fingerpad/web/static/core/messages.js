@@ -12,8 +12,7 @@ export function toast(words, { kind = "info", action, stays = kind === "error" }
   const box = document.getElementById("messages");
   const message = h(
     `div.message.${kind}`,
-    null,
-    h("p", null, words),
+    h("p", words),
     action &&
       h("button.link", { type: "button", onclick: () => (action.do(), message.remove()) }, action.words),
     h(
@@ -33,49 +32,51 @@ export const clearMessages = () => render(document.getElementById("messages"));
 
 export const showError = (error) => error.name === "AbortError" || toast(error.message, { kind: "error" });
 
-/** Ask a question; resolves to the button's value or null. Enter in a field presses the primary button. */
-export function ask(title, body, buttons) {
+/**
+ * Open a modal dialog. Closed, it is removed, and the focus goes back to where it was.
+ *
+ * @param {HTMLDialogElement} dialog
+ */
+export function openDialog(dialog) {
   const restoreFocus = saveFocus();
+  dialog.addEventListener("close", () => (dialog.remove(), restoreFocus()));
+  document.body.append(dialog);
+  dialog.showModal();
+}
+
+/**
+ * Ask whether to do something. Enter in a field presses the primary button.
+ *
+ * @param {string} title
+ * @param {any} body
+ * @param {string} yes words of the button that agrees
+ * @param {{ no?: string, kind?: string }} [options]
+ * @returns {Promise<boolean>}
+ */
+export function ask(title, body, yes, { no = "Cancel", kind = "primary" } = {}) {
   return new Promise((resolve) => {
-    const dialog = h("dialog.question", {
-      "aria-label": title,
-      onclose: () => (dialog.remove(), restoreFocus(), resolve(dialog.returnValue || null)),
-    });
-    render(
-      dialog,
-      h("h2", null, title),
-      h("div.body", null, body),
-      h(
-        "div.actions",
-        null,
-        buttons.map(([value, words, kind = ""]) =>
-          h(
-            "button",
-            {
-              class: kind,
-              type: "button",
-              autofocus: kind === "primary",
-              onclick: () => {
-                const wrong = kind === "primary" && dialog.querySelector("input:invalid");
-                if (wrong) wrong.reportValidity();
-                else dialog.close(value);
-              },
-            },
-            words,
-          ),
-        ),
-      ),
-    );
-    const primary = buttons.find(([, , kind]) => kind === "primary");
-    dialog.addEventListener("keydown", (event) => {
-      if (event.key !== "Enter" || !primary || !event.target.matches("input")) return;
-      event.preventDefault();
+    const agree = () => {
       const wrong = dialog.querySelector("input:invalid");
       if (wrong) wrong.reportValidity();
-      else dialog.close(primary[0]);
+      else dialog.close("yes");
+    };
+    const dialog = h(
+      "dialog.question",
+      { "aria-label": title, onclose: () => resolve(dialog.returnValue === "yes") },
+      h("h2", title),
+      h("div.body", body),
+      h(
+        "div.actions",
+        h("button", { type: "button", onclick: () => dialog.close() }, no),
+        h("button", { class: kind, type: "button", autofocus: kind === "primary", onclick: agree }, yes),
+      ),
+    );
+    dialog.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || kind !== "primary" || !event.target.matches("input")) return;
+      event.preventDefault();
+      agree();
     });
-    document.body.append(dialog);
-    dialog.showModal();
+    openDialog(dialog);
     dialog.querySelector(".body input, .body select")?.focus();
   });
 }

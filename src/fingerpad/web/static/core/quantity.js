@@ -72,13 +72,8 @@ export function quantityRow(label, text, { was, mark, title } = {}) {
   return h(
     "div.reading",
     { title },
-    h("dt", null, mark && h("span.swatch", { "data-of": mark }), label),
-    h(
-      "dd",
-      null,
-      h("span.number", null, text),
-      was && was !== text && h("span.was", null, h("span.sr", null, "automatic: "), was),
-    ),
+    h("dt", mark && h("span.swatch", { "data-of": mark }), label),
+    h("dd", h("span.number", text), was && was !== text && h("span.was", h("span.sr", "automatic: "), was)),
   );
 }
 

@@ -62,13 +62,12 @@ export function drawSidebar(open, steps) {
       "a.brand",
       { href: "#/study", "aria-label": "fingerpad, to the study" },
       h("img", { src: mark, alt: "", width: 26, height: 26 }),
-      h("span", null, "fingerpad"),
+      h("span", "fingerpad"),
     ),
     study &&
       h(
         "div.study-name",
-        null,
-        h("span.eyebrow", null, "Study"),
+        h("span.eyebrow", "Study"),
         h("strong", { title: study.title }, study.title || study.name),
         h(
           "button.link",
@@ -79,12 +78,10 @@ export function drawSidebar(open, steps) {
     study &&
       h(
         "ol.steps",
-        null,
         steps.map(([key, words], index) => {
           const [wanting, kind] = stepStatus(key);
           return h(
             "li",
-            null,
             h(
               "a",
               {
@@ -93,7 +90,7 @@ export function drawSidebar(open, steps) {
                 "aria-keyshortcuts": index + 1,
               },
               h("span.step-number", { "aria-hidden": "true" }, index + 1),
-              h("span.step-name", null, words),
+              h("span.step-name", words),
               wanting && h("span.step-state", { class: `step-state ${kind}` }, wanting),
             ),
           );
@@ -103,16 +100,10 @@ export function drawSidebar(open, steps) {
     h("p.cut-note", { role: "status" }, "fingerpad does not respond. Confirmed changes are saved."),
     h(
       "div.switches",
-      null,
       themeSwitch(),
-      h(
-        "button",
-        { type: "button", onclick: () => showHelp(), "aria-label": "Keys" },
-        "Keys",
-        h("kbd", null, "?"),
-      ),
+      h("button", { type: "button", onclick: () => showHelp(), "aria-label": "Keys" }, "Keys", h("kbd", "?")),
     ),
-    h("p.version", null, `fingerpad ${workspace.session?.version ?? ""} · local only`),
+    h("p.version", `fingerpad ${workspace.session?.version ?? ""} · local only`),
   );
   // On a small screen the steps are one row, which scrolls.
   sidebar.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest", inline: "center" });

@@ -45,14 +45,11 @@ export class Drop {
     this.progress = h("div.sending", { role: "status", "aria-live": "polite" });
     this.root = h(
       "div.drop",
-      null,
       h(
         "div",
-        null,
-        h("strong", null, "Drop photographs, contact images, sequences and curves here"),
+        h("strong", "Drop photographs, contact images, sequences and curves here"),
         h(
           "p.soft",
-          null,
           "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames, CSV; a spreadsheet (CSV, XLSX) that says what they are. Files stay on this computer.",
         ),
       ),
@@ -82,7 +79,7 @@ export class Drop {
     const refused = [];
     for (const [index, { file, folder }] of files.entries()) {
       const bar = h("progress", { max: 1, value: 0, "aria-label": `Sending ${file.name}` });
-      render(this.progress, h("span", null, `${index + 1} of ${files.length}: ${file.name}`), bar);
+      render(this.progress, h("span", `${index + 1} of ${files.length}: ${file.name}`), bar);
       try {
         kept.push(await upload(file, { folder, progress: (share) => (bar.value = share) }));
       } catch (error) {

@@ -1,9 +1,11 @@
 // A dialog that draws a figure of the report for publication: width, fonts, axes, colours, and its downloads.
 
 import { addressOf, get } from "../core/api.js";
-import { h, render, saveFocus } from "../core/dom.js";
-import { showError } from "../core/messages.js";
-import { button, choose, field, number } from "./forms.js";
+import { h, render } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
+import { openDialog, showError } from "../core/messages.js";
+import { plain } from "../core/quantity.js";
+import { button, choose, field, number, synthetic } from "./forms.js";
 
 const WIDTHS = [
   ["", "as in the report"],
@@ -33,7 +35,6 @@ async function openFigureSettings({ name, caption }) {
   const preview = h("img.preview", { alt: caption || name.replaceAll("_", " ") });
   const refusal = h("p.note.bad", { role: "alert", hidden: true });
   const links = h("div.actions");
-  const restoreFocus = saveFocus();
   let timer;
   let newest = 0;
 
@@ -86,8 +87,7 @@ async function openFigureSettings({ name, caption }) {
   const axis = ({ axis, name: words }) =>
     h(
       "fieldset",
-      null,
-      h("legend", null, words),
+      h("legend", words),
       field("From", number({ placeholder: "data", onset: set(`${axis}_low`) })),
       field("To", number({ placeholder: "data", onset: set(`${axis}_high`) })),
       field("Scale", choose({ value: "", options: SCALES, onset: set(`${axis}_scale`) })),
@@ -106,33 +106,25 @@ async function openFigureSettings({ name, caption }) {
     "dialog.figure-settings",
     {
       "aria-label": `Figure ${name}`,
-      onclose: () => (URL.revokeObjectURL(preview.src), dialog.remove(), restoreFocus()),
+      onclose: () => URL.revokeObjectURL(preview.src),
     },
     h(
       "header",
-      null,
-      h("h2", null, name.replaceAll("_", " ")),
+      h("h2", name.replaceAll("_", " ")),
       button("Close", () => dialog.close()),
     ),
     h(
       "div.figure-panel",
-      null,
-      h("div.figure-preview", null, preview, refusal),
+      h("div.figure-preview", preview, refusal),
       h(
         "div.fields",
-        null,
         field("Journal", column),
         width,
         length("Height", "height_mm", details.height_mm),
         field("Font", number({ placeholder: "7.5", min: 3, max: 30, onset: set("font_pt") }), { unit: "pt" }),
         details.axes.filter(({ settable, name: words }) => settable && words).map(axis),
         details.colours.length > 0 &&
-          h(
-            "fieldset",
-            null,
-            h("legend", null, "Colours"),
-            h("div.swatches", null, details.colours.map(swatch)),
-          ),
+          h("fieldset", h("legend", "Colours"), h("div.swatches", details.colours.map(swatch))),
         field("Resolution of PNG", number({ placeholder: "300", min: 50, max: 1200, onset: set("dpi") }), {
           unit: "dpi",
         }),
@@ -140,8 +132,7 @@ async function openFigureSettings({ name, caption }) {
       ),
     ),
   );
-  document.body.append(dialog);
-  dialog.showModal();
+  openDialog(dialog);
   await draw();
 }
 
@@ -157,3 +148,24 @@ export const figureButton = (figure, kind = "small") =>
     kind,
     label: `Size, axes and colours of ${figure.name}`,
   });
+
+/**
+ * The header of a card of a finger at a placement: with a button for its figure, if the report has it.
+ *
+ * @param {Answers["PlottedGroup"] | Answers["BudgetGroup"]} group
+ * @param {Answers["Figures"]["figures"]} figures
+ * @param {string} kind of the figure
+ */
+export const groupHeader = (group, figures, kind) =>
+  h(
+    "header",
+    h(
+      "h2",
+      `${group.finger}, `,
+      symbol("θ"),
+      ` = ${plain(group.wedge_angle_deg)}°`,
+      group.roll_angle_deg ? [", ", symbol("φ"), ` = ${plain(group.roll_angle_deg)}°`] : "",
+    ),
+    synthetic(group.synthetic),
+    h("div.actions", figureButton(figures.find(({ name }) => name === `${group.figure}_${kind}`))),
+  );

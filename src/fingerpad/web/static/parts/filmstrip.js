@@ -138,7 +138,7 @@ export class Filmstrip {
     cell.title = name;
     cell.dataset.state = state;
     cell.lastChild.replaceChildren(
-      h("span.cell-name", null, label),
+      h("span.cell-name", label),
       ...marks.map(([kind, title]) => h("span.dot", { "data-kind": kind, title })),
     );
     if (index === this.at) this.root.setAttribute("aria-activedescendant", cell.id);

@@ -19,7 +19,7 @@ export function field(label, control, { unit, hint, wide } = {}) {
     wide ? "div.field.wide" : "div.field",
     null,
     h("label", { for: id }, label),
-    h("div.control", null, control, unit && h("span.unit", null, unit)),
+    h("div.control", control, unit && h("span.unit", unit)),
     hint && h("p.hint", { id: hintId }, hint),
   );
 }
@@ -185,7 +185,7 @@ export function slider(label, { value, min, max, unit, hint, onset }) {
  */
 export function check(label, { checked, onset, disabled } = {}) {
   const box = h("input", { type: "checkbox", checked, disabled, onchange: () => onset?.(box.checked) });
-  return h("label.check", null, box, h("span", null, label));
+  return h("label.check", box, h("span", label));
 }
 
 /**
@@ -268,17 +268,18 @@ export function segments(label, options, value, onset, { vertical = false } = {}
 
 /** A notice with actions, shown where there is nothing else. */
 export function empty(title, words, ...actions) {
-  return h(
-    "div.empty",
-    null,
-    h("h2", null, title),
-    h("p", null, words),
-    actions.length > 0 && h("div.actions", null, actions),
-  );
+  return h("div.empty", h("h2", title), h("p", words), actions.length > 0 && h("div.actions", actions));
 }
 
 export const chip = (words, kind = "", title) => h("span", { class: `chip ${kind}`, title }, words);
-export const synthetic = (yes) => yes && h("span.synthetic", null, "synthetic");
+export const synthetic = (yes) => yes && h("span.synthetic", "synthetic");
+
+/** A list of items. */
+export const list = (items, name = "ul") =>
+  h(
+    name,
+    items.map((item) => h("li", item)),
+  );
 
 /** List the errors of a refused edit. */
 export function faultList(error) {
@@ -286,11 +287,7 @@ export function faultList(error) {
     "div.faults",
     { role: "alert" },
     error.faults?.length > 0
-      ? h(
-          "ul",
-          null,
-          error.faults.map(({ place, words }) => h("li", null, h("code", null, place), ` ${words}`)),
-        )
-      : h("p", null, error.message),
+      ? list(error.faults.map(({ place, words }) => [h("code", place), ` ${words}`]))
+      : h("p", error.message),
   );
 }

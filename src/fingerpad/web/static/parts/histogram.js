@@ -38,7 +38,7 @@ export class Histogram {
       onchange: () => this.#chosen(),
     });
     this.text = h("output.number");
-    this.root = h("div.levels", null, this.plot, this.input, this.text);
+    this.root = h("div.levels", this.plot, this.input, this.text);
     this.plot.addEventListener("pointerdown", (event) => this.#press(event));
   }
 

@@ -6,6 +6,13 @@ import { workspace } from "../core/workspace.js";
 import { button, choose, number } from "./forms.js";
 import { scaleChoice } from "./scale_choice.js";
 
+/** Semi-axes of a pad, and what they are called. */
+export const AXES = [
+  ["palmar", "Palmar"],
+  ["distal", "Distal"],
+  ["radial_ulnar", "Radial–ulnar"],
+];
+
 export const FACES = ["palmar", "distal", "radial", "ulnar"];
 
 /** Limits and unit of the numbers that may be missing. */
@@ -47,7 +54,7 @@ function fieldOf({ kind, key, place, words }) {
     ];
   if (place in NUMBERS) {
     const { unit, max } = NUMBERS[place];
-    return h("div.control", null, number({ min: 0, max, label, onset: set }), h("span.unit", null, unit));
+    return h("div.control", number({ min: 0, max, label, onset: set }), h("span.unit", unit));
   }
   if (kind === "scale")
     return h("a", { href: `#/scale/${encodeURIComponent(key)}` }, `Open the scale ${key}`);
@@ -67,16 +74,13 @@ const nameOf = ({ kind, key }) => (kind === "photograph" ? key.split("/", 1)[0] 
 export function missingList(entries, { named = false, axes } = {}) {
   return h(
     "ul.missing",
-    null,
     entries.map((entry) =>
       h(
         "li",
-        null,
-        named && h("strong", null, nameOf(entry)),
-        h("span", null, entry.words),
+        named && h("strong", nameOf(entry)),
+        h("span", entry.words),
         h(
           "div.missing-field",
-          null,
           entry.place === "semi_axes_mm" && axes
             ? button("Enter the semi-axes", () => axes(entry.key), { kind: "small" })
             : fieldOf(entry),

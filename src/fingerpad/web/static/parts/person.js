@@ -7,22 +7,11 @@ import { button, field, text } from "./forms.js";
 
 export function whoButton() {
   const shown = button("", askName, { kind: "small", title: "Saved with each correction" });
-  const show = () => render(shown, h("span.soft", null, "Corrections by"), h("strong", null, who() || "…"));
+  const show = () => render(shown, h("span.soft", "Corrections by"), h("strong", who() || "…"));
   async function askName() {
     const name = text({ value: who() });
-    name.addEventListener(
-      "keydown",
-      (event) => event.key === "Enter" && name.closest("dialog").close("keep"),
-    );
-    const answer = await ask(
-      "Your name",
-      field("Name or initials", name, { hint: "Saved with each correction." }),
-      [
-        ["", "Cancel"],
-        ["keep", "Save", "primary"],
-      ],
-    );
-    if (answer === "keep") setWho(name.value);
+    const body = field("Name or initials", name, { hint: "Saved with each correction." });
+    if (await ask("Your name", body, "Save")) setWho(name.value);
     show();
   }
   show();

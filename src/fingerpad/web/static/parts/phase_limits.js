@@ -45,7 +45,7 @@ export class PhaseLimits {
     this.resetButton = button("Reset", "Reset the phases to automatic", () =>
       this.#corrections?.keep(() => ({})),
     );
-    this.reason = h("label.why", null, "Reason", this.why);
+    this.reason = h("label.why", "Reason", this.why);
     this.bar = h(
       "div.trace-bar",
       { hidden: true },

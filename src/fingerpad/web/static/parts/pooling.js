@@ -69,15 +69,13 @@ export function poolingList(pooling) {
       { "data-pooled": String(one.pooled) },
       h(
         "div",
-        null,
         h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item),
         `${load} is ${one.pooled ? "pooled" : "left out"}${one.why ? `: ${one.why}` : ""}. `,
-        one.decision && h("strong", null, decisionWords(one.decision), ". "),
+        one.decision && h("strong", decisionWords(one.decision), ". "),
         one.decision && one.decision.include !== one.pooled && "It takes effect with the next run.",
       ),
       h(
         "div.actions",
-        null,
         button(wanted ? "Leave out" : "Include", set({ include: !wanted }), {
           kind: "small",
           label: `${wanted ? "Leave out" : "Include"} ${one.item}`,
@@ -92,12 +90,12 @@ export function poolingList(pooling) {
     contacts > 0 && `${pooled} of ${contacts} contacts pooled`,
     frames > 0 && `${framesPooled} of ${frames} frames pooled`,
   ].filter(Boolean);
-  if (!pooling.in_question.length) return h("p.soft.pooling-count", null, counts.join(", "));
+  if (!pooling.in_question.length) return h("p.soft.pooling-count", counts.join(", "));
   return h(
     "details.pooling",
     { open: pooled < contacts },
-    h("summary", null, counts.join(", ")),
-    h("label.why", null, h("span", null, "Reason"), why),
+    h("summary", counts.join(", ")),
+    h("label.why", h("span", "Reason"), why),
     list,
   );
 }
@@ -112,13 +110,12 @@ export function poolingOf({ pooled, excluding_flags: flags, decision }, { words,
   return h(
     pooled ? "div.pooling-note" : "div.pooling-note.note",
     null,
-    h("strong", null, pooled ? "Counts in the pooled radius" : "Left out of the pooled radius"),
+    h("strong", pooled ? "Counts in the pooled radius" : "Left out of the pooled radius"),
     flags.length > 0 && [": ", flags.map(words).join("; ")],
     ". ",
     decision && [decisionWords(decision), ". "],
     h(
       "div.actions",
-      null,
       button(pooled ? "Leave out" : "Include", () => set({ include: !pooled, why: REASON }), {
         kind: "small",
       }),

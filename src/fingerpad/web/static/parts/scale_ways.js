@@ -1,7 +1,21 @@
 // Ways to state a scale: what each needs, and the fields in which it is entered.
 
 import { choose, field, number } from "./forms.js";
-import { COINS } from "./scale_choice.js";
+
+/** Diameters of coins, mm. */
+export const COINS = [
+  ["", "– other –"],
+  ["16.25", "1 euro cent, 16.25 mm"],
+  ["18.75", "2 euro cent, 18.75 mm"],
+  ["21.25", "5 euro cent, 21.25 mm"],
+  ["19.75", "10 euro cent, 19.75 mm"],
+  ["22.25", "20 euro cent, 22.25 mm"],
+  ["24.25", "50 euro cent, 24.25 mm"],
+  ["23.25", "1 euro, 23.25 mm"],
+  ["25.75", "2 euro, 25.75 mm"],
+  ["24.26", "US quarter, 24.26 mm"],
+  ["20.3", "UK penny, 20.3 mm"],
+];
 
 // ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
 const KNOWN_LENGTHS = [

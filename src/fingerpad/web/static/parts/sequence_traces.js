@@ -101,9 +101,8 @@ export class SequenceTraces {
     );
     this.bar = h(
       "div.trace-bar",
-      null,
       this.playButton,
-      h("label", null, this.alignBox, "Drag the area to align it with the force"),
+      h("label", this.alignBox, "Drag the area to align it with the force"),
       this.alignWords,
       this.keepButton,
       (this.figure = h("span")),
@@ -111,11 +110,10 @@ export class SequenceTraces {
     this.root = h(
       "div.traces",
       { hidden: true },
-      h("div.trace-bars", null, this.bar, this.phases.bar),
+      h("div.trace-bars", this.bar, this.phases.bar),
       h(
         "div.trace-plots",
-        null,
-        h("div.time-plot", null, this.plot, this.phases.layer),
+        h("div.time-plot", this.plot, this.phases.layer),
         this.sides.map(({ plot }) => plot),
       ),
     );
@@ -178,7 +176,6 @@ export class SequenceTraces {
       s("text", { x, y, class: kind, "text-anchor": anchor }, words);
     this.areas = s(
       "g.areas",
-      null,
       s("path", {
         d: dots(areas.map((area, k) => (area ? [this.x(times[k]), this.areaY(area)] : null)))
           .map(({ d }) => d)

@@ -44,7 +44,7 @@ export class Stage {
       this.picture,
       this.overlay,
       this.bar,
-      h("div.hud", null, this.where, this.#zoomButtons()),
+      h("div.hud", this.where, this.#zoomButtons()),
       this.note,
     );
     this.#pointer();
@@ -59,7 +59,6 @@ export class Stage {
       h("button", { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
     return h(
       "div.zoom",
-      null,
       make("−", "Zoom out (−)", () => this.zoomBy(1 / 1.4)),
       (this.percent = h(
         "button.number",

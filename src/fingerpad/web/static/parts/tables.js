@@ -31,13 +31,7 @@ export const card = (title, words, actions, content) =>
   h(
     "section.card",
     { "aria-label": title },
-    h(
-      "header",
-      null,
-      h("h2", null, title),
-      h("span.soft", null, words),
-      actions && h("div.actions", null, actions),
-    ),
+    h("header", h("h2", title), h("span.soft", words), actions && h("div.actions", actions)),
     content,
   );
 
@@ -51,16 +45,23 @@ export const card = (title, words, actions, content) =>
 export function table(label, headings, rows) {
   const heading = (one) =>
     typeof one === "string"
-      ? h("th", { scope: "col" }, one || h("span.sr", null, "Actions"))
+      ? h("th", { scope: "col" }, one || h("span.sr", "Actions"))
       : h("th.number", { scope: "col", title: one.title }, one.words);
-  const made = h(
-    "table.tight",
-    null,
-    h("thead", null, h("tr", null, headings.map(heading))),
-    h("tbody", null, rows),
-  );
+  const made = tableOf("table.tight", headings.map(heading), rows);
   labelCells(made);
   return h("div.table-wrap", { tabindex: 0, role: "group", "aria-label": label }, made);
+}
+
+/**
+ * A table of headings, words or cells, and rows.
+ *
+ * @param {string} name
+ * @param {any[]} headings
+ * @param {any} rows
+ */
+export function tableOf(name, headings, rows) {
+  const cells = headings.map((one) => (typeof one === "string" ? h("th", { scope: "col" }, one) : one));
+  return h(name, h("thead", h("tr", cells)), h("tbody", rows));
 }
 
 /**
@@ -82,11 +83,11 @@ function labelCells(table) {
  *
  * @param {...any} cells
  */
-export const row = (...cells) => h("tr", null, cells);
+export const row = (...cells) => h("tr", cells);
 
 /**
  * A cell.
  *
  * @param {...any} content
  */
-export const cell = (...content) => h("td", null, content);
+export const cell = (...content) => h("td", content);

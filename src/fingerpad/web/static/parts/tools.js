@@ -285,7 +285,6 @@ export class ThreePoints {
     );
     this.layer = s(
       "g.rim",
-      null,
       this.handles.map(({ node }) => node),
     );
     stage.world.append(this.layer);

@@ -1,8 +1,7 @@
 // Whether the model holds: one word, and the checks behind it.
 
-import { h } from "../core/dom.js";
 import { probability } from "../core/quantity.js";
-import { chip } from "./forms.js";
+import { chip, list } from "./forms.js";
 
 // The symbols differ without colour too.
 const SYMBOL = { holds: "●", strained: "◐", fails: "○" };
@@ -29,9 +28,4 @@ export function verdictChip({ verdict, checks }) {
 }
 
 /** @param {Answers["ModelValidity"]} validity */
-export const checkList = ({ checks }) =>
-  h(
-    "ul.note",
-    null,
-    checks.map((check) => h("li", null, words(check))),
-  );
+export const checkList = ({ checks }) => list(checks.map(words), "ul.note");

@@ -2,6 +2,7 @@
 
 import { h } from "../core/dom.js";
 import { who } from "../core/workspace.js";
+import { tableOf } from "../parts/tables.js";
 
 /** @type {["semi_major_mm" | "semi_minor_mm" | "gross_area_mm2" | "ridge_area_mm2", string][]} */
 const QUANTITIES = [
@@ -17,7 +18,7 @@ const signed = (share) =>
 /** @param {Answers["SecondOperator"]} state */
 export function agreementOf({ first_operators: first, agreement, unseen }) {
   return [
-    h("h3", null, "Second operator"),
+    h("h3", "Second operator"),
     first.includes(who()) &&
       h(
         "p.note.bad",
@@ -26,7 +27,6 @@ export function agreementOf({ first_operators: first, agreement, unseen }) {
       ),
     h(
       "p.soft",
-      null,
       "Images in random order: stop after as many as you like.",
       unseen > 0 && ` ${unseen} more wait for the first operator.`,
     ),
@@ -35,48 +35,32 @@ export function agreementOf({ first_operators: first, agreement, unseen }) {
       h(
         "details",
         { "data-live": "agreement" },
-        h("summary", null, `Agreement by the last run${one.synthetic ? ", synthetic images" : ""}`),
+        h("summary", `Agreement by the last run${one.synthetic ? ", synthetic images" : ""}`),
         h(
           "p.number",
-          null,
           `n = ${one.count}, IoU ${one.iou_mean.toFixed(3)} ` + `(least ${one.iou_least.toFixed(3)})`,
         ),
-        h(
+        tableOf(
           "table.agreement",
-          null,
-          h(
-            "thead",
-            null,
-            h(
-              "tr",
-              null,
-              ["", "Bias", "Limits of agreement"].map((words) => h("th", null, words)),
-            ),
-          ),
-          h(
-            "tbody",
-            null,
-            QUANTITIES.map(([key, words]) => {
-              const found = one[key];
-              return (
-                found &&
+          ["", "Bias", "Limits of agreement"],
+          QUANTITIES.map(([key, words]) => {
+            const found = one[key];
+            return (
+              found &&
+              h(
+                "tr",
+                h("th", { scope: "row" }, words),
+                h("td.number", signed(found.bias)),
                 h(
-                  "tr",
-                  null,
-                  h("th", { scope: "row" }, words),
-                  h("td.number", null, signed(found.bias)),
-                  h(
-                    "td.number",
-                    null,
-                    found.limits[0] === null ? "from 3 images on" : found.limits.map(signed).join(" to "),
-                  ),
-                )
-              );
-            }),
-          ),
+                  "td.number",
+                  found.limits[0] === null ? "from 3 images on" : found.limits.map(signed).join(" to "),
+                ),
+              )
+            );
+          }),
         ),
       ),
     ),
-    !agreement.length && h("p.soft", null, "Run the study to see how far both agree."),
+    !agreement.length && h("p.soft", "Run the study to see how far both agree."),
   ];
 }

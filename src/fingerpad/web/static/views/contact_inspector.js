@@ -4,11 +4,11 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
-import { button, check, chip, choose, field, number, segments, synthetic } from "../parts/forms.js";
+import { button, check, chip, choose, field, list, number, segments, synthetic } from "../parts/forms.js";
 import { Histogram } from "../parts/histogram.js";
 import { poolingOf } from "../parts/pooling.js";
 import { agreementOf } from "./agreement.js";
-import { Inspector } from "./inspector.js";
+import { flagNote, Inspector } from "./inspector.js";
 import { SHARED } from "./similar.js";
 
 /** @type {[key: string, label: () => any, title: string, mark: string][]} */
@@ -79,7 +79,7 @@ export class ContactInspector extends Inspector {
       brush: "Radius of the brush that removes",
       hint: "[ and ] change it; Alt switches between adding and removing.",
     },
-    threshold: { words: h("div.stack-small", null, h("h3", null, "Threshold")) },
+    threshold: { words: h("div.stack-small", h("h3", "Threshold")) },
     lasso: { words: this.#areaTool("lasso", "Draw around an area in one stroke.") },
     polygon: {
       words: this.#areaTool(
@@ -87,8 +87,8 @@ export class ContactInspector extends Inspector {
         "Click corner by corner; the first corner, or Enter, closes it. Backspace takes one back, Esc all.",
       ),
     },
-    seed: { words: h("p.soft", null, "Click a point inside the contact.") },
-    box: { words: h("p.soft", null, "Draw a box around the contact.") },
+    seed: { words: h("p.soft", "Click a point inside the contact.") },
+    box: { words: h("p.soft", "Draw a box around the contact.") },
   };
 
   constructor(view) {
@@ -113,7 +113,7 @@ export class ContactInspector extends Inspector {
       "replace",
       (action) => this.view.setAction(action),
     );
-    return h("div.stack-small", null, actions, h("p.soft", null, hint));
+    return h("div.stack-small", actions, h("p.soft", hint));
   }
 
   tool() {
@@ -141,17 +141,16 @@ export class ContactInspector extends Inspector {
       this.parts.head,
       h(
         "div.headline",
-        null,
-        h("h2", null, entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
-        h("span", null, synthetic(entry.synthetic ?? this.view.film?.synthetic)),
+        h("h2", entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
+        h("span", synthetic(entry.synthetic ?? this.view.film?.synthetic)),
       ),
-      h("p.context", null, lines.join(" · ")),
+      h("p.context", lines.join(" · ")),
     );
   }
 
   wait() {
     this.head();
-    render(this.parts.numbers, h("p.loading", null, "Measuring …"));
+    render(this.parts.numbers, h("p.loading", "Measuring …"));
     this.tool();
   }
 
@@ -159,8 +158,8 @@ export class ContactInspector extends Inspector {
   blind() {
     render(
       this.parts.numbers,
-      h("h3", null, "Contact"),
-      h("p", null, "Outline the contact by lasso, polygon or threshold. No other outline is shown."),
+      h("h3", "Contact"),
+      h("p", "Outline the contact by lasso, polygon or threshold. No other outline is shown."),
     );
     this.settings(null);
   }
@@ -178,12 +177,11 @@ export class ContactInspector extends Inspector {
     if (!answer) {
       render(
         this.parts.numbers,
-        h("h3", null, "Result"),
+        h("h3", "Result"),
         h("p.note.bad", { role: "alert" }, problem),
         !this.view.lacking?.length &&
           h(
             "p.soft",
-            null,
             "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
           ),
       );
@@ -203,20 +201,14 @@ export class ContactInspector extends Inspector {
       model &&
         h(
           "div.headline.main-number",
-          null,
-          h("span", null, "Corrected radius ", symbol("R_g^corr")),
+          h("span", "Corrected radius ", symbol("R_g^corr")),
           h(
             "span.figure-big.number",
             { "data-live": "radius" },
             quantityText(model, "radius_from_indentation_mm"),
           ),
         ),
-      h(
-        "div.headline",
-        null,
-        h("h3", null, "Contact"),
-        chip(BY[answer.by] ?? answer.by, corrected ? "accent" : ""),
-      ),
+      h("div.headline", h("h3", "Contact"), chip(BY[answer.by] ?? answer.by, corrected ? "accent" : "")),
       h(
         "dl.readings",
         { "data-live": "numbers" },
@@ -231,17 +223,16 @@ export class ContactInspector extends Inspector {
         ),
       ),
       model && [
-        h("h3", null, layered(model) ? "Model, Hertz theory" : "Model"),
+        h("h3", layered(model) ? "Model, Hertz theory" : "Model"),
         h(
           "dl.readings",
-          null,
           MODEL.map(([key, label, words]) =>
             quantityRow(label(), quantityText(model, key), { title: words }),
           ),
         ),
       ],
       layered(model) && [
-        h("h3", null, `Model, ${quantityText(model, "effective_thickness_mm")} of tissue over bone`),
+        h("h3", `Model, ${quantityText(model, "effective_thickness_mm")} of tissue over bone`),
         h(
           "dl.readings",
           { "data-live": "layer" },
@@ -249,26 +240,16 @@ export class ContactInspector extends Inspector {
             quantityRow(label(), quantityText(model, key), { title: words }),
           ),
         ),
-        model.layer_flag && h("p.soft", null, `Out of range: ${describeCode(model.layer_flag)}.`),
+        model.layer_flag && h("p.soft", `Out of range: ${describeCode(model.layer_flag)}.`),
       ],
       !model &&
         h(
           "p.soft",
-          null,
           this.view.lacking?.length
             ? "The corrected radius needs what is missing above."
             : "The corrected radius needs the finger's semi-axes: see Study and Photographs.",
         ),
-      answer.flags.length > 0 &&
-        h(
-          "div.note",
-          null,
-          h(
-            "ul",
-            null,
-            answer.flags.map((flag) => h("li", null, describeCode(flag))),
-          ),
-        ),
+      flagNote(answer.flags),
       answer.pooling &&
         !this.view.blind &&
         !this.view.corrections.change.rejected &&
@@ -279,13 +260,8 @@ export class ContactInspector extends Inspector {
       notesOf(model).length > 0 &&
         h(
           "details",
-          null,
-          h("summary", null, `Doubtful values (${notesOf(model).length})`),
-          h(
-            "ul.note",
-            null,
-            notesOf(model).map((code) => h("li", null, describeCode(code))),
-          ),
+          h("summary", `Doubtful values (${notesOf(model).length})`),
+          list(notesOf(model).map(describeCode), "ul.note"),
         ),
     );
     this.settings(answer);
@@ -297,10 +273,9 @@ export class ContactInspector extends Inspector {
     const used = answer?.settings;
     render(
       this.parts.settings,
-      h("h3", null, "Settings"),
+      h("h3", "Settings"),
       h(
         "div.fields",
-        null,
         field(
           "Polarity",
           choose({

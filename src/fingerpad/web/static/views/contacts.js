@@ -8,7 +8,8 @@ import { plain } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { figureButton } from "../parts/figure_settings.js";
 import { choose, empty } from "../parts/forms.js";
-import { icons } from "../parts/icons.js";
+import { icon } from "../parts/icons.js";
+
 import { Lasso, Polygon } from "../parts/lasso.js";
 import { missingOf } from "../parts/missing_fields.js";
 import { scaleWords } from "../parts/scale_choice.js";
@@ -22,14 +23,14 @@ import { applyToSimilar } from "./similar.js";
 
 /** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
-  ["ellipse", "Drag the ellipse", { icon: icons.ellipse, shortcut: "v" }],
-  ["add", "Brush: add to the region", { icon: icons.add, shortcut: "b" }],
-  ["remove", "Brush: remove from the region", { icon: icons.remove, shortcut: "e" }],
-  ["lasso", "Lasso: draw around an area", { icon: icons.lasso, shortcut: "l" }],
-  ["polygon", "Polygon: corners of an area", { icon: icons.polygon, shortcut: "g" }],
-  ["threshold", "Threshold on the histogram", { icon: icons.histogram, shortcut: "t" }],
-  ["seed", "Seed point inside the contact", { icon: icons.seed, shortcut: "s" }],
-  ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
+  ["ellipse", "Drag the ellipse", { icon: icon("ellipse"), shortcut: "v" }],
+  ["add", "Brush: add to the region", { icon: icon("add"), shortcut: "b" }],
+  ["remove", "Brush: remove from the region", { icon: icon("remove"), shortcut: "e" }],
+  ["lasso", "Lasso: draw around an area", { icon: icon("lasso"), shortcut: "l" }],
+  ["polygon", "Polygon: corners of an area", { icon: icon("polygon"), shortcut: "g" }],
+  ["threshold", "Threshold on the histogram", { icon: icon("histogram"), shortcut: "t" }],
+  ["seed", "Seed point inside the contact", { icon: icon("seed"), shortcut: "s" }],
+  ["box", "Region of interest", { icon: icon("box"), shortcut: "o" }],
 ];
 
 /**
@@ -96,7 +97,7 @@ class Contacts extends Review {
   #nothing() {
     render(
       this.root,
-      h("header.head", null, h("h1", null, "Contacts")),
+      h("header.head", h("h1", "Contacts")),
       empty(
         "No contact images yet",
         "Drop contact images or frames of a sequence on the Study page, and enter finger, angle and load.",
@@ -139,9 +140,8 @@ class Contacts extends Review {
         this.traces.root,
         h(
           "div.film-bar",
-          null,
-          h("label", null, "Images", this.sourceChoice),
-          h("label", null, "Show", this.filterChoice),
+          h("label", "Images", this.sourceChoice),
+          h("label", "Show", this.filterChoice),
           this.count,
         ),
       ],

@@ -3,8 +3,16 @@
 import { describeChange } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
 import { ago } from "../core/quantity.js";
-import { button, chip, slider, text } from "../parts/forms.js";
+import { describeCode } from "../core/workspace.js";
+import { button, chip, list, slider, text } from "../parts/forms.js";
 import { missingList } from "../parts/missing_fields.js";
+
+/**
+ * The flags of a measurement in words.
+ *
+ * @param {string[]} flags
+ */
+export const flagNote = (flags) => flags.length > 0 && h("div.note", list(flags.map(describeCode)));
 
 export class Inspector {
   /** @type {Record<string, { words?: any, brush?: string, hint?: string }>} */
@@ -32,7 +40,7 @@ export class Inspector {
         reasons.map((value) => h("option", { value })),
       ),
     );
-    this.footer = h("div.footer", null, this.#decision());
+    this.footer = h("div.footer", this.#decision());
   }
 
   /** Brightness and contrast of the picture on the screen. */
@@ -52,9 +60,8 @@ export class Inspector {
     const reset = button("Reset", resetAll, { kind: "small" });
     return h(
       "details",
-      null,
-      h("summary", null, "Brightness and contrast, for looking only"),
-      h("div.stack-small", null, sliders.brightness, sliders.contrast, reset),
+      h("summary", "Brightness and contrast, for looking only"),
+      h("div.stack-small", sliders.brightness, sliders.contrast, reset),
     );
   }
 
@@ -71,8 +78,8 @@ export class Inspector {
     };
     const { accept, undo, redo, reject } = this.buttons;
     return [
-      h("div.decision", null, accept, undo, redo, reject),
-      h("label.why", null, h("span", null, "Reason to reject"), this.why),
+      h("div.decision", accept, undo, redo, reject),
+      h("label.why", h("span", "Reason to reject"), this.why),
     ];
   }
 
@@ -83,7 +90,7 @@ export class Inspector {
    */
   missing(entries) {
     this.parts.missing.hidden = !entries.length;
-    render(this.parts.missing, h("h3", null, "Missing"), missingList(entries));
+    render(this.parts.missing, h("h3", "Missing"), missingList(entries));
   }
 
   reason() {
@@ -114,7 +121,6 @@ export class Inspector {
     const made = (value) => (Array.isArray(value) ? value.length > 0 : Boolean(value));
     return h(
       "div.actions",
-      null,
       parts.map(
         ([key, words]) =>
           made(change[key]) &&
@@ -139,7 +145,7 @@ export class Inspector {
     const records = [...document.history].reverse();
     render(
       this.parts.history,
-      h("div.headline", null, h("h3", null, "History"), this.buttons.revert),
+      h("div.headline", h("h3", "History"), this.buttons.revert),
       document.on_another_image &&
         h(
           "p.note.bad",
@@ -148,7 +154,6 @@ export class Inspector {
         ),
       h(
         "div.chips",
-        null,
         change.accepted && chip("accepted", "good"),
         change.rejected && chip(`rejected: ${change.rejected}`, "bad"),
       ),
@@ -159,8 +164,7 @@ export class Inspector {
             records.map((record) =>
               h(
                 "li",
-                null,
-                h("span", null, describeChange(record)),
+                h("span", describeChange(record)),
                 h(
                   "time",
                   { datetime: record.when, title: record.when },
@@ -169,7 +173,7 @@ export class Inspector {
               ),
             ),
           )
-        : h("p.soft", null, "Measured automatically."),
+        : h("p.soft", "Measured automatically."),
     );
   }
 }

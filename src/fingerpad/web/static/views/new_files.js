@@ -7,6 +7,7 @@ import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, check, faultList, NAME, number, text } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_choice.js";
+import { tableOf } from "../parts/tables.js";
 import { AS_OF_CONTENT, draftOf, editsOf, newScaleWords, parseScale, takeValues } from "./new_files_edits.js";
 import { base, fileRow, KINDS, scaleAsked, scaleCell, takeFace, takes } from "./new_files_row.js";
 import { NewFileTools } from "./new_files_tools.js";
@@ -102,12 +103,10 @@ export class NewFiles {
       this.root,
       h(
         "header",
-        null,
-        h("h2", null, `${files.length} new file${files.length > 1 ? "s" : ""}`),
+        h("h2", `${files.length} new file${files.length > 1 ? "s" : ""}`),
         this.status,
         h(
           "div.actions",
-          null,
           button("Add to study", () => this.#use(), { kind: "primary" }),
         ),
       ),
@@ -117,44 +116,27 @@ export class NewFiles {
       h(
         "div.table-wrap",
         { tabindex: 0, role: "group", "aria-label": "New files" },
-        h(
+        tableOf(
           "table",
-          null,
-          h(
-            "thead",
-            null,
+          COLUMNS.map(([words, key]) =>
             h(
-              "tr",
-              null,
-              COLUMNS.map(([words, key]) =>
-                h(
-                  "th",
-                  { scope: "col" },
-                  words,
-                  key &&
-                    files.length > 1 &&
-                    button("↓", () => this.#fillDown(key), {
-                      kind: "icon",
-                      label: `Fill down: ${words}`,
-                      title: "Fill empty fields from the one above",
-                    }),
-                ),
-              ),
+              "th",
+              { scope: "col" },
+              words,
+              key &&
+                files.length > 1 &&
+                button("↓", () => this.#fillDown(key), {
+                  kind: "icon",
+                  label: `Fill down: ${words}`,
+                  title: "Fill empty fields from the one above",
+                }),
             ),
           ),
-          h(
-            "tbody",
-            null,
-            shown.map((file) => fileRow(this, file)),
-          ),
+          shown.map((file) => fileRow(this, file)),
         ),
       ),
       files.length > shown.length &&
-        h(
-          "p.soft",
-          null,
-          `${files.length - shown.length} more files are not listed; "Add to study" adds all.`,
-        ),
+        h("p.soft", `${files.length - shown.length} more files are not listed; "Add to study" adds all.`),
       check("These files are synthetic (rendered or simulated)", {
         checked: this.shared.synthetic,
         onset: (on) => (this.shared.synthetic = on),
@@ -257,23 +239,17 @@ export class NewFiles {
     this.rest.hidden = !files.length;
     render(
       this.rest,
-      h(
-        "summary",
-        null,
-        `${files.length} more file${files.length > 1 ? "s" : ""} in the study folder, not used`,
-      ),
+      h("summary", `${files.length} more file${files.length > 1 ? "s" : ""} in the study folder, not used`),
       h(
         "ul.rest",
-        null,
         files
           .slice(0, 200)
           .map(({ file, bytes: size }) =>
             h(
               "li",
-              null,
-              h("code", null, file),
+              h("code", file),
               " ",
-              h("span.soft.number", null, bytes(size)),
+              h("span.soft.number", bytes(size)),
               file.startsWith("uploads/") &&
                 button("×", () => this.forget(file), { kind: "icon", label: `Remove ${base(file)}` }),
             ),
@@ -331,7 +307,7 @@ export class NewFiles {
           setTimeout(() => redraw(() => this.draw()));
         },
       });
-      return h("label", null, `scale of ${words}`, field);
+      return h("label", `scale of ${words}`, field);
     };
     const wedge = number({
       value: this.shared.wedge_angle_deg,
@@ -344,10 +320,9 @@ export class NewFiles {
       this.drafts.size > 1 &&
       h(
         "div.common",
-        null,
-        h("span.soft", null, "All files:"),
-        h("label", null, "finger", finger),
-        h("label", null, "wedge °", wedge),
+        h("span.soft", "All files:"),
+        h("label", "finger", finger),
+        h("label", "wedge °", wedge),
         scaleFor("observation", "contact images", "e.g. 500 ppi"),
         scaleFor("photograph", "photographs", "e.g. 0.05 mm/px"),
       )
@@ -402,36 +377,31 @@ export class NewFiles {
       );
     if (!open.length) return true;
     const kinds = Object.fromEntries(Object.values(KINDS).flat());
-    const answer = await ask(
+    const right = await ask(
       open.length === 1 ? "Is this right?" : "Are these right?",
       h(
         "ul.guesses",
-        null,
         open
           .slice(0, 30)
           .map(({ file, draft }) =>
             h(
               "li",
-              null,
               h("img.small-thumb", { src: picture("thumbnail", `file:${file}`), alt: "" }),
-              h("strong", null, base(file)),
+              h("strong", base(file)),
               h(
                 "span",
-                null,
                 kinds[draft.as],
                 draft.as === "photograph" && draft.face && `, ${draft.face} face`,
                 scaleAsked(draft) && `, ${newScaleWords(draft.scale)} as its file says`,
               ),
             ),
           ),
-        open.length > 30 && h("li", null, `and ${open.length - 30} more`),
+        open.length > 30 && h("li", `and ${open.length - 30} more`),
       ),
-      [
-        ["", "Change"],
-        ["yes", "Yes, add them", "primary"],
-      ],
+      "Yes, add them",
+      { no: "Change" },
     );
-    if (answer !== "yes") {
+    if (!right) {
       const { file, draft } = open[0];
       const what = draft.asked ? "Type of" : draft.as === "photograph" ? "Face on" : "Scale of";
       this.root.querySelector(`select[aria-label="${CSS.escape(`${what} ${base(file)}`)}"]`)?.focus();
@@ -453,7 +423,7 @@ export class NewFiles {
       const words = edits.length
         ? `${plural(waiting.length)} not added yet: enter the finger.`
         : "Enter the finger of the files.";
-      render(this.problem, h("div.faults", { role: "alert" }, h("p", null, words)));
+      render(this.problem, h("div.faults", { role: "alert" }, h("p", words)));
     }
     if (!edits.length) {
       if (waiting.length) this.root.querySelector(`input[aria-label^="Finger o"]`)?.focus();

@@ -5,7 +5,8 @@ import { h, redraw } from "../core/dom.js";
 import { bytes } from "../core/quantity.js";
 import { button, chip, choose, NAME, number, text } from "../parts/forms.js";
 import { FACES } from "../parts/missing_fields.js";
-import { COINS, scaleNames } from "../parts/scale_choice.js";
+import { scaleNames } from "../parts/scale_choice.js";
+import { COINS } from "../parts/scale_ways.js";
 import { isNewScale, newScaleWords } from "./new_files_edits.js";
 
 export const KINDS = {
@@ -91,20 +92,18 @@ export function fileRow(files, { file, kind, bytes: size }) {
     control.dataset.field = `${file}:${key}`;
   return h(
     "tr",
-    null,
     h(
       "td",
-      null,
       kind === "picture"
         ? h("img.small-thumb", {
             src: picture("thumbnail", `file:${file}`),
             alt: "",
             loading: "lazy",
           })
-        : h("span.chip", null, kind),
+        : h("span.chip", kind),
     ),
-    h("td", null, h("strong", null, name), h("div.soft", null, about(files, file, size))),
-    h("td", null, as, draft.asked && guessed()),
+    h("td", h("strong", name), h("div.soft", about(files, file, size))),
+    h("td", as, draft.asked && guessed()),
     draft.as === "coin"
       ? h("td", { colspan: 5 }, coinChoice(files, file))
       : [
@@ -116,7 +115,6 @@ export function fileRow(files, { file, kind, bytes: size }) {
         ],
     h(
       "td",
-      null,
       button("×", () => files.forget(file), { kind: "icon", label: `Remove ${name}` }),
     ),
   );
@@ -143,7 +141,6 @@ function coinChoice(files, file) {
   const known = String(draft.diameter_mm ?? "");
   return h(
     "div.coin-choice",
-    null,
     choose({
       value: COINS.some(([diameter]) => diameter === known) ? known : "",
       options: COINS.map(([diameter, words]) => [diameter, diameter ? words : "which coin?"]),
@@ -152,7 +149,6 @@ function coinChoice(files, file) {
     }),
     h(
       "label",
-      null,
       "diameter, mm",
       number({
         value: draft.diameter_mm,

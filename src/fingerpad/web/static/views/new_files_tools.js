@@ -4,6 +4,7 @@ import { post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
 import { button, chip, text } from "../parts/forms.js";
+import { tableOf } from "../parts/tables.js";
 
 const MEANINGS = {
   file: "file",
@@ -41,7 +42,7 @@ export class NewFileTools {
     this.report = h("div", { "aria-live": "polite" });
     this.matches = /** @type {Answers["StatedFile"][]} */ ([]);
     this.preview = h("div", { "aria-live": "polite" });
-    this.root = h("div.new-file-tools", null, this.#sheet(), this.#pattern(), this.report);
+    this.root = h("div.new-file-tools", this.#sheet(), this.#pattern(), this.report);
   }
 
   #sheet() {
@@ -53,17 +54,14 @@ export class NewFileTools {
     });
     return h(
       "details",
-      null,
-      h("summary", null, "Fill in from a spreadsheet"),
+      h("summary", "Fill in from a spreadsheet"),
       h(
         "p.soft",
-        null,
         "Drop a CSV or XLSX file on the page, or paste its cells here. The first line names the columns: file, and any of person, finger, face, type, wedge, load, scale, session.",
       ),
       area,
       h(
         "div.actions",
-        null,
         button("Fill in", () => this.join({ text: area.value })),
       ),
     );
@@ -81,14 +79,12 @@ export class NewFileTools {
     });
     return h(
       "details",
-      null,
-      h("summary", null, "Fill in from the file names"),
+      h("summary", "Fill in from the file names"),
       h(
         "p.soft",
-        null,
         "Write the name of one file, with {person}, {finger}, {face}, {wedge}, {load} or {session} in place of what changes, and {} for anything else.",
       ),
-      h("div.actions", null, field, use),
+      h("div.actions", field, use),
       this.preview,
     );
   }
@@ -111,28 +107,26 @@ export class NewFileTools {
         this.report,
         h(
           "div.note",
-          null,
-          h("strong", null, `${found.files.length} of ${files.length} files found in the spreadsheet. `),
+          h("strong", `${found.files.length} of ${files.length} files found in the spreadsheet. `),
           "Columns: ",
           found.columns
             .filter(({ meaning }) => meaning)
             .map(({ header, meaning, unit }) => `${header} → ${MEANINGS[meaning]}${unit ? `, ${unit}` : ""}`)
             .join("; "),
           ".",
-          unknown.length > 0 && h("p", null, `Not used: ${some(unknown.map(({ header }) => header))}.`),
+          unknown.length > 0 && h("p", `Not used: ${some(unknown.map(({ header }) => header))}.`),
           found.files_without_row.length > 0 &&
-            h("p", null, `Files without a row: ${some(found.files_without_row.map(base))}.`),
+            h("p", `Files without a row: ${some(found.files_without_row.map(base))}.`),
           found.rows_without_file.length > 0 &&
             h(
               "p",
-              null,
               `Rows without one file: ${some(found.rows_without_file.map(({ line, file }) => `${file || "no name"} (line ${line})`))}.`,
             ),
-          problems.length > 0 && h("p", null, `Not read: ${some(problems)}.`),
+          problems.length > 0 && h("p", `Not read: ${some(problems)}.`),
         ),
       );
     } catch (error) {
-      render(this.report, h("div.faults", { role: "alert" }, h("p", null, error.message)));
+      render(this.report, h("div.faults", { role: "alert" }, h("p", error.message)));
     }
   }
 
@@ -149,46 +143,30 @@ export class NewFileTools {
       const fit = files.filter(({ problem }) => !problem).length;
       return render(
         this.preview,
-        h("p.soft", null, `${fit} of ${files.length} names fit.`),
+        h("p.soft", `${fit} of ${files.length} names fit.`),
         h(
           "div.table-wrap",
           { tabindex: 0, role: "group", "aria-label": "What the pattern gives" },
-          h(
+          tableOf(
             "table.tight",
-            null,
-            h(
-              "thead",
-              null,
-              h(
-                "tr",
-                null,
-                ["File", ...keys.map(([, words]) => words), ""].map((words) =>
-                  h("th", { scope: "col" }, words),
+            ["File", ...keys.map(([, words]) => words), ""],
+            [...files]
+              .sort((one, other) => Number(Boolean(other.problem)) - Number(Boolean(one.problem)))
+              .slice(0, 40)
+              .map(({ file, values, problem }) =>
+                h(
+                  "tr",
+                  h("td", base(file)),
+                  keys.map(([key]) => h("td", values[key] ?? "")),
+                  h("td", problem && chip(problem, "warn")),
                 ),
               ),
-            ),
-            h(
-              "tbody",
-              null,
-              [...files]
-                .sort((one, other) => Number(Boolean(other.problem)) - Number(Boolean(one.problem)))
-                .slice(0, 40)
-                .map(({ file, values, problem }) =>
-                  h(
-                    "tr",
-                    null,
-                    h("td", null, base(file)),
-                    keys.map(([key]) => h("td", null, values[key] ?? "")),
-                    h("td", null, problem && chip(problem, "warn")),
-                  ),
-                ),
-            ),
           ),
         ),
       );
     } catch (error) {
       if (wanted !== this.wanted) return undefined;
-      return error.status === 422 ? render(this.preview, h("p.soft", null, error.message)) : showError(error);
+      return error.status === 422 ? render(this.preview, h("p.soft", error.message)) : showError(error);
     }
   }
 

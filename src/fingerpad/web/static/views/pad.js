@@ -7,13 +7,8 @@ import { bindHere } from "../core/keys.js";
 import { plain, quantityRow, quantityText, withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, choose, empty, field, number, synthetic } from "../parts/forms.js";
+import { AXES } from "../parts/missing_fields.js";
 import { PadScene } from "../parts/pad_scene.js";
-
-const AXES = [
-  ["palmar", "Palmar"],
-  ["distal", "Distal"],
-  ["radial_ulnar", "Radial–ulnar"],
-];
 
 /** @type {[key: string, label: () => any][]} */
 const QUANTITIES_SHOWN = [
@@ -54,19 +49,12 @@ class PadView {
       root,
       h(
         "header.head",
-        null,
-        h(
-          "div",
-          null,
-          h("h1", null, "Pad"),
-          h("p", null, "The ellipsoidal pad on its wedge under the platen."),
-        ),
-        h("div.actions", null, ...this.#views()),
+        h("div", h("h1", "Pad"), h("p", "The ellipsoidal pad on its wedge under the platen.")),
+        h("div.actions", ...this.#views()),
       ),
       h(
         "div.panes.no-tools.pad-panes",
-        null,
-        h("div.pad-main", null, this.nothing, this.scene.root, this.caption),
+        h("div.pad-main", this.nothing, this.scene.root, this.caption),
         h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side),
       ),
     );
@@ -126,19 +114,13 @@ class PadView {
         this.#ask();
       };
       this[`set_${key}`] = set;
-      return h(
-        "div.angle",
-        null,
-        field(title, slider),
-        h("div.control", null, typed, h("span.unit", null, "°")),
-      );
+      return h("div.angle", field(title, slider), h("div.control", typed, h("span.unit", "°")));
     };
     render(
       this.side,
-      h("h2.sr", null, "Pad and placement"),
+      h("h2.sr", "Pad and placement"),
       h(
         "section",
-        null,
         field(
           "Finger",
           choose({
@@ -147,17 +129,15 @@ class PadView {
             onset: (value) => this.#choose(value),
           }),
         ),
-        finger?.synthetic && h("div", null, synthetic(true)),
+        finger?.synthetic && h("div", synthetic(true)),
       ),
       h(
         "section",
-        null,
-        h("h3", null, "Semi-axes"),
+        h("h3", "Semi-axes"),
         finger
           ? this.axesShown
           : h(
               "div.fields",
-              null,
               AXES.map(([axis, words]) =>
                 field(
                   words,
@@ -173,8 +153,7 @@ class PadView {
       ),
       h(
         "section",
-        null,
-        h("h3", null, "Placement"),
+        h("h3", "Placement"),
         angle("wedge", ["Wedge angle ", symbol("θ")], "Wedge angle θ", 0, 90),
         angle("roll", ["Roll angle ", symbol("φ")], "Roll angle φ", -60, 60),
       ),
@@ -224,29 +203,28 @@ class PadView {
     );
     render(
       this.caption,
-      h("span", null, h("i.key.along"), "principal direction along the finger"),
-      h("span", null, h("i.key.across"), "across the finger"),
-      h("span", null, h("i.key.contact"), "point of contact"),
-      h("span", null, h("i.key.platen"), "platen"),
-      h("span", null, h("i.key.wedge"), "wedge"),
+      h("span", h("i.key.along"), "principal direction along the finger"),
+      h("span", h("i.key.across"), "across the finger"),
+      h("span", h("i.key.contact"), "point of contact"),
+      h("span", h("i.key.platen"), "platen"),
+      h("span", h("i.key.wedge"), "wedge"),
     );
     render(
       this.numbers,
       h(
         "div.headline",
-        null,
-        h("span", null, "Contact at ", symbol("u")),
+        h("span", "Contact at ", symbol("u")),
         h("span.figure-big.number", { "data-live": "u" }, quantityText(answer, "u_deg")),
       ),
       answer.v_deg !== null &&
         Math.abs(answer.v_deg - 90) > 0.005 &&
-        h("p.soft.number", null, symbol("v"), ` = ${quantityText(answer, "v_deg")}`),
+        h("p.soft.number", symbol("v"), ` = ${quantityText(answer, "v_deg")}`),
       h(
         "dl.readings",
         { "data-live": "radii" },
         QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), quantityText(answer, key))),
       ),
-      !this.finger && h("p.soft", null, "No uncertainty: these semi-axes belong to no finger of the study."),
+      !this.finger && h("p.soft", "No uncertainty: these semi-axes belong to no finger of the study."),
     );
   }
 

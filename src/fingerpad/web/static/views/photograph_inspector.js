@@ -4,13 +4,13 @@ import { h, render, s } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
 import { BY, plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
-import { describeCode, workspace } from "../core/workspace.js";
+import { workspace } from "../core/workspace.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";
-import { FACES } from "../parts/missing_fields.js";
+import { AXES, FACES } from "../parts/missing_fields.js";
 import { scaleChoice, scaleWords } from "../parts/scale_choice.js";
-import { Inspector } from "./inspector.js";
+import { flagNote, Inspector } from "./inspector.js";
 
-const NAMES = { palmar: "Palmar", distal: "Distal", radial_ulnar: "Radial–ulnar" };
+const NAMES = Object.fromEntries(AXES);
 const SIDES = [
   ["", "as in the study"],
   ["up", "up"],
@@ -32,14 +32,13 @@ export class PhotographInspector extends Inspector {
     points: {
       words: h(
         "p.soft",
-        null,
         "Click on the outline of the pad. Added points can be dragged; Delete removes them.",
       ),
     },
     erase: { brush: "Eraser radius", hint: "[ and ] change it." },
-    box: { words: h("p.soft", null, "Draw a box around the fingertip.") },
+    box: { words: h("p.soft", "Draw a box around the fingertip.") },
     length: {
-      words: [h("h3", null, "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")],
+      words: [h("h3", "Length"), h("p.soft", { "data-live": "length" }, "Draw a line on the picture.")],
     },
   };
 
@@ -51,14 +50,14 @@ export class PhotographInspector extends Inspector {
     const { finger, scale, file, synthetic: made } = this.view.entry;
     render(
       this.parts.head,
-      h("div.headline", null, h("h2", null, `${finger}, ${faceWords(this.view.entry)}`), synthetic(made)),
-      h("p.soft", null, `${file} · ${scaleWords(scale, "scale ")}`),
+      h("div.headline", h("h2", `${finger}, ${faceWords(this.view.entry)}`), synthetic(made)),
+      h("p.soft", `${file} · ${scaleWords(scale, "scale ")}`),
     );
   }
 
   wait() {
     this.head();
-    render(this.parts.face, h("p.loading", null, "Finding the outline …"));
+    render(this.parts.face, h("p.loading", "Finding the outline …"));
     render(this.parts.pad);
     this.tool();
   }
@@ -73,7 +72,7 @@ export class PhotographInspector extends Inspector {
         this.parts.face,
         h("p.note.bad", { role: "alert" }, problem),
         !this.view.lacking?.length &&
-          h("p.soft", null, "Draw a region of interest round the fingertip, or add points on its outline."),
+          h("p.soft", "Draw a region of interest round the fingertip, or add points on its outline."),
       );
       render(this.parts.pad);
       this.settings();
@@ -82,12 +81,7 @@ export class PhotographInspector extends Inspector {
     const { program } = answer;
     render(
       this.parts.face,
-      h(
-        "div.headline",
-        null,
-        h("h3", null, "This face"),
-        chip(BY[answer.by] ?? answer.by, program ? "accent" : ""),
-      ),
+      h("div.headline", h("h3", "This face"), chip(BY[answer.by] ?? answer.by, program ? "accent" : "")),
       h(
         "dl.readings",
         { "data-live": "face" },
@@ -114,16 +108,7 @@ export class PhotographInspector extends Inspector {
         ),
         quantityRow("Tilt", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
       ),
-      answer.flags.length > 0 &&
-        h(
-          "div.note",
-          null,
-          h(
-            "ul",
-            null,
-            answer.flags.map((flag) => h("li", null, describeCode(flag))),
-          ),
-        ),
+      flagNote(answer.flags),
     );
     this.#pad(answer);
     this.settings();
@@ -133,18 +118,14 @@ export class PhotographInspector extends Inspector {
   #pad({ finger, finger_error: problem }) {
     if (finger === undefined || (finger === null && !problem)) {
       if (!this.parts.pad.querySelector("[data-live]"))
-        render(
-          this.parts.pad,
-          h("h3", null, "All faces combined"),
-          h("p.soft", null, "Measuring the other faces …"),
-        );
+        render(this.parts.pad, h("h3", "All faces combined"), h("p.soft", "Measuring the other faces …"));
       return;
     }
     if (!finger) {
       render(
         this.parts.pad,
-        h("h3", null, "All faces combined"),
-        h("p.soft", null, problem ?? "At least two faces are needed."),
+        h("h3", "All faces combined"),
+        h("p.soft", problem ?? "At least two faces are needed."),
       );
       return;
     }
@@ -153,8 +134,7 @@ export class PhotographInspector extends Inspector {
       this.parts.pad,
       h(
         "div.headline",
-        null,
-        h("h3", null, "All faces combined"),
+        h("h3", "All faces combined"),
         agree === null ? null : agree ? chip("faces agree", "good") : chip("faces disagree", "warn"),
       ),
       h(
@@ -163,11 +143,7 @@ export class PhotographInspector extends Inspector {
         Object.entries(NAMES).map(([axis, words]) =>
           quantityRow(
             `${words} semi-axis`,
-            h(
-              "strong.figure",
-              null,
-              `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`,
-            ),
+            h("strong.figure", `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`),
           ),
         ),
         finger.degrees_of_freedom > 0 &&
@@ -181,7 +157,7 @@ export class PhotographInspector extends Inspector {
         h(
           "details",
           { open: true },
-          h("summary", null, "Deviation of each face"),
+          h("summary", "Deviation of each face"),
           differences(finger.disagreements),
         ),
     );
@@ -210,10 +186,9 @@ export class PhotographInspector extends Inspector {
       );
     render(
       this.parts.settings,
-      h("h3", null, "Settings"),
+      h("h3", "Settings"),
       h(
         "div.fields",
-        null,
         face &&
           field(
             "Face",
@@ -237,7 +212,7 @@ export class PhotographInspector extends Inspector {
     if (line)
       render(
         line,
-        h("span.figure-big.number", null, quantityText(answer, "length_mm")),
+        h("span.figure-big.number", quantityText(answer, "length_mm")),
         h("br"),
         "uncertainty of each end: 1 px",
       );
@@ -262,20 +237,18 @@ function differences(faces) {
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9);
   return h(
     "div.differences",
-    null,
     rows.map(([label, value]) => {
       const width = (Math.abs(value) / most) * 48;
       return h(
         "div.difference",
-        null,
-        h("span", null, label),
+        h("span", label),
         s(
           "svg",
           { viewBox: "-50 0 100 10", width: 100, height: 10, "aria-hidden": "true" },
           s("path", { d: "M0 0V10", class: "zero" }),
           s("rect", { x: value < 0 ? -width : 0, y: 2, width, height: 6 }),
         ),
-        h("span.number", null, `${value < 0 ? "−" : "+"}${(100 * Math.abs(value)).toFixed(1)} %`),
+        h("span.number", `${value < 0 ? "−" : "+"}${(100 * Math.abs(value)).toFixed(1)} %`),
       );
     }),
   );

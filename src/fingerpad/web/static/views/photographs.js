@@ -6,7 +6,8 @@ import { quantityText } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { empty } from "../parts/forms.js";
 import { handle } from "../parts/handle.js";
-import { icons } from "../parts/icons.js";
+import { icon } from "../parts/icons.js";
+
 import { missingOf } from "../parts/missing_fields.js";
 import { Click, Line } from "../parts/tools.js";
 import { faceWords, PhotographInspector } from "./photograph_inspector.js";
@@ -14,11 +15,11 @@ import { Review, reviewMarks } from "./review.js";
 
 /** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [
-  ["ellipse", "Drag axes and rotation", { icon: icons.ellipse, shortcut: "v" }],
-  ["points", "Add points on the outline", { icon: icons.points, shortcut: "b" }],
-  ["erase", "Erase points of the outline", { icon: icons.eraser, shortcut: "e" }],
-  ["box", "Region of interest", { icon: icons.box, shortcut: "o" }],
-  ["length", "Measure a length", { icon: icons.ruler, shortcut: "l" }],
+  ["ellipse", "Drag axes and rotation", { icon: icon("ellipse"), shortcut: "v" }],
+  ["points", "Add points on the outline", { icon: icon("points"), shortcut: "b" }],
+  ["erase", "Erase points of the outline", { icon: icon("remove"), shortcut: "e" }],
+  ["box", "Region of interest", { icon: icon("box"), shortcut: "o" }],
+  ["length", "Measure a length", { icon: icon("ruler"), shortcut: "l" }],
 ];
 
 class Photographs extends Review {
@@ -56,7 +57,7 @@ class Photographs extends Review {
   #nothing() {
     render(
       this.root,
-      h("header.head", null, h("h1", null, "Photographs")),
+      h("header.head", h("h1", "Photographs")),
       empty(
         "No photographs yet",
         "Photograph two or three faces of the finger (palmar, distal, radial or ulnar) on a plain " +

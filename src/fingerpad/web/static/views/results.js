@@ -37,9 +37,8 @@ class Results {
       root,
       h(
         "header.head",
-        null,
-        h("div", null, h("h1", null, "Results"), h("p", null, "Values ± standard uncertainty.")),
-        h("div.actions", null, this.tabs),
+        h("div", h("h1", "Results"), h("p", "Values ± standard uncertainty.")),
+        h("div.actions", this.tabs),
       ),
       this.banner,
       this.body,
@@ -100,7 +99,7 @@ class Results {
       return;
     }
     // Each part has its own element, so that late answers of another part are not shown.
-    const home = h("div", null, h("div.loading", { role: "status" }, "Reading the results …"));
+    const home = h("div", h("div.loading", { role: "status" }, "Reading the results …"));
     render(this.body, home);
     this.part = new Part(home);
     this.part
@@ -108,12 +107,7 @@ class Results {
       .catch((error) =>
         render(
           home,
-          h(
-            "div.empty",
-            { role: "alert" },
-            h("h2", null, "This cannot be shown"),
-            h("p", null, error.message),
-          ),
+          h("div.empty", { role: "alert" }, h("h2", "This cannot be shown"), h("p", error.message)),
         ),
       );
   }
@@ -128,12 +122,10 @@ class Results {
         exact.length + assumed.length > 0 &&
         h(
           "div.banner.note",
-          null,
           exact.length > 0 && exactNote(exact),
           assumed.length > 0 &&
             h(
               "p",
-              null,
               `Assumed to be known, until you enter other values: ${assumed.join(" and ")}. `,
               h("a", { href: "#/study" }, "Set"),
             ),
@@ -142,7 +134,6 @@ class Results {
         !results.fresh &&
         h(
           "div.banner.note",
-          null,
           "The study has changed since the last run. ",
           h("a", { href: "#/run" }, "Run again"),
           " to update the results; only what has changed is measured.",
@@ -171,13 +162,8 @@ function exactNote(exact) {
     ".",
   ];
   const words = (inputs) => `No uncertainty is given for ${inputs}: the uncertainties shown are too small. `;
-  if (exact.length <= 3) return h("p", null, words(exact.join(", ")), where);
-  return h(
-    "details",
-    null,
-    h("summary", null, words(`${exact.length} inputs`)),
-    h("p", null, `${exact.join(", ")}. `, where),
-  );
+  if (exact.length <= 3) return h("p", words(exact.join(", ")), where);
+  return h("details", h("summary", words(`${exact.length} inputs`)), h("p", `${exact.join(", ")}. `, where));
 }
 
 export const open = (root, rest) => new Results(root, rest);

@@ -3,9 +3,10 @@
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
-import { plain, withStd } from "../core/quantity.js";
-import { figureButton } from "../parts/figure_settings.js";
-import { chip, synthetic } from "../parts/forms.js";
+import { withStd } from "../core/quantity.js";
+import { groupHeader } from "../parts/figure_settings.js";
+import { chip } from "../parts/forms.js";
+import { tableOf } from "../parts/tables.js";
 
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
 
@@ -24,7 +25,6 @@ export class Budget {
       this.root,
       h(
         "p.lead",
-        null,
         "Shares of the variance of the corrected radius ",
         symbol("R_g^corr"),
         ": of the pooled value, and of the highest-load contact by linear approximation and by Sobol's " +
@@ -32,14 +32,14 @@ export class Budget {
       ),
       h(
         "div.plot-grid",
-        null,
         groups.map((group) => this.#group(group)),
       ),
     );
   }
 
   /** @param {Answers["BudgetGroup"]} group */
-  #group({ finger, wedge_angle_deg: wedge, roll_angle_deg: roll, synthetic: made, figure, pooled, check }) {
+  #group(group) {
+    const { finger, wedge_angle_deg: wedge, pooled, check } = group;
     const sources = Object.keys(pooled ?? check?.shares ?? {}).sort(
       (a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a],
     );
@@ -51,74 +51,43 @@ export class Budget {
     return h(
       "section.card",
       { "aria-label": `${finger}, wedge ${wedge}°` },
-      h(
-        "header",
-        null,
-        h(
-          "h2",
-          null,
-          finger,
-          ", ",
-          symbol("θ"),
-          ` = ${plain(wedge)}°`,
-          roll ? [", ", symbol("φ"), ` = ${plain(roll)}°`] : "",
-        ),
-        synthetic(made),
-        h("div.actions", null, figureButton(this.figures.find(({ name }) => name === `${figure}_budget`))),
-      ),
+      groupHeader(group, this.figures, "budget"),
       check &&
         h(
           "p",
-          null,
-          h("span.number", null, `${check.observation}: ${withStd(check.value, check.std)} mm`),
+          h("span.number", `${check.observation}: ${withStd(check.value, check.std)} mm`),
           " ",
           check.valid
             ? chip("linear approximation valid", "good")
             : chip("linear approximation not valid", "warn"),
         ),
       sources.length
-        ? h(
+        ? tableOf(
             "table.budget",
-            null,
-            h(
-              "thead",
-              null,
+            ["Source", ...columns.map(([words]) => h("th.number", { scope: "col" }, words))],
+            sources.map((source) =>
               h(
                 "tr",
-                null,
-                h("th", { scope: "col" }, "Source"),
-                columns.map(([words]) => h("th.number", { scope: "col" }, words)),
-              ),
-            ),
-            h(
-              "tbody",
-              null,
-              sources.map((source) =>
-                h(
-                  "tr",
-                  null,
-                  h("th", { scope: "row" }, source),
-                  columns.map(([, shares, mark]) => {
-                    const share = shares[source];
-                    return h(
-                      "td.number",
-                      null,
-                      share === undefined || share === null
-                        ? "–"
-                        : [
-                            h("span", null, percent(share)),
-                            h("i.share", {
-                              "data-of": mark,
-                              style: { width: `${Math.max(0, Math.min(1, share)) * 100}%` },
-                            }),
-                          ],
-                    );
-                  }),
-                ),
+                h("th", { scope: "row" }, source),
+                columns.map(([, shares, mark]) => {
+                  const share = shares[source];
+                  return h(
+                    "td.number",
+                    share === undefined || share === null
+                      ? "–"
+                      : [
+                          h("span", percent(share)),
+                          h("i.share", {
+                            "data-of": mark,
+                            style: { width: `${Math.max(0, Math.min(1, share)) * 100}%` },
+                          }),
+                        ],
+                  );
+                }),
               ),
             ),
           )
-        : h("p.soft", null, "No contacts can be pooled."),
+        : h("p.soft", "No contacts can be pooled."),
     );
   }
 }

@@ -33,14 +33,10 @@ export class Figures {
       render(
         this.grid,
         shown.map((figure) => this.#card(figure)),
-        !shown.length && h("p.soft", null, "There are no such figures in this study."),
+        !shown.length && h("p.soft", "There are no such figures in this study."),
       );
     };
-    render(
-      this.root,
-      h("div.plot-bar", null, field("Show", choose({ options: kinds, onset: draw }))),
-      this.grid,
-    );
+    render(this.root, h("div.plot-bar", field("Show", choose({ options: kinds, onset: draw }))), this.grid);
     draw("");
   }
 
@@ -52,13 +48,11 @@ export class Figures {
       h("a.button", { href: `${address}?attachment=1`, "aria-label": `${kind} of ${name}` }, kind);
     return h(
       "figure.card",
-      null,
       h("img", { src: svg, alt: words, loading: "lazy" }),
       h(
         "figcaption",
-        null,
-        h("p", null, words),
-        h("div.actions", null, save(svg, "SVG"), png && save(png, "PNG"), figureButton(figure, "")),
+        h("p", words),
+        h("div.actions", save(svg, "SVG"), png && save(png, "PNG"), figureButton(figure, "")),
       ),
     );
   }

@@ -5,8 +5,8 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
-import { figureButton } from "../parts/figure_settings.js";
-import { choose, field, synthetic } from "../parts/forms.js";
+import { groupHeader } from "../parts/figure_settings.js";
+import { choose, field, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { checkList, verdictChip } from "../parts/verdict.js";
 
@@ -65,7 +65,6 @@ export class Plots {
         this.root,
         h(
           "p.lead",
-          null,
           "There are no contacts in these results: a plot needs finger, angle, load and scale. ",
           h("a", { href: "#/study" }, "See the Study page."),
         ),
@@ -77,7 +76,6 @@ export class Plots {
       this.root,
       h(
         "div.plot-bar",
-        null,
         field(
           "Against load",
           choose({
@@ -129,26 +127,26 @@ export class Plots {
    * @param {Answers["PlottedGroup"][]} groups
    */
   #legend(groups) {
-    const hollow = groups.some((group) => group.synthetic) && h("span", null, "hollow circles: synthetic");
+    const hollow = groups.some((group) => group.synthetic) && h("span", "hollow circles: synthetic");
     const any = (key) => groups.some(({ rows }) => rows[key].some((value) => value !== null));
     if (this.quantity !== QUANTITIES[0][0]) {
       const onLayer = ON_LAYER[this.quantity];
       return [
         onLayer &&
           any(onLayer) && [
-            h("span", null, h("i.dot-mark"), "Hertz theory"),
-            h("span", null, h("i.square-mark"), "on the layer over bone"),
+            h("span", h("i.dot-mark"), "Hertz theory"),
+            h("span", h("i.square-mark"), "on the layer over bone"),
           ],
         hollow,
       ];
     }
     const loading = groups.some((group) => group.loading_radius_mm != null);
     return [
-      h("span", null, h("i.dot-mark"), symbol("R_g^corr")),
+      h("span", h("i.dot-mark"), symbol("R_g^corr")),
       any("radius_from_compliance_mm") &&
-        h("span", null, h("i.square-mark"), symbol("R_Aξ"), loading && [", compare with ", symbol("R_g")]),
-      h("span", null, h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"),
-      loading && h("span", null, h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"),
+        h("span", h("i.square-mark"), symbol("R_Aξ"), loading && [", compare with ", symbol("R_g")]),
+      h("span", h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"),
+      loading && h("span", h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"),
       hollow,
     ];
   }
@@ -162,40 +160,19 @@ export class Plots {
     const fact = (label, value, std, mark) =>
       value !== null &&
       value !== undefined &&
-      h("div", null, h("dt", null, label), h("dd.number", null, withStd(value, std), " mm", mark));
+      h("div", h("dt", label), h("dd.number", withStd(value, std), " mm", mark));
     return h(
       "section.card.plot-card",
       { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` },
-      h(
-        "header",
-        null,
-        h(
-          "h2",
-          null,
-          group.finger,
-          ", ",
-          symbol("θ"),
-          ` = ${plain(group.wedge_angle_deg)}°`,
-          group.roll_angle_deg ? [", ", symbol("φ"), ` = ${plain(group.roll_angle_deg)}°`] : "",
-        ),
-        synthetic(group.synthetic),
-        h(
-          "div.actions",
-          null,
-          figureButton(this.figures.find(({ name }) => name === `${group.figure}_${FIGURES[this.quantity]}`)),
-        ),
-      ),
+      groupHeader(group, this.figures, FIGURES[this.quantity]),
       h(
         "dl.facts",
-        null,
         group.radius_from_indentation_mm !== null &&
           h(
             "div.main-fact",
-            null,
-            h("dt", null, symbol("R_g^corr"), ", pooled"),
+            h("dt", symbol("R_g^corr"), ", pooled"),
             h(
               "dd.number",
-              null,
               withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std),
               " mm ",
               verdictChip(group.validity),
@@ -214,21 +191,18 @@ export class Plots {
       node,
       h(
         "details.range",
-        null,
-        h("summary", null, `Does the model hold? ${group.validity.verdict}`),
+        h("summary", `Does the model hold? ${group.validity.verdict}`),
         checkList(group.validity),
       ),
       group.range_notes.length > 0 &&
         h(
           "details.range",
-          null,
-          h("summary", null, `Doubtful values (${group.range_notes.length})`),
-          h(
-            "ul.note",
-            null,
-            group.range_notes.map(({ words, rows }) =>
-              h("li", null, `${rows} of ${group.rows.item.length} contacts and frames: ${words}.`),
+          h("summary", `Doubtful values (${group.range_notes.length})`),
+          list(
+            group.range_notes.map(
+              ({ words, rows }) => `${rows} of ${group.rows.item.length} contacts and frames: ${words}.`,
             ),
+            "ul.note",
           ),
         ),
     );
@@ -353,7 +327,7 @@ export class Plots {
         },
       });
     } catch (error) {
-      render(node, h("p.note.bad", null, error.message));
+      render(node, h("p.note.bad", error.message));
     }
   }
 

@@ -6,6 +6,7 @@ import { symbol } from "../core/glossary.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
+import { tableOf } from "../parts/tables.js";
 
 const LIMIT = 100;
 // Shown where a finger's thickness is stated.
@@ -100,7 +101,6 @@ export class Table {
       this.root,
       h(
         "div.filters",
-        null,
         field("Search", search),
         field(
           "Finger",
@@ -131,7 +131,7 @@ export class Table {
         h("span.grow"),
         h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),
       ),
-      h("div.table-head", null, this.count, this.pager),
+      h("div.table-head", this.count, this.pager),
       this.table,
     );
     await this.#ask({});
@@ -185,46 +185,34 @@ export class Table {
       ],
     );
     if (!rows.length) {
-      render(this.table, h("p.soft.no-rows", null, "No rows match the filters."));
+      render(this.table, h("p.soft.no-rows", "No rows match the filters."));
       return;
     }
     const numeric = (key) => rows.some((row) => typeof row[key] === "number");
     render(
       this.table,
-      h(
+      tableOf(
         "table.tight",
-        null,
-        h(
-          "thead",
-          null,
+        [
+          this.#header({ key: "observation", words: "name of the observation" }, false),
+          ...shown.map((column) => this.#header(column, numeric(column.key))),
+        ],
+        rows.map((row) =>
           h(
             "tr",
-            null,
-            this.#header({ key: "observation", words: "name of the observation" }, false),
-            shown.map((column) => this.#header(column, numeric(column.key))),
-          ),
-        ),
-        h(
-          "tbody",
-          null,
-          rows.map((row) =>
             h(
-              "tr",
-              null,
-              h(
-                "th",
-                { scope: "row" },
-                this.#link(row),
-                " ",
-                synthetic(row.synthetic),
-                " ",
-                String(row.flags ?? "")
-                  .split(" ")
-                  .filter(Boolean)
-                  .map((flag) => chip(flag.replaceAll("_", " "), "warn", describeCode(flag))),
-              ),
-              shown.map((column) => this.#cell(row, column)),
+              "th",
+              { scope: "row" },
+              this.#link(row),
+              " ",
+              synthetic(row.synthetic),
+              " ",
+              String(row.flags ?? "")
+                .split(" ")
+                .filter(Boolean)
+                .map((flag) => chip(flag.replaceAll("_", " "), "warn", describeCode(flag))),
             ),
+            shown.map((column) => this.#cell(row, column)),
           ),
         ),
       ),
@@ -233,7 +221,7 @@ export class Table {
 
   /** @param {Answers["Rows"]["rows"][number]} row */
   #link(row) {
-    if (!row.item || !row.file) return h("span", null, row.observation);
+    if (!row.item || !row.file) return h("span", row.observation);
     const source = row.sequence ? `film:${row.sequence}` : "images";
     return h(
       "a",
@@ -284,15 +272,13 @@ export class Table {
     if (key === "status")
       return h(
         "td",
-        null,
         chip(value, KIND[value] ?? "", row.reason || undefined),
-        row.reason && h("div.soft.reason", null, row.reason),
+        row.reason && h("div.soft.reason", row.reason),
       );
-    if (typeof value === "number") return h("td.number", null, std ? withStd(value, row[std]) : plain(value));
+    if (typeof value === "number") return h("td.number", std ? withStd(value, row[std]) : plain(value));
     return h(
       "td",
-      null,
-      value === null || value === undefined || value === "" ? h("span.soft", null, "–") : String(value),
+      value === null || value === undefined || value === "" ? h("span.soft", "–") : String(value),
     );
   }
 

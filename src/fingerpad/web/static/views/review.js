@@ -110,15 +110,9 @@ export class Review {
     this.inspector = inspector;
     render(
       this.root,
-      h(
-        "header.head",
-        null,
-        h("div", null, h("h1", null, title), h("p", null, words)),
-        h("div.actions", null, whoButton()),
-      ),
+      h("header.head", h("div", h("h1", title), h("p", words)), h("div.actions", whoButton())),
       h(
         "div.panes",
-        null,
         this.toolbar,
         this.stage.root,
         h(

@@ -5,7 +5,7 @@ import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, check, chip, choose, faultList, field, withoutOverlap } from "../parts/forms.js";
+import { button, check, chip, choose, faultList, field, list, withoutOverlap } from "../parts/forms.js";
 
 const STATES = {
   idle: "Nothing is running",
@@ -37,6 +37,16 @@ const FILES = [
   ["summary.json", "Summary as JSON", "Pooled radii, versions, hashes of all inputs, formulas."],
 ];
 
+const exportCard = (title, words, actions, more = null) =>
+  h(
+    "section.card.export",
+    { "aria-label": title },
+    h("h3", title),
+    h("p.soft", words),
+    more,
+    h("div.actions", actions || h("span.soft", "available after a run")),
+  );
+
 class Run {
   constructor(root, rest) {
     this.workers = 1;
@@ -49,15 +59,9 @@ class Run {
       root,
       h(
         "header.head",
-        null,
-        h(
-          "div",
-          null,
-          h("h1", null, "Run & export"),
-          h("p", null, "A run measures only what is new or has changed."),
-        ),
+        h("div", h("h1", "Run & export"), h("p", "A run measures only what is new or has changed.")),
       ),
-      h("div.scroll.stack", null, this.status, this.exports),
+      h("div.scroll.stack", this.status, this.exports),
     );
     this.removeListener = workspace.on("run", () => this.#draw());
     bindHere([
@@ -115,8 +119,7 @@ class Run {
       this.status,
       h(
         "header",
-        null,
-        h("h2", null, STATES[run.state] ?? run.state),
+        h("h2", STATES[run.state] ?? run.state),
         h("span.sr", { role: "status" }, STATES[run.state] ?? run.state),
         finished && chip("up to date", "good"),
         run.state === "failed" && chip("failed", "bad"),
@@ -125,24 +128,19 @@ class Run {
         ? [
             (this.bar = h("progress", { "aria-label": "Progress of the run" })),
             (this.line = h("p.run-line.number")),
-            h(
-              "div.actions",
-              null,
-              (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" })),
-            ),
+            h("div.actions", (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" }))),
           ]
         : [
             run.error && h("div.note.bad", { role: "alert" }, run.error),
             h(
               "p",
-              null,
               counts
                 ? [
-                    h("strong.number", null, counts.done),
+                    h("strong.number", counts.done),
                     " measured, ",
-                    h("strong.number", null, counts.left + counts.stale),
+                    h("strong.number", counts.left + counts.stale),
                     " to do",
-                    counts.failed > 0 && [", ", h("strong.number", null, counts.failed), " failed"],
+                    counts.failed > 0 && [", ", h("strong.number", counts.failed), " failed"],
                     ".",
                   ]
                 : "",
@@ -150,13 +148,11 @@ class Run {
             !ready &&
               h(
                 "div.note",
-                null,
                 "The study is incomplete: a run needs every entry. ",
                 h("a", { href: "#/study" }, "See the Study page."),
               ),
             h(
               "div.run-options",
-              null,
               field(
                 "Processes",
                 choose({
@@ -169,7 +165,6 @@ class Run {
             ),
             h(
               "div.actions",
-              null,
               (this.main = button("Run", () => this.#start(), {
                 kind: finished ? "" : "primary",
                 key: "Enter",
@@ -184,12 +179,8 @@ class Run {
         h(
           "div.note.bad.failures",
           { tabindex: 0, role: "region", "aria-label": "Failures" },
-          h("strong", null, `${run.failures.length} failed`),
-          h(
-            "ul",
-            null,
-            run.failures.slice(0, 50).map((words) => h("li", null, words)),
-          ),
+          h("strong", `${run.failures.length} failed`),
+          list(run.failures.slice(0, 50)),
         ),
       this.problem,
     );
@@ -206,10 +197,9 @@ class Run {
     const left = run.seconds_left ? `, about ${duration(run.seconds_left)} left` : "";
     render(
       this.line,
-      h("span", null, `${run.done ?? 0} of ${run.total ?? 0} · ${duration(run.seconds ?? 0)}${left}`),
+      h("span", `${run.done ?? 0} of ${run.total ?? 0} · ${duration(run.seconds ?? 0)}${left}`),
       h(
         "span",
-        null,
         `${PHASES[run.phase] ?? run.phase ?? ""} `,
         h(
           "strong",
@@ -227,58 +217,31 @@ class Run {
       this.exports,
       h(
         "div.headline",
-        null,
-        h("h2", null, "Export"),
+        h("h2", "Export"),
         there &&
-          h(
-            "span.soft",
-            null,
-            results.fresh ? "up to date" : "from the last run; the study has changed since",
-          ),
+          h("span.soft", results.fresh ? "up to date" : "from the last run; the study has changed since"),
       ),
       h(
         "div.export-grid",
-        null,
         FILES.map(([file, title, words]) => {
           const can = file === "study.zip" || (file === "report.html" ? results?.report : there);
-          return h(
-            "section.card.export",
-            { "aria-label": title },
-            h("h3", null, title),
-            h("p.soft", null, words),
+          const link = {
+            href: download(`${file}?attachment=1`),
+            download: "",
+            "aria-label": `Download ${title}`,
+          };
+          const open = { href: download(file), target: "_blank", rel: "noopener" };
+          return exportCard(
+            title,
+            words,
+            can && [h("a.button", link, "Download"), file === "report.html" && h("a.button", open, "Open")],
             file === "study.zip" && this.leftOut,
-            h(
-              "div.actions",
-              null,
-              can
-                ? h(
-                    "a.button",
-                    {
-                      href: download(`${file}?attachment=1`),
-                      download: "",
-                      "aria-label": `Download ${title}`,
-                    },
-                    "Download",
-                  )
-                : h("span.soft", null, "available after a run"),
-              can &&
-                file === "report.html" &&
-                h("a.button", { href: download(file), target: "_blank", rel: "noopener" }, "Open"),
-            ),
           );
         }),
-        h(
-          "section.card.export",
-          { "aria-label": "Figures" },
-          h("h3", null, "Figures"),
-          h("p.soft", null, "Each figure of the report as SVG, PDF, PNG and CSV."),
-          h(
-            "div.actions",
-            null,
-            there
-              ? h("a.button", { href: "#/results/figures" }, "Show figures")
-              : h("span.soft", null, "available after a run"),
-          ),
+        exportCard(
+          "Figures",
+          "Each figure of the report as SVG, PDF, PNG and CSV.",
+          there && h("a.button", { href: "#/results/figures" }, "Show figures"),
         ),
       ),
     );
@@ -289,17 +252,16 @@ class Run {
     const { files, bytes: size, left_out: left } = await get("/api/study/bundle");
     render(
       this.leftOut,
-      h("p.soft.number", null, `${files} files, ${bytes(size)}`),
+      h("p.soft.number", `${files} files, ${bytes(size)}`),
       left.length > 0 &&
         h(
           "details",
-          null,
-          h("summary", null, `${left.length} left out`),
+          h("summary", `${left.length} left out`),
           h(
             "ul.rest.left-out",
             { tabindex: 0 },
-            left.slice(0, 200).map(({ file, why }) => h("li", null, h("code", null, file), `: ${why}`)),
-            left.length > 200 && h("li.soft", null, `and ${left.length - 200} more, all listed in the ZIP`),
+            left.slice(0, 200).map(({ file, why }) => h("li", h("code", file), `: ${why}`)),
+            left.length > 200 && h("li.soft", `and ${left.length - 200} more, all listed in the ZIP`),
           ),
         ),
     );

@@ -49,28 +49,24 @@ class Scales {
       root,
       h(
         "header.head",
-        null,
         h(
           "div",
-          null,
-          h("h1", null, "Scale"),
-          h("p", null, "Every image needs a scale. Images that share a named scale share its uncertainty."),
+          h("h1", "Scale"),
+          h("p", "Every image needs a scale. Images that share a named scale share its uncertainty."),
         ),
         (this.actions = h("div.actions")),
       ),
       h(
         "div.panes.no-tools.scale-panes",
-        null,
         h(
           "div.scale-main",
-          null,
           this.list,
           this.stage.root,
           (this.plainWords = h(
             "div.empty",
             { hidden: true },
-            h("h2", null, "This scale needs no image"),
-            h("p", null, "See the data sheet of the scanner or camera. The uncertainty enters every result."),
+            h("h2", "This scale needs no image"),
+            h("p", "See the data sheet of the scanner or camera. The uncertainty enters every result."),
           )),
         ),
         h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, this.form),
@@ -144,16 +140,16 @@ class Scales {
             "aria-pressed": String(this.old?.name === name),
             onclick: () => this.#start(workspace.study.scales.find((scale) => scale.name === name)),
           },
-          h("strong", null, name),
-          h("span.soft", null, scaleWords(table)),
+          h("strong", name),
+          h("span.soft", scaleWords(table)),
           chip(`${uses} image${uses === 1 ? "" : "s"}`),
         ),
       ),
       h(
         "button.scale-item.new",
         { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) },
-        h("strong", null, "+ New scale"),
-        h("span.soft", null, "ruler, coin, grid or resolution"),
+        h("strong", "+ New scale"),
+        h("span.soft", "ruler, coin, grid or resolution"),
       ),
     );
   }
@@ -173,14 +169,12 @@ class Scales {
       this.form,
       h(
         "section",
-        null,
-        h("h2", null, this.old ? `Scale ${this.old.name}` : "New scale"),
+        h("h2", this.old ? `Scale ${this.old.name}` : "New scale"),
         field("Name", this.nameField, { hint: this.old ? "A new name creates a new scale." : undefined }),
       ),
       h(
         "section",
-        null,
-        h("h3", null, "Type of scale"),
+        h("h3", "Type of scale"),
         segments(
           "Type of scale",
           Object.entries(WAYS).map(([key, { words }]) => [key, words]),
@@ -191,7 +185,6 @@ class Scales {
       WAYS[this.way].picture &&
         h(
           "section",
-          null,
           field(
             "Image",
             choose({
@@ -204,15 +197,13 @@ class Scales {
             },
           ),
         ),
-      h("section", null, this.fields),
-      h("section", null, this.result),
-      h("section", null, this.images.parts),
+      h("section", this.fields),
+      h("section", this.result),
+      h("section", this.images.parts),
       h(
         "section",
-        null,
         h(
           "div.actions",
-          null,
           (this.keepButton = button("Save scale", () => this.#keep(), {
             kind: "primary",
             key: "Ctrl+Enter",
@@ -298,7 +289,7 @@ class Scales {
     const lacking = lackingOf(this.table, this.way);
     if (lacking) {
       this.live.cancel();
-      render(this.result, h("p.soft", null, lacking));
+      render(this.result, h("p.soft", lacking));
       this.line.write("");
     } else this.live.request(definitionOf(this.table, this.way));
   }
@@ -315,16 +306,15 @@ class Scales {
     if (this.way === "line") this.line.write(`${plain(this.table.length_mm)} mm`);
     render(
       this.result,
-      h("h3", null, "Scale"),
+      h("h3", "Scale"),
       h(
         "p.figure-big.number",
         { "data-live": "scale" },
         withStd(answer.mm_per_px, answer.mm_per_px_std),
-        h("span.unit", null, " mm/px"),
+        h("span.unit", " mm/px"),
       ),
       h(
         "p.soft.number",
-        null,
         `${plain(answer.resolution_ppi)} ppi`,
         answer.relative_std > 0
           ? `, relative uncertainty ${plain(answer.relative_std * 100)} %`
@@ -333,15 +323,13 @@ class Scales {
       answer.coin &&
         h(
           "p.soft.number",
-          null,
           `${this.way === "circle" ? "circle" : "coin"}: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
         ),
       answer.grid && gridWords(answer.grid),
       answer.flags?.length > 0 &&
         h(
           "div.note",
-          null,
-          answer.flags.map((flag) => h("p", null, describeCode(flag))),
+          answer.flags.map((flag) => h("p", describeCode(flag))),
         ),
       answer.grid &&
         rectification(
@@ -385,7 +373,7 @@ class Scales {
   }
 
   #wrong(words, control) {
-    render(this.problem, h("div.faults", { role: "alert" }, h("p", null, words)));
+    render(this.problem, h("div.faults", { role: "alert" }, h("p", words)));
     control?.focus();
   }
 

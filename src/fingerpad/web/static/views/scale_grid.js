@@ -12,7 +12,6 @@ export function gridWords(grid) {
   const percent = (share) => `${(100 * share).toFixed(share < 0.001 ? 2 : 1)} %`;
   return h(
     "dl.grid-words.number",
-    null,
     [
       ["Points off the plane", `${grid.residual_px.toFixed(2)} px`],
       ["Sides of a pixel differ by", percent(grid.anisotropy)],
@@ -22,7 +21,7 @@ export function gridWords(grid) {
         "Once rectified, mm/px",
         `${withStd(grid.rectified_mm_per_px, grid.rectified_mm_per_px * grid.rectified_relative_std)}`,
       ],
-    ].map(([words, value]) => [h("dt", null, words), h("dd", null, value)]),
+    ].map(([words, value]) => [h("dt", words), h("dd", value)]),
   );
 }
 
@@ -36,8 +35,7 @@ export function gridWords(grid) {
  */
 export function rectification(scale, definition, done, failed) {
   const images = workspace.study.observations.filter((each) => scale && each.file && each.scale === scale);
-  if (!images.length)
-    return h("p.soft", null, "Once contact images use this scale, they can be rectified here.");
+  if (!images.length) return h("p.soft", "Once contact images use this scale, they can be rectified here.");
   const rectify = async () => {
     const name = `${scale}_rectified`;
     try {

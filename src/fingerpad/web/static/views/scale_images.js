@@ -51,12 +51,8 @@ export class ScaleImages {
         "label.check",
         { "data-kind": kind },
         box,
-        h("span", null, label),
-        h(
-          "span.soft",
-          null,
-          scale ? (mine ? "" : typeof scale === "string" ? scale : "own scale") : "none yet",
-        ),
+        h("span", label),
+        h("span.soft", scale ? (mine ? "" : typeof scale === "string" ? scale : "own scale") : "none yet"),
       );
     });
     const only = (kind) => {
@@ -64,13 +60,12 @@ export class ScaleImages {
     };
     const has = (kind) => rows.some(([other]) => other === kind);
     return [
-      h("h3", null, "Images with this scale"),
+      h("h3", "Images with this scale"),
       rows.length
         ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Images with this scale" }, boxes)
-        : h("p.soft", null, "No images yet; choose this scale when you add them."),
+        : h("p.soft", "No images yet; choose this scale when you add them."),
       h(
         "div.actions",
-        null,
         has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }),
         has("observation") && button("Only contact images", () => only("observation"), { kind: "small" }),
       ),

@@ -2,8 +2,8 @@
 
 import { get, picture, post } from "../core/api.js";
 import { describeChange, withoutDefaults } from "../core/corrections.js";
-import { h, pathOf, render, s, saveFocus } from "../core/dom.js";
-import { showError } from "../core/messages.js";
+import { h, pathOf, render, s } from "../core/dom.js";
+import { openDialog, showError } from "../core/messages.js";
 import { quantityText } from "../core/quantity.js";
 import { describeCode, who } from "../core/workspace.js";
 import { button } from "../parts/forms.js";
@@ -20,16 +20,16 @@ class Card {
     this.image = image;
     this.decided = decided;
     this.picture = h("div.similar-picture", { "aria-hidden": "true" });
-    this.words = h("div.similar-words", { "aria-live": "polite" }, h("p.loading", null, "Measuring …"));
+    this.words = h("div.similar-words", { "aria-live": "polite" }, h("p.loading", "Measuring …"));
     this.accept = button("Accept", () => this.#accept(), { kind: "primary small", disabled: true });
     this.leave = button("Leave", () => this.#decide("left"), { kind: "small" });
     this.root = h(
       "li.similar-card",
       { "aria-label": image.item, "data-item": image.item },
       this.picture,
-      h("strong", null, image.item),
+      h("strong", image.item),
       this.words,
-      (this.actions = h("div.actions", null, this.accept, this.leave)),
+      (this.actions = h("div.actions", this.accept, this.leave)),
     );
   }
 
@@ -46,7 +46,7 @@ class Card {
       this.#describe(now, then);
       this.accept.disabled = this.state !== undefined;
     } catch (error) {
-      render(this.words, h("p.note.bad", null, error.message));
+      render(this.words, h("p.note.bad", error.message));
     }
   }
 
@@ -68,13 +68,12 @@ class Card {
     const area = (answer) => answer.numbers.gross_area_mm2;
     render(
       this.words,
-      h("p.number", null, `Area ${quantityText(then.numbers, "gross_area_mm2")}`),
+      h("p.number", `Area ${quantityText(then.numbers, "gross_area_mm2")}`),
       h(
         "p.soft.number",
-        null,
         now ? `${percent(area(then) / area(now) - 1)} from now` : "No contact is found now.",
       ),
-      then.flags.length > 0 && h("p.soft", null, then.flags.map(describeCode).join("; ")),
+      then.flags.length > 0 && h("p.soft", then.flags.map(describeCode).join("; ")),
     );
   }
 
@@ -106,12 +105,8 @@ class Card {
 export async function applyToSimilar(item) {
   const { settings, images } = await get("/api/corrections/similar", { item });
   const cards = images.filter(({ differs }) => differs).map((image) => new Card(image, decided));
-  const restoreFocus = saveFocus();
   const status = h("p.soft", { role: "status" });
-  const dialog = h("dialog.similar", {
-    "aria-label": "Apply to similar images",
-    onclose: () => (dialog.remove(), restoreFocus()),
-  });
+  const dialog = h("dialog.similar", { "aria-label": "Apply to similar images" });
   function decided() {
     const left = cards.filter(({ state }) => !state);
     status.textContent = left.length
@@ -125,14 +120,11 @@ export async function applyToSimilar(item) {
     dialog,
     h(
       "header",
-      null,
       h(
         "div",
-        null,
-        h("h2", null, "Apply to similar images"),
+        h("h2", "Apply to similar images"),
         h(
           "p.soft",
-          null,
           `The ${describeChange({ action: "change", change: settings })} of ${item} on the other images of this ` +
             "finger with the same scale. Dashed: the outline now. Each is kept only once you accept it.",
         ),
@@ -142,14 +134,12 @@ export async function applyToSimilar(item) {
     cards.length
       ? h(
           "ul.similar-cards",
-          null,
           cards.map(({ root }) => root),
         )
-      : h("p", null, "No other image of this finger and scale would change."),
-    h("footer", null, status),
+      : h("p", "No other image of this finger and scale would change."),
+    h("footer", status),
   );
-  document.body.append(dialog);
-  dialog.showModal();
+  openDialog(dialog);
   for (const card of cards) if (dialog.open) await card.load();
   if (dialog.open && cards.length && !cards.some(({ state }) => state)) cards[0].accept.focus();
 }

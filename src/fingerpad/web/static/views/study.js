@@ -31,12 +31,12 @@ class StudyView {
     this.ready = h("div.actions");
     render(
       root,
-      h("header.head", null, this.heading, this.ready),
+      h("header.head", this.heading, this.ready),
       h(
         "div.scroll.study-grid",
         this.#whileTyping(),
-        h("div.stack.across", null, this.drop.root, this.files.root),
-        h("div.stack", null, this.tables.root, this.files.rest),
+        h("div.stack.across", this.drop.root, this.files.root),
+        h("div.stack", this.tables.root, this.files.rest),
         this.side,
       ),
     );
@@ -74,10 +74,9 @@ class StudyView {
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
     render(
       this.heading,
-      h("h1", null, study.title || study.name),
+      h("h1", study.title || study.name),
       h(
         "p",
-        null,
         [
           count(study.fingers.length, "finger"),
           count(study.observations.length, "contact"),
@@ -93,7 +92,7 @@ class StudyView {
       study.ready
         ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
         : [
-            h("span.soft", null, "Not ready to run"),
+            h("span.soft", "Not ready to run"),
             study.missing.length > 0 &&
               study.fingers.length + all > 0 &&
               button("Show what is missing", () => this.#showMissing(), { kind: "small" }),
@@ -110,16 +109,13 @@ class StudyView {
       if (observations.length + sequences.length)
         return h(
           "section.card",
-          null,
-          h("div.note.good", null, h("strong", null, "Nothing is missing."), " The study can run."),
+          h("div.note.good", h("strong", "Nothing is missing."), " The study can run."),
         );
       return h(
         "section.card",
-        null,
         h(
           "div.note",
-          null,
-          h("strong", null, "No contacts yet."),
+          h("strong", "No contacts yet."),
           " Drop contact images or a sequence, and enter finger, angle and load.",
         ),
       );
@@ -127,7 +123,7 @@ class StudyView {
     return h(
       "section.card",
       { "aria-label": "Missing" },
-      h("header", null, h("h2", null, "Missing"), h("span.soft", null, missing.length)),
+      h("header", h("h2", "Missing"), h("span.soft", missing.length)),
       missing.length
         ? h(
             "div.missing-box",
@@ -136,10 +132,10 @@ class StudyView {
               named: true,
               axes: (name) => this.tables.fingers.askSemiAxes(name),
             }),
-            missing.length > 40 && h("p.soft", null, `and ${missing.length - 40} more`),
+            missing.length > 40 && h("p.soft", `and ${missing.length - 40} more`),
           )
-        : h("p.soft", null, "Start by dropping files: photographs of the finger and contact images."),
-      ready && h("p.soft", null, "The study can run without them."),
+        : h("p.soft", "Start by dropping files: photographs of the finger and contact images."),
+      ready && h("p.soft", "The study can run without them."),
     );
   }
 
@@ -166,15 +162,10 @@ class StudyView {
     return h(
       "section.card",
       { "aria-label": "Common uncertainties" },
-      h("header", null, h("h2", null, "Common uncertainties")),
-      h(
-        "p.soft",
-        null,
-        "Standard uncertainties. A value of 0 makes the uncertainties of the results too small.",
-      ),
+      h("header", h("h2", "Common uncertainties")),
+      h("p.soft", "Standard uncertainties. A value of 0 makes the uncertainties of the results too small."),
       h(
         "div.fields.two",
-        null,
         field("Wedge angle ±", of("wedge_angle_deg_std"), { unit: "°" }),
         field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°" }),
         field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is 1 %" }),
@@ -207,10 +198,9 @@ class StudyView {
       h(
         "details",
         { open: this.apparatusOpen, ontoggle: (event) => (this.apparatusOpen = event.target.open) },
-        h("summary", null, h("strong", null, "Apparatus"), " – for the methods section of the report"),
+        h("summary", h("strong", "Apparatus"), " – for the methods section of the report"),
         h(
           "div.fields.two",
-          null,
           APPARATUS.map(([key, words, example]) =>
             field(words, text({ value: now[key], placeholder: example, onset: onset(key) }), { wide: true }),
           ),
@@ -234,10 +224,9 @@ class StudyView {
     return h(
       "section.card",
       { "aria-label": "Study settings" },
-      h("header", null, h("h2", null, "Settings")),
+      h("header", h("h2", "Settings")),
       h(
         "div.fields.two",
-        null,
         field(
           "Title",
           text({ value: study.title, onset: (title) => title && this.#change("study", { title }, problem) }),
@@ -254,10 +243,9 @@ class StudyView {
           }),
         ),
       ),
-      study.description &&
-        h("details", null, h("summary", null, "Description"), h("p.soft", null, study.description)),
+      study.description && h("details", h("summary", "Description"), h("p.soft", study.description)),
       problem,
-      h("p.soft.folder", null, "Folder: ", h("code", null, study.name)),
+      h("p.soft.folder", "Folder: ", h("code", study.name)),
     );
   }
 }

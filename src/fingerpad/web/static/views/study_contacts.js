@@ -42,7 +42,7 @@ export class ContactTable {
             ],
             shown.map((observation) => this.#observation(observation, rolled)),
           )
-        : h("p.soft", null, "No contacts yet. Drop contact images above; each is one contact at one load."),
+        : h("p.soft", "No contacts yet. Drop contact images above; each is one contact at one load."),
     );
   }
 
@@ -53,7 +53,7 @@ export class ContactTable {
     };
     return [
       button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Previous page" }),
-      h("span.number", null, `${this.page + 1} of ${pages}`),
+      h("span.number", `${this.page + 1} of ${pages}`),
       button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }),
     ];
   }
@@ -97,7 +97,7 @@ export class ContactTable {
             { "data-empty": !one.scale },
             scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }),
           )
-        : h("td.soft", null, "ellipse given"),
+        : h("td.soft", "ellipse given"),
       cell(statusChip(one)),
       cell(this.tables.removal("observation", one.item, one.item, one.item)),
     );

@@ -16,7 +16,7 @@ export class CurveTable {
 
   /** @param {State["curves"]} curves */
   draw(curves) {
-    const words = h("span", null, "Add ", symbol("R_g", { inControl: true }), " from elsewhere");
+    const words = h("span", "Add ", symbol("R_g", { inControl: true }), " from elsewhere");
     return card(
       "Loading data",
       ["force–displacement curves, or ", symbol("R_g"), " from elsewhere"],
@@ -29,7 +29,6 @@ export class CurveTable {
           )
         : h(
             "p.soft",
-            null,
             "None. The study runs without them; ",
             symbol("R_g"),
             " is then not compared with the corrected radius.",
@@ -53,7 +52,6 @@ export class CurveTable {
       ),
       h(
         "td.number",
-        null,
         one.loading_radius_mm
           ? withStd(one.loading_radius_mm, one.loading_radius_mm_std)
           : one.file
@@ -73,22 +71,18 @@ export class CurveTable {
     const wedge = number({ min: 0, max: 90 });
     const radius = number({ min: 0 });
     const std = number({ min: 0 });
-    const answer = await ask(
+    const add = await ask(
       "R_g from loading data",
       h(
         "div.fields",
-        null,
         field("Finger", finger),
         field("Wedge angle", wedge, { unit: "°" }),
         field("R_g", radius, { unit: "mm" }),
         field("± (standard uncertainty)", std, { unit: "mm" }),
       ),
-      [
-        ["", "Cancel"],
-        ["yes", "Add", "primary"],
-      ],
+      "Add",
     );
-    if (answer !== "yes" || radius.value === "") return;
+    if (!add || radius.value === "") return;
     const set = { finger: finger.value, loading_radius_mm: Number(radius.value) };
     if (wedge.value !== "") set.wedge_angle_deg = Number(wedge.value);
     if (std.value !== "") set.loading_radius_mm_std = Number(std.value);

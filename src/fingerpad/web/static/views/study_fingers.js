@@ -6,14 +6,8 @@ import { ask } from "../core/messages.js";
 import { withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, chip, field, NAME, number, synthetic, text } from "../parts/forms.js";
-import { missingList, missingOf } from "../parts/missing_fields.js";
+import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
 import { card, cell, incompleteChip, row, table } from "../parts/tables.js";
-
-const AXES = [
-  ["palmar", "Palmar"],
-  ["distal", "Distal"],
-  ["radial_ulnar", "Radial–ulnar"],
-];
 
 export class FingerTable {
   /** @param {import("./study_tables.js").StudyTables} tables */
@@ -39,7 +33,7 @@ export class FingerTable {
             ],
             fingers.map((finger) => this.#finger(finger)),
           )
-        : h("p.soft", null, "No fingers yet. Add a photograph, or enter the semi-axes."),
+        : h("p.soft", "No fingers yet. Add a photograph, or enter the semi-axes."),
     );
   }
 
@@ -48,13 +42,12 @@ export class FingerTable {
     const { name, photographs, table: typed } = finger;
     const thickness = typed.effective_thickness_mm;
     return row(
-      cell(h("strong", null, name), " ", synthetic(finger.synthetic), " ", incompleteChip(finger)),
+      cell(h("strong", name), " ", synthetic(finger.synthetic), " ", incompleteChip(finger)),
       AXES.map(([axis]) =>
-        h("td.number", null, withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis])),
+        h("td.number", withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis])),
       ),
       h(
         "td.number",
-        null,
         button(
           thickness === undefined ? "Enter" : withStd(thickness, typed.effective_thickness_mm_std),
           () => this.#thickness(finger),
@@ -65,15 +58,13 @@ export class FingerTable {
         photographs?.length
           ? h(
               "div.faces",
-              null,
               photographs.map((photograph) => this.#face(photograph)),
             )
-          : h("span.soft", null, typed.semi_axes_mm ? "entered" : "none"),
+          : h("span.soft", typed.semi_axes_mm ? "entered" : "none"),
       ),
       cell(
         h(
           "div.actions",
-          null,
           !photographs?.length &&
             button("Semi-axes", () => this.#semiAxes(finger), {
               kind: "small",
@@ -97,7 +88,6 @@ export class FingerTable {
     const name = photograph.file?.split("/").at(-1);
     return h(
       "div.face",
-      null,
       photograph.outline
         ? words && chip(words, kind)
         : h(
@@ -118,12 +108,8 @@ export class FingerTable {
   /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
     const name = text({ placeholder: "left_index", value, pattern: NAME });
-    const body = h("div", null, field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
-    const answer = await ask(words, body, [
-      ["", "Cancel"],
-      ["yes", doing, "primary"],
-    ]);
-    return answer === "yes" ? name.value.trim() : "";
+    const body = h("div", field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
+    return (await ask(words, body, doing)) ? name.value.trim() : "";
   }
 
   async #addFinger() {
@@ -157,27 +143,18 @@ export class FingerTable {
     ]);
     const body = h(
       "div.stack",
-      null,
-      h(
-        "p",
-        null,
-        "Semi-axes of the pad with standard uncertainties. Leave them empty if photographs follow.",
-      ),
+      h("p", "Semi-axes of the pad with standard uncertainties. Leave them empty if photographs follow."),
       h(
         "div.fields.two",
-        null,
         inputs.map(([, words, value, its]) => [
           field(words, value, { unit: "mm" }),
           field("± (standard uncertainty)", its, { unit: "mm" }),
         ]),
       ),
     );
-    const answer = await ask(`Semi-axes of ${finger.name}`, body, [
-      ["", "Cancel"],
-      ["yes", "Save", "primary"],
-    ]);
+    const save = await ask(`Semi-axes of ${finger.name}`, body, "Save");
     const value = (input) => (input.value === "" ? undefined : Number(input.value));
-    if (answer !== "yes" || inputs.every(([, , input]) => input.value === "")) return;
+    if (!save || inputs.every(([, , input]) => input.value === "")) return;
     this.tables.change("finger", finger.name, {
       semi_axes_mm: Object.fromEntries(inputs.map(([axis, , input]) => [axis, value(input)])),
       semi_axes_mm_std: Object.fromEntries(inputs.map(([axis, , , input]) => [axis, value(input) ?? 0])),
@@ -191,26 +168,19 @@ export class FingerTable {
     const [value, its] = [now, std].map((each) => number({ value: each, min: 0 }));
     const body = h(
       "div.stack",
-      null,
       h(
         "p",
-        null,
         "Effective thickness of the tissue over bone: that of a flat layer which acts like this finger's narrow and " +
           "curved bone. Results then show the whole pad on that layer beside Hertz theory. Without an uncertainty it " +
           "is taken as exact; empty fields remove it.",
       ),
       h(
         "div.fields.two",
-        null,
         field("Effective thickness", value, { unit: "mm" }),
         field("± (standard uncertainty)", its, { unit: "mm" }),
       ),
     );
-    const answer = await ask(`Thickness of ${finger.name}`, body, [
-      ["", "Cancel"],
-      ["yes", "Save", "primary"],
-    ]);
-    if (answer !== "yes") return;
+    if (!(await ask(`Thickness of ${finger.name}`, body, "Save"))) return;
     const typed = (input) => (input.value === "" ? null : Number(input.value));
     this.tables.change("finger", finger.name, {
       effective_thickness_mm: typed(value),

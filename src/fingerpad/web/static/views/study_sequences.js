@@ -36,7 +36,7 @@ function sequenceRow(tables, one) {
       h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name),
       " ",
       synthetic(one.synthetic),
-      one.frames && h("div.soft.number", null, `${one.frames} frames`),
+      one.frames && h("div.soft.number", `${one.frames} frames`),
     ),
     cell(
       choose({
@@ -64,14 +64,13 @@ function sequenceRow(tables, one) {
       }),
       h(
         "div.control.below",
-        null,
         number({
           value: one.frames_per_second,
           min: 0,
           label: `Frames per second of ${one.name}`,
           onset: set("frames_per_second"),
         }),
-        h("span.unit", null, "frames/s"),
+        h("span.unit", "frames/s"),
       ),
     ),
     cell(scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") })),

@@ -44,15 +44,9 @@ export class StudyTables {
   /** A button that removes an entry, once that is confirmed. */
   removal(kind, key, label, words) {
     const remove = async () => {
-      const answer = await ask(
-        `Remove ${words} from the study?`,
-        h("p", null, "Its file stays in the study folder."),
-        [
-          ["", "Cancel"],
-          ["yes", "Remove", "bad"],
-        ],
-      );
-      if (answer === "yes") this.change(kind, key, null);
+      const body = h("p", "Its file stays in the study folder.");
+      if (await ask(`Remove ${words} from the study?`, body, "Remove", { kind: "bad" }))
+        this.change(kind, key, null);
     };
     return button("×", remove, { kind: "icon", label: `Remove ${label}` });
   }

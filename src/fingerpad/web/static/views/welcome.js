@@ -4,7 +4,7 @@ import { ApiError } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
-import { button, faultList, field, text, withoutOverlap } from "../parts/forms.js";
+import { button, faultList, field, list, text, withoutOverlap } from "../parts/forms.js";
 
 const mark = new URL("../mark.svg", import.meta.url).href;
 
@@ -26,33 +26,26 @@ class Welcome {
       root,
       h(
         "div.scroll.welcome",
-        null,
         h(
           "header",
-          null,
           h("img", { src: mark, alt: "", width: 56, height: 56 }),
           h(
             "div",
-            null,
-            h("h1", null, "fingerpad"),
+            h("h1", "fingerpad"),
             h(
               "p.soft",
-              null,
               "From photographs and fingerprints to corrected radii of curvature, each with its uncertainty.",
             ),
           ),
         ),
         h(
           "div.welcome-grid",
-          null,
           h(
             "section.card.stack",
-            null,
-            h("h2", null, "New study"),
+            h("h2", "New study"),
             field("Title", this.title, { hint: `A new folder is created in ${folder}.` }),
             h(
               "div.actions",
-              null,
               button("Create study", () => this.#create(), { kind: "primary" }),
               button("Try the example", () => this.#example(), {
                 title: "A small synthetic study: photographs, contacts and a loading curve of known truth",
@@ -62,35 +55,27 @@ class Welcome {
           ),
           h(
             "section.card.stack",
-            null,
-            h("h2", null, "Open study"),
+            h("h2", "Open study"),
             studies.length
-              ? h(
-                  "ul.studies",
-                  null,
+              ? list(
                   studies.map(({ name, title }) =>
                     h(
-                      "li",
-                      null,
-                      h(
-                        "button",
-                        { type: "button", onclick: () => workspace.open(name).catch(showError) },
-                        h("strong", null, title || name),
-                        title && h("code", null, name),
-                      ),
+                      "button",
+                      { type: "button", onclick: () => workspace.open(name).catch(showError) },
+                      h("strong", title || name),
+                      title && h("code", name),
                     ),
                   ),
+                  "ul.studies",
                 )
-              : h("p.soft", null, `There are no studies in ${folder} yet.`),
+              : h("p.soft", `There are no studies in ${folder} yet.`),
           ),
           h(
             "section.card.stack",
-            null,
-            h("h2", null, "Import study"),
-            h("p.soft", null, "A ZIP file exported by fingerpad: images, corrections and results."),
+            h("h2", "Import study"),
+            h("p.soft", "A ZIP file exported by fingerpad: images, corrections and results."),
             h(
               "div.actions",
-              null,
               button("Choose ZIP file", () => this.chooser.click()),
               this.chooser,
             ),
@@ -98,13 +83,12 @@ class Welcome {
         ),
         h(
           "ol.how",
-          null,
           [
             "Drop photographs and contact images",
             "Set the scale",
             "Check outlines and contacts",
             "Run, and plot the corrected radius against load",
-          ].map((words) => h("li", null, words)),
+          ].map((words) => h("li", words)),
         ),
       ),
     );
