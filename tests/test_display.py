@@ -4,6 +4,7 @@ import base64
 import io
 import re
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -17,14 +18,18 @@ from fingerpad.simulate import render_contact_image, render_finger, simulate_loa
 
 PAD = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 CURVE = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
-CONTACT = render_contact_image(semi_major=5.0, semi_minor=4.0, ppi=250, seed=2)
+
+
+@cache
+def contact():
+    return render_contact_image(semi_major=5.0, semi_minor=4.0, ppi=250, seed=2)
 
 
 @pytest.fixture(scope="module")
 def results() -> dict[str, object]:
     finger = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
     return {
-        "contact image": fp.measure_contact_image(CONTACT.pixels, fp.Scale.of_ppi(250)),
+        "contact image": fp.measure_contact_image(contact().pixels, fp.Scale.of_ppi(250)),
         "photograph": fp.measure_photograph(finger.pixels, "palmar", 0.1),
         "fit": fp.fit_loading_curve(CURVE),
         "contact": fp.hertz_contact(12.955, 14.330, [1.0, 2.0], reduced_modulus=0.1365),
@@ -32,7 +37,7 @@ def results() -> dict[str, object]:
         "curve": CURVE,
         "many": fp.HertzGeometry(np.linspace(10, 12, 1000), 14.0),
         "pad contact": fp.pad_contact(PAD, wedge_angle=0.5, load=2, semi_major=7.4, semi_minor=5.0),
-        "picture": Picture(pixels=CONTACT.pixels, dots_per_inch=250),
+        "picture": Picture(pixels=contact().pixels, dots_per_inch=250),
     }
 
 
@@ -107,7 +112,7 @@ def test_show_saves_by_suffix(results, tmp_path: Path, name: str, file: str, sta
 
 def test_saved_overlay_equals_drawn_overlay(results, tmp_path: Path) -> None:
     fp.show(results["contact image"], tmp_path / "a.png")
-    overlay = fp.image.draw_overlay(CONTACT.pixels, results["contact image"])
+    overlay = fp.image.draw_overlay(contact().pixels, results["contact image"])
     np.testing.assert_array_equal(np.array(Image.open(tmp_path / "a.png")), overlay)
 
 
@@ -123,7 +128,7 @@ def test_show_errors(results, tmp_path: Path) -> None:
         fp.show(fp.hertz_contact(12, 14, np.ones(30), reduced_modulus=0.1))
     with pytest.raises(fp.FingerpadError, match="one placement can be drawn, found 2"):
         fp.show(fp.Placement(PAD, wedge_angle=[0.4, 0.5]))
-    prepared = prepare_contact_image(CONTACT.pixels, fp.Scale.of_ppi(250))
+    prepared = prepare_contact_image(contact().pixels, fp.Scale.of_ppi(250))
     with pytest.raises(fp.FingerpadError, match=r"not kept .* draw_overlay\(pixels, result\)"):
         fp.show(prepared.contact_image)
     assert prepared.contact_image._repr_html_().startswith("<pre>")

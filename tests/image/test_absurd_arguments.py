@@ -17,7 +17,6 @@ from fingerpad.image import (
 from fingerpad.simulate import render_contact_image, render_finger
 
 SCALE = Scale.of_ppi(500)
-PRINT = render_contact_image(semi_major=4.0, semi_minor=3.0, seed=3).pixels
 RNG = np.random.default_rng(0)
 PICTURES = {
     "3 × 3": RNG.integers(0, 255, (3, 3)).astype(np.uint8),
@@ -51,6 +50,11 @@ REGIONS = [
 
 
 @cache
+def contact():
+    return render_contact_image(semi_major=4.0, semi_minor=3.0, seed=3).pixels
+
+
+@cache
 def finger():
     return render_finger("palmar", semi_axes=(8.0, 9.0), mm_per_px=0.05, seed=1).pixels
 
@@ -78,9 +82,9 @@ def test_frames_without_a_contact(name):
 
 @pytest.mark.parametrize("region", REGIONS, ids=lambda region: str(region)[:20])
 def test_invalid_regions(region):
-    frames = [Frame(index=0, pixels=PRINT)]
+    frames = [Frame(index=0, pixels=contact())]
     for measure in (
-        lambda: measure_contact_image(PRINT, SCALE, region_of_interest=region),
+        lambda: measure_contact_image(contact(), SCALE, region_of_interest=region),
         lambda: list(measure_sequence(frames, SCALE, region_of_interest=region)),
     ):
         with pytest.raises(ImageError, match="region_of_interest"):
@@ -102,21 +106,21 @@ def test_invalid_regions(region):
             ("mask", value)
             for value in ([], [(0, 0), (1e300, 0), (0, 1e300)], [(np.nan, 0), (5, 5), (0, 5)], "x")
         ),
-        ("background", np.zeros(PRINT.shape)),
-        ("background", np.full(PRINT.shape, 1e-300)),
-        ("background", np.full(PRINT.shape, np.nan)),
+        ("background", np.zeros(contact().shape)),
+        ("background", np.full(contact().shape, 1e-300)),
+        ("background", np.full(contact().shape, np.nan)),
     ],
     ids=lambda value: str(value)[:20],
 )
 def test_invalid_options(argument, value):
     with pytest.raises(ImageError, match=argument):
-        measure_contact_image(PRINT, SCALE, **{argument: value})
+        measure_contact_image(contact(), SCALE, **{argument: value})
 
 
 @pytest.mark.parametrize("ridge_period", [1e9, 100.0])
 def test_ridge_period_larger_than_picture(ridge_period):
     with pytest.raises(ImageError, match="check scale and ridge_period"):
-        measure_contact_image(PRINT, SCALE, ridge_period=ridge_period)
+        measure_contact_image(contact(), SCALE, ridge_period=ridge_period)
 
 
 @pytest.mark.parametrize(
@@ -135,9 +139,9 @@ def test_invalid_directions(argument, value):
 
 
 def test_overlay_of_very_large_picture_is_reduced():
-    tall = np.full((9000, PRINT.shape[1]), PRINT[0, 0], np.uint8)
-    tall[4000 : 4000 + len(PRINT)] = PRINT
+    tall = np.full((9000, contact().shape[1]), contact()[0, 0], np.uint8)
+    tall[4000 : 4000 + len(contact())] = contact()
     found = measure_contact_image(tall, SCALE)
     canvas = draw_overlay(tall, found)
     assert max(canvas.shape) == 8000
-    assert canvas.shape[1] == round(PRINT.shape[1] * 8000 / 9000)
+    assert canvas.shape[1] == round(contact().shape[1] * 8000 / 9000)
