@@ -17,7 +17,6 @@ export function field(label, control, { unit, hint, wide } = {}) {
   if (hint) control.setAttribute("aria-describedby", hintId);
   return h(
     wide ? "div.field.wide" : "div.field",
-    null,
     h("label", { for: id }, label),
     h("div.control", control, unit && h("span.unit", unit)),
     hint && h("p.hint", { id: hintId }, hint),
@@ -81,17 +80,16 @@ function fillDown(input, event) {
  * it was emptied.
  *
  * @param {{ value?: number | null, onset?: (value: number | null) => any, min?: number, max?: number,
- *   step?: number | "any", placeholder?: string, disabled?: boolean, label?: string }} options
+ *   placeholder?: string, label?: string }} options
  */
-export function number({ value, onset, min, max, step = "any", placeholder, disabled, label }) {
+export function number({ value, onset, min, max, placeholder, label }) {
   const input = h("input.number", {
     type: "number",
     inputmode: "decimal",
     min,
     max,
-    step,
+    step: "any",
     placeholder,
-    disabled,
     value: value ?? "",
     "aria-label": label,
   });
@@ -114,14 +112,13 @@ export const NAME = "[\\p{L}\\p{N}_][\\p{L}\\p{N}_.+\\-]*";
  * A field for text; `pattern` is what it may be.
  *
  * @param {{ value?: string | null, onset?: (value: string) => any, placeholder?: string, list?: string,
- *   disabled?: boolean, required?: boolean, label?: string, pattern?: string }} options
+ *   required?: boolean, label?: string, pattern?: string }} options
  */
-export function text({ value, onset, placeholder, list, disabled, required, label, pattern }) {
+export function text({ value, onset, placeholder, list, required, label, pattern }) {
   const input = h("input", {
     type: "text",
     placeholder,
     list,
-    disabled,
     required,
     value: value ?? "",
     spellcheck: "false",
@@ -147,12 +144,12 @@ export function text({ value, onset, placeholder, list, disabled, required, labe
  * A drop-down list; `options` are values, or pairs of value and text.
  *
  * @param {{ value?: string | null, options: (string | any[])[], onset?: (value: any) => any,
- *   disabled?: boolean, label?: string }} options
+ *   label?: string }} options
  */
-export function choose({ value, options, onset, disabled, label }) {
+export function choose({ value, options, onset, label }) {
   const select = h(
     "select",
-    { disabled, "aria-label": label, onchange: () => onset?.(select.value) },
+    { "aria-label": label, onchange: () => onset?.(select.value) },
     options.map((option) => {
       const [key, words] = Array.isArray(option) ? option : [option, option];
       return h("option", { value: key ?? "", selected: (key ?? "") === (value ?? "") }, words);
@@ -181,10 +178,10 @@ export function slider(label, { value, min, max, unit, hint, onset }) {
 
 /**
  * @param {string} label
- * @param {{ checked?: boolean, onset?: (checked: boolean) => any, disabled?: boolean }} [options]
+ * @param {{ checked?: boolean, onset?: (checked: boolean) => any }} [options]
  */
-export function check(label, { checked, onset, disabled } = {}) {
-  const box = h("input", { type: "checkbox", checked, disabled, onchange: () => onset?.(box.checked) });
+export function check(label, { checked, onset } = {}) {
+  const box = h("input", { type: "checkbox", checked, onchange: () => onset?.(box.checked) });
   return h("label.check", box, h("span", label));
 }
 

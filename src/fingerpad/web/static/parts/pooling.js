@@ -109,7 +109,6 @@ export function poolingList(pooling) {
 export function poolingOf({ pooled, excluding_flags: flags, decision }, { words, set }) {
   return h(
     pooled ? "div.pooling-note" : "div.pooling-note.note",
-    null,
     h("strong", pooled ? "Counts in the pooled radius" : "Left out of the pooled radius"),
     flags.length > 0 && [": ", flags.map(words).join("; ")],
     ". ",

@@ -9,7 +9,6 @@ import { workspace } from "../core/workspace.js";
 import { figureButton } from "../parts/figure_settings.js";
 import { choose, empty } from "../parts/forms.js";
 import { icon } from "../parts/icons.js";
-
 import { Lasso, Polygon } from "../parts/lasso.js";
 import { missingOf } from "../parts/missing_fields.js";
 import { scaleWords } from "../parts/scale_choice.js";
