@@ -7,7 +7,6 @@ import { workspace } from "../core/workspace.js";
 import { empty } from "../parts/forms.js";
 import { handle } from "../parts/handle.js";
 import { icon } from "../parts/icons.js";
-
 import { missingOf } from "../parts/missing_fields.js";
 import { Click, Line } from "../parts/tools.js";
 import { faceWords, PhotographInspector } from "./photograph_inspector.js";
