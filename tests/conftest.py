@@ -10,9 +10,6 @@ import typer.testing
 from filelock import FileLock
 from hypothesis import settings
 
-from fingerpad.report import write_report
-from fingerpad.study.pipeline import run_study
-
 DEMO = Path(__file__).parents[1] / "examples" / "dzidek2017"
 
 # The same examples in every run, and no deadline, since a busy machine is no fault.
@@ -27,7 +24,7 @@ typer.testing._get_command = cache(typer.main.get_command)
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """Return three processes more than there are cores, since many tests wait for others."""
-    return (os.cpu_count() or 1) + 3
+    return (os.cpu_count() or 1) + int(os.environ.get("NPLUS","3"))
 
 
 @pytest.fixture(scope="session")
@@ -40,6 +37,10 @@ def session_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def run_demo(session_folder: Path) -> Path:
     """Return the demo study with the results of a run, which no test may change."""
+    # The process that only hands out the tests need not import them.
+    from fingerpad.report import write_report  # noqa: PLC0415
+    from fingerpad.study.pipeline import run_study  # noqa: PLC0415
+
     folder = session_folder / "run-demo"
     with FileLock(f"{folder}.lock"):
         if not (folder / "results" / "report.html").exists():
