@@ -23,8 +23,8 @@ typer.testing._get_command = cache(typer.main.get_command)
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """Return three processes more than there are cores, since many tests wait for others."""
-    return (os.cpu_count() or 1) + int(os.environ.get("NPLUS","3"))
+    """Return one process more than there are cores, since many tests wait for others."""
+    return (os.cpu_count() or 1) + 1
 
 
 @pytest.fixture(scope="session")
