@@ -11,6 +11,7 @@ from contextlib import suppress
 from datetime import datetime
 from multiprocessing import get_context
 from pathlib import Path
+from time import perf_counter
 
 import numpy as np
 import pytest
@@ -85,16 +86,19 @@ def test_two_processes_and_a_tiff_give_the_rows_of_one(
 def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path) -> None:
     context, out, kills = get_context("forkserver"), tmp_path / "out", 0
     context.set_forkserver_preload(["tests.study.small_study"])
-    moments = np.random.default_rng(20).uniform(0.0, 3.0, 8)
+    moments = np.random.default_rng(20).uniform(0.0, 1.0, 8)
+    took = 3.0
     while kills < moments.size:
         process = context.Process(target=run_here, args=(small_study, out, 1 + kills % 2))
         process.start()
-        process.join(moments[kills])
+        start = perf_counter()
+        process.join(took * moments[kills])
         if process.is_alive():
             process.kill()
             kills += 1
         process.join()
         if process.exitcode == 0:
+            took = perf_counter() - start  # the next one is killed before its end
             assert rows(small_study, out) == undisturbed
             shutil.rmtree(out)
         else:
