@@ -37,7 +37,7 @@ def session_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def run_demo(session_folder: Path) -> Path:
     """Return the demo study with the results of a run, which no test may change."""
-    # The process that only hands out the tests need not import them.
+    # The process that only distributes the tests need not import them.
     from fingerpad.report import write_report  # noqa: PLC0415
     from fingerpad.study.pipeline import run_study  # noqa: PLC0415
 
