@@ -8,9 +8,9 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, Float32Array
 from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image._masks import UInt8
 from fingerpad.image.contact_image._outline import ContactOutline
 from fingerpad.image.contact_image._patch import measure_patch
-from fingerpad.image.contact_image._region import UInt8
 from fingerpad.image.contact_image._ridge_map import ridge_map
 from fingerpad.image.contact_image._ridges import Signal
 from fingerpad.image.contact_image._texture import shows_ridges

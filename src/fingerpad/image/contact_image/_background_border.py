@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray
-from fingerpad.image.contact_image._region import distance_to, largest, longest_contour
+from fingerpad.image._masks import longest_contour
+from fingerpad.image.contact_image._region import distance_to, largest
 
 _MIN_BORDER = 0.02
 # Lossy compression leaves ripples in an even border.

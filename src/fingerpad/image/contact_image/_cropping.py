@@ -10,14 +10,14 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, as_float_array
 from fingerpad.exceptions import ImageError
 from fingerpad.image._arguments import number_array, picture_array
-from fingerpad.image.contact_image._region import filled_polygon
+from fingerpad.image._masks import filled_polygon
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
 _MIN_SIDE_PX = 16
 # Squares of levels, and 1 over them, stay within single precision.
 _MAX_LEVEL, _MIN_RANGE = 1e15, 1e-15
-# Corners of a polygon become whole fractions of a pixel.
+# Corners of a polygon become whole sixteenths of a pixel, of 32 bits.
 _FARTHEST_CORNER_PX = 1e6
 
 

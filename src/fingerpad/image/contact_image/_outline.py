@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
-from fingerpad.image.contact_image._region import UInt8, distance_to, longest_contour
+from fingerpad.image._masks import UInt8, longest_contour
+from fingerpad.image.contact_image._region import distance_to
 from fingerpad.image.ellipse import AreaMoments, evenly_spaced, signed_area
 
 _HALF_LEVEL = 127.5

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.image._masks import UInt8, filled_polygon
 from fingerpad.image.contact_image._outline import (
     ContactOutline,
     axis_weights,
@@ -18,7 +19,6 @@ from fingerpad.image.contact_image._outline import (
     outline_noise,
     running_mean,
 )
-from fingerpad.image.contact_image._region import UInt8, filled_polygon
 from fingerpad.image.contact_image._ridge_map import RidgeMap
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.ellipse import AreaMoments, polygon_moments

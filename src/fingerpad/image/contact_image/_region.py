@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.image._masks import UInt8, fill_holes, longest_contour
 
-UInt8 = npt.NDArray[np.uint8]
 HALF = 128
 # Radii in ridge periods.
 CLOSING_RADIUS = 1.1
@@ -21,7 +21,6 @@ _MIN_PART = 0.03
 _MIN_SHARE = 0.1
 # Parts narrower than this share of the patch's width are not finger.
 _APPENDAGE_RATIO = 0.35
-_BITS = 4  # of a fraction of a pixel
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 
@@ -47,21 +46,6 @@ def close_ridges(amount: UInt8, period: float) -> UInt8:
     padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_CONSTANT, value=0)
     closed[box] = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, disk(radius), borderValue=0)[pad:-pad, pad:-pad]
     return closed
-
-
-def filled_polygon(points: FloatArray, shape: tuple[int, ...]) -> UInt8:
-    """Return a picture with 1 inside a polygon (x, y) and on its border; pixel centres are whole numbers."""
-    canvas = np.zeros(shape, dtype=np.uint8)
-    cv2.fillPoly(canvas, [np.rint(points * 2**_BITS).astype(np.int32)], 1, shift=_BITS)
-    return canvas
-
-
-def fill_holes(mask: BoolArray) -> BoolArray:
-    """Fill the holes."""
-    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    canvas = np.zeros(mask.shape, dtype=np.uint8)
-    cv2.drawContours(canvas, contours, -1, 1, cv2.FILLED)
-    return canvas > 0
 
 
 def contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
@@ -166,12 +150,6 @@ def _neck(patch: BoolArray, period: float) -> tuple[tuple[int, int], tuple[int, 
                 (x0, y0), (x1, y1) = points[start].astype(int), points[end].astype(int)
                 best = ((int(x0), int(y0)), (int(x1), int(y1)))
     return best
-
-
-def longest_contour(patch: BoolArray) -> npt.NDArray[np.int32]:
-    """Return the pixels (x, y) of the longest outer contour, in order, (n, 1, 2)."""
-    contours, _ = cv2.findContours(patch.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    return np.asarray(max(contours, key=len), dtype=np.int32)
 
 
 def _notches(contour: npt.NDArray[np.int32], least_depth: float) -> tuple[npt.NDArray[np.intp], FloatArray]:

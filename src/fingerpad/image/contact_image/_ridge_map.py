@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image.contact_image._region import disk, filled_polygon
+from fingerpad.image._masks import filled_polygon
+from fingerpad.image.contact_image._region import disk
 from fingerpad.image.contact_image._ridges import MIN_RISE, Signal, enlarge
 from fingerpad.image.contact_image._working_image import WorkingImage
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image.contact_image._region import UInt8
+from fingerpad.image._masks import UInt8
 
 _ROUNDS = 3
 # Weight of the whole picture's levels against a window's own, as a share of the window.

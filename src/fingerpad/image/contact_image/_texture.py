@@ -8,7 +8,7 @@ import numpy as np
 from scipy import fft
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image.contact_image._region import filled_polygon
+from fingerpad.image._masks import filled_polygon
 from fingerpad.image.contact_image._working_image import WorkingImage
 
 # Fingers' ridges are 0.3 to 0.7 mm apart; a window's spectrum resolves that to a tenth.

@@ -11,13 +11,13 @@ from scipy.spatial import cKDTree
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import ImageError
+from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, to_fixed_point
 from fingerpad.image.contact_image._outline import (
     ContactOutline,
     outward_normals,
     point_spacings,
     running_mean,
 )
-from fingerpad.image.contact_image._region import UInt8, fill_holes, filled_polygon
 from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.ellipse import ImageEllipse, evenly_spaced
 
@@ -25,7 +25,6 @@ from fingerpad.image.ellipse import ImageEllipse, evenly_spaced
 _FINE: Final = 4
 # Nearer than this, px of the copy, a point of the edited outline is one of the automatic outline.
 _SAME: Final = 0.6
-_BITS: Final = 4
 # No farther than this OpenCV draws, px.
 _FAR: Final = 2e4
 # Strokes that reach beyond so many pictures are refused.
@@ -246,12 +245,12 @@ def _draw(canvas: UInt8, points: FloatArray, radius: float | None, level: int) -
         # A hand crosses its own line: everything inside the outermost line counts.
         canvas[fill_holes(_filled(points, canvas.shape) > 0)] = level
         return
-    fixed = np.rint(points.clip(-_FAR, _FAR) * 2**_BITS).astype(np.int32)
+    fixed = to_fixed_point(points.clip(-_FAR, _FAR))
     if len(points) > 1:
-        cv2.polylines(canvas, [fixed], False, level, max(1, round(2 * radius)), cv2.LINE_8, _BITS)
+        cv2.polylines(canvas, [fixed], False, level, max(1, round(2 * radius)), cv2.LINE_8, BITS)
     else:
         x, y = map(int, fixed[0])
-        cv2.circle(canvas, (x, y), round(radius * 2**_BITS), level, cv2.FILLED, cv2.LINE_8, _BITS)
+        cv2.circle(canvas, (x, y), round(radius * 2**BITS), level, cv2.FILLED, cv2.LINE_8, BITS)
 
 
 def _to_fine_canvas(points: FloatArray) -> FloatArray:

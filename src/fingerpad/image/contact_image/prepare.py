@@ -13,6 +13,7 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._arguments import number_array
+from fingerpad.image._masks import longest_contour
 from fingerpad.image.contact_image._assemble import LOW_CONTRAST, ContactRegion, RidgeImage, assemble_result
 from fingerpad.image.contact_image._cropping import crop_image
 from fingerpad.image.contact_image._patch import trace_patch
@@ -20,7 +21,6 @@ from fingerpad.image.contact_image._period import ridge_period_px
 from fingerpad.image.contact_image._region import (
     close_ridges,
     contact_patches,
-    longest_contour,
     remove_appendages,
 )
 from fingerpad.image.contact_image._ridges import Signal, ridge_amount, smoothed, to_signal

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry.faces import STEPS, Direction
-from fingerpad.image.contact_image._region import fill_holes, longest_contour
+from fingerpad.image._masks import fill_holes, longest_contour
 
 _SIDE_PX = 900
 _MIN_SIDE_PX = 32
