@@ -20,9 +20,9 @@ from fingerpad.study.engine.limits import DEFAULT_LIMITS
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult, perform
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest import Study, read_study
 from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.scales import scale_from, scale_record, scale_tables
+from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
 from fingerpad.study.measuring.sequence_header import header_task
 from fingerpad.study.measuring.sequences import film_plan
 from fingerpad.study.pipeline import run_study
@@ -148,6 +148,14 @@ def _again(manifest: Path, out: Path) -> tuple[int, float, float]:
     return len(result.rows), time.perf_counter() - start, peak_mb()
 
 
+def measured_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
+    """Return every scale of a study, or why there is none."""
+    return {
+        key: scale_from(scale_record(name, table, folder, folder), name)
+        for key, (name, table) in scale_tables(study).items()
+    }
+
+
 def _fill(manifest: Path, out: Path) -> None:
     """Measure the first film, and store its results for the others, which show the same."""
     out.mkdir()
@@ -155,11 +163,7 @@ def _fill(manifest: Path, out: Path) -> None:
     first = study.sequences[0].name
     with Store.writing(out / STORE_NAME) as store:
         context = RunContext.of(study, folder, {}, store)
-        scales = {
-            key: scale_from(scale_record(name, table, folder, folder), name)
-            for key, (name, table) in scale_tables(study).items()
-        }
-        context = replace(context, scales=scales)
+        context = replace(context, scales=measured_scales(study, folder))
         records: dict[str, str] = {}
         for sequence in study.sequences:
             header = header_task(sequence, context)

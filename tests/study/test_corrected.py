@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from benchmarks.engine import measured_scales
 
 from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image
 from fingerpad.simulate import render_contact_image, render_finger
@@ -21,7 +22,7 @@ from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import finger_result, photograph_item
 from fingerpad.study.measuring.measure import measure_observation, reviewed
-from fingerpad.study.measuring.scales import scale_from, scale_key, scale_record, scale_tables
+from fingerpad.study.measuring.scales import scale_key
 from fingerpad.study.measuring.tasks import photograph_tasks
 
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
@@ -81,19 +82,12 @@ def study_of():
 STUDY = study_of()
 
 
-def measured_scales(folder):
-    return {
-        key: scale_from(scale_record(name, table, folder, folder), name)
-        for key, (name, table) in scale_tables(STUDY).items()
-    }
-
-
 def measured(folder, tmp_path, name, change=None):
     log = CorrectionLog(tmp_path)
     if change is not None:
         log.append(name, change, who="anna", expected=log.history(name).last_id, study=STUDY)
     observation = next(one for one in STUDY.observations if one.name == name)
-    scales = measured_scales(folder)
+    scales = measured_scales(STUDY, folder)
     active_correction = log.active_correction(name)
     scale = None if observation.scale is None else scales[scale_key(observation.scale)]
     found = measure_observation(
@@ -212,7 +206,7 @@ def test_results_depend_on_the_folder_alone(folder, tmp_path):
 
 
 def test_photographs_by_hand_and_rejected(folder, tmp_path):
-    scales, finger = measured_scales(folder), STUDY.fingers[0]
+    scales, finger = measured_scales(STUDY, folder), STUDY.fingers[0]
     plain = finger_of(finger, scales, folder, tmp_path / "out", {})
     np.testing.assert_allclose(plain.semi_axes, (7.9, 13.8, 11.8), rtol=0.02)
     items = [photograph_item(finger, one) for one in finger.photographs]
@@ -248,7 +242,7 @@ def test_photographs_by_hand_and_rejected(folder, tmp_path):
 def test_points_of_a_photograph_are_edited(folder):
     photograph = STUDY.fingers[0].photographs[0]
     pixels = read_colour_image(folder / "palmar.png")
-    scale = measured_scales(folder)["camera"].scale
+    scale = measured_scales(STUDY, folder)["camera"].scale
     plain = corrected_photograph(pixels, photograph, scale)
     rubber = {"points_px": plain.points[40:60].tolist(), "radius_px": 2}
     change = PhotographCorrection.model_validate({"erased": [rubber]})

@@ -46,7 +46,7 @@ def test_dragged_handle_gives_new_numbers_beside_the_automatic_ones(tab: Tab, de
     expect(page.get_by_text("manual", exact=True)).to_be_visible()
     (record,) = corrections(demo)
     assert (record["item"], list(record["change"])) == (PRINT, ["ellipse_px"])
-    expect(page.locator(".history")).to_contain_text(record["who"])
+    expect(page.locator(".history")).to_contain_text(record["who"], use_inner_text=True)
     page.keyboard.press("u")
     assert numbers(page) == before
     page.keyboard.press("r")
@@ -337,7 +337,7 @@ def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
     shallow = np.asarray(Image.open(DEMO / "synthetic/synthetic_30deg_2N.png"), dtype=np.uint16)
     tifffile.imwrite(deep, shallow * 100 + 7000)
     begin_with_print(page, deep, "0.0508")
-    expect(page.locator("[data-part=head]")).to_contain_text("16 bit")
+    expect(page.locator("[data-part=head]")).to_contain_text("16 bit", use_inner_text=True)
     assert value(numbers(page), "mm²") == pytest.approx(116.3, rel=0.02)
     shades = page.evaluate(
         "() => { const image = document.querySelector('.stage .picture');"
