@@ -132,8 +132,8 @@ def simulate_loading_curve(
     area = None
     if with_area:
         # Before contact a picture shows no noise of the area either.
-        noise = np.where(xi > 0, area_std * rng.standard_normal(xi.size), 0.0)
-        area = np.maximum(np.pi * loading_radius * np.maximum(xi, 0) + noise, 0)
+        of_area = np.where(xi > 0, area_std * rng.standard_normal(xi.size), 0.0)
+        area = np.maximum(np.pi * loading_radius * np.maximum(xi, 0) + of_area, 0)
     noise = _force_noise(rng, time, force_std, correlation_time)
     return LoadingCurve(
         time=time,

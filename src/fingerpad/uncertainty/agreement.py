@@ -87,11 +87,21 @@ def agreement(first: ArrayLike, second: ArrayLike) -> Agreement:
     count = one.size
     difference = np.log(other / one)
     mean = float(difference.mean()) if count else math.nan
-    std = float(difference.std(ddof=1)) if count >= MIN_PAIRS else math.nan
-    root = math.sqrt(max(count, 1))
-    of_mean = float(special.stdtrit(count - 1, 0.975)) * std / root
+    nothing = (math.nan, math.nan)
+    if count < MIN_PAIRS:
+        return Agreement(
+            count=count,
+            bias=math.expm1(mean),
+            bias_interval=nothing,
+            std=math.nan,
+            limits=nothing,
+            limits_interval=nothing,
+        )
+    std = float(difference.std(ddof=1))
+    quantile = float(special.stdtrit(count - 1, 0.975))
+    of_mean = quantile * std / math.sqrt(count)
     limit = NORMAL_97_5 * std
-    far = float(special.nctdtrit(count - 1, NORMAL_97_5 * root, 0.975)) * std / root
+    far = float(special.nctdtrit(count - 1, NORMAL_97_5 * math.sqrt(count), 0.975)) * std / math.sqrt(count)
     around = {"bias_interval": of_mean, "limits": limit, "limits_interval": far}
     return Agreement(
         count=count,

@@ -2,10 +2,8 @@
 
 import { addressOf, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
-import { symbol } from "../core/glossary.js";
 import { openDialog, showError } from "../core/messages.js";
-import { plain } from "../core/quantity.js";
-import { button, choose, field, number, synthetic } from "./forms.js";
+import { button, choose, field, number } from "./forms.js";
 
 const WIDTHS = [
   ["", "as in the report"],
@@ -148,24 +146,3 @@ export const figureButton = (figure, kind = "small") =>
     kind,
     label: `Size, axes and colours of ${figure.name}`,
   });
-
-/**
- * The header of a card of a finger at a placement: with a button for its figure, if the report has it.
- *
- * @param {Answers["PlottedGroup"] | Answers["BudgetGroup"]} group
- * @param {Answers["Figures"]["figures"]} figures
- * @param {string} kind of the figure
- */
-export const groupHeader = (group, figures, kind) =>
-  h(
-    "header",
-    h(
-      "h2",
-      `${group.finger}, `,
-      symbol("θ"),
-      ` = ${plain(group.wedge_angle_deg)}°`,
-      group.roll_angle_deg ? [", ", symbol("φ"), ` = ${plain(group.roll_angle_deg)}°`] : "",
-    ),
-    synthetic(group.synthetic),
-    h("div.actions", figureButton(figures.find(({ name }) => name === `${group.figure}_${kind}`))),
-  );

@@ -4,8 +4,8 @@ import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { withStd } from "../core/quantity.js";
-import { groupHeader } from "../parts/figure_settings.js";
 import { chip } from "../parts/forms.js";
+import { groupHeader } from "../parts/group_header.js";
 import { tableOf } from "../parts/tables.js";
 
 const percent = (share) => `${(100 * share).toFixed(1)} %`;

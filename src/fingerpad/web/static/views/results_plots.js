@@ -5,8 +5,8 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
-import { groupHeader } from "../parts/figure_settings.js";
 import { choose, field, list } from "../parts/forms.js";
+import { groupHeader } from "../parts/group_header.js";
 import { poolingList } from "../parts/pooling.js";
 import { checkList, verdictChip } from "../parts/verdict.js";
 
