@@ -51,6 +51,9 @@ def main() -> None:
         # From here on an interrupt ends the process at once, without a traceback of what is being closed.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     flushed = [_flushed(stream) for stream in (sys.stdout, sys.stderr)]
+    if code == _INTERRUPTED:
+        # A compiled module whose import was interrupted, as Matplotlib's for fonts, may crash when Python closes it.
+        os._exit(code)
     sys.exit(code if all(flushed) else code or 1)
 
 

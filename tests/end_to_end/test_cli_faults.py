@@ -232,6 +232,21 @@ def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None
             "fingerpad.__main__._open_streams",
             "def instead():\n    raise RuntimeError('__set_name__') from KeyboardInterrupt()\n",
         ),
+        # While the words of arguments are read.
+        (
+            "fingerpad.__main__._run",
+            "import typer.core\ndef interrupted(*_): raise KeyboardInterrupt\n"
+            "typer.core.TyperGroup.parse_args = interrupted\ninstead = real\n",
+        ),
+        # A compiled module that is interrupted while it makes its classes crashes when Python closes it.
+        (
+            "fingerpad.published.audit",
+            "import enum\nmake = enum.EnumType.__call__\n"
+            "def interrupted(cls, *arguments, **named):\n"
+            "    if len(arguments) == 1: return make(cls, *arguments)\n"
+            "    enum.EnumType.__call__ = make\n    raise KeyboardInterrupt\n"
+            "def instead():\n    enum.EnumType.__call__ = interrupted\n    import matplotlib.ft2font\n",
+        ),
     ],
 )
 def test_wrapped_interrupt_is_interrupt(place: str, function: str) -> None:

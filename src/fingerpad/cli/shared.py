@@ -2,7 +2,8 @@
 
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
@@ -68,6 +69,17 @@ class Group(TyperGroup):
                 formatter.write_dl(rows)
 
 
+@contextmanager
+def _reported_interrupt() -> Iterator[None]:
+    try:
+        yield
+    except (Exception, KeyboardInterrupt) as error:
+        if not is_interrupt(error):
+            raise
+        print_error("interrupted")
+        raise typer.Exit(Exit.INTERRUPTED) from None
+
+
 class Commands(Group):
     """Commands whose errors are lines on stderr and an exit code."""
 
@@ -83,15 +95,15 @@ class Commands(Group):
             )
             sys.exit(Exit.REFUSED if isinstance(error, FingerpadError) else Exit.CANNOT_WRITE)
 
+    def make_context(self, *args: Any, **kwargs: Any) -> Any:
+        """Read the arguments, and report an interrupt."""
+        with _reported_interrupt():
+            return super().make_context(*args, **kwargs)
+
     def invoke(self, ctx: Any) -> Any:
         """Run a command, and report an interrupt that it does not report."""
-        try:
+        with _reported_interrupt():
             return super().invoke(ctx)
-        except (Exception, KeyboardInterrupt) as error:
-            if not is_interrupt(error):
-                raise
-            print_error("interrupted")
-            raise typer.Exit(Exit.INTERRUPTED) from None
 
 
 class Command(TyperCommand):
