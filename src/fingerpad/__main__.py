@@ -52,7 +52,7 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     flushed = [_flushed(stream) for stream in (sys.stdout, sys.stderr)]
     if code == _INTERRUPTED:
-        # A compiled module whose import was interrupted, as Matplotlib's for fonts, may crash when Python closes it.
+        # Compiled modules whose import was interrupted, as Matplotlib's for fonts, crash when Python closes.
         os._exit(code)
     sys.exit(code if all(flushed) else code or 1)
 

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from fingerpad.image import FLAGS
+from fingerpad.image import FLAG_WORDS, FLAGS
 from fingerpad.report import write_report
-from fingerpad.report.text import FLAG_WORDS
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.units import value_with_uncertainty

@@ -154,7 +154,8 @@ def verify(
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.report.text import FLAG_WORDS, doubtful_frames, face_differences, in_words
+    from fingerpad.image import FLAG_WORDS
+    from fingerpad.report.text import doubtful_frames, face_differences, in_words
     from fingerpad.uncertainty.validity import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
     for summary, validity in zip(result.summaries, result.validities, strict=True):

@@ -23,6 +23,7 @@ from fingerpad.image.ellipse import (
     interpolated_ellipse,
 )
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
+from fingerpad.image.flags import FLAG_WORDS
 from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.faces import (
@@ -67,6 +68,7 @@ from fingerpad.image.subject import SUBJECTS, Subject, SubjectGuess, guess_subje
 __all__ = [
     "FACE_AXES",
     "FLAGS",
+    "FLAG_WORDS",
     "MEMORY_LIMIT",
     "PHASES",
     "PHOTOGRAPH_FLAGS",

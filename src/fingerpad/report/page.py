@@ -16,7 +16,7 @@ from PIL import Image
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import PHOTOGRAPH_FLAGS
+from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS
 from fingerpad.loading import Quantity, Undetermined
 from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plot
@@ -36,7 +36,6 @@ from fingerpad.report.plots import (
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
 from fingerpad.report.text import (
-    FLAG_WORDS,
     HEADLINE_WORDS,
     VERDICT_SYMBOLS,
     doubtful_frames,

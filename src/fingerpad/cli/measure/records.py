@@ -78,8 +78,7 @@ def overlay_files(images: list[Path], folder: Path | None) -> dict[Path, Path]:
 
 def print_flags(record: Mapping[str, Any]) -> None:
     """Print what each flag of a record means."""
-    from fingerpad.image import PHOTOGRAPH_FLAGS
-    from fingerpad.report.text import FLAG_WORDS
+    from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS
 
     words = {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}
     for flag in record.get("flags", ()):

@@ -12,9 +12,8 @@ from pydantic import Field
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import StoreError
-from fingerpad.image import FACE_AXES, PHOTOGRAPH_FLAGS
+from fingerpad.image import FACE_AXES, FLAG_WORDS, PHOTOGRAPH_FLAGS
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
-from fingerpad.report.text import FLAG_WORDS
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.history import (
     CORRECTIONS_NAME,
