@@ -40,6 +40,10 @@ class FigureError(FingerpadError, ValueError):
     """Settings with which a figure cannot be drawn."""
 
 
+class ArchiveError(FingerpadError):
+    """A ZIP that is no study, or holds what no study holds."""
+
+
 class StoreError(FingerpadError):
     """A study's store of results that cannot be opened, read or written."""
 

@@ -24,12 +24,12 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final
 from uuid import uuid4
 
+from fingerpad.exceptions import ArchiveError
 from fingerpad.study.atomic_files import locked
+from fingerpad.study.bundle import Bundle, LeftOut
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.journal import LOCK_NAME
 from fingerpad.study.manifest.load import STUDY_NAME
-from fingerpad.web.bundle import Bundle, LeftOut
-from fingerpad.web.errors import RequestError
 
 MOST_FILES: Final = 1_000_000
 LEFT_OUT_NAME: Final = "LEFT_OUT.txt"
@@ -61,16 +61,14 @@ def pack(folder: Path, bundle: Bundle, target: Path) -> None:
 
     Raises
     ------
-    RequestError
+    ArchiveError
         If there are more files than an import takes.
     OSError
         If a file cannot be read to its end, or the ZIP cannot be written.
     """
     stored = _stored_names([*bundle.files, *bundle.folders])
     if len(stored) > MOST_FILES:
-        raise RequestError.impossible(
-            f"the study has {len(stored)} files and folders, more than {MOST_FILES}"
-        )
+        raise ArchiveError(f"the study has {len(stored)} files and folders, more than {MOST_FILES}")
     left_out = list(bundle.left_out)
     with (
         TemporaryDirectory() as scratch,
@@ -164,7 +162,7 @@ def unpack(source: Path, folder: Path, most_bytes: int) -> None:
 
     Raises
     ------
-    RequestError
+    ArchiveError
         If the file is no ZIP, holds no study, or anything that a study does not hold.
     """
     beside = folder.with_name(f".{folder.name}.{uuid4().hex}")
@@ -174,9 +172,9 @@ def unpack(source: Path, folder: Path, most_bytes: int) -> None:
                 _extract(archive, entry, beside / name)
         beside.rename(folder)
     except _DAMAGED as error:
-        raise RequestError.impossible(f"this is no ZIP that can be read ({error})") from error
+        raise ArchiveError(f"this is no ZIP that can be read ({error})") from error
     except OSError as error:
-        raise RequestError.impossible(f"the ZIP cannot be unpacked ({error.strerror or error})") from error
+        raise ArchiveError(f"the ZIP cannot be unpacked ({error.strerror or error})") from error
     finally:
         shutil.rmtree(beside, ignore_errors=True)
 
@@ -185,10 +183,10 @@ def _checked(archive: zipfile.ZipFile, most_bytes: int) -> list[tuple[zipfile.Zi
     """Return files and folders with their names below the study folder, if all of them are harmless."""
     entries = archive.infolist()
     if len(entries) > MOST_FILES + 2:  # with the index, and the list of what is left out
-        raise RequestError.impossible(f"the ZIP holds {len(entries)} files, more than {MOST_FILES}")
+        raise ArchiveError(f"the ZIP holds {len(entries)} files, more than {MOST_FILES}")
     total = sum(entry.file_size for entry in entries)
     if total > most_bytes:
-        raise RequestError.impossible(
+        raise ArchiveError(
             f"the ZIP unpacks to {total} bytes, and there is room for {most_bytes}: make room on the disk"
         )
     for entry in entries:
@@ -197,7 +195,7 @@ def _checked(archive: zipfile.ZipFile, most_bytes: int) -> list[tuple[zipfile.Zi
     entries = [entry for entry in entries if entry.filename.startswith(prefix)]
     files = [entry.filename.casefold() for entry in entries if not entry.is_dir()]
     if len(set(files)) < len(files):
-        raise RequestError.impossible("the ZIP holds two files of the same name")
+        raise ArchiveError("the ZIP holds two files of the same name")
     found = {entry.filename.removeprefix(prefix): entry for entry in entries}
     index = found.pop(_INDEX_NAME, None)
     renamed = {} if index is None else _renamed(archive.read(index))
@@ -205,7 +203,7 @@ def _checked(archive: zipfile.ZipFile, most_bytes: int) -> list[tuple[zipfile.Zi
         found.pop(LEFT_OUT_NAME, None)
     names = [(entry, renamed.get(name, name)) for name, entry in found.items() if name]
     if len({name for _, name in names}) < len(names):
-        raise RequestError.impossible("the ZIP holds two files of the same name")
+        raise ArchiveError("the ZIP holds two files of the same name")
     return names
 
 
@@ -214,12 +212,12 @@ def _renamed(index: bytes) -> Mapping[str, str]:
     content: Any = json.loads(index)
     renamed = content.get("renamed") if isinstance(content, dict) else None
     if not isinstance(renamed, dict) or not all(isinstance(name, str) for name in renamed.values()):
-        raise RequestError.impossible(f"the ZIP's {_INDEX_NAME} is not as fingerpad writes it")
+        raise ArchiveError(f"the ZIP's {_INDEX_NAME} is not as fingerpad writes it")
     for name in renamed.values():
         parts = name.rstrip("/").split("/")
         odd = not {"", ".", ".."}.isdisjoint(parts) or "\0" in name
         if odd or (os.name == "nt" and not _is_portable(name)):
-            raise RequestError.impossible(f"the ZIP holds {name[:80]!r}, a name that no file here can have")
+            raise ArchiveError(f"the ZIP holds {name[:80]!r}, a name that no file here can have")
     return renamed
 
 
@@ -233,17 +231,13 @@ def _require_harmless(entry: zipfile.ZipInfo) -> None:
         or any(char in _WINDOWS or ord(char) < 32 for char in name)
         or any(len(part.encode()) > 255 for part in parts)
     ):
-        raise RequestError.impossible(
-            f"the ZIP holds the name {name[:80]!r}, which leads out of the study folder"
-        )
+        raise ArchiveError(f"the ZIP holds the name {name[:80]!r}, which leads out of the study folder")
     if stat.S_IFMT(entry.external_attr >> 16) not in {0, stat.S_IFREG, stat.S_IFDIR}:
-        raise RequestError.impossible(f"the ZIP holds {name[:80]!r}, which is no plain file")
+        raise ArchiveError(f"the ZIP holds {name[:80]!r}, which is no plain file")
     if entry.flag_bits & 1:
-        raise RequestError.impossible(f"the ZIP holds {name[:80]!r}, which is encrypted")
+        raise ArchiveError(f"the ZIP holds {name[:80]!r}, which is encrypted")
     if entry.file_size > _SMALL and entry.file_size > MOST_RATIO * max(entry.compress_size, 1):
-        raise RequestError.impossible(
-            f"the ZIP holds {name[:80]!r}, which unpacks to far more than it should"
-        )
+        raise ArchiveError(f"the ZIP holds {name[:80]!r}, which unpacks to far more than it should")
 
 
 def _prefix(entries: list[zipfile.ZipInfo]) -> str:
@@ -255,7 +249,7 @@ def _prefix(entries: list[zipfile.ZipInfo]) -> str:
     for top in sorted(tops):
         if f"{top}/{STUDY_NAME}" in names:
             return f"{top}/"
-    raise RequestError.impossible("the ZIP holds no study: no study.toml lies at its top")
+    raise ArchiveError("the ZIP holds no study: no study.toml lies at its top")
 
 
 def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path) -> None:
@@ -269,7 +263,5 @@ def _extract(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, path: Path) -> No
         while part := source.read(min(1 << 20, left + 1)):
             left -= len(part)
             if left < 0:
-                raise RequestError.impossible(
-                    f"the ZIP holds {entry.filename[:80]!r}, which is larger than it says"
-                )
+                raise ArchiveError(f"the ZIP holds {entry.filename[:80]!r}, which is larger than it says")
             target.write(part)

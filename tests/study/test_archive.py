@@ -1,0 +1,337 @@
+"""A study as a ZIP, and back."""
+
+import json
+import os
+import shutil
+import sqlite3
+import zipfile
+from pathlib import Path
+
+import pytest
+import tomlkit
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from fingerpad.exceptions import ArchiveError, ManifestError
+from fingerpad.study.archive import pack, unpack
+from fingerpad.study.bundle import Bundle
+from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.manifest import load_study, read_study
+
+ROOM = 10**9
+HEAD = {
+    "title": "T",
+    "fingers": [
+        {
+            "name": "f",
+            "semi_axes_mm": {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8},
+            "semi_axes_mm_std": {"palmar": 0.1, "distal": 0.1, "radial_ulnar": 0.1},
+        }
+    ],
+}
+OBSERVATION = {"finger": "f", "wedge_angle_deg": 30, "load_N": 1, "scale": {"ppi": 500}}
+RECORD = {"id": 1, "item": "x", "when": "", "who": "ada", "action": "change", "change": {}, "picture": ""}
+ODD_NAMES = (
+    "a:b.png", "C:evil.png", "up\\..\\x.png", "tail.", "tail ", "CON", "nul.png", "Com1.tif",
+    "LEFT_OUT.txt", "Left_Out.TXT", "fingerpad-bundle", "Study.TOML", "study.toml.", "a.png", "A.png",
+    "\xe9.png", "e\u0301.png", "ß", "SS", "ss", "tab\there", "line\nbreak", "\x7f", "?*<>|", "=1+1", "-x",
+    "~", "%41", "x" * 250, "store.lock", "results",
+)  # fmt: skip
+DATES = (0.0, 1.0, 315_532_799.0, 1e9, 4_354_819_200.0, 1e10, -1e9, float(2**33))
+
+
+def name_in(draw, names):
+    return "/".join(draw(st.lists(names, min_size=1, max_size=3)))
+
+
+ODD_FILES = {name: (name.encode(), 0.0) for name in ODD_NAMES if name != "results"}
+
+
+@st.composite
+def studies(draw):
+    """What a study folder holds: files with content and date, empty folders, and how files are used."""
+    part = st.one_of(st.sampled_from(ODD_NAMES), st.text("aA.: é\\", min_size=1, max_size=5)).filter(
+        lambda name: name not in {".", ".."} and name.casefold() != "results" and name[0] != "."
+    )
+    files = {
+        name_in(draw, part): (draw(st.binary(max_size=20)), draw(st.sampled_from(DATES)))
+        for _ in range(draw(st.integers(0, 8)))
+    }
+    folders = {name_in(draw, part) for _ in range(draw(st.integers(0, 3)))}
+    ways = {name: draw(st.sampled_from(("unused", "used", "linked", "hidden"))) for name in files}
+    return files, folders, ways
+
+
+def write(folder, files, folders, ways):
+    """Write a study; return the names of the files that its manifest names."""
+    used = []
+    (folder / ".data").mkdir(parents=True)
+    for number, (name, (content, date)) in enumerate(files.items()):
+        here = f".data/{number}" if ways[name] == "linked" else name
+        if ways[name] == "hidden":
+            name = here = f".hidden/{name}"  # noqa: PLW2901
+        try:
+            (folder / here).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            with (folder / here).open("xb") as file:
+                file.write(content)
+            os.utime(folder / here, (date, date))
+            if here != name:
+                (folder / name).symlink_to(folder / here)
+        except (FileExistsError, NotADirectoryError, IsADirectoryError):
+            continue  # a folder is of this name
+        if number % 4 and ways[name.removeprefix(".hidden/")] != "unused":
+            used.append(name)
+    for name in folders:
+        try:
+            (folder / name).mkdir(parents=True, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            continue
+    observations = [
+        {
+            "name": f"o{k}",
+            "finger": "f",
+            "wedge_angle_deg": 30,
+            "load_N": 1,
+            "file": name,
+            "scale": {"ppi": 500},
+        }
+        for k, name in enumerate(used)
+    ]
+    (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": observations}))
+    (folder / "corrections.jsonl").write_text(json.dumps(RECORD) + "\n")
+    (folder / "results/figures").mkdir(parents=True, exist_ok=True)
+    (folder / "results/results.csv").write_text("observation\n")
+    (folder / "results/figures/a:b.svg").write_text("<svg/>")
+    return used
+
+
+def bundle_of(folder, out=None):
+    return Bundle.of(folder, out or folder / "results", load_study(folder / "study.toml").files())
+
+
+def round_trip(folder, out=None):
+    """Export a study and import it again; return what was exported, and the new folder."""
+    found = bundle_of(folder, out)
+    target, other = folder.parent / "study.zip", folder.parent / "other"
+    pack(folder, found, target)
+    unpack(target, other, ROOM)
+    return found, other
+
+
+def contents(folder, *, hidden=False):
+    """Every file below a folder by its name, through links, and every folder."""
+    found = {}
+    for here, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if hidden or name[0] != "."]
+        path = Path(here)
+        found |= {(path / name).relative_to(folder).as_posix(): None for name in folders}
+        found |= {
+            (path / name).relative_to(folder).as_posix(): (path / name).read_bytes()
+            for name in files
+            if hidden or name[0] != "."
+        }
+    return found
+
+
+@settings(max_examples=80, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
+@given(study=studies())
+@example(
+    study=(
+        {name: (b"x", 0.0) for name in ODD_NAMES if name != "results"},
+        {"e:", "E"},
+        dict.fromkeys(ODD_NAMES, "used"),
+    )
+)
+def test_an_exported_study_is_imported_unchanged(tmp_path_factory, study):
+    folder = tmp_path_factory.mktemp("bundle") / "study"
+    used = write(folder, *study)
+    _, other = round_trip(folder)
+    assert contents(other) == contents(folder)
+    for name in used:
+        assert (other / name).read_bytes() == (folder / name).read_bytes()
+        assert not (other / name).is_symlink()
+    assert read_study(other / "study.toml") == read_study(folder / "study.toml")
+    assert set(contents(other, hidden=True)) >= set(used)
+
+
+def test_files_left_out_are_listed(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {"a.png": (b"a", 0.0), "b.png": (b"b", 0.0)}, set(), {"a.png": "unused", "b.png": "linked"})
+    (tmp_path / "outside.png").write_bytes(b"secret")
+    (folder / "out.png").symlink_to(tmp_path / "outside.png")
+    (folder / "lost.png").symlink_to("nowhere.png")
+    (folder / "self").symlink_to(folder)
+    os.mkfifo(folder / "pipe")
+    (folder / ".git").mkdir()
+    (folder / ".hidden.png").write_bytes(b"x")
+    found, other = round_trip(folder)
+    assert {one.file: one.why.partition(":")[0] for one in found.left_out} == {
+        ".data/": "hidden",
+        ".git/": "hidden",
+        ".hidden.png": "hidden",
+        "lost.png": "a link that leads nowhere",
+        "out.png": "a link that leaves the study folder",
+        "pipe": "no file that can be copied",
+        "self/": "a link to a folder",
+    }
+    with zipfile.ZipFile(tmp_path / "study.zip") as archive:
+        listed = archive.read("LEFT_OUT.txt").decode()
+        assert b"secret" not in b"".join(map(archive.read, archive.namelist()))
+    for one in found.left_out:
+        assert f"{one.file}: {one.why}" in listed
+    assert (other / "b.png").read_bytes() == b"b"
+    assert not (other / "LEFT_OUT.txt").exists()
+
+
+def test_a_film_travels_with_its_frames_wherever_they_are(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {}, set(), {})
+    (folder / ".data/film").mkdir()
+    for number in (1, 2):
+        (folder / f".data/film/f{number}.png").write_bytes(bytes([number]))
+    (folder / "film").symlink_to(".data/film")
+    (folder / "force.csv").write_text("time_s,force_N\n0,0\n")
+    film = {"name": "p", "finger": "f", "wedge_angle_deg": 30, "file": "film", "force": "force.csv"}
+    text = tomlkit.dumps({**HEAD, "sequences": [{**film, "scale": {"ppi": 500}}]})
+    (folder / "study.toml").write_text(text)
+    found, other = round_trip(folder)
+    assert [path.read_bytes() for path in sorted((other / "film").iterdir())] == [b"\x01", b"\x02"]
+    assert read_study(other / "study.toml").sequences[0].file == "film"
+    assert [one.file for one in found.left_out] == [".data/", "film/"]
+
+
+@pytest.mark.parametrize("place", ["beside", "around", "the study itself", "within"])
+def test_results_travel_from_wherever_they_are(tmp_path, place):
+    folder = tmp_path / "workspace/study"
+    write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "used"})
+    (tmp_path / "workspace/another study").mkdir()
+    (tmp_path / "workspace/another study/x.png").write_bytes(b"x")
+    out = {
+        "beside": tmp_path / "out",
+        "around": tmp_path / "workspace",
+        "the study itself": folder,
+        "within": folder / "deep/out",
+    }[place]
+    out.mkdir(exist_ok=True, parents=True)
+    (out / "summary.json").write_text("{}")
+    (out / "overlays").mkdir()
+    (out / "overlays/o.png").write_bytes(b"o")
+    found, other = round_trip(folder, out)
+    assert set(contents(other)) - {"deep"} == {
+        "study.toml", "corrections.jsonl", "a.png", "results", "results/summary.json", "results/overlays",
+        "results/overlays/o.png",
+    }  # fmt: skip
+    assert "results/" in {one.file for one in found.left_out}  # those of an earlier run
+
+
+def test_a_file_in_the_place_of_results_travels(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {}, set(), {})
+    shutil.rmtree(folder / "results")
+    (folder / "results").write_text("notes")
+    _, other = round_trip(folder)
+    assert (other / "results").read_text() == "notes"
+
+
+def test_a_name_that_goes_up_and_down_leads_to_its_file(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})
+    one = {**OBSERVATION, "name": "o", "file": ".data/../a.png"}
+    (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": [one]}))
+    found, other = round_trip(folder)
+    assert [left.file for left in found.left_out] == [".data/"]
+    assert read_study(other / "study.toml") == read_study(folder / "study.toml")
+
+
+def test_an_absolute_name_is_listed(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})
+    one = {**OBSERVATION, "name": "o", "file": str(folder / "a.png")}
+    (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": [one]}))
+    found, other = round_trip(folder)
+    assert {one.file: one.why for one in found.left_out}[str(folder / "a.png")].startswith(
+        "named by its absolute"
+    )
+    assert (other / "a.png").read_bytes() == b"a"
+    with pytest.raises(ManifestError, match="leaves the study folder"):
+        read_study(other / "study.toml")
+
+
+def test_a_store_in_use_travels_whole(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {}, set(), {})
+    path = folder / "results" / STORE_NAME
+    path.parent.mkdir(exist_ok=True)
+    with Store.writing(path) as store:
+        store.remember(Path("a.png"), "d")
+        assert path.with_name(f"{STORE_NAME}-wal").stat().st_size
+        _, other = round_trip(folder)
+    copy = sqlite3.connect(other / "results" / STORE_NAME)
+    assert copy.execute("SELECT path FROM input").fetchall() == [("a.png",)]
+    copy.close()
+    assert not (other / "results" / f"{STORE_NAME}-wal").exists()
+
+
+def test_large_files_and_many_files_travel(tmp_path, monkeypatch):
+    folder = tmp_path / "study"
+    files = {f"{k}.png": (bytes(5000), 0.0) for k in range(40)}
+    write(folder, files, set(), dict.fromkeys(files, "used"))
+    monkeypatch.setattr(zipfile, "ZIP64_LIMIT", 1000)
+    monkeypatch.setattr(zipfile, "ZIP_FILECOUNT_LIMIT", 10)
+    _, other = round_trip(folder)
+    assert contents(other) == contents(folder)
+
+
+def test_a_file_that_shrinks_a_lot_comes_back(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {"blank.pgm": (bytes(30_000_000), 0.0)}, set(), {"blank.pgm": "used"})
+    _, other = round_trip(folder)
+    assert (other / "blank.pgm").stat().st_size == 30_000_000
+
+
+def test_a_zip_that_was_packed_again_by_hand_comes_back(tmp_path):
+    folder = tmp_path / "study"
+    write(folder, {"a:b.png": (b"ab", 0.0)}, {"empty"}, {"a:b.png": "used"})
+    pack(folder, bundle_of(folder), tmp_path / "study.zip")
+    with zipfile.ZipFile(tmp_path / "study.zip") as old, zipfile.ZipFile(tmp_path / "new.zip", "w") as new:
+        for entry in old.infolist():
+            new.writestr(f"top/{entry.filename}", old.read(entry))
+    unpack(tmp_path / "new.zip", tmp_path / "other", ROOM)
+    assert contents(tmp_path / "other") == contents(folder)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../evil",
+        "/evil",
+        "a/../../evil",
+        "a//b",
+        "",
+        "a/./b",
+        "a\0b",
+        "study.toml",
+        "a" * 300,
+        "\udc00\ud800",
+    ],
+)
+def test_an_index_leads_nowhere_else(tmp_path, name):
+    with zipfile.ZipFile(tmp_path / "bad.zip", "w") as archive:
+        archive.writestr("study.toml", "title = 'x'")
+        archive.writestr("fingerpad-bundle/renamed/1.png", b"x")
+        renamed = {"fingerpad-bundle/renamed/1.png": name}
+        archive.writestr("fingerpad-bundle/index.json", json.dumps({"renamed": renamed}))
+    before = set(tmp_path.parent.rglob("*"))
+    with pytest.raises(ArchiveError):
+        unpack(tmp_path / "bad.zip", tmp_path / "x", ROOM)
+    assert set(tmp_path.parent.rglob("*")) == before
+
+
+@pytest.mark.parametrize("index", ["[]", "{}", "3", '{"renamed": {"a": 1}}', "no JSON", '{"renamed": []}'])
+def test_an_index_of_another_shape_is_refused(tmp_path, index):
+    with zipfile.ZipFile(tmp_path / "bad.zip", "w") as archive:
+        archive.writestr("study.toml", "title = 'x'")
+        archive.writestr("fingerpad-bundle/index.json", index)
+    with pytest.raises(ArchiveError, match=r"not as fingerpad writes it|no ZIP that can be read"):
+        unpack(tmp_path / "bad.zip", tmp_path / "x", ROOM)
