@@ -21,7 +21,7 @@ from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.manifest.tables import Pixel
 from fingerpad.web.answers.base import Answer, Refusal
-from fingerpad.web.answers.events import EVENTS
+from fingerpad.web.answers.study import EVENTS
 from fingerpad.web.errors import RequestError
 from fingerpad.web.workspace import Workspace
 

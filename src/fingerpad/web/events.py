@@ -6,7 +6,7 @@ from threading import Lock
 from typing import Any, Final
 
 from fingerpad._json import dumps
-from fingerpad.web.answers.events import EVENTS
+from fingerpad.web.answers.study import EVENTS
 
 _KEEP_ALIVE_S: Final = 15.0
 _MAX_WAITING: Final = 200

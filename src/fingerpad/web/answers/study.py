@@ -1,6 +1,6 @@
 """The session, and the state of the open study."""
 
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from fingerpad.study.manifest.check import Kind
 from fingerpad.study.manifest.study import Apparatus, Uncertainty
@@ -358,3 +358,24 @@ class SecondOperator(Answer):
     images: list[SecondOperatorImage]
     unseen: int
     agreement: list[OperatorAgreement]
+
+
+class StudyEvent(Answer):
+    """Event ``study``: the manifest has changed."""
+
+    digest: str
+
+
+class CorrectionsEvent(Answer):
+    """Event ``corrections``: an item was corrected."""
+
+    item: str
+    last_id: int
+
+
+# What the server sends by itself.
+EVENTS: Final[dict[str, type[Answer]]] = {
+    "study": StudyEvent,
+    "corrections": CorrectionsEvent,
+    "run": RunStatus,
+}
