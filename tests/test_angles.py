@@ -8,14 +8,23 @@ from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Placement, platen_normal, relative_curvature
 from fingerpad.image import ImageEllipse, Scale, photograph_from_ellipse
 from fingerpad.simulate import render_coin, render_contact_image
+from fingerpad.uncertainty import Inputs, placement_model, propagate, run_monte_carlo
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+MEASURED = {"palmar": (7.9, 0.1), "distal": 13.8, "radial_ulnar": 11.8}
 ELLIPSE = {"load": 2, "semi_major": 7.4, "semi_minor": 5.0}
 DEGREES = {
     "wedge of pad_contact": lambda: pad_contact(PAD, wedge_angle=30, **ELLIPSE),
     "roll of pad_contact": lambda: pad_contact(PAD, wedge_angle=0.5, roll_angle=-10, **ELLIPSE),
     "one wedge of several": lambda: pad_contact(PAD, wedge_angle=[0.5, 3.0], **ELLIPSE),
     "wedge of Placement": lambda: Placement(PAD, wedge_angle=30),
+    "roll of a few degrees": lambda: Placement(PAD, wedge_angle=0.5, roll_angle=5),
+    "wedge of a model": lambda: propagate(
+        placement_model, Inputs.of(**MEASURED, wedge_angle=30, roll_angle=0)
+    ),
+    "roll of a model": lambda: run_monte_carlo(
+        placement_model, Inputs.of(**MEASURED, wedge_angle=0.5, roll_angle=(10, 0.1))
+    ),
     "roll of Placement": lambda: Placement(PAD, wedge_angle=0.5, roll_angle=10),
     "wedge of platen_normal": lambda: platen_normal(30),
     "roll of platen_normal": lambda: platen_normal(0.5, 10),

@@ -9,7 +9,13 @@ import pytest
 from PIL import Image
 
 from fingerpad.contact import HertzGeometry, hertz_contact, pad_contact, reduced_modulus, youngs_modulus
-from fingerpad.exceptions import CalibrationError, FingerpadError, GeometryError, ImageError, LoadingError
+from fingerpad.exceptions import (
+    CalibrationError,
+    FingerpadError,
+    GeometryError,
+    ImageError,
+    LoadingError,
+)
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement, relative_curvature
 from fingerpad.image import (
     ForceSignal,
@@ -23,7 +29,11 @@ from fingerpad.image import (
 )
 from fingerpad.loading import LoadingCurve, read_loading_curve
 from fingerpad.simulate import render_coin, render_contact_image, render_finger
-from fingerpad.uncertainty import pad_model
+from fingerpad.uncertainty import (
+    Inputs,
+    pad_model,
+    propagate,
+)
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 
@@ -104,6 +114,10 @@ SCALARS = {
     "modulus from area": lambda: HertzGeometry(12, 14).reduced_modulus_from_area(2, 80),
     "reduced modulus": lambda: reduced_modulus(0.1),
     "Young's modulus": lambda: youngs_modulus(0.1),
+    "estimate": lambda: (
+        propagate(lambda load: {"double": 2 * load}, Inputs.of(load=(2, 0.1)))["double"].value
+    ),
+    "uncertainty": lambda: propagate(lambda load: {"double": load}, Inputs.of(load=(2, 0.1)))["double"].std,
     "load at a time": lambda: ForceSignal([0, 1], [0, 1]).load_at(0.5),
     **{
         f"{name} of pad_contact": lambda name=name: getattr(

@@ -22,7 +22,7 @@ GIVEN = {
         ({"wedge_angle": (5, 0.1)}, "wedge_angle must be between 0 and π/2"),
         ({"wedge_angle": ([0.5, 30], 0.01)}, "found 30 at index 1"),
         ({"wedge_angle": (0.5, 3)}, "standard uncertainty of wedge_angle must be at most π/2"),
-        ({"wedge_angle": 0.5, "roll_angle": (-10, 0.1)}, "roll_angle must be a number of radians"),
+        ({"wedge_angle": 0.5, "roll_angle": (-10, 0.1)}, "roll_angle must be between -π/2 and π/2"),
         ({"wedge_angle": 0.5, "roll_angle": (0, 3)}, "standard uncertainty of roll_angle"),
     ],
 )
@@ -36,3 +36,29 @@ def test_flat_and_upright_are_accepted() -> None:
     for wedge in (0.0, np.pi / 2):
         result = fp.pad_uncertainty(**GIVEN, wedge_angle=(wedge, 0.05), roll_angle=(0.1, 0.05))
         assert np.isfinite(result["radius_from_indentation"].value)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"palmar": -7.9}, "palmar must be positive, found -7.9"),
+        ({"semi_major": (-7, 0.1)}, "semi_major must be positive, found -7"),
+        ({"semi_minor": ([5, 0], 0.1)}, "semi_minor must be positive, found 0 at index 1"),
+        ({"load": -2}, "load must be positive or zero, found -2"),
+        ({"image_scale": 0}, "image_scale must be positive"),
+        ({"poisson_ratio": (3, 0.1)}, r"poisson_ratio must be within \[-1, 0.5\], found 3"),
+    ],
+)
+def test_impossible_values_are_refused(given: dict[str, object], message: str) -> None:
+    with pytest.raises(fp.FingerpadError, match=message):
+        fp.pad_uncertainty(**GIVEN | {"wedge_angle": 0.5} | given)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"load": -2}, {"semi_major": -7}, {"semi_minor": 0}, {"poisson_ratio": 3}, {"poisson_ratio": -2}],
+)
+def test_impossible_values_have_no_modulus(given: dict[str, float]) -> None:
+    pad = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    seen = {"load": 2, "semi_major": 7.4, "semi_minor": 5.0, "wedge_angle": 0.5}
+    assert np.isnan(fp.pad_contact(pad, **seen | given).youngs_modulus)

@@ -7,11 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import Inputs, propagate
+from fingerpad.uncertainty import Inputs, SharedErrors, placement_model, propagate, run_monte_carlo
 
 
 def test_numbers_are_exact_pairs_uncertain() -> None:
-    inputs = Inputs.of(a=1, b=(2.0, 0.1), c=[3.0, 0.2], d=np.radians((30, 0.5)), e=np.array(4.0))
+    inputs = Inputs.of(a=1, b=(2.0, 0.1), c=np.array([3.0, 0.2]), d=np.radians((30, 0.5)), e=np.array(4.0))
     assert_allclose(inputs.mean, [1, 2, 3, np.radians(30), 4])
     assert_allclose(inputs.std, [0, 0.1, 0.2, np.radians(0.5), 0])
 
@@ -65,3 +65,34 @@ def test_outputs_by_name() -> None:
     assert f"{triple:.1f}" == "3.0 ± 0.3"
     with pytest.raises(UncertaintyError, match="no output 'fourfold'; there are double, triple"):
         result["fourfold"]
+
+
+ONE = {"names": ("a",), "mean": [1.0], "covariance": [[1.0]], "groups": {}}
+SCALE = {"sources": ("scale",), "parts": np.ones((3, 1)), "groups": [[0], [0], [1]]}
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Inputs(**ONE | {"mean": [1, 2]}), r"1 inputs need a mean of shape \(..., 1\)"),
+        (lambda: Inputs(**ONE | {"covariance": 1}), r"found \(1,\) and \(\)"),
+        (lambda: Inputs(**ONE | {"groups": {"x": ("b",)}}), "no input 'b'; there are a"),
+        (
+            lambda: Inputs(names=("a", "a"), mean=[1, 2], covariance=np.eye(2), groups={}),
+            "a name of its own, found a, a",
+        ),
+        (lambda: Inputs.of(load=[1, 2]), r"load: .* exact arrays as \(values, 0\); found a list"),
+        (lambda: Inputs.of(load=(1, 2, 3)), "found 3 items"),
+        (
+            lambda: SharedErrors(**SCALE | {"parts": np.ones((3, 2))}),
+            "parts of 1 sources must have the shape",
+        ),
+        (lambda: SharedErrors(**SCALE | {"groups": [[0, 1]]}), r"groups must broadcast .* found \(1, 2\)"),
+        (lambda: SharedErrors(**SCALE | {"groups": [[0], [-1], [1]]}), "counted from 0, found -1"),
+        (lambda: propagate(placement_model, Inputs.of(palmar=7.9)), "other inputs: missing .* 'distal'"),
+        (lambda: run_monte_carlo(placement_model, Inputs.of(palmr=7.9)), "given are palmr"),
+    ],
+)
+def test_what_cannot_be_is_refused(make, message) -> None:
+    with pytest.raises(UncertaintyError, match=message):
+        make()

@@ -44,7 +44,7 @@ def import_fiji(
         float | None, typer.Option(min=0, max=90, help="Wedge angle for all rows, degrees.")
     ] = None,
     roll_deg: Annotated[
-        float | None, typer.Option(min=-360, max=360, help="Roll angle for all rows, degrees.")
+        float | None, typer.Option(min=-90, max=90, help="Roll angle for all rows, degrees.")
     ] = None,
     load_n: Annotated[float | None, typer.Option(min=1e-6, help="Load for all rows, N.")] = None,
     label_pattern: Annotated[

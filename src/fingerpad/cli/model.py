@@ -32,7 +32,7 @@ def geometry(
     semi_axes_mm: SemiAxes,
     wedge_deg: WedgeAngle,
     roll_deg: Annotated[
-        float | None, typer.Option(min=-360, max=360, help="Roll about the finger's long axis, degrees.")
+        float | None, typer.Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:

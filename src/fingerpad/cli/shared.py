@@ -28,7 +28,7 @@ WedgeAngle: TypeAlias = Annotated[
     float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
 ]
 RollAngle: TypeAlias = Annotated[
-    float, typer.Option(min=-360, max=360, help="Roll about the finger's long axis, degrees.")
+    float, typer.Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
 ]
 YoungsModulus: TypeAlias = Annotated[float, typer.Option(help="Young's modulus E of the tissue, kPa.")]
 Thickness: TypeAlias = Annotated[

@@ -12,8 +12,9 @@ from fingerpad.contact.hertz import youngs_modulus
 from fingerpad.geometry import Ellipsoid
 from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
 
-# Random draws and steps about a flat or an upright finger pass the ends of the range, degrees far more so.
-_WEDGE_MARGIN = 0.5
+# Random draws and steps about a flat or an upright finger pass the ends of the ranges, degrees far more so.
+_ANGLE_MARGIN = 0.5
+_POISSON_MARGIN = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -86,14 +87,15 @@ def pad_contact(
     pad : Ellipsoid
         The undeformed pad.
     wedge_angle, roll_angle : array_like
-        Placement, radians: the wedge angle from 0 to π/2, and up to 0.5 beyond for draws about the ends.
+        Placement, radians: the wedge angle from 0 to π/2 and the roll within π/2 either way, and up to 0.5
+        beyond for draws about the ends.
     load : array_like
-        Normal force W.
+        Normal force W, positive or zero.
     semi_major, semi_minor : array_like
-        Semi-axes of the observed contact ellipse. The two may be given in either order: the axis ratio of
+        Semi-axes of the observed contact ellipse, positive, in either order: the axis ratio of
         a near-circle stays differentiable where measurement noise swaps them.
     poisson_ratio : array_like
-        ν of the pad.
+        ν of the pad, from −1 to 0.5, and up to 0.1 beyond for draws.
 
     Returns
     -------
@@ -117,14 +119,14 @@ def pad_contact(
     >>> print(f"{contact.mean_curvature_radius:.2f} mm, corrected {contact.radius_from_indentation:.2f} mm")
     13.61 mm, corrected 13.80 mm
     """
-    normal = platen_normal_kernel(*checked_placement(wedge_angle, roll_angle, margin=_WEDGE_MARGIN))
-    radii = pad.principal_radii_at_normal(normal)
+    normal = platen_normal_kernel(*checked_placement(wedge_angle, roll_angle, margin=_ANGLE_MARGIN))
+    major, minor, load, nu = broadcast(semi_major, semi_minor, load, poisson_ratio)
     return pad_contact_kernel(
-        radii,
-        load=load,
-        semi_major=semi_major,
-        semi_minor=semi_minor,
-        poisson_ratio=poisson_ratio,
+        pad.principal_radii_at_normal(normal),
+        load=np.where(load.real >= 0, load, np.nan),
+        semi_major=np.where(major.real > 0, major, np.nan),
+        semi_minor=np.where(minor.real > 0, minor, np.nan),
+        poisson_ratio=np.where((nu.real >= -1) & (nu.real <= 0.5 + _POISSON_MARGIN), nu, np.nan),
     )
 
 

@@ -8,7 +8,6 @@ from fingerpad._arrays import (
     IN_RADIANS,
     ArrayLike,
     FloatArray,
-    as_float_array,
     broadcast,
     check_all,
     check_radians,
@@ -67,11 +66,15 @@ def checked_placement(
     Raises
     ------
     GeometryError
-        If a wedge angle lies outside [0, π/2] by more than the margin, or a roll beyond a full turn.
+        If a wedge angle lies outside [0, π/2], or a roll outside [−π/2, π/2], by more than the margin.
     """
-    wedge, roll = broadcast(as_float_array(wedge_angle), check_radians("roll_angle", roll_angle))
-    outside = (wedge < -margin) | (wedge > np.pi / 2 + margin)
-    check_all(~outside, "wedge_angle", wedge, f"between 0 and π/2 ({IN_RADIANS})", GeometryError)
+    wedge, roll = broadcast(wedge_angle, roll_angle)
+    for name, angle, lowest, limits in (
+        ("wedge_angle", wedge, 0.0, "0 and π/2"),
+        ("roll_angle", roll, -np.pi / 2, "-π/2 and π/2"),
+    ):
+        outside = (angle.real < lowest - margin) | (angle.real > np.pi / 2 + margin)
+        check_all(~outside, name, angle.real, f"between {limits} ({IN_RADIANS})", GeometryError)
     return wedge, roll
 
 
@@ -84,7 +87,7 @@ class Placement(Displayed):
     ellipsoid : Ellipsoid
         The pad.
     wedge_angle, roll_angle : array_like
-        Wedge angle in [0, π/2] and roll, radians, as for `platen_normal`.
+        Wedge angle in [0, π/2] and roll in [−π/2, π/2], radians, as for `platen_normal`.
 
     Attributes
     ----------
@@ -100,7 +103,7 @@ class Placement(Displayed):
     Raises
     ------
     GeometryError
-        If the wedge angle lies outside [0, π/2], the roll beyond a full turn, or an angle is not finite.
+        If the wedge angle lies outside [0, π/2], the roll outside [−π/2, π/2], or an angle is not finite.
 
     Examples
     --------

@@ -9,7 +9,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
 from fingerpad.uncertainty.propagate import Propagated
-from fingerpad.uncertainty.quantities import Inputs, Model, Outputs, evaluate
+from fingerpad.uncertainty.quantities import Inputs, Model, Outputs, check_inputs, evaluate
 
 _BATCH = 8192  # a power of two, which balances the points; about the 10 000 of GUM-S1 7.9.4
 _TAIL = 0.025
@@ -93,8 +93,10 @@ def run_monte_carlo(
     Raises
     ------
     UncertaintyError
-        If the covariance is not one, there are several sets of inputs, a limit is out of range, or the model
-        has no finite output for most draws.
+        If the model takes other inputs, the covariance is not one, there are several sets of inputs, a limit
+        is out of range, or the model has no finite output for most draws.
+    GeometryError
+        If an input whose name ends in ``_angle`` cannot be one in radians.
 
     Examples
     --------
@@ -102,6 +104,7 @@ def run_monte_carlo(
     >>> print(f"{result['volume']:.1f}")
     8.1 ± 1.2
     """
+    check_inputs(model, inputs)
     mean = inputs.mean
     if mean.ndim != 1:
         raise UncertaintyError(f"Monte Carlo takes one set of inputs, found the shape {mean.shape[:-1]}")

@@ -199,15 +199,22 @@ def _transpose(matrices: FloatArray) -> FloatArray:
     return np.swapaxes(matrices, -1, -2)
 
 
-def _check_angles(measured: Inputs) -> None:
-    """Refuse angles and standard uncertainties of angles that no finger on a wedge has, as degrees are."""
-    places = measured.places(["wedge_angle", "roll_angle"])
-    checked_placement(*np.moveaxis(measured.mean[..., places], -1, 0))
-    for name, std in zip(
-        ("wedge_angle", "roll_angle"), np.moveaxis(measured.std[..., places], -1, 0), strict=True
-    ):
+def _check_ranges(measured: Inputs) -> None:
+    """Refuse what no finger on a wedge has, as degrees are in place of radians. NaN passes."""
+    value, std = (
+        dict(zip(measured.names, np.moveaxis(each, -1, 0), strict=True))
+        for each in (measured.mean, measured.std)
+    )
+    checked_placement(value["wedge_angle"], value["roll_angle"])
+    for name in ("wedge_angle", "roll_angle"):
         expected = f"at most π/2 ({IN_RADIANS})"
-        check_all(~(std > np.pi / 2), f"standard uncertainty of {name}", std, expected, GeometryError)
+        what = f"standard uncertainty of {name}"
+        check_all(~(std[name] > np.pi / 2), what, std[name], expected, GeometryError)
+    for name in (*PAD_SOURCES["semi-axes"], *_ELLIPSE, "image_scale"):
+        check_all(~(value[name] <= 0), name, value[name], "positive", GeometryError)
+    check_all(~(value["load"] < 0), "load", value["load"], "positive or zero", GeometryError)
+    nu = value["poisson_ratio"]
+    check_all(~((nu < -1) | (nu > 0.5)), "poisson_ratio", nu, "within [-1, 0.5]", GeometryError)
 
 
 def pad_uncertainty(
@@ -269,7 +276,9 @@ def pad_uncertainty(
     Raises
     ------
     GeometryError
-        If a wedge angle lies outside [0, π/2], or an angle or its uncertainty is as large as degrees are.
+        If a wedge angle lies outside [0, π/2], a roll outside [−π/2, π/2] or ν outside [−1, 0.5], the
+        standard uncertainty of an angle is larger than π/2, a length or the image scale is not positive, or
+        the load is negative.
     UncertaintyError
         If a standard uncertainty is negative or NaN, or the correlations cannot be those of these quantities.
 
@@ -317,5 +326,5 @@ def pad_uncertainty(
         semi_minor=semi_minor,
         correlations=correlations,
     )
-    _check_angles(measured)
+    _check_ranges(measured)
     return propagate(pad_model, pad_inputs(measured))

@@ -61,6 +61,11 @@ class SharedErrors:
     groups : ndarray of int, broadcasting to (n, m)
         Estimates share an error where their groups in its column, counted from 0, are the same.
 
+    Raises
+    ------
+    UncertaintyError
+        If the shapes do not fit each other, or a group is negative.
+
     Examples
     --------
     Three estimates on two scales:
@@ -76,6 +81,20 @@ class SharedErrors:
     sources: tuple[str, ...]
     parts: FloatArray
     groups: npt.NDArray[np.intp]
+
+    def __post_init__(self) -> None:
+        shape, count = np.shape(self.parts), len(self.sources)
+        if len(shape) != 2 or shape[1] != count:
+            raise UncertaintyError(
+                f"parts of {count} sources must have the shape (n, {count}), found {shape}"
+            )
+        try:
+            groups = np.broadcast_to(self.groups, shape)
+        except ValueError:
+            raise UncertaintyError(
+                f"groups must broadcast to the shape {shape}, found {np.shape(self.groups)}"
+            ) from None
+        check_all(groups >= 0, "groups", groups, "counted from 0", UncertaintyError)
 
     def variances(self, weights: FloatArray) -> dict[str, float]:
         """Return the variance of the weighted sum of the estimates from each source.

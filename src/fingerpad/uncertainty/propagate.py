@@ -6,7 +6,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.uncertainty.covariance import covariance_of
-from fingerpad.uncertainty.quantities import Inputs, Model, Outputs, evaluate
+from fingerpad.uncertainty.quantities import Inputs, Model, Outputs, check_inputs, evaluate
 
 # The imaginary part of f(x + ih) is h f'(x) + O(h³). Nothing is subtracted, so h may be tiny.
 _COMPLEX_STEP = 1e-30
@@ -111,7 +111,10 @@ def propagate(model: Model, inputs: Inputs) -> Propagated:
     Raises
     ------
     UncertaintyError
-        If the covariance is not one, or the model drops the imaginary part of a complex step.
+        If the model takes other inputs, the covariance is not one, or the model drops the imaginary part of
+        a complex step.
+    GeometryError
+        If an input whose name ends in ``_angle`` cannot be one in radians.
 
     Examples
     --------
@@ -127,6 +130,7 @@ def propagate(model: Model, inputs: Inputs) -> Propagated:
     >>> print(f"{result['area']:.1f}")
     116.2 ± 3.8
     """
+    check_inputs(model, inputs)
     mean, covariance = inputs.mean, covariance_of(inputs.covariance)
     names, value = evaluate(model, inputs.names, mean)
     steps = inputs.std[..., None, :] * np.eye(mean.shape[-1])

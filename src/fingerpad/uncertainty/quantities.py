@@ -1,13 +1,22 @@
 """Named quantities with their joint covariance: inputs of a model, and its outputs."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import inspect
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_all
+from fingerpad._arrays import (
+    ArrayLike,
+    BoolArray,
+    FloatArray,
+    as_float_array,
+    check_all,
+    check_radians,
+    set_fields,
+)
 from fingerpad._display import Displayed, aligned
 from fingerpad.exceptions import UncertaintyError
 
@@ -15,7 +24,7 @@ from fingerpad.exceptions import UncertaintyError
 Model: TypeAlias = Callable[..., Mapping[str, FloatArray]]
 
 # An exact number, or a value with its standard uncertainty; arrays only in such pairs.
-Quantity: TypeAlias = float | Sequence[ArrayLike] | FloatArray
+Quantity: TypeAlias = float | tuple[ArrayLike, ArrayLike] | FloatArray
 
 Groups: TypeAlias = Mapping[str, tuple[str, ...]]
 
@@ -37,6 +46,11 @@ class Inputs(Displayed):
     groups : mapping
         From the name of a source of uncertainty to the names of its inputs, for budgets.
 
+    Raises
+    ------
+    UncertaintyError
+        If a name stands twice, the shapes do not fit the names, or a group has an input that there is not.
+
     Examples
     --------
     >>> axes = Inputs.of(semi_major=(7.4, 0.1), semi_minor=(5.0, 0.2))
@@ -49,6 +63,18 @@ class Inputs(Displayed):
     covariance: FloatArray
     groups: Groups
 
+    def __post_init__(self) -> None:
+        set_fields(self, mean=as_float_array(self.mean), covariance=as_float_array(self.covariance))
+        count = len(self.names)
+        if len(set(self.names)) < count:
+            raise UncertaintyError(f"each input must have a name of its own, found {', '.join(self.names)}")
+        if np.shape(self.mean)[-1:] != (count,) or np.shape(self.covariance)[-2:] != (count, count):
+            raise UncertaintyError(
+                f"{count} inputs need a mean of shape (..., {count}) and a covariance of shape "
+                f"(..., {count}, {count}), found {np.shape(self.mean)} and {np.shape(self.covariance)}"
+            )
+        self.places(name for names in self.groups.values() for name in names)
+
     @classmethod
     def of(
         cls, *, correlations: Mapping[tuple[str, str], ArrayLike] | None = None, **quantities: Quantity
@@ -60,7 +86,8 @@ class Inputs(Displayed):
         correlations : mapping, optional
             From pairs of names to correlation coefficients; other pairs are uncorrelated.
         **quantities : float, or pair of array_like
-            An exact number, or a value and its standard uncertainty, either of which may be an array.
+            An exact number, or a value and its standard uncertainty, either of which may be an array. A list
+            is refused, since it could be several values.
 
         Returns
         -------
@@ -199,7 +226,7 @@ class Estimate(Displayed):
 
     Attributes
     ----------
-    value, std : ndarray, shape (...)
+    value, std : float or ndarray, shape (...)
         Best estimate and standard uncertainty.
     interval : ndarray, shape (..., 2)
         Lower and upper ends of the 95 % interval.
@@ -207,7 +234,7 @@ class Estimate(Displayed):
     Examples
     --------
     >>> import numpy as np
-    >>> radius = Estimate(value=np.array(13.8), std=np.array(0.3), interval=np.array([13.2, 14.4]))
+    >>> radius = Estimate(value=np.float64(13.8), std=np.float64(0.3), interval=np.array([13.2, 14.4]))
     >>> print(radius, f"{radius:.2f}", sep=", ")
     13.8 ± 0.3, 13.80 ± 0.30
     """
@@ -220,7 +247,7 @@ class Estimate(Displayed):
         return f"{self.value:{spec}} ± {self.std:{spec}}" if spec else str(self)
 
     def __str__(self) -> str:
-        return repr(self) if self.value.ndim else f"{self:.4g}"
+        return repr(self) if np.ndim(self.value) else f"{self:.4g}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -302,7 +329,9 @@ class Outputs(Displayed):
     def __getitem__(self, name: str) -> Estimate:
         place = self.place(name)
         return Estimate(
-            value=self.value[..., place], std=self.std[..., place], interval=self.interval[..., place, :]
+            value=self.value[..., place][()],
+            std=self.std[..., place][()],
+            interval=self.interval[..., place, :],
         )
 
 
@@ -348,17 +377,50 @@ def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[
     return tuple(outputs), np.stack([np.broadcast_to(each, shape) for each in outputs.values()], axis=-1)
 
 
+def check_inputs(model: Model, inputs: Inputs) -> None:
+    """Refuse inputs that a model does not take, and angles in degrees.
+
+    Parameters
+    ----------
+    model : callable
+        What they are for.
+    inputs : Inputs
+        Those whose names end in ``_angle`` are in radians.
+
+    Raises
+    ------
+    UncertaintyError
+        If an input of the model is missing, or it takes none of such a name.
+    GeometryError
+        If an angle cannot be one in radians.
+
+    Examples
+    --------
+    >>> check_inputs(lambda load: {"double": 2 * load}, Inputs.of(load=(2.0, 0.02)))
+    """
+    try:
+        inspect.signature(model).bind(**dict.fromkeys(inputs.names))
+    except ValueError:  # some compiled functions have no signature
+        pass
+    except TypeError as error:
+        given = ", ".join(inputs.names)
+        raise UncertaintyError(f"the model takes other inputs: {error}; given are {given}") from error
+    for place, name in enumerate(inputs.names):
+        if name.endswith("_angle"):
+            check_radians(name, inputs.mean[..., place])
+
+
 def _value_and_std(name: str, quantity: Any) -> tuple[FloatArray, FloatArray]:
     """Return a quantity as its value and standard uncertainty, zero where it is exact."""
     if not isinstance(quantity, tuple) and np.ndim(quantity) == 0:
         return as_float_array(quantity), np.zeros(())
-    parts = list(quantity)
-    if len(parts) != 2:
+    if isinstance(quantity, list) or len(quantity) != 2:
+        found = "a list" if isinstance(quantity, list) else f"{len(quantity)} items"
         raise UncertaintyError(
             f"{name}: give a number or (value, standard uncertainty), exact arrays as (values, 0); "
-            f"found {len(parts)} items"
+            f"found {found}"
         )
-    value, std = map(as_float_array, parts)
+    value, std = map(as_float_array, quantity)
     # NaN is refused with the covariance, where that is propagated.
     check_all(~(std < 0), f"standard uncertainty of {name}", std, "positive or zero", UncertaintyError)
     return value, std

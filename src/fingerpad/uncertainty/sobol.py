@@ -8,7 +8,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
 from fingerpad.uncertainty.monte_carlo import normal_points
-from fingerpad.uncertainty.quantities import Inputs, Model, evaluate
+from fingerpad.uncertainty.quantities import Inputs, Model, check_inputs, evaluate
 
 _REPEATS = 8
 
@@ -83,6 +83,7 @@ def sobol_indices(
     >>> round(product.first["a"], 2)
     0.5
     """
+    check_inputs(model, inputs)
     mean, covariance = inputs.mean, covariance_of(inputs.covariance)
     _require_independent(inputs)
     if draws < 2 or draws & (draws - 1):

@@ -10,7 +10,7 @@ from typing import Any, Final, Self
 from fingerpad._csv import write_csv
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.fiji.ellipse import MeasuredEllipse
-from fingerpad.study.manifest.tables import Finite, Load, ManifestModel, Name, WedgeAngle
+from fingerpad.study.manifest.tables import Load, ManifestModel, Name, RollAngle, WedgeAngle
 from fingerpad.study.manifest.validation import validated
 
 # What an ellipse does not tell of its contact.
@@ -31,7 +31,7 @@ class _LabelValues(ManifestModel):
     finger: Name | None = None
     wedge_angle_deg: WedgeAngle | None = None
     load_N: Load | None = None  # noqa: N815 (the unit's own letter)
-    roll_angle_deg: Finite | None = None
+    roll_angle_deg: RollAngle | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,6 +15,7 @@ from fingerpad.study.manifest.tables import (
     Name,
     Point,
     Positive,
+    RollAngle,
     WedgeAngle,
 )
 
@@ -34,8 +35,8 @@ class PlacedFinger(ManifestModel):
     """Name of the finger."""
     wedge_angle_deg: WedgeAngle
     """Angle of the wedge: 0 is flat, 90 on the fingertip."""
-    roll_angle_deg: Finite = 0.0
-    """Roll about the finger's long axis."""
+    roll_angle_deg: RollAngle = 0.0
+    """Roll about the finger's long axis: 0 is flat, ±90 on a lateral face."""
     scale: ScaleKey | None = None
     """Name of a scale, or a table of its own."""
     background: str | None = None

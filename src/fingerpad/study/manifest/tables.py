@@ -23,6 +23,7 @@ TissueThickness = Annotated[float, Field(ge=0.5, le=50, allow_inf_nan=False)]
 Load = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False), AfterValidator(not_tiny)]
 RelativeStd = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
 WedgeAngle = Annotated[float, Field(ge=0, le=90)]
+RollAngle = Annotated[float, Field(ge=-90, le=90)]
 AngleStd = Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 # A place in a picture, or so far beside it that nothing of it is seen.

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.manifest.tables import Length
+from fingerpad.study.manifest.tables import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
@@ -26,8 +26,8 @@ class PadParams(Params):
     palmar_mm: Length | None = None
     distal_mm: Length | None = None
     radial_ulnar_mm: Length | None = None
-    wedge_angle_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
-    roll_angle_deg: Annotated[float, Field(ge=-180, le=180)] = 0.0
+    wedge_angle_deg: WedgeAngle = 30.0
+    roll_angle_deg: RollAngle = 0.0
 
     @model_validator(mode="after")
     def _one_pad(self) -> Self:
