@@ -9,9 +9,15 @@ import shutil
 import tempfile
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
+from PIL import Image
 
 import fingerpad.study.engine.versions as versions
+from fingerpad.simulate import render_coin
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 
@@ -27,20 +33,30 @@ mm_per_px = 0.05
 relative_std = 0.002
 [scales.reader]
 ppi = 500
+[scales.coin]
+coin = "coin.png"
+diameter_mm = 20
+[scales.board]
+grid = "board.png"
+points = [5, 6]
+spacing_mm = 2
 [[fingers]]
 name = "pad"
 synthetic = true
+effective_thickness_mm = 7.9
+effective_thickness_mm_std = 1.1
 photographs = [
     { face = "palmar", file = "photograph_palmar.jpg", scale = "camera", synthetic = true },
     { face = "distal", file = "photograph_distal.jpg", scale = "camera", synthetic = true },
 ]
-[[observations]]
-name = "contact"
+[[sequences]]
+name = "press"
 finger = "pad"
 wedge_angle_deg = 30
-load_N = 2
-file = "synthetic_30deg_2N.png"
-scale = "reader"
+file = "synthetic_press_30deg.tif"
+scale = { ppi = 240, relative_std = 0.002 }
+force = "synthetic_press_30deg_force.csv"
+frames_per_second = 20
 synthetic = true
 [[curves]]
 finger = "pad"
@@ -48,6 +64,19 @@ wedge_angle_deg = 30
 file = "curve_30deg_2mm_per_s.csv"
 synthetic = true
 """
+OBSERVATION = """
+[[observations]]
+name = "{name}"
+finger = "pad"
+wedge_angle_deg = 30
+load_N = 2
+file = "synthetic_30deg_2N.png"
+scale = "{scale}"
+synthetic = true
+"""
+OBSERVATIONS = {"contact": "reader", "corrected": "reader", "by_coin": "coin", "by_grid": "board"}
+CORRECTION = {"region_of_interest_px": [60, 60, 420, 330]}
+FRAMES = ("press#8", "press#12", "press#16")
 # Where in summary.json the numbers of each kind of measurement stand.
 PLACES = {"image": ("fingers",), "loading": ("curves",), "uncertainty": ("summaries",)}
 IMAGE_COLUMNS = (
@@ -63,11 +92,18 @@ IMAGE_COLUMNS = (
 
 
 def make_study(folder: Path) -> Path:
-    for name in ("photograph_palmar.jpg", "photograph_distal.jpg", "synthetic_30deg_2N.png"):
-        shutil.copy(DEMO / name, folder)
-    shutil.copy(DEMO / "curve_30deg_2mm_per_s.csv", folder)
-    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
-    return folder / "study.toml"
+    for file in DEMO.iterdir():
+        shutil.copy(file, folder)
+    Image.fromarray(render_coin(seed=1).pixels).save(folder / "coin.png")
+    board = 60 + 120 * np.pad(
+        np.kron(np.indices((6, 7)).sum(axis=0) % 2, np.ones((40, 40))), 40, constant_values=1
+    )
+    cv2.imwrite(str(folder / "board.png"), cv2.GaussianBlur(board, (0, 0), 1.2).astype(np.uint8))
+    observations = (OBSERVATION.format(name=name, scale=scale) for name, scale in OBSERVATIONS.items())
+    manifest = folder / "study.toml"
+    manifest.write_text(STUDY + "".join(observations), encoding="utf-8")
+    CorrectionLog(folder).append("corrected", CORRECTION, who="ada", expected=0, study=read_study(manifest))
+    return manifest
 
 
 def numbers(value: object, place: str = "") -> dict[str, float]:
@@ -81,9 +117,12 @@ def numbers(value: object, place: str = "") -> dict[str, float]:
 def measured(manifest: Path, out: Path) -> dict[str, dict[str, float]]:
     run_study(manifest, out)
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-    (row,) = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    rows = {row["observation"]: row for row in json.loads((out / "results.json").read_text(encoding="utf-8"))}
     found = {kind: numbers({key: summary[key] for key in keys}) for kind, keys in PLACES.items()}
-    found["image"] |= {f"/results/{name}": row[name] for name in IMAGE_COLUMNS}
+    found["image"] |= numbers(
+        {one: {name: rows[one][name] for name in IMAGE_COLUMNS} for one in (*OBSERVATIONS, *FRAMES)},
+        "/results",
+    )
     return found
 
 
@@ -117,7 +156,7 @@ def test_a_new_version_measures_again(run, monkeypatch, kind):
 def test_another_release_of_a_library_measures_again(run, monkeypatch):
     manifest, out, _ = run
     monkeypatch.setattr(versions, "library_versions", lambda: {"opencv": "another"})
-    assert study_status(manifest, out).stale == 4
+    assert study_status(manifest, out).stale == 8
 
 
 if __name__ == "__main__":
