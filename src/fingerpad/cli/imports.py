@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from fingerpad.study.fiji import ManualObservation, MeasuredEllipse
 
 app = typer.Typer(
-    cls=Group, rich_markup_mode=None, help="Bring in what was measured elsewhere.", no_args_is_help=True
+    cls=Group, rich_markup_mode=None, help="Import measurements from other programs.", no_args_is_help=True
 )
 
 _MM_PER_UNIT: Final = {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "inch": 25.4}

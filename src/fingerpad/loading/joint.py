@@ -65,7 +65,7 @@ class JointFit(Displayed):
         Of the record.
     covariance : ndarray, (p, p)
         Of the free parameters, with drifting noise and with the uncertainty of the noise itself.
-    record : Record
+    record : FitData
         What was fitted.
     response : mapping of str to ndarray
         Derivative of the free parameters by each held one that is uncertain.

@@ -116,11 +116,11 @@ def outline_after_strokes(
 
     Parameters
     ----------
-    before : (ndarray of bool, Edge) or None
+    before : (ndarray of bool, ContactOutline) or None
         The automatic patch.
     strokes : sequence of BrushStroke and RegionPolygon
         In order.
-    view : View
+    view : WorkingImage
         The working copy.
     noise : float
         Of the picture, in parts of the rise from valley to ridge.

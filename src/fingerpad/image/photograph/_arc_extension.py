@@ -27,7 +27,7 @@ def extend_arc(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tu
     ----------
     points : ndarray, (n, 2)
         Outline in the face's frame, px.
-    edges : Edges
+    edges : SubpixelOutline
         The same outline in the picture.
     arc : PadArc
         The arc, fitted alone.

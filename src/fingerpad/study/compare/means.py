@@ -17,7 +17,7 @@ class PersonMean:
 
     Attributes
     ----------
-    person : Owner
+    person : Person
         Who.
     fingers : int
         How many fingers.

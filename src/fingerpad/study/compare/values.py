@@ -98,7 +98,7 @@ class Value:
         One of `QUANTITIES`.
     study, finger : str
         Title of the study, and the finger's name there.
-    person : Owner
+    person : Person
         Whose finger it is.
     wedge_angle_deg, roll_angle_deg : float or None
         Its placement; None for what belongs to the finger alone.

@@ -1,4 +1,4 @@
-"""One edit made in the documents of a study: a table added, changed, renamed or taken away."""
+"""One edit made in the documents of a study: a table added, changed, renamed or removed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -58,7 +58,7 @@ export function rectification(scale, definition, done, failed) {
       failed(error);
       return;
     }
-    toast(`${images.length} rectified, with the scale ${name}. The pictures before stay where they are.`, {
+    toast(`${images.length} rectified, with the scale ${name}. The original images stay where they are.`, {
       kind: "good",
     });
     done(name);
