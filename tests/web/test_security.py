@@ -141,7 +141,7 @@ def test_the_cookie_of_one_launch_does_not_serve_another():
     ],
 )
 @pytest.mark.parametrize(
-    ("method", "path"), [("GET", "/api/study"), ("POST", "/api/run"), ("POST", "/api/session/close")]
+    ("method", "path"), [("GET", "/api/study"), ("POST", "/api/run"), ("POST", "/api/session/example")]
 )
 def test_other_pages_are_refused_even_with_the_token(standing, method, path, headers):
     assert (
@@ -153,7 +153,7 @@ def test_other_pages_are_refused_even_with_the_token(standing, method, path, hea
 
 def test_the_page_itself_may_ask(client):
     own = {"origin": str(client.base_url).rstrip("/"), "sec-fetch-site": "same-origin"}
-    assert client.post("/api/session/close", headers=own).status_code == 200
+    assert client.post("/api/session/open", headers=own, json={"name": "demo"}).status_code == 200
 
 
 @pytest.mark.parametrize("path", ["/", "/api/session", "/static/index.html", "/nowhere"])

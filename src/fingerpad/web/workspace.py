@@ -126,15 +126,6 @@ class Workspace:
             )
         return self._open[folder]
 
-    def close_study(self) -> None:
-        """Close the requested study; its run is stopped, and its finished measurements are kept."""
-        with self._lock:
-            study = self.study
-            del self._open[study.folder]
-            if self._last is study:
-                self._last = None
-        study.close()
-
     def close(self) -> None:
         """Close all studies; runs are stopped, and their finished measurements are kept."""
         with self._lock:

@@ -1,4 +1,4 @@
-"""Create, open, close, edit and run studies."""
+"""Create, open, edit and run studies."""
 
 import os
 from http import HTTPStatus
@@ -104,13 +104,6 @@ def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     found = document(opened)
     workspace.study.events.send("study", {"digest": found["digest"]})
     return found
-
-
-@endpoint("POST", "/api/session/close", "Close the study", answers.Session)
-def close(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
-    """Close the study."""
-    workspace.close_study()
-    return workspace.describe()
 
 
 @endpoint("POST", "/api/run", "Run the study", answers.RunStatus, status=HTTPStatus.ACCEPTED)
