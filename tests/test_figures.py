@@ -283,10 +283,10 @@ def test_loop_phases_and_fit(axes) -> None:
     assert is_marked_synthetic(axes)
 
 
-def test_secant_modulus_unit_and_region(axes) -> None:
+def test_secant_modulus_unit_and_fitted_points(axes) -> None:
     modulus = np.array([5.0, 0.06, 0.08, 0.10])
-    region = [False, True, True, True]
-    plot_secant_modulus(axes, LOAD, modulus, against="load", fitted_region=region, fit=(LOAD, modulus))
+    fitted = [False, True, True, True]
+    plot_secant_modulus(axes, LOAD, modulus, against="load", fitted_points=fitted, fit=(LOAD, modulus))
     grey, blue, line = (line.get_ydata() for line in axes.lines)
     assert_allclose(grey, [5000])
     assert_allclose(blue, [60, 80, 100])

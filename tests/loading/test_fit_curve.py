@@ -148,16 +148,16 @@ def test_record_keys() -> None:
     assert record["reasons"] == {}
 
 
-def test_region_found_or_given() -> None:
+def test_load_range_found_or_given() -> None:
     curve = simulate_loading_curve(points=240, top_load=4.0, seed=1, **NOISE)
     # From 2 N on the pad is made ever softer than its law.
     soft = np.where(curve.load > 2, curve.load / (1 + 0.9 * (curve.load - 2)), curve.load)
     fit = fit_loading_curve(replace(curve, load=soft))
     assert "modulus_partly_decreases" in fit.flags
-    assert fit.region[1] < 2.4
-    blind = fit_loading_curve(replace(curve, load=soft), region=(0.0, 10.0))
+    assert fit.fit_load_range[1] < 2.4
+    blind = fit_loading_curve(replace(curve, load=soft), fit_load_range=(0.0, 10.0))
     assert abs(fit.initial_modulus.value - 0.04) < 0.5 * abs(blind.initial_modulus.value - 0.04)
-    given = fit_loading_curve(CURVE, region=(0.0, 1.0))
+    given = fit_loading_curve(CURVE, fit_load_range=(0.0, 1.0))
     assert "region_given" in given.flags
     assert given.modulus_load < 1.05
     assert given.load_coefficient.std > fit_of_curve().load_coefficient.std
@@ -202,7 +202,7 @@ def test_fit_of_each_cycle() -> None:
         ({"contact_point": "eye"}, "contact_point must be joint, contact_by_threshold"),
         ({"loading_radius": -3.0}, "loading_radius must be positive"),
         ({"loading_radius": np.nan}, "loading_radius must be positive"),
-        ({"region": (1.0, 0.5)}, "region must be two rising loads"),
+        ({"fit_load_range": (1.0, 0.5)}, "fit_load_range must be two rising loads"),
     ],
 )
 def test_invalid_options(options: dict, message: str) -> None:

@@ -93,7 +93,7 @@ def fit(
         loading_radius=_given("--radius-mm", radius_mm, radius_mm_std),
         cycle=cycle,
         contact_point=contact_point,
-        region=None if load_range_n is None else _loads(load_range_n),
+        fit_load_range=None if load_range_n is None else _loads(load_range_n),
         stage_compliance=compliance,
         area_delay=delay,
     )

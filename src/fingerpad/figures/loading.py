@@ -163,13 +163,13 @@ def plot_secant_modulus(
     secant_modulus: ArrayLike,
     *,
     against: Literal["indentation", "load"],
-    fitted_region: ArrayLike | None = None,
+    fitted_points: ArrayLike | None = None,
     fit: Line | None = None,
     fit_std: ArrayLike = 0.0,
     label: str = "fit",
     synthetic: bool = False,
 ) -> AnyAxes:
-    """Draw the secant modulus E_g against indentation or load, with the region that was fitted.
+    """Draw the secant modulus E_g against indentation or load, with the points that were fitted.
 
     Parameters
     ----------
@@ -181,8 +181,8 @@ def plot_secant_modulus(
         E_g, MPa.
     against : {"indentation", "load"}
         What `abscissa` is.
-    fitted_region : array_like of bool, optional
-        Points of the region in which E_g grows; the others are grey.
+    fitted_points : array_like of bool, optional
+        Points of the loads between which E_g grows; the others are grey.
     fit : (abscissa, modulus), optional
         The line E_0g + βW.
     fit_std : array_like
@@ -204,7 +204,7 @@ def plot_secant_modulus(
     'normal load W (N)'
     """
     x, modulus = broadcast(abscissa, KPA_PER_MPA * as_float_array(secant_modulus))
-    chosen: BoolArray = np.ones(x.shape, bool) if fitted_region is None else np.asarray(fitted_region, bool)
+    chosen: BoolArray = np.ones(x.shape, bool) if fitted_points is None else np.asarray(fitted_points, bool)
     axes.plot(x[~chosen], modulus[~chosen], ".", color=GREY, markersize=2.5, label="not in the fit")
     axes.plot(x[chosen], modulus[chosen], ".", color=BLUE, markersize=3.2, label=r"$E_\mathrm{g}$")
     if fit is not None:

@@ -23,7 +23,7 @@ from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.force_models import FittedForceModel
 from fingerpad.loading.joint import JointFit, fit_joint
-from fingerpad.loading.modulus_range import Secant, increasing_region, secant_of
+from fingerpad.loading.modulus_range import Secant, modulus_range, secant_of
 from fingerpad.loading.quantities import implausible, quantities, top_load
 from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
 from fingerpad.units import KPA_PER_MPA
@@ -53,7 +53,7 @@ class LoadingFit(Recorded):
         n of A ∝ W^n; 2/3 for Hertz.
     modulus_load : float
         Largest load fitted, N.
-    region : (float, float)
+    fit_load_range : (float, float)
         Loads between which E_g was taken to increase, N.
     cycles : tuple of Cycle
         All presses in the record.
@@ -95,7 +95,7 @@ class LoadingFit(Recorded):
     load_exponent: Quantity
     area_exponent: Quantity
     modulus_load: float
-    region: tuple[float, float]
+    fit_load_range: tuple[float, float]
     cycles: tuple[Cycle, ...]
     hysteresis: tuple[Hysteresis | None, ...]
     models: Mapping[str, FittedForceModel]
@@ -166,7 +166,7 @@ class LoadingFit(Recorded):
         return {
             **estimates_record(quantities),
             "modulus_load_N": self.modulus_load,
-            "region_N": list(self.region),
+            "region_N": list(self.fit_load_range),
             "preferred_model": self.preferred_model,
             "aicc": {name: model.aicc for name, model in self.models.items()},
             "aicc_alternatives": {name: model.aicc for name, model in self.alternatives.items()},
@@ -185,7 +185,7 @@ def fit_loading_curve(
     loading_radius: float | Estimate | None = None,
     cycle: int = 0,
     contact_point: str = "joint",
-    region: tuple[float, float] | None = None,
+    fit_load_range: tuple[float, float] | None = None,
     stage_compliance: float | Estimate | None = None,
     area_delay: float | Estimate | None = None,
 ) -> LoadingFit:
@@ -207,7 +207,7 @@ def fit_loading_curve(
         Which press of the record to fit.
     contact_point : str
         ``joint``, or a name of `ESTIMATORS`, whose place of contact is then held.
-    region : (float, float), optional
+    fit_load_range : (float, float), optional
         Loads (N) between which E_g increases linearly; found from the curve without it.
     stage_compliance : float or Estimate, optional
         By how much stage and support yield under load, mm/N; the indentation is corrected for it.
@@ -247,7 +247,7 @@ def fit_loading_curve(
         )
         press = prepare(curve, poisson_ratio, cycle)
         held = fixed_quantities(press, loading_radius) | instrument
-        main, limits, doubts = _main_fit(press, held, contact_point, region)
+        main, limits, doubts = _main_fit(press, held, contact_point, fit_load_range)
         compared = compare(allow_for_bend(main))
         main = compared.main
         models = _models(main)
@@ -259,7 +259,7 @@ def fit_loading_curve(
             **found,
             misfit_std=added,
             modulus_load=top_load(main),
-            region=limits,
+            fit_load_range=limits,
             cycles=press.cycles,
             hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
             models={name: model.fitted_law() for name, model in models.items()},
@@ -336,9 +336,12 @@ def _growing_fit(press: Press, held: Mapping[str, Estimate]) -> JointFit:
 
 
 def _main_fit(
-    press: Press, held: Mapping[str, Estimate], contact_point: str, region: tuple[float, float] | None
+    press: Press,
+    held: Mapping[str, Estimate],
+    contact_point: str,
+    fit_load_range: tuple[float, float] | None,
 ) -> tuple[JointFit, tuple[float, float], list[str]]:
-    """Return the fit of the growing modulus over its region, the region's loads, and doubts."""
+    """Return the fit of the growing modulus over its range of loads, that range, and doubts."""
     main = _growing_fit(press, held)
     if contact_point != "joint":
         place = estimated_places(main)[contact_point]
@@ -347,9 +350,9 @@ def _main_fit(
         held = {**held, "contact_offset": place}
         main = fit_growing(press.record, main.values, held)
     doubts = []
-    limits, record = increasing_region(main, region)
+    limits, record = modulus_range(main, fit_load_range)
     if record.load.size < press.record.load.size:
-        doubts.append("modulus_partly_decreases" if region is None else "region_given")
+        doubts.append("modulus_partly_decreases" if fit_load_range is None else "region_given")
         main = fit_growing(record, main.values, held)
     before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
     if before < 2 and "no_baseline" not in press.flags:

@@ -56,12 +56,12 @@ def secant_of(fit: JointFit) -> Secant:
     return Secant(load=load[used], indentation=depth[used], modulus=modulus)
 
 
-def increasing_region(
+def modulus_range(
     fit: JointFit, given: tuple[float, float] | None = None
 ) -> tuple[tuple[float, float], FitData]:
     """Return the loads (N) between which E_g increases, and the record's rows before contact and in between.
 
-    E_g is averaged in up to twelve bins along the curve. The region ends at its last maximum and
+    E_g is averaged in up to twelve bins along the curve. The range ends at its last maximum and
     starts at the last minimum before, within noise.
 
     Raises
@@ -76,8 +76,8 @@ def increasing_region(
     keep = (load <= 0) | ((load >= low) & (load <= high))
     if not (low < high and np.count_nonzero(keep & (load > 0)) >= _MIN_ROWS):
         raise LoadingError(
-            f"region must be two rising loads with at least {_MIN_ROWS} rows between, found {low:g} to "
-            f"{high:g} N"
+            f"fit_load_range must be two rising loads with at least {_MIN_ROWS} rows between, "
+            f"found {low:g} to {high:g} N"
         )
     if keep.all():
         return (float(low), float(high)), record

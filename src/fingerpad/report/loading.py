@@ -129,14 +129,14 @@ class _Drawn:
 
 
 def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) -> Iterator[Plot]:
-    secant, (low, high) = fit.secant, fit.region
+    secant, (low, high) = fit.secant, fit.fit_load_range
     line, label = None, "fit"
     initial, growth = fit.initial_modulus, fit.load_coefficient
     if isinstance(initial, Estimate) and isinstance(growth, Estimate):
         loads = np.array([low, high])
         line = (loads, initial.value + growth.value * loads)
         label = rf"$E_\mathrm{{0g}}$ = {_in_kpa(initial)} kPa, β = {_in_kpa(growth)} kPa/N"
-    region = (secant.load >= low) & (secant.load <= high)
+    fitted = (secant.load >= low) & (secant.load <= high)
     against: Literal["load", "indentation"]
     for against, abscissa in (("load", secant.load), ("indentation", secant.indentation)):
         yield Plot(
@@ -146,12 +146,12 @@ def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) ->
                 abscissa,
                 secant.modulus,
                 against=against,
-                fitted_region=region,
+                fitted_points=fitted,
                 fit=line if against == "load" else None,
                 label=label,
                 synthetic=synthetic,
             ),
-            caption=f"Secant modulus against {against}, with the region in which it was fitted ({where}).",
+            caption=f"Secant modulus against {against}, with the loads of its fit ({where}).",
         )
 
 

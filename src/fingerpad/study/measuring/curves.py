@@ -263,7 +263,7 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
             loading_radius=None if radius is None else Estimate.symmetric(radius, std or 0.0),
             cycle=curve.cycle,
             contact_point=curve.contact_point,
-            region=None
+            fit_load_range=None
             if curve.fit_load_range_N is None
             else (curve.fit_load_range_N[0], curve.fit_load_range_N[1]),
             **_instrument(curve),
