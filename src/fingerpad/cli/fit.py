@@ -28,7 +28,7 @@ def fit(
     ] = 0.5,
     radius_mm: Annotated[
         float | None,
-        typer.Option(min=1e-6, max=1e6, help="Effective radius R_g, mm, where the curve has no area."),
+        typer.Option(min=1e-6, max=1e6, help="Loading radius R_g, mm, where the curve has no area."),
     ] = None,
     radius_mm_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, mm.")] = 0.0,
     cycle: Annotated[int, typer.Option(min=0, help="Which press of the record, from 0.")] = 0,

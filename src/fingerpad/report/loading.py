@@ -78,7 +78,7 @@ def loading_plots(
                 loading_radius_std=radius.std if radius else 0.0,
                 synthetic=synthetic,
             ),
-            caption=f"Contact area against π × indentation; its slope is the effective radius ({where}).",
+            caption=f"Contact area against π × indentation; its slope is the loading radius ({where}).",
         )
     yield from _secant_plots(name, where, fit, synthetic=synthetic)
     if drawn.area is not None and geometric_mean_radius is not None:

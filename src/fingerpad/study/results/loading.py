@@ -1,4 +1,4 @@
-"""The effective radius that loading curves give at a placement."""
+"""The loading radius R_g that loading curves give at a placement."""
 
 import math
 from collections.abc import Iterable
