@@ -548,7 +548,7 @@ def test_order_of_flags():
         "scale_doubtful",
         "not_a_contact_image",
         "ridges_merge",
-        "edited_by_person",
+        "edited_manually",
     )
 
 

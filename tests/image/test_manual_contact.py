@@ -55,7 +55,7 @@ def test_smudge_removed():
     strokes = [stroke("remove", *map(tuple, (edge + 12 * away)[near]), radius=12)]
     strokes += [stroke("remove", *map(tuple, (edge + 50 * away)[near][::5]), radius=42)]
     clean = prepared.with_corrections(strokes)
-    assert "edited_by_person" in clean.flags
+    assert "edited_manually" in clean.flags
     assert abs(clean.gross_area - TRUTH.gross_area) < 2 * clean.gross_area_std
     assert abs(clean.ellipse.semi_major - 8.0) < 2 * clean.semi_major_std
     assert abs(clean.ellipse.semi_minor - 6.0) < 2 * clean.semi_minor_std
@@ -94,7 +94,7 @@ def test_painting_inside_changes_nothing():
     assert again.gross_area == pytest.approx(PLAIN.gross_area, rel=2e-4)
     assert again.ellipse.semi_major == pytest.approx(PLAIN.ellipse.semi_major, rel=2e-4)
     assert again.gross_area_std == pytest.approx(PLAIN.gross_area_std, rel=0.1)
-    assert again.flags == (*PLAIN.flags, "edited_by_person")
+    assert again.flags == (*PLAIN.flags, "edited_manually")
 
 
 @given(radius=st.floats(15, 60), row=st.floats(-60, 60), column=st.floats(-40, 40), other=st.floats(-30, 30))
@@ -202,8 +202,8 @@ def test_a_polygon_replaces_the_region():
     drawn = PREPARED.with_corrections([stroke("remove", CENTRE, radius=60), polygon("replace", outline)])
     assert drawn.gross_area == pytest.approx(TRUTH.gross_area, rel=3e-3)
     assert drawn.ellipse.semi_major == pytest.approx(8, rel=3e-3)
-    assert "edited_by_person" in drawn.flags
-    # The hand's error: that of an ellipse placed by hand, which is drawn all round as well.
+    assert "edited_manually" in drawn.flags
+    # The hand's error: that of an ellipse placed manually, which is drawn all round as well.
     ellipse = ImageEllipse(centre=TRUTH.centroid, semi_axes=(8 / TRUTH.mm_per_px, 6 / TRUTH.mm_per_px))
     assert drawn.gross_area_std == pytest.approx(
         PREPARED.with_corrections(ellipse=ellipse).gross_area_std, rel=0.02
@@ -257,7 +257,7 @@ def test_lassos_by_an_unsteady_hand_are_covered():
 
 
 @pytest.mark.parametrize("look", ["livescan", "prism"])
-def test_a_threshold_by_hand_is_as_uncertain_as_its_choice(look):
+def test_a_manual_threshold_is_as_uncertain_as_its_choice(look):
     truth = render_contact_image(
         semi_major=5.0, semi_minor=4.0, look=look, noise_std=20, blur=0.1, lighting=0.2, seed=8
     )

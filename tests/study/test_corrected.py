@@ -1,4 +1,4 @@
-"""Measuring with corrections: what a person says holds, and the program's own result stands beside it."""
+"""Measuring with corrections: the correction holds, and the automatic result stands beside it."""
 
 import math
 from dataclasses import replace
@@ -105,35 +105,35 @@ def finger_of(finger, scales, folder, out, active_corrections):
 
 def test_without_corrections_nothing_is_different(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
-    assert plain.program_semi_major_mm == plain.semi_major_mm
+    assert plain.automatic_semi_major_mm == plain.semi_major_mm
     assert plain.reviewed is None
     assert plain.rejected is None
     assert plain.counts
 
 
-def test_an_ellipse_by_hand_holds_and_the_programs_stays_beside(folder, tmp_path):
+def test_a_manual_ellipse_holds_and_the_automatic_one_stays_beside(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
     centre = [plain.centroid_row_px, plain.centroid_column_px]
-    by_hand = {"centre": centre, "semi_axes": [140, 110], "orientation_deg": 20}
-    found = measured(folder, tmp_path, "p", {"ellipse_px": by_hand})
+    drawn = {"centre": centre, "semi_axes": [140, 110], "orientation_deg": 20}
+    found = measured(folder, tmp_path, "p", {"ellipse_px": drawn})
     assert found.semi_major_mm == pytest.approx(140 * 25.4 / 500, rel=1e-3)
-    assert found.program_semi_major_mm == plain.semi_major_mm
-    assert found.program_semi_minor_mm == plain.semi_minor_mm
+    assert found.automatic_semi_major_mm == plain.semi_major_mm
+    assert found.automatic_semi_minor_mm == plain.semi_minor_mm
     assert found.orientation_deg == pytest.approx(20, abs=0.1)
-    assert found.measured_by == "person"
+    assert found.measured_by == "manual"
     assert (found.reviewed, found.reviewed_by) == ("corrected", "anna")
     assert found.flags == plain.flags == ()
     assert (tmp_path / "out" / found.overlay).is_file()
 
 
-def test_strokes_and_options_are_the_programs_with_corrections(folder, tmp_path):
+def test_strokes_and_options_correct_the_automatic_result(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
     middle = [plain.centroid_row_px - 140, plain.centroid_column_px]
     stroke = {"action": "remove", "points_px": [middle], "radius_px": 50}
     found = measured(folder, tmp_path, "p", {"strokes": [stroke]})
     assert found.gross_area_mm2 < plain.gross_area_mm2 - 5
-    assert found.measured_by == "program with corrections"
-    assert found.program_semi_major_mm == plain.semi_major_mm
+    assert found.measured_by == "corrected"
+    assert found.automatic_semi_major_mm == plain.semi_major_mm
     other = measured(folder, tmp_path, "p", {"threshold": 90})
     pixels = cv2.imread(str(folder / "print.png"), cv2.IMREAD_GRAYSCALE)
     assert (
@@ -163,13 +163,13 @@ def test_accepted_says_who(folder, tmp_path):
     assert found.measured_by is None
 
 
-def test_a_person_measures_what_the_program_cannot(folder, tmp_path):
+def test_a_contact_not_found_automatically_is_measured_manually(folder, tmp_path):
     assert "no contact found" in measured(folder, tmp_path, "none").reason
     pixels = np.random.default_rng(0).normal(120, 3, (300, 300))
-    by_hand = ContactCorrection.model_validate({"ellipse_px": {"centre": [150, 150], "semi_axes": [90, 70]}})
+    drawn = ContactCorrection.model_validate({"ellipse_px": {"centre": [150, 150], "semi_axes": [90, 70]}})
     contact = STUDY.observations[1]
-    seen = corrected_contact_image(pixels, Scale.of_ppi(500), contact, folder, by_hand)
-    assert seen.program is None
+    seen = corrected_contact_image(pixels, Scale.of_ppi(500), contact, folder, drawn)
+    assert seen.automatic is None
     assert float(seen.contact_image.ellipse.semi_minor) == pytest.approx(70 * 25.4 / 500, rel=1e-3)
     nothing = ContactCorrection.model_validate(
         {"strokes": [{"action": "remove", "points_px": [[5, 5]], "radius_px": 5}]}
@@ -192,7 +192,7 @@ def test_frames_keep_the_films_reading(folder):
     stroke = {"action": "remove", "points_px": [[row - 150, column]], "radius_px": 40}
     change = ContactCorrection.model_validate({"strokes": [stroke]})
     found = corrected_contact_image(TRUTH.pixels, scale, film, folder, change, settings=settings)
-    assert found.program.as_record() == plain.contact_image.as_record()
+    assert found.automatic.as_record() == plain.contact_image.as_record()
     assert found.contact_image.ridge_period == plain.contact_image.ridge_period
     assert found.contact_image.gross_area < plain.contact_image.gross_area
 
@@ -201,23 +201,23 @@ def test_results_depend_on_the_folder_alone(folder, tmp_path):
     change = {"strokes": [{"action": "add", "points_px": [[60, 60], [90, 80]], "radius_px": 12}]}
     first = measured(folder, tmp_path, "p", change)
     second = measured(folder, tmp_path, "p")
-    for name in ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "program_semi_major_mm", "flags"):
+    for name in ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "automatic_semi_major_mm", "flags"):
         assert getattr(first, name) == getattr(second, name)
 
 
-def test_photographs_by_hand_and_rejected(folder, tmp_path):
+def test_photographs_fitted_manually_and_rejected(folder, tmp_path):
     scales, finger = measured_scales(STUDY, folder), STUDY.fingers[0]
     plain = finger_of(finger, scales, folder, tmp_path / "out", {})
     np.testing.assert_allclose(plain.semi_axes, (7.9, 13.8, 11.8), rtol=0.02)
     items = [photograph_item(finger, one) for one in finger.photographs]
     assert items[0] == "f/palmar.png"
     log = CorrectionLog(tmp_path)
-    by_hand = {"centre": [200, 190], "semi_axes": [125, 145]}
-    log.append(items[0], {"ellipse_px": by_hand}, who="ben", expected=0, study=STUDY)
+    drawn = {"centre": [200, 190], "semi_axes": [125, 145]}
+    log.append(items[0], {"ellipse_px": drawn}, who="ben", expected=0, study=STUDY)
     log.append(items[2], {"rejected": "nail in view"}, who="ben", expected=0, study=STUDY)
     found = finger_of(finger, scales, folder, tmp_path / "out", log.active_corrections())
     assert [one.manifest.face for one in found.photographs] == ["palmar", "distal"]
-    assert found.photographs[0].flags == ("by_hand",)
+    assert found.photographs[0].flags == ("fitted_manually",)
     # The page's joint result is the run's.
     scale = scales["camera"].scale
     faces = [
@@ -248,7 +248,7 @@ def test_points_of_a_photograph_are_edited(folder):
     change = PhotographCorrection.model_validate({"erased": [rubber]})
     fewer = corrected_photograph(pixels, photograph, scale, change)
     assert len(fewer.points) < len(plain.points) - 19
-    assert "by_hand" in fewer.flags
+    assert "fitted_manually" in fewer.flags
     box = [0, 0, *(pixels.shape[:2])]
     whole = PhotographCorrection.model_validate({"region_of_interest_px": box})
     assert corrected_photograph(pixels, photograph, scale, whole).arc_deg > plain.arc_deg

@@ -47,9 +47,9 @@ def test_a_corrected_observation_alone_is_measured_anew(manifest: Path) -> None:
     after, measured = run(manifest)
     assert measured == ["o1"]
     row = row_of(after, "o1")
-    assert (row["measured_by"], row["reviewed"], row["reviewed_by"]) == ("person", "corrected", "anna")
+    assert (row["measured_by"], row["reviewed"], row["reviewed_by"]) == ("manual", "corrected", "anna")
     assert row["semi_major_mm"] == pytest.approx(40 * 25.4 / 240, rel=1e-3)
-    assert row["program_semi_major_mm"] == row_of(before, "o1")["semi_major_mm"]
+    assert row["automatic_semi_major_mm"] == row_of(before, "o1")["semi_major_mm"]
     decide(manifest, "o1", {})
     again, measured = run(manifest)
     assert measured == ["o1"]
@@ -90,7 +90,7 @@ def test_the_report_says_what_people_decided(manifest: Path) -> None:
     page = write_report(result, manifest.parent / "out").read_text(encoding="utf-8")
     section = page[page.index("What people decided") : page.index('id="fingers"')]
     assert ("corrected" in section, "it &lt;slipped&gt;" in section, "anna" in section) == (True,) * 3
-    own = row_of(result, "o1")["program_semi_major_mm"]
+    own = row_of(result, "o1")["automatic_semi_major_mm"]
     assert f"{own:.3f}" in section
 
 
@@ -100,7 +100,7 @@ def test_a_corrected_frame_has_its_piece_measured_anew(manifest: Path) -> None:
     after, measured = run(manifest)
     assert measured == ["p", "p"]  # the piece, and the drawings
     row = row_of(after, "p#8")
-    assert (row["measured_by"], row["load_N"]) == ("person", row_of(before, "p#8")["load_N"])
+    assert (row["measured_by"], row["load_N"]) == ("manual", row_of(before, "p#8")["load_N"])
     assert row["semi_minor_mm"] == pytest.approx(30 * 25.4 / 240, rel=1e-3)
     others = [[one for one in found.rows if one["observation"] != "p#8"] for found in (before, after)]
     assert others[0] == others[1]
@@ -109,7 +109,7 @@ def test_a_corrected_frame_has_its_piece_measured_anew(manifest: Path) -> None:
     empty = min(frame for frame in range(24) if frame not in seen and frame > 1)
     decide(manifest, f"p#{empty}", ELLIPSE)
     frames = {row["frame"]: row for row in run(manifest)[0].rows}
-    assert empty not in frames or frames[empty]["measured_by"] == "person"
+    assert empty not in frames or frames[empty]["measured_by"] == "manual"
 
 
 def test_a_rejected_photograph_is_left_out(manifest: Path) -> None:

@@ -418,7 +418,7 @@ def test_from_fiji_to_results(tmp_path: Path) -> None:
     run_study(tmp_path / "study.toml", tmp_path / "out")
     with (tmp_path / "out" / "results.csv").open(encoding="utf-8") as file:
         written = list(csv.DictReader(file))
-    assert [row["measured_by"] for row in written] == ["person", "person"]
+    assert [row["measured_by"] for row in written] == ["manual", "manual"]
     assert [row["load_N"] for row in written] == ["2.0", "0.5"]
     for row in written:
         assert float(row["semi_major_mm"]) == pytest.approx(SEMI_MAJOR * PX_MM, rel=2e-3)

@@ -177,18 +177,18 @@ def test_synthetic_if_anything_is(tmp_path: Path, finger: str, row: str) -> None
 @pytest.mark.parametrize(
     ("keys", "who"),
     [
-        ("", "program"),
-        ("threshold = 60", "program with corrections"),
-        ("mask_px = [[5, 5], [5, 300], [420, 300], [420, 5]]", "program with corrections"),
-        ("region_of_interest_px = [5, 5, 380, 300]", "program with corrections"),
-        ("seed_px = [200, 150]", "program with corrections"),
+        ("", "automatic"),
+        ("threshold = 60", "corrected"),
+        ("mask_px = [[5, 5], [5, 300], [420, 300], [420, 5]]", "corrected"),
+        ("region_of_interest_px = [5, 5, 380, 300]", "corrected"),
+        ("seed_px = [200, 150]", "corrected"),
     ],
 )
 def test_says_who_measured(picture: Path, keys: str, who: str) -> None:
     row = row_of(picture, row=IMAGE + keys)
     assert row["measured_by"] == who
     assert row["semi_major_mm"] == pytest.approx(8.0, rel=0.03)
-    assert row_of(picture)["measured_by"] == "person"
+    assert row_of(picture)["measured_by"] == "manual"
 
 
 def test_a_mask_cuts(picture: Path) -> None:

@@ -174,7 +174,7 @@ def test_corrections_reach_every_frame(film: Path, press: SyntheticSequence) -> 
     half = f"{CLOCK}\nregion_of_interest_px = [0, 0, {rows // 2}, {columns}]"
     result = run(film, ("p", half))
     frame = next(row for row in result.rows if row["frame"] == 12)
-    assert frame["measured_by"] == "program with corrections"
+    assert frame["measured_by"] == "corrected"
     assert "cut_by_mask" in frame["flags"]
     assert not any(row["pooled"] for row in result.rows)
     assert frame["gross_area_mm2"] == pytest.approx(press.gross_area[12] / 2, rel=0.05)
@@ -233,7 +233,7 @@ def key_frame(press: SyntheticSequence, frame: int, **more: object) -> dict:
 def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
     film: Path, plain: StudyResult, press: SyntheticSequence
 ) -> None:
-    assert run(film, ("p", CLOCK)).rows[0]["measured_by"] == "program"
+    assert run(film, ("p", CLOCK)).rows[0]["measured_by"] == "automatic"
     study, log = read_study(film / "study.toml"), CorrectionLog(film)
     for frame, change in {
         5: key_frame(press, 5),
@@ -247,7 +247,7 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
     for frame in (6, 7, 9, 10):
         row = rows[frame]
         assert "interpolated" in row["flags"]
-        assert (row["measured_by"], row["reviewed_by"]) == ("person", "anna")
+        assert (row["measured_by"], row["reviewed_by"]) == ("manual", "anna")
         for name, truth in (("semi_major_mm", press.semi_major), ("semi_minor_mm", press.semi_minor)):
             expected = np.interp(frame, [5, 11], truth[[5, 11]])
             assert row[name] == pytest.approx(expected, rel=3e-3)
@@ -367,19 +367,19 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(film: Path, plai
     assert record["phases_decided_at"] == log.history("p#phases").records[0].when
     assert record["phases"]["hold"] == 9
     text = write_report(result, film / "out").read_text(encoding="utf-8")
-    assert "phases set by hand by anna" in text
+    assert "phases set manually by anna" in text
     assert "hold from 0.475 s" in text
     # Taken back, everything is as it was.
     log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
     after = run(film, ("p", CLOCK))
     assert list(after.rows) == list(plain.rows)
     assert summary_record(after)["sequences"][0]["phases_decided_by"] is None
-    assert "set by hand" not in write_report(after, film / "out").read_text(encoding="utf-8").replace(
-        "unless a person set them by hand", ""
+    assert "set manually" not in write_report(after, film / "out").read_text(encoding="utf-8").replace(
+        "unless set manually", ""
     )
 
 
-def test_phases_set_by_hand_measure_no_picture_again(film: Path) -> None:
+def test_phases_set_manually_measure_no_picture_again(film: Path) -> None:
     run(film, ("p", CLOCK))
     study, log = read_study(film / "study.toml"), CorrectionLog(film)
     with Store.reading(film / "out" / STORE_NAME) as store:

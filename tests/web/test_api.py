@@ -134,7 +134,7 @@ def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
 
 def test_a_contact_is_measured_and_modelled(standing):
     one = measured(standing)
-    assert one["by"] == "program"
+    assert one["by"] == "automatic"
     assert one["numbers"]["semi_major_mm"] > one["numbers"]["semi_minor_mm"] > 2
     assert one["numbers"]["semi_major_mm_std"] > 0
     centre, (major, minor) = one["ellipse_px"]["centre"], one["ellipse_px"]["semi_axes"]
@@ -151,18 +151,18 @@ def test_a_contact_is_measured_and_modelled(standing):
 def test_an_unchanged_ellipse_changes_nothing(standing):
     one = measured(standing)
     again = measured(standing, change={"ellipse_px": one["ellipse_px"]})
-    assert again["by"] == "person"
+    assert again["by"] == "manual"
     assert again["numbers"]["semi_major_mm"] == pytest.approx(one["numbers"]["semi_major_mm"], rel=2e-3)
     assert again["handles"]["major_ends_px"][0] == pytest.approx(one["handles"]["major_ends_px"][0], abs=0.5)
-    assert again["program"]["semi_major_mm"] == one["numbers"]["semi_major_mm"]
+    assert again["automatic"]["semi_major_mm"] == one["numbers"]["semi_major_mm"]
 
 
 def test_a_brush_changes_the_region_and_the_automatic_result_is_kept(standing):
     row, column = measured(standing)["ellipse_px"]["centre"]
     bite = {"action": "remove", "points_px": [[row - 100, column]], "radius_px": 30}
     one = measured(standing, change={"strokes": [bite]})
-    assert one["numbers"]["gross_area_mm2"] < one["program"]["gross_area_mm2"]
-    assert measured(standing)["by"] == "program"  # nothing was stored
+    assert one["numbers"]["gross_area_mm2"] < one["automatic"]["gross_area_mm2"]
+    assert measured(standing)["by"] == "automatic"  # nothing was stored
 
 
 def test_the_wrong_polarity_is_refused_with_a_hint(standing):
@@ -180,7 +180,7 @@ def test_an_unused_file_is_measured_with_a_scale(standing):
 
 def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
     one = measured(standing, PHOTO, "photograph", with_finger=True)
-    assert one["by"] == "program"
+    assert one["by"] == "automatic"
     assert one["semi_axes_mm"]["radial_ulnar"] == pytest.approx(11.8, rel=0.02)
     assert one["finger"]["semi_axes_mm"]["palmar"] == pytest.approx(7.9, rel=0.02)
     assert one["finger"]["degrees_of_freedom"] == 3
@@ -188,7 +188,7 @@ def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
     centre, across, along = (one["handles"][key] for key in ("centre_px", "across_end_px", "along_end_px"))
     assert math.dist(centre, across) * one["mm_per_px"] == pytest.approx(one["semi_axes_mm"]["radial_ulnar"])
     dragged = measured(standing, PHOTO, "photograph", handles=one["handles"])
-    assert dragged["by"] == "person"
+    assert dragged["by"] == "manual"
     assert dragged["semi_axes_mm"] == pytest.approx(one["semi_axes_mm"])
     assert dragged["ellipse_px"]["lean_deg"] == pytest.approx(one["ellipse_px"]["lean_deg"], abs=1e-6)
     stored = measured(standing, PHOTO, "photograph", change={"ellipse_px": dragged["ellipse_px"]})
@@ -205,7 +205,7 @@ def test_erased_points_are_left_out(standing):
     rubber = {"points_px": [one["points_px"][0]], "radius_px": 25}
     fewer = measured(standing, PHOTO, "photograph", change={"erased": [rubber]})
     assert len(fewer["points_px"]) < len(one["points_px"])
-    assert fewer["by"] == "program with corrections"
+    assert fewer["by"] == "corrected"
 
 
 def test_scales_of_all_types(standing):

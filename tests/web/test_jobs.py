@@ -178,7 +178,7 @@ def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(finished_cl
     assert after["o2"]["gross_area_mm2"] == pytest.approx(seen["gross_area_mm2"])
     assert after["o2"]["gross_area_mm2"] < before["o2"]["gross_area_mm2"]
     assert after["o1"] == before["o1"]
-    assert (after["o2"]["reviewed_by"], after["o2"]["measured_by"]) == ("ada", "program with corrections")
+    assert (after["o2"]["reviewed_by"], after["o2"]["measured_by"]) == ("ada", "corrected")
     assert finished_client.get("/api/study").json()["results"]["fresh"]
 
 

@@ -60,7 +60,7 @@ def import_fiji(
     as_json: AsJson = False,
     scale: "Scale | None" = None,
 ) -> None:
-    """Turn ellipses measured by hand in Fiji or ImageJ into observations of a study.
+    """Turn ellipses measured manually in Fiji or ImageJ into observations of a study.
 
     A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
     neither flags nor labels give is left empty, to be filled in.
@@ -128,7 +128,7 @@ def _read(files: list[Path]) -> list["MeasuredEllipse"]:
 
 
 def _print_outcome(out: Path, rows: list["ManualObservation"]) -> None:
-    typer.echo(f"Wrote {out}: {len(rows)} contact{'s' if len(rows) != 1 else ''} measured by hand.")
+    typer.echo(f"Wrote {out}: {len(rows)} contact{'s' if len(rows) != 1 else ''} measured manually.")
     lacking = [row for row in rows if row.missing]
     if lacking:
         columns = dict.fromkeys(name for row in lacking for name in row.missing)

@@ -224,7 +224,7 @@ def _details(
         "doubts": doubtful[:MOST_POINTS],
         "repeatability": result.repeatability[summary.synthetic].known,
         "left_out": [(row["observation"], pooling_words(row)) for row in out[:MOST_POINTS]],
-        "by_hand": [
+        "pooled_manually": [
             (row["observation"], pooling_words(row))
             for row in contacts.at(contacts.column("pooled") & contacts.known("pooling_decided_by"))
         ],

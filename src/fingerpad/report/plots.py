@@ -218,14 +218,14 @@ def press_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
         semi_minor=rows.column("semi_minor_mm"),
         synthetic=synthetic,
     )
-    by_hand = " Phases were set by hand." if film.phases else ""
+    manual = " Phases were set manually." if film.phases else ""
     some = "" if len(rows) == len(seen) else f" {len(rows)} of {len(seen)} frames are drawn."
     yield Plot(
         name=f"sequence_{file_stem(of.name)}{'_synthetic' if synthetic else ''}",
         figure=figure,
         caption=(
             f"Contact area and semi-axes against time and against force ({of.name}, {of.finger}, wedge "
-            f"{of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}).{by_hand}{some}"
+            f"{of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}).{manual}{some}"
         ),
     )
 

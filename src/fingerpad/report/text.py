@@ -39,7 +39,7 @@ def in_words(codes: str, words: Mapping[str, str]) -> list[str]:
 
 
 def phase_words(phases: ManualPhases) -> str:
-    """Say who set the phases of a sequence by hand, where, and why.
+    """Say who set the phases of a sequence manually, where, and why.
 
     Examples
     --------
@@ -47,10 +47,10 @@ def phase_words(phases: ManualPhases) -> str:
     >>> starts = [{"phase": "loading", "start_s": 0.25}, {"phase": "hold", "start_s": 1}]
     >>> decision = PhaseDecision(starts=starts, why="slipped at first")
     >>> phase_words(ManualPhases(decision, "Ada", "2026-05-04T10:00:00.000Z"))
-    'phases set by hand by Ada on 2026-05-04: loading from 0.25 s, hold from 1 s (slipped at first)'
+    'phases set manually by Ada on 2026-05-04: loading from 0.25 s, hold from 1 s (slipped at first)'
     """
     starts = ", ".join(f"{one.phase} from {one.start_s:.4g} s" for one in phases.decision.starts)
-    return f"phases set by hand by {phases.who} on {phases.when[:10]}: {starts} ({phases.decision.why})"
+    return f"phases set manually by {phases.who} on {phases.when[:10]}: {starts} ({phases.decision.why})"
 
 
 def pooling_words(row: Mapping[str, Any]) -> str:

@@ -213,7 +213,7 @@ def test_second_operator_sees_no_outline_but_their_own(tab: Tab, demo) -> None:
     lift(page)
     mine = numbers(page)
     assert value(mine, "mm²") != value(first, "mm²")
-    expect(page.locator("[data-part=numbers]")).not_to_contain_text("program")
+    expect(page.locator("[data-part=numbers]")).not_to_contain_text("automatic")
     page.keyboard.press("Enter")
     page.get_by_text("This was the last image").wait_for()
     (line,) = (demo / "second_operator.jsonl").read_text().splitlines()[-1:]
@@ -432,14 +432,14 @@ def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
     assert 0.05 < press["start_s"] < 0.3
 
 
-def test_limits_of_phases_are_moved_by_hand(tab: Tab, demo) -> None:
+def test_limits_of_phases_are_moved_manually(tab: Tab, demo) -> None:
     page = tab.open("contacts/film:synthetic_press_30deg")
     numbers(page)
     hold = page.get_by_role("slider", name="Start of hold")
     found = float(hold.get_attribute("aria-valuenow"))
     log = demo / "corrections.jsonl"
     drag(page, hold, 40, 0)
-    page.get_by_text("Phases set by hand by").wait_for()
+    page.get_by_text("Phases set manually by").wait_for()
     moved = float(hold.get_attribute("aria-valuenow"))
     assert moved > found + 0.05
     record = json.loads(log.read_text().splitlines()[-1])

@@ -69,7 +69,7 @@ def assemble_result(
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
         "not_a_contact_image": not shows_ridges(ridged.view, contact.outline, scale.mm_per_px),
         "ridges_merge": contact.ridge_area > _MANY_RIDGES * contact.moments.area,
-        "edited_by_person": edited,
+        "edited_manually": edited,
     }
     powers = np.array([1, 1, 2, 2])
     units = scale.mm_per_px**powers

@@ -38,7 +38,7 @@ _NEAR, _SECTORS, _EVEN = 0.5, 24, 0.03
 _VARIES, _ALIKE, _RIM, _BY_LACK = 0.7, 0.25, (-1.2, -0.4), 1.0
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
-_BY_HAND = math.sqrt(1 / 12 / 2)
+_MANUAL = math.sqrt(1 / 12 / 2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -64,7 +64,7 @@ class ContactOutline:
         By what share the ridges' area would change if their level moved by the whole rise.
     resolved : bool
         Whether the period was seen in the picture, or is one that fingers usually have.
-    by_hand : ndarray of bool, (n,)
+    manual : ndarray of bool, (n,)
         Where a person drew it.
     differs : ndarray, (n,)
         Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for all
@@ -87,7 +87,7 @@ class ContactOutline:
     noise: float
     softness: float
     resolved: bool
-    by_hand: BoolArray
+    manual: BoolArray
     differs: FloatArray
     fade: float = 0.0
     rim: float = 0.0
@@ -133,7 +133,7 @@ def contact_outline(
         noise=noise,
         softness=softness,
         resolved=resolved,
-        by_hand=np.zeros(len(points), dtype=bool),
+        manual=np.zeros(len(points), dtype=bool),
         differs=np.zeros(len(points)),
     )
 
@@ -276,15 +276,15 @@ def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
     """
     along = edge.along.clip(0, 1)
     own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
-    own = np.where(edge.by_hand, _BY_HAND * edge.period, own)
+    own = np.where(edge.manual, _MANUAL * edge.period, own)
     # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
     response = weights * (edge.steps * own)[:, None]
     width = min(max(1, round(_STRETCH * edge.period)), len(response))
     spread = running_mean(response, width)
-    varying = weights * (edge.steps * ~edge.by_hand * _VARIES * edge_offset_std(edge))[:, None]
+    varying = weights * (edge.steps * ~edge.manual * _VARIES * edge_offset_std(edge))[:, None]
     long = max(1, round(_ALIKE * len(varying)))
     varied = running_mean(varying, long)
-    drawn = (weights * (edge.steps * edge.by_hand * _BY_HAND * edge.period)[:, None]).sum(axis=0)
-    uneven = weights.T @ (edge.steps * ~edge.by_hand * edge.differs)
+    drawn = (weights * (edge.steps * edge.manual * _MANUAL * edge.period)[:, None]).sum(axis=0)
+    uneven = weights.T @ (edge.steps * ~edge.manual * edge.differs)
     independent = spread.T @ spread * width + varied.T @ varied * long
     return np.asarray(independent + np.outer(uneven, uneven) + np.outer(drawn, drawn))

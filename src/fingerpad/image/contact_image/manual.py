@@ -175,13 +175,13 @@ def _restore_edge(outline: FloatArray, edge: ContactOutline) -> ContactOutline:
         normals=outward_normals(points, edge.period),
         steps=point_spacings(points),
         along=np.where(same, edge.along[nearest], 0.0),
-        by_hand=~same | edge.by_hand[nearest],
+        manual=~same | edge.manual[nearest],
         differs=np.where(same, edge.differs[nearest], 0.0),
     )
 
 
 def _manual_outline(points: FloatArray, view: WorkingImage, noise: float) -> ContactOutline:
-    """Return an edge that a person drew all round."""
+    """Return an edge that was drawn manually all round."""
     return ContactOutline(
         points=points,
         normals=outward_normals(points, view.period),
@@ -191,7 +191,7 @@ def _manual_outline(points: FloatArray, view: WorkingImage, noise: float) -> Con
         noise=noise,
         softness=0.0,
         resolved=True,
-        by_hand=np.ones(len(points), dtype=bool),
+        manual=np.ones(len(points), dtype=bool),
         differs=np.zeros(len(points)),
     )
 

@@ -127,7 +127,7 @@ class PreparedContactImage(Displayed):
         Returns
         -------
         ContactImageResult
-            With the flag ``edited_by_person``, and the uncertainty of manual drawing where the outline was
+            With the flag ``edited_manually``, and the uncertainty of manual drawing where the outline was
             drawn; without corrections the automatic result. A threshold is known to 20 %: the edge's place
             has the uncertainty that this makes.
 

@@ -23,7 +23,7 @@ FLAGS = (
     "scale_doubtful",
     "not_a_contact_image",
     "ridges_merge",
-    "edited_by_person",
+    "edited_manually",
 )
 # Beyond it a ridge period is doubtful, and with it the scale.
 PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)

@@ -59,7 +59,7 @@ def photograph_from_ellipse(
     Returns
     -------
     PhotographFit
-        Without points, with the flag ``by_hand``.
+        Without points, with the flag ``fitted_manually``.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def photograph_from_ellipse(
         correlation_px=math.nan,
         residual_px_std=math.nan,
         blur_px=math.nan,
-        flags=size_flags(semi_mm) | {"by_hand"},
+        flags=size_flags(semi_mm) | {"fitted_manually"},
     )
 
 
@@ -129,7 +129,7 @@ def photograph_from_handles(
     Returns
     -------
     PhotographFit
-        Without points, with the flag ``by_hand``.
+        Without points, with the flag ``fitted_manually``.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def with_marked_points(
     Returns
     -------
     PhotographFit
-        With the flag ``by_hand``; the same as `found` where nothing is added or erased.
+        With the flag ``fitted_manually``; the same as `found` where nothing is added or erased.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def with_marked_points(
     result = with_departure(result, fit.ellipse, departure)
     if is_significant(result.exponent, result.exponent_std):
         flags |= {"not_an_ellipse"}
-    return replace(result, flags=flags | {"by_hand"})
+    return replace(result, flags=flags | {"fitted_manually"})
 
 
 def _outline_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:

@@ -183,7 +183,7 @@ def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]
             (f"{len(found.outliers)} left out ({found.outlier_fraction:.0%})", OUTLIER_COLOUR),
         ]
     else:
-        lines.append((f"{found.face} face, ellipse placed by hand, {lean}", INK))
+        lines.append((f"{found.face} face, ellipse placed manually, {lean}", INK))
     if found.flags:
         lines.append((", ".join(sorted(found.flags)), (200, 30, 30)))
     return lines

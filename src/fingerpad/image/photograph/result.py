@@ -27,7 +27,7 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
     "not_an_ellipse": "the outline is more pointed or blunter than an ellipse",
     "leaning": "the finger leans by more than 10 degrees",
     "implausible_size": "a semi-axis lies outside 2–40 mm: check the scale",
-    "by_hand": "the ellipse was placed manually, or points were added or left out",
+    "fitted_manually": "the ellipse was placed manually, or points were added or left out",
 }
 
 

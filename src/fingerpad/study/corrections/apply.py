@@ -75,7 +75,7 @@ def manual_phases(active_corrections: Mapping[str, ActiveCorrection], sequence: 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CorrectedContactImage:
-    """A contact as a person wants it measured, and as the program measured it.
+    """A contact as corrected, and as measured automatically.
 
     Attributes
     ----------
@@ -83,13 +83,13 @@ class CorrectedContactImage:
         The measurement that holds; None where there is none.
     reason : str or None
         Why there is none.
-    program : ContactImageResult or None
+    automatic : ContactImageResult or None
         What was measured automatically.
     """
 
     contact_image: ContactImageResult | None
     reason: str | None
-    program: ContactImageResult | None
+    automatic: ContactImageResult | None
 
 
 def place_of(contact: Contact, folder: Path, correction: ContactCorrection = NOTHING) -> MeasurementRegion:
@@ -177,22 +177,22 @@ def corrected_contact_image(
     ImageError
         If the picture is no good.
     """
-    program, plain, reason = None, None, None
+    automatic, plain, reason = None, None, None
     try:
         plain = prepared_contact(pixels, scale, contact, folder, settings=settings)
-        program = plain.contact_image
+        automatic = plain.contact_image
     except ImageError as error:
         reason = str(error)
     if not correction.edits:
-        return CorrectedContactImage(contact_image=program, reason=reason, program=program)
+        return CorrectedContactImage(contact_image=automatic, reason=reason, automatic=automatic)
     try:
         prepared = plain
         if prepared is None or _OF_THE_READING & correction.edits.keys():
             prepared = prepared_contact(pixels, scale, contact, folder, correction, settings=settings)
         contact_image = measured_under(prepared, correction)
     except ImageError as error:
-        return CorrectedContactImage(contact_image=None, reason=str(error), program=program)
-    return CorrectedContactImage(contact_image=contact_image, reason=None, program=program)
+        return CorrectedContactImage(contact_image=None, reason=str(error), automatic=automatic)
+    return CorrectedContactImage(contact_image=contact_image, reason=None, automatic=automatic)
 
 
 def corrected_photograph(
@@ -206,7 +206,7 @@ def corrected_photograph(
     Parameters
     ----------
     pixels : array_like, (rows, columns) or (rows, columns, 3)
-        The photograph; not looked at where an ellipse is placed by hand.
+        The photograph; not looked at where an ellipse is placed manually.
     photograph : Photograph
         Its table of the manifest.
     scale : Scale

@@ -224,7 +224,7 @@ def record_of(line: bytes) -> Record | None:
     Raises
     ------
     ValueError
-        If the line was changed after it was written. A line without a checksum was written by hand.
+        If the line was changed after it was written. A line without a checksum was written manually.
     """
     try:
         content = json.loads(line)

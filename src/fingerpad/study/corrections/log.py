@@ -106,7 +106,7 @@ class CorrectionLog:
             return
         except OSError as error:
             raise StoreError(f"{self._path}: cannot be read ({error.strerror})") from error
-        if not content.startswith(self._read):  # changed by hand
+        if not content.startswith(self._read):  # changed manually
             self._forget()
         try:
             self._take_all(content.removeprefix(self._read))

@@ -1,4 +1,4 @@
-"""What was measured by hand in Fiji or ImageJ: tables of results and ROIs, as observations of a study."""
+"""Manual measurements from Fiji or ImageJ: tables of results and ROIs, as observations of a study."""
 
 from pathlib import Path
 

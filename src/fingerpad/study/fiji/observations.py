@@ -1,4 +1,4 @@
-"""Ellipses measured by hand as observations: the CSV that a manifest names in ``observations_csv``."""
+"""Manually measured ellipses as observations: the CSV that a manifest names in ``observations_csv``."""
 
 import math
 import re
@@ -217,7 +217,7 @@ def manual_observations(
                 ellipse_mm_std=math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
                 long_axis=_long_axis(ellipse, finger_axis_deg),
                 synthetic=synthetic,
-                notes="; ".join((f"measured by hand: {ellipse.place}", *ellipse.doubts)),
+                notes="; ".join((f"measured manually: {ellipse.place}", *ellipse.doubts)),
             )
         )
     if pattern and rows and not any(pattern.values_in(ellipse.label) for ellipse in ellipses):

@@ -32,7 +32,7 @@ _BROKEN: Final = (
 def read_rois(path: Path) -> list[MeasuredEllipse]:
     """Read the ellipses of a ``.roi`` file or a ``RoiSet.zip``, in px.
 
-    An oval gives its axes as they are, upright or rotated; a polygon or an outline by hand or wand the
+    An oval gives its axes as they are, upright or rotated; a polygon or an outline by freehand or wand the
     ellipse of its area and second moments, as Fiji's *Fit ellipse* does.
 
     Parameters

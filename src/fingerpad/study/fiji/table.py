@@ -95,7 +95,7 @@ def _ellipse(row: Mapping[str, str], place: str, number: int) -> MeasuredEllipse
         if abs(ratio - 4) < 4 * _SAME_AREA:
             raise ManifestError(
                 f"{place}: Area is π times Major times Minor, so these are semi-axes; "
-                "Fiji writes full axes: double them, or write observations with semi_major_mm by hand"
+                "Fiji writes full axes: double them, or write observations with semi_major_mm yourself"
             )
         if abs(ratio - 1) > _SAME_AREA:
             doubts.append(f"Area is {ratio:.2f} of the ellipse's; were holes or a threshold measured?")

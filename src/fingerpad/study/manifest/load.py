@@ -207,7 +207,7 @@ def _study(top: Study, tables: Iterable[Table]) -> Study:
 
 
 def require_tables(document: Mapping[str, Any], file: str) -> None:
-    """Refuse what someone wrote by hand in place of tables.
+    """Refuse other values in place of tables.
 
     Raises
     ------

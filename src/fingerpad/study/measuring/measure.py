@@ -88,8 +88,8 @@ class Measurement:
     relative_scale_std: float = 0.0
     mm_per_px: float = np.nan
     mm_per_px_std: float = np.nan
-    program_semi_major_mm: float = np.nan
-    program_semi_minor_mm: float = np.nan
+    automatic_semi_major_mm: float = np.nan
+    automatic_semi_minor_mm: float = np.nan
     flags: tuple[str, ...] = ()
     overlay: str | None = None
     measured_by: str | None = None
@@ -151,7 +151,7 @@ def measure_observation(
     seen = corrected_contact_image(pixels, found.scale, observation, folder, correction)
     if seen.contact_image is None:
         assert seen.reason is not None  # one of the two
-        return with_program_axes(
+        return with_automatic_axes(
             Measurement(
                 observation=observation.name,
                 load_N=observation.load_N,
@@ -166,21 +166,21 @@ def measure_observation(
     )
     measured = from_contact_image(seen.contact_image, observation, found)
     return replace(
-        with_program_axes(measured, seen),
+        with_automatic_axes(measured, seen),
         observation=observation.name,
         load_N=observation.load_N,
         overlay=str(overlay),
     )
 
 
-def with_program_axes(measured: Measurement, seen: CorrectedContactImage) -> Measurement:
-    """Return a measurement with the program's own semi-axes beside the corrected ones."""
-    if seen.program is None:
+def with_automatic_axes(measured: Measurement, seen: CorrectedContactImage) -> Measurement:
+    """Return a measurement with the automatic semi-axes beside the corrected ones."""
+    if seen.automatic is None:
         return measured
     return replace(
         measured,
-        program_semi_major_mm=float(seen.program.ellipse.semi_major),
-        program_semi_minor_mm=float(seen.program.ellipse.semi_minor),
+        automatic_semi_major_mm=float(seen.automatic.ellipse.semi_major),
+        automatic_semi_minor_mm=float(seen.automatic.ellipse.semi_minor),
     )
 
 
@@ -199,7 +199,7 @@ def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) 
         if edits
         else None
     )
-    by = "person" if "ellipse_px" in edits else "program with corrections"
+    by = "manual" if "ellipse_px" in edits else "corrected"
     pooling = change.pooling if isinstance(change, ContactCorrection) else None
     return replace(
         measured,
@@ -239,4 +239,4 @@ def from_contact_image(contact_image: ContactImageResult, contact: Contact, foun
 
 def doubts_of(contact_image: ContactImageResult) -> tuple[str, ...]:
     """Return the flags of a contact image, without that of manual corrections, which has a column."""
-    return tuple(flag for flag in contact_image.flags if flag != "edited_by_person")
+    return tuple(flag for flag in contact_image.flags if flag != "edited_manually")

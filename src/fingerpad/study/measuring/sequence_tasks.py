@@ -30,7 +30,7 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.task import Record
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measuring.measure import Measurement, from_contact_image, with_program_axes
+from fingerpad.study.measuring.measure import Measurement, from_contact_image, with_automatic_axes
 from fingerpad.study.measuring.records import measurement_record
 from fingerpad.study.measuring.scales import FoundScale
 
@@ -135,8 +135,8 @@ class SequenceImages:
             reasons[index] = one.reason
             measured.pop(index, None)
             if one.contact_image is not None:
-                by_hand = with_program_axes(self._measured(one.contact_image), one)
-                measured[index] = measurement_record(by_hand)
+                found = with_automatic_axes(self._measured(one.contact_image), one)
+                measured[index] = measurement_record(found)
         return {
             "frames": [
                 {

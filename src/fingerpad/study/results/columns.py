@@ -100,7 +100,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         _text("reason", "why the row failed or was rejected"),
         Column("synthetic", "bool", "", "whether image, ellipse or finger was rendered or simulated"),
         _text("flags", "doubts about the image, separated by spaces"),
-        _text("measured_by", "program, program with corrections, or person (a given ellipse)"),
+        _text("measured_by", "automatic, corrected (with manual corrections), or manual (a given ellipse)"),
         _text("reviewed", "accepted, corrected or rejected manually; empty if not reviewed"),
         _text("reviewed_by", "who reviewed it"),
         Column(
@@ -127,7 +127,8 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         _number("time_s", "s", "time of the frame on the clock of its force"),
         _text("phase", "loading, hold or unloading, by the force or as a person set it"),
         _text(
-            "phase_decided_by", "who set the phases of the sequence by hand; empty where the force gives them"
+            "phase_decided_by",
+            "who set the phases of the sequence; empty where the force gives them",
         ),
         _number(
             "measured_indentation_mm",
@@ -152,8 +153,8 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
             "standard uncertainty of the place of the contact's edge, which displaces both semi-axes alike; "
             "rows of one scale share it",
         ),
-        _number("program_semi_major_mm", "mm", "semi-major axis as measured automatically"),
-        _number("program_semi_minor_mm", "mm", "semi-minor axis as measured automatically"),
+        _number("automatic_semi_major_mm", "mm", "semi-major axis as measured automatically"),
+        _number("automatic_semi_minor_mm", "mm", "semi-minor axis as measured automatically"),
         _number("aspect_ratio", "1", "semi-major over semi-minor axis"),
         _text("long_axis", "along or across the finger"),
         _number("predicted_aspect_ratio", "1", "of elliptical Hertz theory for the undeformed pad"),

@@ -231,7 +231,7 @@ def _sequence(sequence: SequenceResult, frames: ResultsTable) -> dict[str, Any]:
             "notes": summary.notes,
         }
     )
-    by_hand = of_phases.decision if (of_phases := sequence.phases) else None
+    manual = of_phases.decision if (of_phases := sequence.phases) else None
     return {
         "sequence": of.name,
         "finger": of.finger,
@@ -241,8 +241,8 @@ def _sequence(sequence: SequenceResult, frames: ResultsTable) -> dict[str, Any]:
         **counts,
         "phases_decided_by": of_phases and of_phases.who,
         "phases_decided_at": of_phases and of_phases.when,
-        "phases_reason": by_hand and by_hand.why,
-        "phase_starts_s": by_hand and [[one.phase, one.start_s] for one in by_hand.starts],
+        "phases_reason": manual and manual.why,
+        "phase_starts_s": manual and [[one.phase, one.start_s] for one in manual.starts],
         "rows": len(frames),
         "pooled": int(frames.column("pooled").sum()),
         **_exponent(frames),

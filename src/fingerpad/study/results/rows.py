@@ -273,9 +273,9 @@ def _described(
 
 def _measured_by(contact: Contact) -> str:
     if isinstance(contact, Observation) and contact.ellipse_mm is not None:
-        return "person"
+        return "manual"
     corrected = any(getattr(contact, key) is not None for key in CORRECTIONS)
-    return "program with corrections" if corrected else "program"
+    return "corrected" if corrected else "automatic"
 
 
 def _modelled(

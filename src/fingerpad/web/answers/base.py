@@ -6,7 +6,7 @@ from pydantic import BaseModel, ConfigDict
 
 Point: TypeAlias = tuple[float, float]
 Point3D: TypeAlias = tuple[float, float, float]
-MeasuredBy: TypeAlias = Literal["program", "program with corrections", "person"]
+MeasuredBy: TypeAlias = Literal["automatic", "corrected", "manual"]
 Status: TypeAlias = Literal["done", "failed", "stale", "left", "given", "rejected"]
 Cell: TypeAlias = str | bool | int | float | None
 Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]

@@ -143,8 +143,8 @@ class ContactMeasurement(Answer):
     ellipse_px: ContactEllipse
     handles: ContactHandles
     numbers: ContactNumbers
-    program: AutomaticContact | None
-    program_error: str | None
+    automatic: AutomaticContact | None
+    automatic_error: str | None
     model: ContactModel | None
     settings: ContactSettings
     flags: list[str]
@@ -236,7 +236,7 @@ class PhotographMeasurement(FaceSemiAxes):
     flags: list[str]
     mm_per_px: float
     mm_per_px_std: float
-    program: FaceSemiAxes | None
+    automatic: FaceSemiAxes | None
     finger: CombinedFaces | None
     finger_error: str | None
     milliseconds: float

@@ -66,14 +66,14 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     change = params.change or correction_of(opened, params.item)
     prepared = _prepared(opened, params.item, contact, found, change)
     contact_image = measured_under(prepared, change)
-    own, error = _program(opened, params.item, contact, found) if change.edits else (contact_image, None)
+    own, error = _automatic(opened, params.item, contact, found) if change.edits else (contact_image, None)
     return {
         "item": params.item,
         "by": _by(change),
         **_drawn(contact_image, found),
         "numbers": numbers(contact_image),
-        "program": own and {**numbers(own), "outline_px": own.outline.round(2)},
-        "program_error": error,
+        "automatic": own and {**numbers(own), "outline_px": own.outline.round(2)},
+        "automatic_error": error,
         "model": _model(opened, params.item, contact, contact_image, found),
         "settings": {
             "dark_on_light": contact_image.dark_on_light,
@@ -184,7 +184,7 @@ def sequence_settings(
     return None if reading is None else reading.settings
 
 
-def _program(
+def _automatic(
     opened: StudySession, item: str, contact: Contact, found: FoundScale
 ) -> tuple[ContactImageResult | None, str | None]:
     """Return the automatic measurement, or why it failed."""
@@ -196,8 +196,8 @@ def _program(
 
 def _by(change: ContactCorrection) -> str:
     if change.ellipse_px is not None:
-        return "person"
-    return "program with corrections" if change.edits else "program"
+        return "manual"
+    return "corrected" if change.edits else "automatic"
 
 
 def numbers(contact_image: ContactImageResult) -> dict[str, Any]:

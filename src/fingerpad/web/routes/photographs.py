@@ -35,7 +35,7 @@ from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
-_PROGRAM: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
+_AUTOMATIC: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
 # A manual ellipse needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
 
@@ -81,14 +81,14 @@ def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str,
             together = _together(opened, finger, params.item, fit)
         except FingerpadError as error_response:
             error = str(error_response)
-    by_hand = params.handles is not None or change.ellipse_px is not None
-    edited = by_hand or bool(change.edits)
-    own = _program(opened, params.item, photograph) if edited else None
+    manual = params.handles is not None or change.ellipse_px is not None
+    edited = manual or bool(change.edits)
+    own = _automatic(opened, params.item, photograph) if edited else None
     return {
         "item": params.item,
-        "by": "person" if by_hand else "program with corrections" if edited else "program",
+        "by": "manual" if manual else "corrected" if edited else "automatic",
         **described(fit),
-        "program": own and _semi_axes(own),
+        "automatic": own and _semi_axes(own),
         "finger": together,
         "finger_error": error,
         "milliseconds": 1000 * (time.perf_counter() - began),
@@ -136,7 +136,7 @@ def _semi_axes(fit: PhotographFit) -> dict[str, Any]:
     return {"semi_axes_mm": fit.semi_axes_mm, "semi_axes_mm_std": fit.semi_axes_mm_std}
 
 
-def _program(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit | None:
+def _automatic(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit | None:
     """Return the automatic fit, None where no finger is found."""
     assert photograph.scale is not None  # the manifest's own rule
     scale = scale_of(opened, photograph.scale).scale
@@ -147,7 +147,7 @@ def _program(opened: StudySession, item: str, photograph: Photograph) -> Photogr
         except FingerpadError:
             return None
 
-    return _PROGRAM.get((opened.place_of(item).stamp, scale, photograph.model_dump_json()), find)
+    return _AUTOMATIC.get((opened.place_of(item).stamp, scale, photograph.model_dump_json()), find)
 
 
 def _fit(

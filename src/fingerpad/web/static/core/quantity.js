@@ -77,13 +77,6 @@ export function quantityRow(label, text, { was, mark, title } = {}) {
   );
 }
 
-/** Description of how a result was measured. */
-export const BY = {
-  program: "automatic",
-  "program with corrections": "corrected",
-  person: "manual",
-};
-
 export const probability = (p) => (p < 0.001 ? "p < 0.001" : `p = ${p.toPrecision(2)}`);
 
 export function ago(when) {

@@ -36,7 +36,7 @@ export class PhaseLimits {
       value: "",
       placeholder: REASON,
       label: "Reason of the phases",
-      onset: () => this.#byHand && this.#save(this.#starts),
+      onset: () => this.#manual && this.#save(this.#starts),
     });
     const button = (words, label, act) =>
       h("button", { type: "button", "aria-label": label, onclick: () => act()?.catch(showError) }, words);
@@ -78,7 +78,7 @@ export class PhaseLimits {
   }
 
   /** The decision of a person; undefined without one. */
-  get #byHand() {
+  get #manual() {
     /** @type {any} */
     const change = this.#corrections?.change;
     return change?.phases;
@@ -86,7 +86,7 @@ export class PhaseLimits {
 
   /** @returns {PhaseStart[]} */
   get #starts() {
-    return this.#moved ?? this.#byHand?.starts ?? this.#found;
+    return this.#moved ?? this.#manual?.starts ?? this.#found;
   }
 
   #corrected() {
@@ -94,8 +94,8 @@ export class PhaseLimits {
     const { can_undo, can_redo } = this.#corrections.document;
     // What is not saved yet outlasts the answer to an earlier change.
     if (!this.#dragged && this.#timer === null && !this.#saves) this.#moved = null;
-    if (document.activeElement !== this.why) this.why.value = this.#byHand?.why ?? "";
-    this.reason.hidden = this.resetButton.hidden = !this.#byHand;
+    if (document.activeElement !== this.why) this.why.value = this.#manual?.why ?? "";
+    this.reason.hidden = this.resetButton.hidden = !this.#manual;
     this.undoButton.hidden = !can_undo;
     this.redoButton.hidden = !can_redo;
     this.words.textContent = this.#described();
@@ -104,8 +104,8 @@ export class PhaseLimits {
 
   #described() {
     const record = this.#corrections.document.history.at(-1);
-    const words = this.#byHand
-      ? `Phases set by hand by ${record.who}, ${ago(record.when)}.`
+    const words = this.#manual
+      ? `Phases set manually by ${record.who}, ${ago(record.when)}.`
       : "Phases follow from the force; drag the limits below to set them.";
     const replaced = this.#corrections.document.on_another_image
       ? " The force has been replaced since: look at them again."
@@ -117,9 +117,9 @@ export class PhaseLimits {
   #outdated() {
     const starts = this.#starts;
     const rows = this.#frames.filter(({ phase }) => phase);
-    const byHand = rows.some(({ phase_decided_by: who }) => who);
-    if (byHand !== Boolean(this.#byHand)) return rows.length > 0;
-    if (!byHand) return false;
+    const manual = rows.some(({ phase_decided_by: who }) => who);
+    if (manual !== Boolean(this.#manual)) return rows.length > 0;
+    if (!manual) return false;
     const at = (time) => starts.findLast(({ start_s }) => start_s < time)?.phase;
     return rows.some(({ time_s, phase }) => at(time_s) !== phase);
   }

@@ -2,7 +2,7 @@
 
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
-import { BY, plain, quantityRow, quantityText } from "../core/quantity.js";
+import { plain, quantityRow, quantityText } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
 import { button, check, chip, choose, field, list, number, segments, synthetic } from "../parts/forms.js";
 import { Histogram } from "../parts/histogram.js";
@@ -188,13 +188,13 @@ export class ContactInspector extends Inspector {
       this.settings(null);
       return;
     }
-    const { numbers, program, model } = answer;
-    const corrected = answer.by !== "program" && !this.view.blind;
+    const { numbers, automatic, model } = answer;
+    const corrected = answer.by !== "automatic" && !this.view.blind;
     const line = ([key, label, words, mark]) =>
       quantityRow(label(), quantityText(numbers, key), {
         mark,
         title: words,
-        was: corrected && program ? quantityText(program, key) : undefined,
+        was: corrected && automatic ? quantityText(automatic, key) : undefined,
       });
     render(
       this.parts.numbers,
@@ -208,7 +208,7 @@ export class ContactInspector extends Inspector {
             quantityText(model, "radius_from_indentation_mm"),
           ),
         ),
-      h("div.headline", h("h3", "Contact"), chip(BY[answer.by] ?? answer.by, corrected ? "accent" : "")),
+      h("div.headline", h("h3", "Contact"), chip(answer.by, corrected ? "accent" : "")),
       h(
         "dl.readings",
         { "data-live": "numbers" },

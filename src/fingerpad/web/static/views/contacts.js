@@ -469,11 +469,11 @@ class Contacts extends Review {
 
   showAutomatic(show) {
     if (this.blind) return;
-    const own = this.measured?.program;
+    const own = this.measured?.automatic;
     this.overlay.own(show && own ? own.outline_px : null);
     this.stage.root.classList.toggle("comparing", show);
     if (show && !own)
-      this.stage.setMessage(this.measured?.program_error ?? "No contact was found automatically.");
+      this.stage.setMessage(this.measured?.automatic_error ?? "No contact was found automatically.");
     else if (!show) this.stage.setMessage("");
   }
 

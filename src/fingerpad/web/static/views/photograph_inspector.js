@@ -3,7 +3,7 @@
 import { h, render, s } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
-import { BY, plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
+import { plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";
 import { AXES, FACES } from "../parts/missing_fields.js";
@@ -78,10 +78,10 @@ export class PhotographInspector extends Inspector {
       this.settings();
       return;
     }
-    const { program } = answer;
+    const { automatic } = answer;
     render(
       this.parts.face,
-      h("div.headline", h("h3", "This face"), chip(BY[answer.by] ?? answer.by, program ? "accent" : "")),
+      h("div.headline", h("h3", "This face"), chip(answer.by, automatic ? "accent" : "")),
       h(
         "dl.readings",
         { "data-live": "face" },
@@ -91,8 +91,8 @@ export class PhotographInspector extends Inspector {
             `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`,
             {
               mark: "face",
-              was: program
-                ? `${withStd(program.semi_axes_mm[axis], program.semi_axes_mm_std?.[axis])} mm`
+              was: automatic
+                ? `${withStd(automatic.semi_axes_mm[axis], automatic.semi_axes_mm_std?.[axis])} mm`
                 : undefined,
             },
           ),

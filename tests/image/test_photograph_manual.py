@@ -73,7 +73,7 @@ def test_fit_round_trip():
     # A hand is less sure than a fit to four hundred points, and surer than a tenth.
     for name, std in again.semi_axes_mm_std.items():
         assert found().semi_axes_mm_std[name] < std < 0.1 * again.semi_axes_mm[name]
-    assert again.flags == {"by_hand"} <= set(PHOTOGRAPH_FLAGS)
+    assert again.flags == {"fitted_manually"} <= set(PHOTOGRAPH_FLAGS)
 
 
 def test_manual_face_combines_with_others():
@@ -89,7 +89,7 @@ def test_manual_face_combines_with_others():
 
 def test_implausible_manual_size_flagged():
     large = photograph_from_ellipse("palmar", Scale(0.5), centre=(300, 300), semi_axes=(236, 276))
-    assert large.flags == {"by_hand", "implausible_size"}
+    assert large.flags == {"fitted_manually", "implausible_size"}
     doubted = replace(found(), flags=found().flags | {"implausible_size"}, semi_axes=10 * found().semi_axes)
     back = with_marked_points(doubted, erased=[(found().points[:1], 20.0)])
     assert "implausible_size" not in back.flags
@@ -127,7 +127,7 @@ def test_wart_erased():
         assert abs(clean.semi_axes_mm[name] - value) < 2.5 * clean.semi_axes_mm_std[name]
     assert abs(dirty.semi_axes_mm["radial_ulnar"] - 11.8) > 2 * abs(clean.semi_axes_mm["radial_ulnar"] - 11.8)
     assert len(clean.points) == len(plain.points)
-    assert {"by_hand"} <= clean.flags
+    assert {"fitted_manually"} <= clean.flags
 
 
 def test_marks_extend_arc():
