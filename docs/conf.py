@@ -46,7 +46,7 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "write_computation_times": False,
     "subsection_order": [
-        "../examples/gallery/source",
+        "../examples/gallery/dzidek2017",
         "../examples/gallery/model",
         "../examples/gallery/measurements",
         "../examples/gallery/uncertainty",

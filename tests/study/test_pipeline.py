@@ -64,7 +64,7 @@ def test_measures_the_photographs_and_the_curve(demo: tuple[StudyResult, Path]) 
     assert abs(loading.value - 13.6248 * 0.99986) < 3 * loading.std < 0.2
 
 
-def test_the_source_rows_hold_its_numbers(demo: tuple[StudyResult, Path]) -> None:
+def test_the_rows_of_dzidek2017_hold_its_numbers(demo: tuple[StudyResult, Path]) -> None:
     result, _ = demo
     rows = {row["observation"]: row for row in result.rows}
     expected = {

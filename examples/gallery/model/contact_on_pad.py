@@ -12,11 +12,11 @@ import fingerpad as fp
 from fingerpad.figures import new_figure, plot_pad_with_contact
 from fingerpad.published import dzidek2017
 
-source = dzidek2017()
-pad = source.semi_axes["ellipse"].ellipsoid
+article = dzidek2017()
+pad = article.semi_axes["ellipse"].ellipsoid
 
 figure, axes = new_figure(width_mm=170, height_mm=90, columns=2)
-for each, (angle, wedge) in zip(axes, source.wedges.items(), strict=False):
+for each, (angle, wedge) in zip(axes, article.wedges.items(), strict=False):
     radii = fp.Placement(pad, wedge_angle=np.radians(angle)).curvature.principal_radii
     hertz = fp.hertz_contact(*radii, wedge.load_N, reduced_modulus=0.1365)
     plot_pad_with_contact(

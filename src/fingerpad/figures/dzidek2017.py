@@ -32,24 +32,24 @@ def dzidek2017_figures() -> Iterator[tuple[str, Figure, str]]:
     --------
     >>> name, figure, caption = next(dzidek2017_figures())
     >>> name, caption
-    ('source_figure_1', 'The ellipsoid of Table 1 (ellipse approach) and its axes.')
+    ('dzidek2017_figure_1', 'The ellipsoid of Table 1 (ellipse approach) and its axes.')
     """
-    source = dzidek2017()
-    pad = source.semi_axes["ellipse"].ellipsoid
+    article = dzidek2017()
+    pad = article.semi_axes["ellipse"].ellipsoid
     figure, (axes,) = new_figure(height_mm=80)
     plot_pad(axes, pad, u_deg=())
-    yield "source_figure_1", figure, "The ellipsoid of Table 1 (ellipse approach) and its axes."
+    yield "dzidek2017_figure_1", figure, "The ellipsoid of Table 1 (ellipse approach) and its axes."
     figure, (axes,) = new_figure(height_mm=80)
     plot_pad(axes, pad)
-    yield "source_figure_4", figure, "The places u = 0°, 30°, 45°, 60° and 90° on the pad."
-    for angle, wedge in source.wedges.items():
+    yield "dzidek2017_figure_4", figure, "The places u = 0°, 30°, 45°, 60° and 90° on the pad."
+    for angle, wedge in article.wedges.items():
         theta = np.radians(angle)
         k = wedge.semi_minor_mm.value / wedge.semi_major_mm.value
         figure, (left, right) = new_figure(width_mm=170, height_mm=95, columns=2)
         plot_wedge(left, pad, wedge_angle=theta)
         plot_wedge_in_pad_axes(right, pad, wedge_angle=theta)
         yield (
-            f"source_figure_5_{angle}deg",
+            f"dzidek2017_figure_5_{angle}deg",
             figure,
             f"The finger on its wedge of {angle}°, and in its own axes.",
         )
@@ -63,7 +63,7 @@ def dzidek2017_figures() -> Iterator[tuple[str, Figure, str]]:
             printed=wedge,
         )
         yield (
-            f"source_figure_6_{angle}deg",
+            f"dzidek2017_figure_6_{angle}deg",
             figure,
             f"Corrected radius at {angle}° and 2 N, from printed numbers.",
         )

@@ -115,15 +115,15 @@ def audit() -> list[AuditItem]:
     >>> item.printed, round(item.computed, 2), round(item.with_misprint, 2), str(item.verdict)
     (25.3, 17.11, 25.26, 'reproduced with the known misprint')
     """
-    source = dzidek2017()
-    items = [item for method in METHODS for item in _table_1(method, source.semi_axes[method])]
+    article = dzidek2017()
+    items = [item for method in METHODS for item in _table_1(method, article.semi_axes[method])]
     for method in METHODS:
-        for u_deg, printed in zip(source.table2_u_deg, source.table2_radii_mm[method], strict=True):
-            items.append(_table_2(method, source.semi_axes[method], u_deg, printed))
-    wedges = sorted(source.wedges.values(), key=lambda wedge: -wedge.wedge_angle_deg)  # as the tables do
+        for u_deg, printed in zip(article.table2_u_deg, article.table2_radii_mm[method], strict=True):
+            items.append(_table_2(method, article.semi_axes[method], u_deg, printed))
+    wedges = sorted(article.wedges.values(), key=lambda wedge: -wedge.wedge_angle_deg)  # as the tables do
     for part in (_text, _table_3, _table_4, _pooled):
         for wedge in wedges:
-            items.extend(part(wedge, source.semi_axes["ellipse"]))
+            items.extend(part(wedge, article.semi_axes["ellipse"]))
     return items
 
 

@@ -238,15 +238,15 @@ class _Data:
 
     @classmethod
     def printed(cls, method: str) -> Self:
-        source = dzidek2017()
-        wedges = [source.wedges[angle] for angle in WEDGE_ANGLES_DEG]
+        article = dzidek2017()
+        wedges = [article.wedges[angle] for angle in WEDGE_ANGLES_DEG]
         areas = np.array([wedge.area_mm2.value for wedge in wedges])
         return cls(
             radii=np.array([wedge.measured_radius_mm.value for wedge in wedges]),
             radius_std=np.array([wedge.pooled_uncertainty_mm.value for wedge in wedges]),
             areas=areas,
             inputs=np.concatenate(
-                [source.semi_axes[method].ellipsoid.semi_axes, np.radians(WEDGE_ANGLES_DEG), areas]
+                [article.semi_axes[method].ellipsoid.semi_axes, np.radians(WEDGE_ANGLES_DEG), areas]
             ),
             load=wedges[0].load_N,
         )
