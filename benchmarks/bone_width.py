@@ -229,7 +229,7 @@ def influence(bone: Bone, mesh: Mesh) -> FloatArray:
 def exact_influence(mesh: Mesh, thickness: float) -> FloatArray:
     """Return the same of a uniform layer, from the solver's own influence."""
     cell = mesh.reach / _CELLS
-    body = ElasticBody.of(reduced_modulus=1.0, thickness=thickness, poisson_ratio=mesh.poisson_ratio)
+    body = ElasticBody(reduced_modulus=1.0, thickness=thickness, poisson_ratio=mesh.poisson_ratio)
     kernel = body.influence((cell, cell), (2 * _CELLS, 2 * _CELLS))
     at = np.arange(_CELLS)
     ways = np.abs(at[:, None] - at), at[:, None] + at + 1

@@ -117,7 +117,7 @@ def elliptical(size: float, poisson_ratio: float, axis_ratio: float) -> tuple[fl
     _, indentation, _ = circular_contacts(np.array([size]), poisson_ratio)[0]
     found = solve_contact(
         lambda x, y: x**2 / (2 * large) + y**2 / (2 * small),
-        ElasticBody.of(reduced_modulus=1.0, thickness=1.0, poisson_ratio=poisson_ratio),
+        ElasticBody(reduced_modulus=1.0, thickness=1.0, poisson_ratio=poisson_ratio),
         half_widths=(float(hertz.semi_major), float(hertz.semi_minor)),
         indentation=indentation * float(hertz.indentation),
         points=_POINTS,

@@ -38,7 +38,7 @@ def circles() -> None:
         for i, size in enumerate(sizes):
             solved = solve_contact(
                 lambda x, y: (x**2 + y**2) / 20,
-                ElasticBody.of(reduced_modulus=0.1, thickness=1.0, poisson_ratio=nu),
+                ElasticBody(reduced_modulus=0.1, thickness=1.0, poisson_ratio=nu),
                 half_widths=(size, size),
                 load=float(force[i]),
             )

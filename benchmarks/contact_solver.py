@@ -35,7 +35,7 @@ def exact_solutions() -> None:
     """Print errors of area, load or indentation, and peak pressure, where they are known."""
     print("\nContact solver against exact solutions: relative errors, estimate of the area's")
     print(f"    {'':<28}{'cells':>6}{'area':>10}{'W or ξ':>10}{'peak p':>10}{'estimate':>10}")
-    body = ElasticBody.of(reduced_modulus=_MODULUS)
+    body = ElasticBody(reduced_modulus=_MODULUS)
     for ratio in (1.0, 1.3, 3.0, 10.0, 30.0):
         hertz = HertzGeometry(_RADIUS, ratio * _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
         guess = float(hertz.semi_minor), float(hertz.semi_major)
@@ -84,9 +84,7 @@ def layer_table() -> None:
 
 
 def _layer_ratios(ratio: float, poisson_ratio: float, points: int) -> tuple[float, float, float]:
-    body = ElasticBody.of(
-        reduced_modulus=_MODULUS, thickness=0.3 * _RADIUS / ratio, poisson_ratio=poisson_ratio
-    )
+    body = ElasticBody(reduced_modulus=_MODULUS, thickness=0.3 * _RADIUS / ratio, poisson_ratio=poisson_ratio)
     area = math.pi * (0.3 * _RADIUS) ** 2
     found = solve_contact(_paraboloid(1.0), body, half_widths=(3.0, 3.0), area=area, points=points)
     hertz = 4 / 3 * _MODULUS / _RADIUS
@@ -143,7 +141,7 @@ def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:
 
 
 def _by_fingerpad(points: int, radius: float, load: float) -> tuple[float, float]:
-    body = ElasticBody.of(reduced_modulus=_MODULUS)
+    body = ElasticBody(reduced_modulus=_MODULUS)
     found = solve_contact(_paraboloid(1.0), body, half_widths=(radius, radius), load=load, points=points)
     return found.area, found.indentation
 

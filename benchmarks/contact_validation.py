@@ -58,7 +58,7 @@ class Circles:
 
     def solved(self, *, at_load: bool) -> list[ContactSolution]:
         """Solve the same contacts on 256² cells, by their loads or their indentations."""
-        body = ElasticBody.of(reduced_modulus=_MODULUS, thickness=1.0, poisson_ratio=self.poisson_ratio)
+        body = ElasticBody(reduced_modulus=_MODULUS, thickness=1.0, poisson_ratio=self.poisson_ratio)
         given, values = ("load", self.load) if at_load else ("indentation", self.indentation)
         return [
             solve_contact(

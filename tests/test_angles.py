@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from fingerpad.contact import pad_contact
+from fingerpad.contact import (
+    Counterface,
+    ElasticBody,
+    EllipsoidContact,
+    HertzPressure,
+    pad_contact,
+    solve_contact,
+)
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Placement, platen_normal, relative_curvature
 from fingerpad.image import ImageEllipse, Scale, photograph_from_ellipse
@@ -32,6 +39,21 @@ DEGREES = {
     "v of a normal": lambda: PAD.normal(0.5, 90),
     "u of a curvature": lambda: PAD.curvature(45, 1.5),
     "turn of relative_curvature": lambda: relative_curvature((10, 12), (8, 9), angle=45),
+    "axis of a cylinder": lambda: Counterface.cylinder(5, axis_angle=45),
+    "axis of a counterface": lambda: Counterface(radius=5, axis_angle=45),
+    "long axis of a pressure": lambda: HertzPressure(
+        peak_pressure=1, semi_major=2, semi_minor=1, long_axis_angle=30, centre=(0, 0)
+    ),
+    "angle of solve_contact": lambda: solve_contact(
+        lambda x, y: (x**2 + y**2) / 20,
+        ElasticBody(reduced_modulus=0.1),
+        half_widths=(3, 3),
+        angle=30,
+        load=1.0,
+    ),
+    "wedge of EllipsoidContact": lambda: EllipsoidContact.of(
+        PAD, wedge_angle=30, load=2, reduced_modulus=0.1
+    ),
     "orientation of an ellipse": lambda: ImageEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
     "lean of a photograph": lambda: photograph_from_ellipse(
         "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276), lean=12

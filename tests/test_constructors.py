@@ -8,14 +8,21 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fingerpad.contact import HertzGeometry, hertz_contact, pad_contact, reduced_modulus, youngs_modulus
-from fingerpad.exceptions import (
-    CalibrationError,
-    FingerpadError,
-    GeometryError,
-    ImageError,
-    LoadingError,
+from fingerpad.contact import (
+    ContactField,
+    Counterface,
+    ElasticBody,
+    EllipsoidContact,
+    HertzGeometry,
+    HertzPressure,
+    PadGap,
+    hertz_contact,
+    pad_contact,
+    reduced_modulus,
+    solve_contact,
+    youngs_modulus,
 )
+from fingerpad.exceptions import CalibrationError, FingerpadError, GeometryError, ImageError, LoadingError
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement, relative_curvature
 from fingerpad.image import (
     ForceSignal,
@@ -36,27 +43,83 @@ from fingerpad.uncertainty import (
 )
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+PADS = Ellipsoid(palmar=[7.9, 8.0], distal=13.8, radial_ulnar=11.8)
+SKEW = {"first_skewness": 0.0, "second_skewness": 0.0, "flatness": 0.1}
+GAP = {"first_radius": 12.0, "second_radius": 14.0, **SKEW}
+PRESSURE = {"peak_pressure": 1, "semi_major": 2, "semi_minor": 1, "long_axis_angle": 0, "centre": (0, 0)}
+PRESSED = {
+    "gap": lambda x, y: (x**2 + y**2) / 20,
+    "body": ElasticBody(reduced_modulus=0.1),
+    "half_widths": (3, 3),
+    "load": 1.0,
+}
+
+
+def press(pad=PAD, wedge_angle=0.5):
+    return EllipsoidContact.of(pad, wedge_angle=wedge_angle, load=2.0, reduced_modulus=0.1, points=64)
+
+
+INVALID = {
+    GeometryError: [
+        (lambda: Ellipsoid(palmar=-7.9, distal=13.8, radial_ulnar=11.8), "palmar .*found -7"),
+        (lambda: Ellipse(5.0, 7.4), "semi_minor must be no longer"),
+        (lambda: HertzGeometry([12, -1], 14), "first_radius .*found -1 at index 1"),
+        (lambda: dataclasses.replace(PAD, distal=0), "distal"),
+        (lambda: Ellipsoid("a", 13.8, 11.8), "palmar must be numbers, found 'a'"),
+        (lambda: Ellipsoid("7.9", 13.8, 11.8), "palmar must be numbers, found '7.9'"),
+        (lambda: Ellipsoid([7.9, 8], [13, 14, 15], 11.8), r"palmar \(2,\), distal \(3,\), rad"),
+        (lambda: Ellipse([[7], [7, 8]], 5), "semi_major must be numbers"),
+        (lambda: HertzGeometry([12, 13], [14, 15, 16]), r"second_radius \(3,\)"),
+        (lambda: HertzGeometry(12, "x"), "second_radius must be numbers, found 'x'"),
+        (lambda: Placement(PADS, wedge_angle=[0.1, 0.2, 0.3]), r"ellipsoid \(2,\), wedge_angle \(3"),
+        (lambda: Placement(PAD, wedge_angle=[0.1, 0.2], roll_angle=[0, 0, 0]), r"roll_angle \(3,\)"),
+        (lambda: Placement(PAD, wedge_angle="a"), "wedge_angle must be numbers, found 'a'"),
+        (lambda: ElasticBody(reduced_modulus=-1), "reduced_modulus must be positive and finite, fou"),
+        (lambda: ElasticBody(reduced_modulus=np.nan), "reduced_modulus must be positive and finite"),
+        (lambda: ElasticBody(reduced_modulus="a"), "reduced_modulus must be numbers, found 'a'"),
+        (lambda: ElasticBody(reduced_modulus=[1, 2]), r"reduced_modulus must be one number, .*\(2,\)"),
+        (lambda: ElasticBody(reduced_modulus=1, thickness=0), "thickness must be positive, found 0"),
+        (lambda: ElasticBody(reduced_modulus=1, thickness=5, poisson_ratio=0.7), "poisson_ratio .*0.7"),
+        (lambda: Counterface(radius=0), "radius must be positive, found 0"),
+        (lambda: Counterface(radius=np.nan), "radius must be positive, found nan"),
+        (lambda: Counterface(radius=-5), "radius must be positive, found -5"),
+        (lambda: Counterface(radius=5, axis_angle=np.nan), "axis_angle must be finite"),
+        (lambda: PadGap(**GAP | {"first_radius": -1}), "first_radius must be positive, found -1"),
+        (lambda: PadGap(**GAP | {"second_radius": 0}), "second_radius must be positive, found 0"),
+        (lambda: PadGap(**GAP | {"flatness": "x"}), "flatness must be numbers, found 'x'"),
+        (lambda: PadGap.paraboloid([1, 2], [1, 2, 3]), r"first_radius \(2,\)"),
+        (lambda: PadGap.of(PADS, wedge_angle=[0.1, 0.2, 0.3]), r"pad \(2,\), wedge_angle \(3,\)"),
+        (lambda: HertzPressure(**PRESSURE | {"peak_pressure": 0}), "peak_pressure must be positive"),
+        (lambda: HertzPressure(**PRESSURE | {"semi_minor": 3}), "semi_minor must be no longer"),
+        (lambda: HertzPressure(**PRESSURE | {"centre": 0.0}), "centre must be two finite coord"),
+        (lambda: solve_contact(**PRESSED | {"half_widths": (3, 0)}), "half_widths must be two posit"),
+        (lambda: press(wedge_angle=3), "wedge_angle must be between 0 and π/2 .*found 3"),
+        (lambda: press(wedge_angle=np.nan), "wedge_angle must be finite"),
+        (lambda: press(wedge_angle=[0.1, 0.2]), r"one pad in one placement .*found shape \(2,\)"),
+        (lambda: press(pad=PADS), r"one pad in one placement .*found shape \(2,\): loop"),
+        (lambda: press(pad=(7.9, 13.8, 11.8)), "ellipsoid must be an Ellipsoid, found tuple"),
+        (lambda: ContactField.of_hertz(PAD, wedge_angle=3, load=1, reduced_modulus=1), "wedge_angle"),
+    ],
+    LoadingError: [
+        (lambda: LoadingCurve(load=[0, 1], indentation=[0]), "indentation has shape"),
+        (lambda: LoadingCurve(load=[0, np.nan], indentation=[0, 1]), "load is not finite"),
+        (lambda: ForceSignal([0, 0], [0, 1]), "time must increase"),
+        (lambda: ForceSignal([0, 1], [0, 1, 2]), "load must be a row of 2"),
+        (lambda: FrameStamps([1, 0]), "must increase"),
+        (lambda: FrameRate(0), "frames_per_second must be positive"),
+        (lambda: FrameRate(500, anchor_time=np.nan), "anchor_time must be finite"),
+    ],
+    CalibrationError: [
+        (lambda: Scale(0), "mm_per_px must be positive"),
+        (lambda: Scale(500), "mm_per_px must be between"),
+    ],
+}
 
 
 @pytest.mark.parametrize(
-    ("make", "error", "message"),
-    [
-        (lambda: Ellipsoid(palmar=-7.9, distal=13.8, radial_ulnar=11.8), GeometryError, "palmar .*found -7"),
-        (lambda: Ellipse(5.0, 7.4), GeometryError, "semi_minor must be no longer"),
-        (lambda: HertzGeometry([12, -1], 14), GeometryError, "first_radius .*found -1 at index 1"),
-        (lambda: LoadingCurve(load=[0, 1], indentation=[0]), LoadingError, "indentation has shape"),
-        (lambda: LoadingCurve(load=[0, np.nan], indentation=[0, 1]), LoadingError, "load is not finite"),
-        (lambda: ForceSignal([0, 0], [0, 1]), LoadingError, "time must increase"),
-        (lambda: ForceSignal([0, 1], [0, 1, 2]), LoadingError, "load must be a row of 2"),
-        (lambda: FrameStamps([1, 0]), LoadingError, "must increase"),
-        (lambda: FrameRate(0), LoadingError, "frames_per_second must be positive"),
-        (lambda: FrameRate(500, anchor_time=np.nan), LoadingError, "anchor_time must be finite"),
-        (lambda: Scale(0), CalibrationError, "mm_per_px must be positive"),
-        (lambda: Scale(500), CalibrationError, "mm_per_px must be between"),
-        (lambda: dataclasses.replace(PAD, distal=0), GeometryError, "distal"),
-    ],
-)  # fmt: skip
-def test_invalid_values(make, error, message) -> None:
+    ("error", "make", "message"), [(error, *row) for error, rows in INVALID.items() for row in rows]
+)
+def test_invalid_values(error, make, message) -> None:
     with pytest.raises(error, match=message):
         make()
 

@@ -1,5 +1,6 @@
 """Broadcasting and domain checks of arrays."""
 
+import math
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -14,16 +15,57 @@ BoolArray: TypeAlias = npt.NDArray[np.bool_]
 ArrayLike: TypeAlias = npt.ArrayLike
 
 
-def as_float_array(value: ArrayLike) -> FloatArray:
+def as_float_array(
+    value: ArrayLike, name: str | None = None, error: type[FingerpadError] = GeometryError
+) -> FloatArray:
     """Return `value` as an array of doubles, integers included.
 
     Complex numbers stay complex: the kernels carry the complex steps by which derivatives are taken.
-    Masked entries become NaN, so that kernels give NaN for them and checks refuse them.
+    Masked entries become NaN, so that kernels give NaN for them and checks refuse them. With a name, what
+    holds no numbers is refused by `error`, text such as "7.9" included.
     """
     if isinstance(value, np.ma.MaskedArray):
         value = np.ma.filled(value.astype(np.result_type(value, np.float64)), np.nan)
-    array = np.asarray(value)
-    return array if np.iscomplexobj(array) else array.astype(np.float64, copy=False)
+    try:
+        array = np.asarray(value)
+        if np.iscomplexobj(array):
+            return array
+        strict = name is not None and array.dtype != object
+        return array.astype(np.float64, copy=False, casting="same_kind" if strict else "unsafe")
+    except (TypeError, ValueError, OverflowError) as fault:
+        if name is None:
+            raise
+        raise error(f"{name} must be numbers, found {value!r:.100}") from fault
+
+
+def real_array(value: ArrayLike | None, name: str, error: type[FingerpadError]) -> FloatArray:
+    """Return real numbers as an array of doubles, None as NaN, and refuse anything else by `error`."""
+    array = as_float_array(np.nan if value is None else value, name, error)
+    if np.iscomplexobj(array):
+        raise error(f"{name} must be real numbers, found {value!r:.100}")
+    return array
+
+
+def real_number(value: ArrayLike, name: str, error: type[FingerpadError]) -> float:
+    """Return one real number, NaN included, and refuse anything else by `error`."""
+    array = real_array(value, name, error)
+    if array.ndim:
+        raise error(f"{name} must be one number, found shape {array.shape}")
+    return float(array)
+
+
+def positive_number(value: ArrayLike, name: str, error: type[FingerpadError]) -> float:
+    """Return one positive and finite number, and refuse anything else by `error`."""
+    number = real_number(value, name, error)
+    check_all(0 < number < math.inf, name, number, "positive and finite", error)
+    return number
+
+
+def non_negative_number(value: ArrayLike, name: str, error: type[FingerpadError]) -> float:
+    """Return one finite number that is not negative, as a standard uncertainty, or refuse it by `error`."""
+    number = real_number(value, name, error)
+    check_all(0 <= number < math.inf, name, number, "zero or positive, and finite", error)
+    return number
 
 
 def as_float32(value: ArrayLike) -> Float32Array:
@@ -41,6 +83,16 @@ def hypotenuse(first: FloatArray, second: FloatArray) -> FloatArray:
 def broadcast(*values: ArrayLike) -> tuple[FloatArray, ...]:
     """Return `values` as arrays of doubles of one common shape."""
     return tuple(np.broadcast_arrays(*(as_float_array(value) for value in values)))
+
+
+def broadcast_named(**values: ArrayLike) -> tuple[FloatArray, ...]:
+    """Return `broadcast` of arguments, and refuse by their names what are no numbers or do not broadcast."""
+    arrays = [as_float_array(value, name) for name, value in values.items()]
+    try:
+        return tuple(np.broadcast_arrays(*arrays))
+    except ValueError as fault:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(values, arrays, strict=True))
+        raise GeometryError(f"shapes must broadcast, found {shapes}") from fault
 
 
 def check_all(
@@ -71,10 +123,18 @@ def check_radians(name: str, angle: ArrayLike) -> FloatArray:
     GeometryError
         If an angle is larger than 2π either way.
     """
-    values = as_float_array(angle)
+    values = as_float_array(angle, name)
     expected = f"a number of radians between -2π and 2π ({IN_RADIANS})"
     check_all(~(np.abs(values.real) > 2 * np.pi), name, values.real, expected, GeometryError)
     return values
+
+
+def finite_angle(name: str, angle: ArrayLike) -> float:
+    """Return one angle, and refuse what `check_radians` refuses and what is not finite."""
+    value = real_number(angle, name, GeometryError)
+    check_all(math.isfinite(value), name, value, "finite", GeometryError)
+    check_radians(name, value)
+    return value
 
 
 def set_fields(frozen: object, **values: object) -> None:

@@ -26,7 +26,7 @@ from fingerpad.geometry import Ellipsoid
 def contact(
     thickness: float, poisson_ratio: float, *, ratio: float = 1.5, angle: float = 0.0
 ) -> ContactSolution:
-    body = ElasticBody.of(reduced_modulus=0.1, thickness=thickness, poisson_ratio=poisson_ratio)
+    body = ElasticBody(reduced_modulus=0.1, thickness=thickness, poisson_ratio=poisson_ratio)
     return solve_contact(
         lambda x, y: x**2 / 20 + y**2 / 30,
         body,

@@ -142,7 +142,7 @@ def test_invalid_arguments(load: float, modulus: float, message: str) -> None:
 
 
 def test_invalid_bodies() -> None:
-    with pytest.raises(GeometryError, match="radius of the sphere must be positive, found 0"):
+    with pytest.raises(GeometryError, match="radius must be positive, found 0"):
         Counterface.sphere(0.0)
     with pytest.raises(GeometryError, match="axis_angle must be finite, found nan"):
         Counterface.cylinder(1.0, axis_angle=math.nan)

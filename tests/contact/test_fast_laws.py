@@ -257,7 +257,7 @@ def test_first_order_agrees_with_monte_carlo() -> None:
     [
         (PadGap.paraboloid(10, 10), {"load": 1.0}, ""),
         (PadGap.paraboloid(10, 10), {"load": 0.0}, "no_contact"),
-        (PadGap.paraboloid(10, -1), {"load": 1.0}, "no_contact"),
+        (PadGap.paraboloid(10, math.nan), {"load": 1.0}, "no_contact"),
         (PadGap.paraboloid(10, 10), {"area": math.nan}, "no_contact"),
         (PadGap.paraboloid(10, 10), {"area": math.inf}, "no_contact"),
         (PadGap.paraboloid(10, 10), {"area": 3.02**2 * math.pi, "thickness": 1.0}, "layer_too_thin"),

@@ -12,7 +12,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact import ContactSolution, ElasticBody, HertzGeometry, solve_contact
 from fingerpad.exceptions import ConvergenceError, FingerpadError, GeometryError
 
-HALF_SPACE = ElasticBody.of(reduced_modulus=0.1)
+HALF_SPACE = ElasticBody(reduced_modulus=0.1)
 RADIUS = 10.0
 
 
@@ -26,7 +26,7 @@ def sphere(x: FloatArray, y: FloatArray) -> FloatArray:
 
 
 def on_layer(thickness: float, poisson_ratio: float, *, points: int = 128, **given: float) -> ContactSolution:
-    body = ElasticBody.of(reduced_modulus=0.1, thickness=thickness, poisson_ratio=poisson_ratio)
+    body = ElasticBody(reduced_modulus=0.1, thickness=thickness, poisson_ratio=poisson_ratio)
     return solve_contact(paraboloid(RADIUS, RADIUS), body, half_widths=(3, 3), points=points, **given)
 
 
@@ -232,7 +232,7 @@ def test_too_thin_layer_refused() -> None:
 )
 def test_invalid_bodies(body: dict[str, float], message: str) -> None:
     with pytest.raises(GeometryError, match=message):
-        ElasticBody.of(**body)
+        ElasticBody(**body)
 
 
 def test_no_convergence_without_edge() -> None:

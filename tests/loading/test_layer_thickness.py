@@ -100,8 +100,8 @@ def test_a_shallow_press_does_not_tell() -> None:
     assert "cannot be separated" in fit.thickness.reason
     unknown = fit_layer_thickness(curve, gap=SPHERE, radius_std=5.0)
     assert "is not known to a third" in unknown.conclusion
-    with pytest.raises(LoadingError, match=r"must be positive, found 14.0 and -0.5 mm"):
-        fit_layer_thickness(curve, gap=replace(SPHERE, second_radius=-0.5), radius_std=1.0)
+    with pytest.raises(LoadingError, match=r"must be positive, found 14.0 and nan mm"):
+        fit_layer_thickness(curve, gap=replace(SPHERE, second_radius=np.nan), radius_std=1.0)
 
 
 def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:

@@ -68,8 +68,8 @@ def contact_stress(
 
     >>> from fingerpad.contact import ElasticBody, solve_contact
     >>> sphere = lambda x, y: (x**2 + y**2) / 20
-    >>> for thickness in (2.0, None):
-    ...     body = ElasticBody.of(reduced_modulus=0.1, thickness=thickness)
+    >>> for thickness in (2.0, np.inf):
+    ...     body = ElasticBody(reduced_modulus=0.1, thickness=thickness)
     ...     contact = solve_contact(sphere, body, half_widths=(3, 3), area=50.0, points=64)
     ...     shear = contact_stress(contact, [0.0, 2.5], 0.0, 2.0).maximum_shear
     ...     print((shear / contact.mean_pressure).round(2))
@@ -115,7 +115,7 @@ def contact_displacement(solution: ContactSolution, along: ArrayLike, across: Ar
 
     >>> from fingerpad.contact import ElasticBody, solve_contact
     >>> sphere = lambda x, y: (x**2 + y**2) / 20
-    >>> body = ElasticBody.of(reduced_modulus=0.1, thickness=2.0)
+    >>> body = ElasticBody(reduced_modulus=0.1, thickness=2.0)
     >>> contact = solve_contact(sphere, body, half_widths=(3, 3), indentation=0.5, points=64)
     >>> contact_displacement(contact, [0.0, 2.0, 6.0], 0.0).round(2)
     array([ 0.5 ,  0.3 , -0.03])

@@ -5,6 +5,7 @@ finger at a few newtons: the contact is a third to a half of the radii of curvat
 12 mm deep.
 """
 
+import math
 from dataclasses import dataclass
 from functools import partial
 from typing import Self
@@ -16,7 +17,8 @@ from fingerpad.contact.gap import Counterface, ellipsoid_gap, relative_curvature
 from fingerpad.contact.hertz import HertzContact, HertzGeometry
 from fingerpad.contact.influence import ElasticBody
 from fingerpad.contact.solver import ContactSolution, solve_contact
-from fingerpad.geometry import Ellipsoid, platen_normal, principal_curvatures
+from fingerpad.exceptions import GeometryError
+from fingerpad.geometry import Ellipsoid, Placement, principal_curvatures
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -130,10 +132,9 @@ class EllipsoidContact:
         area -13%, indentation -40%
         """
         rigid = Counterface.plate() if counterface is None else counterface
-        body = ElasticBody.of(
-            reduced_modulus=reduced_modulus, thickness=thickness, poisson_ratio=poisson_ratio
-        )
-        normal = platen_normal(wedge_angle, roll_angle)
+        depth = math.inf if thickness is None else thickness
+        body = ElasticBody(reduced_modulus=reduced_modulus, thickness=depth, poisson_ratio=poisson_ratio)
+        normal = normal_of_one_pad(pad, wedge_angle, roll_angle)
         geometry, angle = hertz_geometry_of_pad(pad, normal, rigid)
         guess = hertz_contact_at(geometry, reduced_modulus, load, indentation, area)
         semi_axes = float(guess.semi_major), float(guess.semi_minor)
@@ -151,6 +152,23 @@ class EllipsoidContact:
             solution=solution,
             hertz=geometry.under_load(solution.load, reduced_modulus=reduced_modulus),
         )
+
+
+def normal_of_one_pad(pad: Ellipsoid, wedge_angle: float, roll_angle: float) -> FloatArray:
+    """Return the outward normal where one pad touches, shape (3,).
+
+    Raises
+    ------
+    GeometryError
+        If the angles are those of no placement, or of several, or there are several pads.
+    """
+    placement = Placement(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
+    if placement.point.shape != (3,):
+        raise GeometryError(
+            f"one pad in one placement is solved at a time, found shape {placement.point.shape[:-1]}: "
+            "loop over them, or take layered_contact, which broadcasts"
+        )
+    return placement.normal
 
 
 def hertz_geometry_of_pad(

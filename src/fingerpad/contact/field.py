@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all
 from fingerpad.contact.contact_stress import contact_stress
-from fingerpad.contact.ellipsoid_contact import hertz_contact_at, hertz_geometry_of_pad
+from fingerpad.contact.ellipsoid_contact import hertz_contact_at, hertz_geometry_of_pad, normal_of_one_pad
 from fingerpad.contact.gap import Counterface
 from fingerpad.contact.hertz import youngs_modulus
 from fingerpad.contact.hertz_pressure import HertzPressure
@@ -18,7 +18,7 @@ from fingerpad.contact.influence import ElasticBody
 from fingerpad.contact.solver import ContactSolution
 from fingerpad.contact.stress import StressField
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid, platen_normal
+from fingerpad.geometry import Ellipsoid
 
 _LEVELS = 25  # of the first search for the highest shear
 _NARROWED = 6  # of each later one
@@ -170,12 +170,12 @@ class ContactField:
         GeometryError
             If a value is impossible.
         """
-        body = ElasticBody.of(reduced_modulus=reduced_modulus, poisson_ratio=poisson_ratio)
+        body = ElasticBody(reduced_modulus=reduced_modulus, poisson_ratio=poisson_ratio)
         given = [value for value in (load, indentation, area) if value is not None]
         if len(given) != 1 or not given[0] > 0:
             raise GeometryError("give exactly one of load, indentation and area, positive")
         rigid = Counterface.plate() if counterface is None else counterface
-        geometry, angle = hertz_geometry_of_pad(pad, platen_normal(wedge_angle, roll_angle), rigid)
+        geometry, angle = hertz_geometry_of_pad(pad, normal_of_one_pad(pad, wedge_angle, roll_angle), rigid)
         contact = hertz_contact_at(geometry, reduced_modulus, load, indentation, area)
         if geometry.long_axis == 1:
             angle += math.pi / 2

@@ -6,7 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray, check_all
+from fingerpad._arrays import FloatArray, check_all, finite_angle, real_number, set_fields
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid
 from fingerpad.geometry.ellipsoid import tangents
@@ -24,6 +24,11 @@ class Counterface:
         Angle from the finger's axis to the cylinder's, in the common tangent plane, radians; None for a
         plate or sphere.
 
+    Raises
+    ------
+    GeometryError
+        If the radius is not positive, or the angle not finite or beyond a full turn, as degrees are.
+
     Examples
     --------
     >>> Counterface.sphere(5.0).height(np.array(3.0), np.array(0.0))
@@ -34,6 +39,12 @@ class Counterface:
 
     radius: float = math.inf
     axis_angle: float | None = None
+
+    def __post_init__(self) -> None:
+        radius = real_number(self.radius, "radius", GeometryError)
+        check_all(radius > 0, "radius", radius, "positive", GeometryError)
+        angle = None if self.axis_angle is None else finite_angle("axis_angle", self.axis_angle)
+        set_fields(self, radius=radius, axis_angle=angle)
 
     @classmethod
     def plate(cls) -> Self:
@@ -59,14 +70,8 @@ class Counterface:
         -------
         Counterface
             The sphere.
-
-        Raises
-        ------
-        GeometryError
-            If the radius is not positive.
         """
-        check_all(radius > 0, "radius of the sphere", radius, "positive", GeometryError)
-        return cls(radius=float(radius))
+        return cls(radius=radius)
 
     @classmethod
     def cylinder(cls, radius: float, *, axis_angle: float) -> Self:
@@ -83,15 +88,8 @@ class Counterface:
         -------
         Counterface
             The cylinder.
-
-        Raises
-        ------
-        GeometryError
-            If the radius is not positive, or the angle not finite.
         """
-        check_all(radius > 0, "radius of the cylinder", radius, "positive", GeometryError)
-        check_all(np.isfinite(axis_angle), "axis_angle", axis_angle, "finite", GeometryError)
-        return cls(radius=float(radius), axis_angle=float(axis_angle))
+        return cls(radius=radius, axis_angle=axis_angle)
 
     def height(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Return the distance of the surface from the tangent plane, NaN beyond its silhouette.

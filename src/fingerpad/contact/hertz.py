@@ -10,6 +10,7 @@ from fingerpad._arrays import (
     apply_blockwise,
     as_float_array,
     broadcast,
+    broadcast_named,
     check_all,
     set_fields,
 )
@@ -119,7 +120,7 @@ class HertzGeometry(Displayed):
     D: FloatArray = field(init=False)
 
     def __init__(self, first_radius: ArrayLike, second_radius: ArrayLike) -> None:
-        first, second = broadcast(first_radius, second_radius)
+        first, second = broadcast_named(first_radius=first_radius, second_radius=second_radius)
         for name, radius in (("first_radius", first), ("second_radius", second)):
             check_all(np.isfinite(radius) & (radius > 0), name, radius, "positive and finite", GeometryError)
         k, K, D = solve_contact_ellipse(first, second)

@@ -8,10 +8,20 @@ from typing import Self
 import numpy as np
 from scipy.special import elliprd, elliprf
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast
+from fingerpad._arrays import (
+    ArrayLike,
+    FloatArray,
+    broadcast,
+    finite_angle,
+    positive_number,
+    real_array,
+    set_fields,
+)
 from fingerpad.contact.grid import ContactGrid
 from fingerpad.contact.hertz import HertzContact
 from fingerpad.contact.stress import StressField, hertz_stress
+from fingerpad.exceptions import GeometryError
+from fingerpad.geometry import Ellipse
 
 _SAMPLES = 4  # along each side of a cell
 
@@ -88,6 +98,12 @@ class HertzPressure:
     centre : ndarray, shape (2,)
         Centre of the ellipse in the plane.
 
+    Raises
+    ------
+    GeometryError
+        If pressure or semi-axes are not positive and finite, the minor semi-axis is the longer, the centre
+        is no point, or the angle is beyond a full turn, as degrees are.
+
     Examples
     --------
     >>> pressure = HertzPressure(
@@ -102,6 +118,24 @@ class HertzPressure:
     semi_minor: float
     long_axis_angle: float
     centre: FloatArray
+
+    def __post_init__(self) -> None:
+        peak = positive_number(self.peak_pressure, "peak_pressure", GeometryError)
+        ellipse = Ellipse(
+            positive_number(self.semi_major, "semi_major", GeometryError),
+            positive_number(self.semi_minor, "semi_minor", GeometryError),
+        )
+        centre = real_array(self.centre, "centre", GeometryError)
+        if centre.shape != (2,) or not np.isfinite(centre).all():
+            raise GeometryError(f"centre must be two finite coordinates, found {self.centre!r:.100}")
+        set_fields(
+            self,
+            peak_pressure=peak,
+            semi_major=float(ellipse.semi_major),
+            semi_minor=float(ellipse.semi_minor),
+            long_axis_angle=finite_angle("long_axis_angle", self.long_axis_angle),
+            centre=centre,
+        )
 
     @classmethod
     def of_contact(cls, contact: HertzContact, long_axis_angle: float) -> Self:
@@ -156,7 +190,7 @@ class HertzPressure:
             peak_pressure=float(1.5 * load * grid.cell_area / (np.pi * major * minor)),
             semi_major=float(major),
             semi_minor=float(minor),
-            long_axis_angle=grid.angle + math.atan2(axes[1, 1], axes[0, 1]),
+            long_axis_angle=math.remainder(grid.angle + math.atan2(axes[1, 1], axes[0, 1]), math.tau),
             centre=grid.to_plane(middle),
         )
 

@@ -8,13 +8,21 @@ Green's functions. The convolution is zero-padded, so that no periodic images ta
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import fft
 from scipy.special import j0
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
+from fingerpad._arrays import (
+    ArrayLike,
+    FloatArray,
+    as_float_array,
+    check_all,
+    positive_number,
+    real_number,
+    set_fields,
+)
 from fingerpad.exceptions import GeometryError
 
 if TYPE_CHECKING:
@@ -130,11 +138,16 @@ class ElasticBody:
     thickness : float
         Thickness of the layer; infinite for the half-space.
     poisson_ratio : float
-        ν; without effect on the surface of a half-space, which depends on E* alone.
+        ν in [0, 0.5]; without effect on the surface of a half-space, which depends on E* alone.
+
+    Raises
+    ------
+    GeometryError
+        If modulus or thickness is not positive, or ν not in [0, 0.5].
 
     Examples
     --------
-    >>> ElasticBody.of(reduced_modulus=0.1, thickness=8.0)
+    >>> ElasticBody(reduced_modulus=0.1, thickness=8.0)
     ElasticBody(reduced_modulus=0.1, thickness=8.0, poisson_ratio=0.5)
     """
 
@@ -142,43 +155,13 @@ class ElasticBody:
     thickness: float = math.inf
     poisson_ratio: float = 0.5
 
-    @classmethod
-    def of(
-        cls, *, reduced_modulus: float, thickness: float | None = None, poisson_ratio: float = 0.5
-    ) -> Self:
-        """Return a layer, or a half-space where no thickness is given.
-
-        Parameters
-        ----------
-        reduced_modulus : float
-            E*.
-        thickness : float, optional
-            Thickness of the layer.
-        poisson_ratio : float
-            ν.
-
-        Returns
-        -------
-        ElasticBody
-            The body.
-
-        Raises
-        ------
-        GeometryError
-            If modulus or thickness is not positive, or ν not in [0, 0.5].
-        """
-        modulus = reduced_modulus
-        check_all(
-            np.isfinite(modulus) and modulus > 0,
-            "reduced_modulus",
-            modulus,
-            "positive and finite",
-            GeometryError,
-        )
-        depth = math.inf if thickness is None else thickness
+    def __post_init__(self) -> None:
+        modulus = positive_number(self.reduced_modulus, "reduced_modulus", GeometryError)
+        depth = real_number(self.thickness, "thickness", GeometryError)
         check_all(depth > 0, "thickness", depth, "positive", GeometryError)
-        check_all(0 <= poisson_ratio <= 0.5, "poisson_ratio", poisson_ratio, "in [0, 0.5]", GeometryError)
-        return cls(reduced_modulus=float(modulus), thickness=float(depth), poisson_ratio=float(poisson_ratio))
+        ratio = real_number(self.poisson_ratio, "poisson_ratio", GeometryError)
+        check_all(0 <= ratio <= 0.5, "poisson_ratio", ratio, "in [0, 0.5]", GeometryError)
+        set_fields(self, reduced_modulus=modulus, thickness=depth, poisson_ratio=ratio)
 
     def influence(self, spacing: tuple[float, float], shape: tuple[int, int]) -> FloatArray:
         """Return the displacement of each cell under unit pressure on the first, times E*.

@@ -1,12 +1,13 @@
 """The gap between an ellipsoidal pad and a plate, by five numbers."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast_named, check_all, set_fields
 from fingerpad._display import Displayed
+from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid
 from fingerpad.geometry.curvature import curvatures_of
 from fingerpad.geometry.ellipsoid import tangents
@@ -30,6 +31,11 @@ class PadGap(Displayed):
     flatness : ndarray
         c, per length: 1/R for a sphere, 0 for a paraboloid.
 
+    Raises
+    ------
+    GeometryError
+        If a radius is not positive. NaN passes.
+
     Examples
     --------
     The gap of a sphere of radius 10 mm:
@@ -44,6 +50,12 @@ class PadGap(Displayed):
     first_skewness: FloatArray
     second_skewness: FloatArray
     flatness: FloatArray
+
+    def __post_init__(self) -> None:
+        values = {field.name: as_float_array(getattr(self, field.name), field.name) for field in fields(self)}
+        for name in ("first_radius", "second_radius"):
+            check_all(~(values[name].real <= 0), name, values[name].real, "positive", GeometryError)
+        set_fields(self, **values)
 
     @classmethod
     def paraboloid(cls, first_radius: ArrayLike, second_radius: ArrayLike) -> Self:
@@ -64,7 +76,7 @@ class PadGap(Displayed):
         >>> float(PadGap.paraboloid(12.0, 14.0).flatness)
         0.0
         """
-        first, second = broadcast(first_radius, second_radius)
+        first, second = broadcast_named(first_radius=first_radius, second_radius=second_radius)
         zero = np.zeros(first.shape)
         return cls(
             first_radius=first,
@@ -104,7 +116,9 @@ class PadGap(Displayed):
         >>> print(f"{gap.first_skewness:.4f} per mm, {gap.flatness:.4f} per mm")
         -0.0453 per mm, 0.1295 per mm
         """
-        normal = platen_normal_kernel(*checked_placement(wedge_angle, roll_angle, margin=0.5))
+        angles = checked_placement(wedge_angle, roll_angle, margin=0.5)
+        broadcast_named(pad=pad.palmar, wedge_angle=angles[0])  # or refuse the shapes
+        normal = platen_normal_kernel(*angles)
         return pad_gap_kernel(pad.semi_axes, normal)
 
 

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 from scipy.ndimage import binary_dilation
 
-from fingerpad._arrays import FloatArray, check_all
+from fingerpad._arrays import FloatArray, as_float_array, check_all, finite_angle
 from fingerpad.contact.complementarity import solve_pressure
 from fingerpad.contact.grid import FILLED, ContactGrid
 from fingerpad.contact.influence import Convolution, ElasticBody
@@ -69,7 +69,7 @@ class ContactSolution:
 
     >>> contact = solve_contact(
     ...     lambda x, y: (x**2 + y**2) / 20,
-    ...     ElasticBody.of(reduced_modulus=0.1),
+    ...     ElasticBody(reduced_modulus=0.1),
     ...     half_widths=(3, 3),
     ...     indentation=1.0,
     ...     points=64,
@@ -175,8 +175,9 @@ def solve_contact(
     Raises
     ------
     GeometryError
-        If the given quantity is not positive and finite, the contact reaches the end of the surfaces, or the
-        layer is pressed through or too thin beside the contact.
+        If the given quantity is not positive and finite, the angle is beyond a full turn, as degrees are, the
+        contact reaches the end of the surfaces, or the layer is pressed through or too thin beside the
+        contact.
     ConvergenceError
         If the conjugate gradients do not converge.
 
@@ -185,8 +186,8 @@ def solve_contact(
     A sphere of radius 10 mm on tissue of E* = 0.1 MPa, 5 mm thick, carries more than on a half-space:
 
     >>> sphere = lambda x, y: (x**2 + y**2) / 20
-    >>> half_space = ElasticBody.of(reduced_modulus=0.1)
-    >>> layer = ElasticBody.of(reduced_modulus=0.1, thickness=5.0)
+    >>> half_space = ElasticBody(reduced_modulus=0.1)
+    >>> layer = ElasticBody(reduced_modulus=0.1, thickness=5.0)
     >>> loads = [
     ...     solve_contact(sphere, body, half_widths=(3, 3), indentation=1.0, points=64).load
     ...     for body in (half_space, layer)
@@ -202,6 +203,9 @@ def solve_contact(
     check_all(np.isfinite(value) and value > 0, name, value, "positive and finite", GeometryError)
     if points < 2 * _COARSEST:
         raise GeometryError(f"points must be at least {2 * _COARSEST}, found {points}")
+    if np.shape(half_widths) != (2,) or not (as_float_array(half_widths, "half_widths") > 0).all():
+        raise GeometryError(f"half_widths must be two positive lengths, found {half_widths}")
+    angle = finite_angle("angle", angle)
     problem = _Problem(gap, body, name, value / body.reduced_modulus if name == "load" else value)
     levels = [points >> shift for shift in range(3, 0, -1) if points >> shift >= _COARSEST]
     found = [problem.first(half_widths, angle, levels[0])]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, broadcast, check_all, set_fields
+from fingerpad._arrays import ArrayLike, FloatArray, broadcast_named, check_all, set_fields
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 
@@ -36,7 +36,7 @@ class Ellipse(Displayed):
     semi_minor: FloatArray
 
     def __init__(self, semi_major: ArrayLike, semi_minor: ArrayLike) -> None:
-        major, minor = broadcast(semi_major, semi_minor)
+        major, minor = broadcast_named(semi_major=semi_major, semi_minor=semi_minor)
         check_all(np.isfinite(major) & (major > 0), "semi_major", major, "positive and finite", GeometryError)
         check_all(np.isfinite(minor) & (minor > 0), "semi_minor", minor, "positive and finite", GeometryError)
         check_all(

@@ -9,6 +9,7 @@ from fingerpad._arrays import (
     FloatArray,
     as_float_array,
     broadcast,
+    broadcast_named,
     check_all,
     check_radians,
     hypotenuse,
@@ -49,7 +50,8 @@ class Ellipsoid(Displayed):
 
     def __init__(self, palmar: ArrayLike, distal: ArrayLike, radial_ulnar: ArrayLike) -> None:
         names = ("palmar", "distal", "radial_ulnar")
-        axes = dict(zip(names, broadcast(palmar, distal, radial_ulnar), strict=True))
+        given = broadcast_named(palmar=palmar, distal=distal, radial_ulnar=radial_ulnar)
+        axes = dict(zip(names, given, strict=True))
         for name, axis in axes.items():
             check_all(
                 np.isfinite(axis) & (axis > 0),

@@ -9,6 +9,7 @@ from fingerpad._arrays import (
     ArrayLike,
     FloatArray,
     broadcast,
+    broadcast_named,
     check_all,
     check_radians,
     set_fields,
@@ -68,7 +69,7 @@ def checked_placement(
     GeometryError
         If a wedge angle lies outside [0, π/2], or a roll outside [−π/2, π/2], by more than the margin.
     """
-    wedge, roll = broadcast(wedge_angle, roll_angle)
+    wedge, roll = broadcast_named(wedge_angle=wedge_angle, roll_angle=roll_angle)
     for name, angle, lowest, limits in (
         ("wedge_angle", wedge, 0.0, "0 and π/2"),
         ("roll_angle", roll, -np.pi / 2, "-π/2 and π/2"),
@@ -130,6 +131,9 @@ class Placement(Displayed):
         wedge, roll = checked_placement(wedge_angle, roll_angle)
         for name, angle in (("wedge_angle", wedge), ("roll_angle", roll)):
             check_all(np.isfinite(angle), name, angle, "finite", GeometryError)
+        broadcast_named(
+            ellipsoid=ellipsoid.palmar, wedge_angle=wedge, roll_angle=roll
+        )  # or refuse the shapes
         normal = platen_normal_kernel(wedge, roll)
         u, v = ellipsoid.parametric_angles(normal)
         set_fields(
