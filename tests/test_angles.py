@@ -13,8 +13,9 @@ from fingerpad.contact import (
 )
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Placement, platen_normal, relative_curvature
-from fingerpad.image import ImageEllipse, Scale, photograph_from_ellipse
-from fingerpad.simulate import render_coin, render_contact_image
+from fingerpad.image import ImageEllipse, PlaneEllipse, Scale, fit_outline_ellipse, photograph_from_ellipse
+from fingerpad.published import radius_with_misprint
+from fingerpad.simulate import outline_points, render_coin, render_contact_image
 from fingerpad.uncertainty import Inputs, placement_model, propagate, run_monte_carlo
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -55,6 +56,12 @@ DEGREES = {
         PAD, wedge_angle=30, load=2, reduced_modulus=0.1
     ),
     "orientation of an ellipse": lambda: ImageEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
+    "angle of a plane ellipse": lambda: PlaneEllipse(0, 0, 9, 8, angle=45),
+    "lean of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), lean=30),
+    "lean_std of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), lean_std=30),
+    "angle of outline points": lambda: outline_points(11.8, 13.8, angle=30),
+    "arc of outline points": lambda: outline_points(11.8, 13.8, arc=(0, 180)),
+    "u of a misprinted radius": lambda: radius_with_misprint(PAD, 45),
     "lean of a photograph": lambda: photograph_from_ellipse(
         "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276), lean=12
     ),

@@ -22,12 +22,27 @@ from fingerpad.contact import (
     solve_contact,
     youngs_modulus,
 )
-from fingerpad.exceptions import CalibrationError, FingerpadError, GeometryError, ImageError, LoadingError
+from fingerpad.exceptions import (
+    CalibrationError,
+    FingerpadError,
+    FitError,
+    GeometryError,
+    ImageError,
+    LoadingError,
+)
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement, relative_curvature
 from fingerpad.image import (
+    BrushStroke,
+    FaceSemiAxes,
     ForceSignal,
     FrameRate,
     FrameStamps,
+    Grid,
+    ImageEllipse,
+    PhaseIntervals,
+    Picture,
+    PlaneEllipse,
+    RegionPolygon,
     Scale,
     measure_coin,
     measure_contact_image,
@@ -35,18 +50,22 @@ from fingerpad.image import (
     read_image,
 )
 from fingerpad.loading import LoadingCurve, read_loading_curve
-from fingerpad.simulate import render_coin, render_contact_image, render_finger
-from fingerpad.uncertainty import (
-    Inputs,
-    pad_model,
-    propagate,
-)
+from fingerpad.simulate import render_coin, render_contact_image, render_finger, render_sequence
+from fingerpad.uncertainty import Inputs, pad_model, propagate
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PADS = Ellipsoid(palmar=[7.9, 8.0], distal=13.8, radial_ulnar=11.8)
 SKEW = {"first_skewness": 0.0, "second_skewness": 0.0, "flatness": 0.1}
 GAP = {"first_radius": 12.0, "second_radius": 14.0, **SKEW}
 PRESSURE = {"peak_pressure": 1, "semi_major": 2, "semi_minor": 1, "long_axis_angle": 0, "centre": (0, 0)}
+GRID = {
+    "points": np.moveaxis(np.indices((3, 3), dtype=float), 0, -1),
+    "spacing_mm": 1,
+    "spacing_mm_std": 0,
+    "homography": np.eye(3),
+}
+FACE = {"face": "palmar", "semi_axes": (11.8, 13.8), "covariance": 0.01 * np.eye(2)}
+PIXELS = np.zeros((20, 30), np.uint8)
 PRESSED = {
     "gap": lambda x, y: (x**2 + y**2) / 20,
     "body": ElasticBody(reduced_modulus=0.1),
@@ -60,23 +79,69 @@ def press(pad=PAD, wedge_angle=0.5):
 
 
 INVALID = {
+    ImageError: [
+        (lambda: ImageEllipse(centre=(9, 9), semi_axes=(-1, 2)), r"larger first, found \(-1, 2\)"),
+        (lambda: ImageEllipse(centre=(9, 9), semi_axes=(60, 80)), "larger first"),
+        (lambda: ImageEllipse(centre=(9, 9), semi_axes=(60, 0)), "semi_axes must be positive"),
+        (lambda: ImageEllipse(centre=(np.inf, 9), semi_axes=(60, 50)), "centre must be two finite numbers"),
+        (lambda: ImageEllipse(centre=9, semi_axes=(60, 50)), "centre must be two finite numbers, found 9"),
+        (
+            lambda: BrushStroke(action="paint", points=[(9, 9)], radius=2),
+            "a stroke must add or remove, found 'paint'",
+        ),
+        (
+            lambda: BrushStroke(action="add", points=[(9, 9)], radius=-2),
+            "radius of a stroke must be positive",
+        ),
+        (lambda: BrushStroke(action="add", points=[], radius=2), "finite points .*1 or more, found shape"),
+        (lambda: BrushStroke(action="add", points=[(np.nan, 3)], radius=2), "finite points"),
+        (lambda: RegionPolygon(action="add", points=[(9, 9)]), r"3 or more, found shape \(1, 2\)"),
+        (
+            lambda: RegionPolygon(action="smear", points=[(9, 9)] * 3),
+            "must add or remove or replace, found 'smear'",
+        ),
+        (lambda: Picture(pixels="abc", dots_per_inch=500), "pixels must be grey levels"),
+        (lambda: Picture(pixels=np.zeros((2, 2, 3)), dots_per_inch=500), r"found shape \(2, 2, 3\)"),
+    ],
+    FitError: [
+        (lambda: FaceSemiAxes(**FACE | {"face": "top"}), "face must be one of palmar.*found 'top'"),
+        (
+            lambda: FaceSemiAxes(**FACE | {"semi_axes": (-1, 2)}),
+            "palmar face: semi_axes must be two positive",
+        ),
+        (lambda: FaceSemiAxes(**FACE | {"semi_axes": (1, 2, 3)}), "semi_axes must be two positive lengths"),
+        (lambda: FaceSemiAxes(**FACE | {"covariance": -np.eye(2)}), "no negative variance"),
+        (lambda: FaceSemiAxes(**FACE | {"covariance": 1}), r"covariance must be finite, of shape \(2, 2\)"),
+        (
+            lambda: FaceSemiAxes(**FACE | {"relative_scale_std": -1}),
+            "relative_scale_std must be zero or positive",
+        ),
+    ],
     GeometryError: [
+        (lambda: PlaneEllipse(0, 0, -1, 2), "semi_x must be positive and finite, found -1"),
+        (lambda: PlaneEllipse(0, np.nan, 1, 2), "y must be finite, found nan"),
+        (lambda: PlaneEllipse(0, 0, 1, "a"), "semi_y must be numeric, found 'a'"),
+        (
+            lambda: ImageEllipse(centre=(9, 9), semi_axes=(9, 8), orientation=np.nan),
+            "orientation must be finite",
+        ),
+        (lambda: render_sequence([0.0, 0.1], ppi=-1), "ppi must be positive and finite, found -1"),
         (lambda: Ellipsoid(palmar=-7.9, distal=13.8, radial_ulnar=11.8), "palmar .*found -7"),
         (lambda: Ellipse(5.0, 7.4), "semi_minor must be no longer"),
         (lambda: HertzGeometry([12, -1], 14), "first_radius .*found -1 at index 1"),
         (lambda: dataclasses.replace(PAD, distal=0), "distal"),
-        (lambda: Ellipsoid("a", 13.8, 11.8), "palmar must be numbers, found 'a'"),
-        (lambda: Ellipsoid("7.9", 13.8, 11.8), "palmar must be numbers, found '7.9'"),
+        (lambda: Ellipsoid("a", 13.8, 11.8), "palmar must be numeric, found 'a'"),
+        (lambda: Ellipsoid("7.9", 13.8, 11.8), "palmar must be numeric, found '7.9'"),
         (lambda: Ellipsoid([7.9, 8], [13, 14, 15], 11.8), r"palmar \(2,\), distal \(3,\), rad"),
-        (lambda: Ellipse([[7], [7, 8]], 5), "semi_major must be numbers"),
+        (lambda: Ellipse([[7], [7, 8]], 5), "semi_major must be numeric"),
         (lambda: HertzGeometry([12, 13], [14, 15, 16]), r"second_radius \(3,\)"),
-        (lambda: HertzGeometry(12, "x"), "second_radius must be numbers, found 'x'"),
+        (lambda: HertzGeometry(12, "x"), "second_radius must be numeric, found 'x'"),
         (lambda: Placement(PADS, wedge_angle=[0.1, 0.2, 0.3]), r"ellipsoid \(2,\), wedge_angle \(3"),
         (lambda: Placement(PAD, wedge_angle=[0.1, 0.2], roll_angle=[0, 0, 0]), r"roll_angle \(3,\)"),
-        (lambda: Placement(PAD, wedge_angle="a"), "wedge_angle must be numbers, found 'a'"),
+        (lambda: Placement(PAD, wedge_angle="a"), "wedge_angle must be numeric, found 'a'"),
         (lambda: ElasticBody(reduced_modulus=-1), "reduced_modulus must be positive and finite, fou"),
         (lambda: ElasticBody(reduced_modulus=np.nan), "reduced_modulus must be positive and finite"),
-        (lambda: ElasticBody(reduced_modulus="a"), "reduced_modulus must be numbers, found 'a'"),
+        (lambda: ElasticBody(reduced_modulus="a"), "reduced_modulus must be numeric, found 'a'"),
         (lambda: ElasticBody(reduced_modulus=[1, 2]), r"reduced_modulus must be one number, .*\(2,\)"),
         (lambda: ElasticBody(reduced_modulus=1, thickness=0), "thickness must be positive, found 0"),
         (lambda: ElasticBody(reduced_modulus=1, thickness=5, poisson_ratio=0.7), "poisson_ratio .*0.7"),
@@ -86,12 +151,12 @@ INVALID = {
         (lambda: Counterface(radius=5, axis_angle=np.nan), "axis_angle must be finite"),
         (lambda: PadGap(**GAP | {"first_radius": -1}), "first_radius must be positive, found -1"),
         (lambda: PadGap(**GAP | {"second_radius": 0}), "second_radius must be positive, found 0"),
-        (lambda: PadGap(**GAP | {"flatness": "x"}), "flatness must be numbers, found 'x'"),
+        (lambda: PadGap(**GAP | {"flatness": "x"}), "flatness must be numeric, found 'x'"),
         (lambda: PadGap.paraboloid([1, 2], [1, 2, 3]), r"first_radius \(2,\)"),
         (lambda: PadGap.of(PADS, wedge_angle=[0.1, 0.2, 0.3]), r"pad \(2,\), wedge_angle \(3,\)"),
         (lambda: HertzPressure(**PRESSURE | {"peak_pressure": 0}), "peak_pressure must be positive"),
         (lambda: HertzPressure(**PRESSURE | {"semi_minor": 3}), "semi_minor must be no longer"),
-        (lambda: HertzPressure(**PRESSURE | {"centre": 0.0}), "centre must be two finite coord"),
+        (lambda: HertzPressure(**PRESSURE | {"centre": 0.0}), "centre must be two finite num"),
         (lambda: solve_contact(**PRESSED | {"half_widths": (3, 0)}), "half_widths must be two posit"),
         (lambda: press(wedge_angle=3), "wedge_angle must be between 0 and π/2 .*found 3"),
         (lambda: press(wedge_angle=np.nan), "wedge_angle must be finite"),
@@ -101,6 +166,21 @@ INVALID = {
         (lambda: ContactField.of_hertz(PAD, wedge_angle=3, load=1, reduced_modulus=1), "wedge_angle"),
     ],
     LoadingError: [
+        (lambda: LoadingCurve(load=[], indentation=[]), "needs one row or more, found none"),
+        (
+            lambda: LoadingCurve(load=[0, 1], indentation=[0, 1], area=[1, -1]),
+            "area must not be negative, .*row 2",
+        ),
+        (lambda: LoadingCurve(load=["a"], indentation=[0]), r"load must be numeric, found \['a'\]"),
+        (lambda: ForceSignal([0, 1], ["a", "b"]), "load must be numeric"),
+        (lambda: FrameRate("a"), "frames_per_second must be numeric, found 'a'"),
+        (
+            lambda: FrameRate(10, anchor_frame=np.nan),
+            "anchor_frame must be a whole number or None, found nan",
+        ),
+        (lambda: FrameRate(10, anchor_frame=1.5), "anchor_frame must be a whole number or None, found 1.5"),
+        (lambda: PhaseIntervals([0, 1], ["x", "hold"]), "phase must be one of before, loading.*found 'x'"),
+        (lambda: PhaseIntervals([0, "b"], ["loading", "hold"]), "start must be numeric"),
         (lambda: LoadingCurve(load=[0, 1], indentation=[0]), "indentation has shape"),
         (lambda: LoadingCurve(load=[0, np.nan], indentation=[0, 1]), "load is not finite"),
         (lambda: ForceSignal([0, 0], [0, 1]), "time must increase"),
@@ -110,6 +190,17 @@ INVALID = {
         (lambda: FrameRate(500, anchor_time=np.nan), "anchor_time must be finite"),
     ],
     CalibrationError: [
+        (lambda: Scale("a"), "mm_per_px must be numeric, found 'a'"),
+        (lambda: Scale(0.05, -1), "mm_per_px_std must be zero or positive, and finite, found -1"),
+        (lambda: Scale.of_ppi("500"), "ppi must be numeric, found '500'"),
+        (
+            lambda: Picture(pixels=PIXELS, dots_per_inch=-1),
+            "dots_per_inch must be positive and finite, found -1",
+        ),
+        (lambda: Grid(**GRID | {"points": np.zeros((3, 3))}), r"rows, columns, 2\), found shape \(3, 3\)"),
+        (lambda: Grid(**GRID | {"points": np.full((3, 3, 2), np.nan)}), "points must be finite"),
+        (lambda: Grid(**GRID | {"spacing_mm": -1}), "spacing_mm must be positive and finite, found -1"),
+        (lambda: Grid(**GRID | {"homography": np.zeros((3, 3))}), "homography must be an invertible"),
         (lambda: Scale(0), "mm_per_px must be positive"),
         (lambda: Scale(500), "mm_per_px must be between"),
     ],

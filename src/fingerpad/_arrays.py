@@ -35,7 +35,7 @@ def as_float_array(
     except (TypeError, ValueError, OverflowError) as fault:
         if name is None:
             raise
-        raise error(f"{name} must be numbers, found {value!r:.100}") from fault
+        raise error(f"{name} must be numeric, found {value!r:.100}") from fault
 
 
 def real_array(value: ArrayLike | None, name: str, error: type[FingerpadError]) -> FloatArray:
@@ -48,24 +48,44 @@ def real_array(value: ArrayLike | None, name: str, error: type[FingerpadError]) 
 
 def real_number(value: ArrayLike, name: str, error: type[FingerpadError]) -> float:
     """Return one real number, NaN included, and refuse anything else by `error`."""
+    if isinstance(value, float):  # the usual case, at no cost
+        return float(value)
     array = real_array(value, name, error)
     if array.ndim:
         raise error(f"{name} must be one number, found shape {array.shape}")
     return float(array)
 
 
+def finite_number(value: ArrayLike, name: str, error: type[FingerpadError]) -> float:
+    """Return one finite number, and refuse anything else by `error`."""
+    number = real_number(value, name, error)
+    if not math.isfinite(number):
+        raise error(f"{name} must be finite, found {number:g}")
+    return number
+
+
 def positive_number(value: ArrayLike, name: str, error: type[FingerpadError]) -> float:
     """Return one positive and finite number, and refuse anything else by `error`."""
     number = real_number(value, name, error)
-    check_all(0 < number < math.inf, name, number, "positive and finite", error)
+    if not 0 < number < math.inf:
+        raise error(f"{name} must be positive and finite, found {number:g}")
     return number
 
 
 def non_negative_number(value: ArrayLike, name: str, error: type[FingerpadError]) -> float:
     """Return one finite number that is not negative, as a standard uncertainty, or refuse it by `error`."""
     number = real_number(value, name, error)
-    check_all(0 <= number < math.inf, name, number, "zero or positive, and finite", error)
+    if not 0 <= number < math.inf:
+        raise error(f"{name} must be zero or positive, and finite, found {number:g}")
     return number
+
+
+def finite_pair(value: ArrayLike, name: str, error: type[FingerpadError]) -> tuple[float, float]:
+    """Return two finite numbers, as a place or two lengths, and refuse anything else by `error`."""
+    pair = real_array(value, name, error)
+    if pair.shape != (2,) or not np.isfinite(pair).all():
+        raise error(f"{name} must be two finite numbers, found {value!r:.100}")
+    return float(pair[0]), float(pair[1])
 
 
 def as_float32(value: ArrayLike) -> Float32Array:
@@ -131,9 +151,9 @@ def check_radians(name: str, angle: ArrayLike) -> FloatArray:
 
 def finite_angle(name: str, angle: ArrayLike) -> float:
     """Return one angle, and refuse what `check_radians` refuses and what is not finite."""
-    value = real_number(angle, name, GeometryError)
-    check_all(math.isfinite(value), name, value, "finite", GeometryError)
-    check_radians(name, value)
+    value = finite_number(angle, name, GeometryError)
+    if abs(value) > 2 * math.pi:
+        check_radians(name, value)
     return value
 
 

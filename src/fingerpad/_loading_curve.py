@@ -34,7 +34,8 @@ class LoadingCurve(Displayed):
     Raises
     ------
     LoadingError
-        If the columns differ in length, a value is not finite, or time runs backwards.
+        If there is no row, the columns differ in length, a value is not finite, an area is negative, or time
+        runs backwards.
 
     Examples
     --------
@@ -57,7 +58,13 @@ class LoadingCurve(Displayed):
         time: ArrayLike | None = None,
     ) -> None:
         given = {"load": load, "indentation": indentation, "area": area, "time": time}
-        set_fields(self, **{name: None if it is None else as_float_array(it) for name, it in given.items()})
+        set_fields(
+            self,
+            **{
+                name: it if it is None else as_float_array(it, name, LoadingError)
+                for name, it in given.items()
+            },
+        )
         for name in given:
             values: FloatArray | None = getattr(self, name)
             if values is None:
@@ -70,6 +77,11 @@ class LoadingCurve(Displayed):
             bad = np.flatnonzero(~np.isfinite(values))
             if bad.size:
                 raise LoadingError(f"{name} is not finite in row {bad[0] + 1}: leave such rows out")
+        if not len(self.load):
+            raise LoadingError("a loading curve needs one row or more, found none")
+        if self.area is not None and (self.area < 0).any():
+            row = int(np.flatnonzero(self.area < 0)[0])
+            raise LoadingError(f"area must not be negative, found {self.area[row]:g} mm² in row {row + 1}")
         if self.time is not None and (np.diff(self.time) < 0).any():
             row = int(np.flatnonzero(np.diff(self.time) < 0)[0]) + 2
             raise LoadingError(

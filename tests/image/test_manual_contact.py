@@ -163,7 +163,6 @@ def test_manual_contact_where_none_found():
 
 
 BAD = {
-    "flat polygon": ([RegionPolygon(action="replace", points=[(9, 9), (50, 50)])], None, "3 or more"),
     "polygon elsewhere": (
         [RegionPolygon(action="add", points=[(9000, 9000), (9000, 9050), (9050, 9000)])],
         None,
@@ -171,17 +170,10 @@ BAD = {
     ),
     "nothing left": ([stroke("remove", CENTRE, radius=390)], None, "leave no contact"),
     "outside": ([stroke("add", (-50, 20), radius=10)], None, "lies outside the picture"),
-    "no points": ([stroke("add")], None, "finite points"),
-    "not finite": ([stroke("add", (math.nan, 3))], None, "finite points"),
-    "no radius": ([stroke("add", CENTRE, radius=0)], None, "radius must be positive"),
     "huge radius": ([stroke("add", CENTRE, radius=1e6)], None, "no more than the picture"),
-    "unknown action": ([stroke("smear", CENTRE)], None, "must add or remove"),
-    "minor first": ([], ImageEllipse(centre=CENTRE, semi_axes=(60, 80)), "larger first"),
-    "no axis": ([], ImageEllipse(centre=CENTRE, semi_axes=(60, 0)), "positive"),
     "ellipse outside": ([], ImageEllipse(centre=(-5, 10), semi_axes=(60, 50)), "lies outside"),
     "stroke from far away": ([stroke("add", (1e12, 0), CENTRE, radius=5)], None, "must not reach 1e\\+12 px"),
     "huge ellipse": ([], ImageEllipse(centre=CENTRE, semi_axes=(1e200, 50)), "must not reach 1e\\+200 px"),
-    "ellipse nowhere": ([], ImageEllipse(centre=(math.inf, 10), semi_axes=(60, 50)), "finite"),
 }
 
 

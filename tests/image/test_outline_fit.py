@@ -53,7 +53,7 @@ def test_correlation_estimate():
 def test_agrees_with_a_second_implementation():
     points = noisy(1, arc_deg=200, std=0.02, lean=0.1)
     # In the frame of the lean, and with no prior to speak of: the same five parameters.
-    fit = fit_outline_ellipse(points, lean=0.1, lean_std=10.0)
+    fit = fit_outline_ellipse(points, lean=0.1, lean_std=2 * math.pi)
     model = EllipseModel.from_estimate(points)
     x, y, first, second, theta = (*model.center, *model.axis_lengths, model.theta)
     assert sorted(fit.ellipse[2:4]) == pytest.approx(sorted((first, second)), rel=2e-3)

@@ -13,8 +13,8 @@ from fingerpad._arrays import (
     FloatArray,
     broadcast,
     finite_angle,
+    finite_pair,
     positive_number,
-    real_array,
     set_fields,
 )
 from fingerpad.contact.grid import ContactGrid
@@ -125,16 +125,13 @@ class HertzPressure:
             positive_number(self.semi_major, "semi_major", GeometryError),
             positive_number(self.semi_minor, "semi_minor", GeometryError),
         )
-        centre = real_array(self.centre, "centre", GeometryError)
-        if centre.shape != (2,) or not np.isfinite(centre).all():
-            raise GeometryError(f"centre must be two finite coordinates, found {self.centre!r:.100}")
         set_fields(
             self,
             peak_pressure=peak,
             semi_major=float(ellipse.semi_major),
             semi_minor=float(ellipse.semi_minor),
             long_axis_angle=finite_angle("long_axis_angle", self.long_axis_angle),
-            centre=centre,
+            centre=np.array(finite_pair(self.centre, "centre", GeometryError)),
         )
 
     @classmethod

@@ -7,12 +7,22 @@ orientation of the major axis from straight up, counter-clockwise as seen on the
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
-from fingerpad.exceptions import ImageError
+from fingerpad._arrays import (
+    ArrayLike,
+    BoolArray,
+    FloatArray,
+    as_float_array,
+    finite_angle,
+    finite_number,
+    finite_pair,
+    positive_number,
+    set_fields,
+)
+from fingerpad.exceptions import GeometryError, ImageError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +38,13 @@ class ImageEllipse:
     orientation : float
         Angle of the major axis from straight up, counter-clockwise as seen on the screen, radians.
 
+    Raises
+    ------
+    ImageError
+        If the centre is not finite, or the semi-axes are not positive, finite and the larger first.
+    GeometryError
+        If the orientation is not finite or beyond a full turn, as degrees are.
+
     Examples
     --------
     >>> ellipse = ImageEllipse(centre=(100.0, 80.0), semi_axes=(40.0, 30.0))
@@ -40,7 +57,12 @@ class ImageEllipse:
     orientation: float = 0.0
 
     def __post_init__(self) -> None:
-        check_radians("orientation", self.orientation)
+        centre = finite_pair(self.centre, "centre", ImageError)
+        major, minor = finite_pair(self.semi_axes, "semi_axes", ImageError)
+        if not major >= minor > 0:
+            raise ImageError(f"semi_axes must be positive and the larger first, found {self.semi_axes}")
+        orientation = finite_angle("orientation", self.orientation)
+        set_fields(self, centre=centre, semi_axes=(major, minor), orientation=orientation)
 
     @property
     def area(self) -> float:
@@ -106,7 +128,17 @@ def interpolated_ellipse(first: ImageEllipse, second: ImageEllipse, share: float
     )
 
 
-class PlaneEllipse(NamedTuple):
+class _PlaneEllipse(NamedTuple):
+    """The numbers of a `PlaneEllipse`."""
+
+    x: float
+    y: float
+    semi_x: float
+    semi_y: float
+    angle: float = 0.0
+
+
+class PlaneEllipse(_PlaneEllipse):
     """An ellipse in the plane (x, y), its semi-axes not sorted.
 
     Attributes
@@ -118,6 +150,12 @@ class PlaneEllipse(NamedTuple):
     angle : float
         Turn from x towards y, radians.
 
+    Raises
+    ------
+    GeometryError
+        If the centre is not finite, a semi-axis not positive and finite, or the angle not finite or beyond a
+        full turn, as degrees are.
+
     Examples
     --------
     >>> ellipse = PlaneEllipse(x=0.0, y=0.0, semi_x=11.8, semi_y=13.8)
@@ -125,18 +163,21 @@ class PlaneEllipse(NamedTuple):
     array([1., 0.])
     """
 
-    x: float
-    y: float
-    semi_x: float
-    semi_y: float
-    angle: float = 0.0
+    __slots__ = ()
+
+    def __new__(cls, x: float, y: float, semi_x: float, semi_y: float, angle: float = 0.0) -> Self:
+        """Check the numbers; `_replace` does not."""
+        x, y = (finite_number(value, name, GeometryError) for value, name in ((x, "x"), (y, "y")))
+        semi_x = positive_number(semi_x, "semi_x", GeometryError)
+        semi_y = positive_number(semi_y, "semi_y", GeometryError)
+        return super().__new__(cls, x, y, semi_x, semi_y, finite_angle("angle", angle))
 
     @property
     def size(self) -> float:
         """Geometric mean of the semi-axes."""
         return math.sqrt(self.semi_x * self.semi_y)
 
-    def scaled(self, factor: float) -> "PlaneEllipse":
+    def scaled(self, factor: float) -> Self:
         """Return a concentric ellipse.
 
         Parameters

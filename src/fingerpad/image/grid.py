@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import FloatArray, non_negative_number, positive_number, real_array, set_fields
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.inputs import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
@@ -37,6 +37,12 @@ class Grid:
     homography : ndarray, shape (3, 3)
         Takes homogeneous (x, y), in spacings from the first point along rows and columns, to px.
 
+    Raises
+    ------
+    CalibrationError
+        If the points are too few or not finite, the spacing is not positive, or the homography has no
+        inverse.
+
     Examples
     --------
     >>> dark = np.indices((8, 10)).sum(axis=0) % 2 == 0
@@ -52,6 +58,25 @@ class Grid:
     spacing_mm: float
     spacing_mm_std: float
     homography: FloatArray
+
+    def __post_init__(self) -> None:
+        points = real_array(self.points, "points", CalibrationError)
+        shape = points.shape
+        if len(shape) != 3 or shape[2] != 2 or min(shape[:2]) < _MIN_POINTS or not np.isfinite(points).all():
+            raise CalibrationError(
+                f"points must be finite, {_MIN_POINTS} or more each way, of shape (rows, columns, 2), "
+                f"found shape {shape}"
+            )
+        homography = real_array(self.homography, "homography", CalibrationError)
+        if homography.shape != (3, 3) or not abs(np.linalg.det(homography)) > 0:
+            raise CalibrationError(f"homography must be an invertible (3, 3) matrix, found {homography}")
+        set_fields(
+            self,
+            points=points,
+            spacing_mm=positive_number(self.spacing_mm, "spacing_mm", CalibrationError),
+            spacing_mm_std=non_negative_number(self.spacing_mm_std, "spacing_mm_std", CalibrationError),
+            homography=homography,
+        )
 
     @property
     def residual(self) -> float:
@@ -250,11 +275,8 @@ def measure_grid(
     rows, columns = points
     if not min(points) >= _MIN_POINTS:
         raise CalibrationError(f"points must be {_MIN_POINTS} or more each way, found {points}")
-    if not (0 < spacing_mm < math.inf and 0 <= spacing_mm_std < math.inf):
-        raise CalibrationError(
-            "spacing_mm must be positive and its uncertainty zero or more, found "
-            f"{spacing_mm} ± {spacing_mm_std}"
-        )
+    positive_number(spacing_mm, "spacing_mm", CalibrationError)  # before the picture is read
+    non_negative_number(spacing_mm_std, "spacing_mm_std", CalibrationError)
     grey = np.asarray(grey_levels(image), dtype=np.float32)
     if grey.ndim != 2 or not grey.size or not np.isfinite(grey).all():
         raise CalibrationError(f"the picture must be grey and finite, found shape {grey.shape}")

@@ -15,8 +15,10 @@ import numpy.typing as npt
 import tifffile
 from PIL import Image, ImageOps, UnidentifiedImageError
 
+from fingerpad._arrays import positive_number, set_fields
 from fingerpad._display import Displayed
-from fingerpad.exceptions import ImageError
+from fingerpad.exceptions import CalibrationError, ImageError
+from fingerpad.image._arguments import picture_array
 from fingerpad.image._levels import (
     Pixels,
     apply_orientation,
@@ -58,6 +60,13 @@ class Picture(Displayed):
         where it has none, no unit, or differs between the two directions. Cameras and editors write 72 or
         96 without meaning it: `Scale.of_picture` refuses those.
 
+    Raises
+    ------
+    ImageError
+        If the pixels are no array (rows, columns) of real numbers.
+    CalibrationError
+        If the resolution is not positive and finite.
+
     Examples
     --------
     >>> picture = Picture(pixels=np.zeros((20, 30), np.uint8), dots_per_inch=500.0)
@@ -67,6 +76,18 @@ class Picture(Displayed):
 
     pixels: Pixels
     dots_per_inch: float | None
+
+    def __post_init__(self) -> None:
+        pixels = picture_array(self.pixels, "pixels")
+        if pixels.ndim != 2 or not pixels.size or pixels.dtype.kind not in "buif":
+            raise ImageError(
+                "pixels must be grey levels, real numbers in rows and columns, found shape "
+                f"{pixels.shape} of {pixels.dtype}"
+            )
+        resolution = self.dots_per_inch
+        if resolution is not None:
+            resolution = positive_number(resolution, "dots_per_inch", CalibrationError)
+        set_fields(self, pixels=pixels, dots_per_inch=resolution)
 
 
 def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Picture:

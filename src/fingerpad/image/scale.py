@@ -7,7 +7,14 @@ from typing import Final, Self
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray, as_float_array, check_all
+from fingerpad._arrays import (
+    FloatArray,
+    as_float_array,
+    check_all,
+    non_negative_number,
+    positive_number,
+    set_fields,
+)
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.read import Picture
 from fingerpad.units import MM_PER_INCH
@@ -49,10 +56,10 @@ class Scale:
     mm_per_px_std: float = 0.0
 
     def __post_init__(self) -> None:
-        _require_positive(self.mm_per_px, "mm_per_px")
-        likely = 1e-5 <= self.mm_per_px <= 100
-        check_all(likely, "mm_per_px", self.mm_per_px, "between 0.00001 and 100", CalibrationError)
-        _require_std(self.mm_per_px_std, "mm_per_px_std")
+        size = positive_number(self.mm_per_px, "mm_per_px", CalibrationError)
+        check_all(1e-5 <= size <= 100, "mm_per_px", size, "between 0.00001 and 100", CalibrationError)
+        std = non_negative_number(self.mm_per_px_std, "mm_per_px_std", CalibrationError)
+        set_fields(self, mm_per_px=size, mm_per_px_std=std)
 
     @classmethod
     def of_ppi(cls, ppi: float, ppi_std: float = 0.0) -> Self:
@@ -73,8 +80,8 @@ class Scale:
         CalibrationError
             If `ppi` is not positive and finite, or `ppi_std` negative or not finite.
         """
-        _require_positive(ppi, "ppi")
-        _require_std(ppi_std, "ppi_std")
+        positive_number(ppi, "ppi", CalibrationError)
+        non_negative_number(ppi_std, "ppi_std", CalibrationError)
         mm_per_px = MM_PER_INCH / ppi
         return cls(mm_per_px=mm_per_px, mm_per_px_std=mm_per_px * (ppi_std / ppi))
 
@@ -149,9 +156,9 @@ class Scale:
         CalibrationError
             If the length is not positive and finite, or the line has none in the picture.
         """
-        _require_positive(length_mm, "length_mm")
-        _require_std(length_mm_std, "length_mm_std")
-        _require_std(point_px_std, "point_px_std")
+        positive_number(length_mm, "length_mm", CalibrationError)
+        non_negative_number(length_mm_std, "length_mm_std", CalibrationError)
+        non_negative_number(point_px_std, "point_px_std", CalibrationError)
         for name, point in (("start", start), ("end", end)):
             check_all(np.isfinite(point), name, point, "finite (row, column) pixels", CalibrationError)
         length_px = math.dist(start, end)
@@ -199,9 +206,9 @@ class Scale:
         >>> Scale.of_circle(20.0, [(0, 100), (100, 0), (200, 100)]).mm_per_px
         0.1
         """
-        _require_positive(diameter_mm, "diameter_mm")
-        _require_std(diameter_mm_std, "diameter_mm_std")
-        _require_std(point_px_std, "point_px_std")
+        positive_number(diameter_mm, "diameter_mm", CalibrationError)
+        non_negative_number(diameter_mm_std, "diameter_mm_std", CalibrationError)
+        non_negative_number(point_px_std, "point_px_std", CalibrationError)
         _, radius, weights = circle_through(points)
         relative = math.hypot(
             diameter_mm_std / diameter_mm, point_px_std * float(np.linalg.norm(weights)) / radius
@@ -268,13 +275,3 @@ def circle_through(points: Sequence[tuple[float, float]]) -> tuple[FloatArray, f
     radius = float(np.linalg.norm(places[0] - centre))
     normals = (places - centre) / radius
     return centre, radius, np.linalg.inv(np.column_stack([normals, np.ones(3)]))[2]
-
-
-def _require_positive(value: float, name: str) -> None:
-    check_all(math.isfinite(value) and value > 0, name, value, "positive and finite", CalibrationError)
-
-
-def _require_std(value: float, name: str) -> None:
-    check_all(
-        math.isfinite(value) and value >= 0, name, value, "zero or positive, and finite", CalibrationError
-    )

@@ -17,7 +17,7 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_radians
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.published.dzidek2017 import METHODS, Printed, PublishedWedge, SemiAxes, dzidek2017
@@ -146,6 +146,11 @@ def radius_with_misprint(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
     ndarray
         In the unit of the semi-axes.
 
+    Raises
+    ------
+    GeometryError
+        If an angle is beyond a full turn, as degrees are.
+
     Examples
     --------
     >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -153,8 +158,10 @@ def radius_with_misprint(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
     33.3
     """
     a, b, c = ellipsoid.palmar, ellipsoid.distal, ellipsoid.radial_ulnar
-    S = b**2 * np.cos(as_float_array(u)) ** 2 + a**2 * np.sin(as_float_array(u)) ** 2
-    return np.asarray(2 * c**2 * S**1.5 / (a * b * (a**2 + c**2)))
+    u = check_radians("u", u)
+    S = b**2 * np.cos(u) ** 2 + a**2 * np.sin(u) ** 2
+    radius: FloatArray = 2 * c**2 * S**1.5 / (a * b * (a**2 + c**2))
+    return radius
 
 
 def _table_1(method: str, axes: SemiAxes) -> Iterator[AuditItem]:

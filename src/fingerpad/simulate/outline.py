@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import FloatArray, check_radians
 
 
 def outline_points(
@@ -42,11 +42,18 @@ def outline_points(
     ndarray, shape (count, 2)
         Points (x, y).
 
+    Raises
+    ------
+    GeometryError
+        If an angle is beyond a full turn, as degrees are.
+
     Examples
     --------
     >>> outline_points(2.0, 1.0, count=4).round(6).tolist()
     [[2.0, 0.0], [0.0, 1.0], [-2.0, 0.0], [-0.0, -1.0]]
     """
+    check_radians("angle", angle)
+    check_radians("arc", arc)
     t = np.linspace(*arc, count, endpoint=False)
     x, y = semi_x * np.cos(t), semi_y * np.sin(t)
     turned = np.stack(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all, positive_number
 from fingerpad.contact import HertzGeometry
 from fingerpad.exceptions import GeometryError
 from fingerpad.simulate.contact_image import Look, render_contact_image
@@ -128,7 +128,8 @@ def render_sequence(
     Raises
     ------
     GeometryError
-        If a load is negative or not finite, or the second radius is the larger.
+        If a load is negative or not finite, the resolution is not positive, or the second radius is the
+        larger.
 
     Examples
     --------
@@ -138,6 +139,7 @@ def render_sequence(
     """
     load = as_float_array(load)
     check_all(np.isfinite(load) & (load >= 0), "load", load, "zero or positive, and finite", GeometryError)
+    positive_number(ppi, "ppi", GeometryError)
     if radii[1] > radii[0]:
         raise GeometryError(f"the larger radius comes first, found {radii}")
     contact = HertzGeometry(*radii).under_load(load, reduced_modulus=reduced_modulus)

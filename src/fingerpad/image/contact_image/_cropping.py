@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, as_float_array
+from fingerpad._arrays import BoolArray, as_float_array, real_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image._arguments import number_array, picture_array
+from fingerpad.image._arguments import picture_array
 from fingerpad.image._masks import filled_polygon
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
@@ -144,7 +144,7 @@ def _inside(mask: npt.ArrayLike, shape: tuple[int, int]) -> BoolArray:
 def _box(region: tuple[int, int, int, int] | None, shape: tuple[int, int]) -> tuple[slice, slice]:
     if region is None:
         return slice(0, shape[0]), slice(0, shape[1])
-    edges = number_array(region, "region_of_interest")
+    edges = real_array(region, "region_of_interest", ImageError)
     if edges.shape != (4,) or not np.isfinite(edges).all():
         raise ImageError(f"region_of_interest must be (row0, column0, row1, column1), found {region}")
     row0, column0 = (max(0, int(edge)) for edge in edges[:2])

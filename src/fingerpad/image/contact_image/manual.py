@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import BoolArray, FloatArray, as_float_array, positive_number, real_array, set_fields
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, to_fixed_point
 from fingerpad.image.contact_image._outline import (
@@ -44,6 +44,11 @@ class BrushStroke:
     radius : float
         Radius of the brush, px.
 
+    Raises
+    ------
+    ImageError
+        If the action is another, no point is given or one is not finite, or the radius is not positive.
+
     Examples
     --------
     >>> BrushStroke(action="remove", points=[(50, 80), (50, 120)], radius=10).action
@@ -53,6 +58,10 @@ class BrushStroke:
     action: Literal["add", "remove"]
     points: Sequence[tuple[float, float]]
     radius: float
+
+    def __post_init__(self) -> None:
+        _check_drawn("a stroke", self.action, ("add", "remove"), self.points, least=1)
+        set_fields(self, radius=positive_number(self.radius, "radius of a stroke", ImageError))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,6 +75,11 @@ class RegionPolygon:
     points : sequence of (float, float)
         (row, column) of its corners, px; at least three. All that they enclose belongs to it.
 
+    Raises
+    ------
+    ImageError
+        If the action is another, or there are fewer than three corners or one is not finite.
+
     Examples
     --------
     >>> RegionPolygon(action="replace", points=[(10, 10), (10, 90), (80, 50)]).action
@@ -74,6 +88,9 @@ class RegionPolygon:
 
     action: Literal["add", "remove", "replace"]
     points: Sequence[tuple[float, float]]
+
+    def __post_init__(self) -> None:
+        _check_drawn("a polygon", self.action, ("add", "remove", "replace"), self.points, least=3)
 
 
 RegionEdit: TypeAlias = BrushStroke | RegionPolygon
@@ -87,14 +104,9 @@ def outline_of_ellipse(
     Raises
     ------
     ImageError
-        If it is no ellipse, or its centre lies outside the picture.
+        If its centre lies outside the picture, or it reaches too far beyond.
     """
-    major, minor = ellipse.semi_axes
-    if not (np.isfinite([*ellipse.centre, major, minor, ellipse.orientation]).all() and major >= minor > 0):
-        raise ImageError(
-            f"ellipse: semi_axes must be finite, positive and the larger first, found {ellipse.semi_axes} "
-            f"at {ellipse.centre}"
-        )
+    major = ellipse.semi_axes[0]
     _require_inside("ellipse: its centre", as_float_array([ellipse.centre]), 0.0, view.shape)
     _require_near("ellipse: its semi-axes", major, view.shape)
     count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
@@ -128,7 +140,7 @@ def outline_after_strokes(
     Raises
     ------
     ImageError
-        If a stroke is not as described or misses the picture, or no contact is left.
+        If a stroke misses the picture, or no contact is left.
     """
     shape = view.values.shape
     replaced = max((k for k, edit in enumerate(strokes) if edit.action == "replace"), default=None)
@@ -196,22 +208,26 @@ def _manual_outline(points: FloatArray, view: WorkingImage, noise: float) -> Con
     )
 
 
+def _check_drawn(
+    what: str, action: str, actions: tuple[str, ...], points: Sequence[tuple[float, float]], *, least: int
+) -> None:
+    if action not in actions:
+        raise ImageError(f"{what} must {' or '.join(actions)}, found {action!r}")
+    places = real_array(points, f"points of {what}", ImageError)
+    if places.ndim != 2 or places.shape[1] != 2 or len(places) < least or not np.isfinite(places).all():
+        raise ImageError(
+            f"{what} needs finite points (row, column), {least} or more, found shape {places.shape}"
+        )
+
+
 def _check_edit(edit: RegionEdit, view: WorkingImage) -> tuple[FloatArray, float | None]:
     """Return an edit's points (x, y) and, of a stroke, its radius in px of the copy."""
     points = as_float_array(edit.points)
     radius = edit.radius if isinstance(edit, BrushStroke) else None
-    what, least = ("a polygon", 3) if radius is None else ("a stroke", 1)
-    actions = {"add", "remove"} | ({"replace"} if radius is None else set())
-    if edit.action not in actions:
-        raise ImageError(f"{what} must {' or '.join(sorted(actions))}, found {edit.action!r}")
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < least or not np.isfinite(points).all():
+    what = "a polygon" if radius is None else "a stroke"
+    if radius is not None and radius > max(view.shape):
         raise ImageError(
-            f"{what} needs finite points (row, column), {least} or more, found shape {points.shape}"
-        )
-    if radius is not None and not 0 < radius <= max(view.shape):
-        raise ImageError(
-            f"a stroke's radius must be positive and no more than the picture's {max(view.shape)} px, "
-            f"found {radius}"
+            f"a stroke's radius must be no more than the picture's {max(view.shape)} px, found {radius}"
         )
     # A polygon may lie around the whole picture.
     around = 0.0 if radius is not None else float(np.ptp(points, axis=0).max())

@@ -9,10 +9,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._arrays import BoolArray, FloatArray, real_array
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
-from fingerpad.image._arguments import number_array
 from fingerpad.image._masks import longest_contour
 from fingerpad.image.contact_image._assemble import LOW_CONTRAST, ContactRegion, RidgeImage, assemble_result
 from fingerpad.image.contact_image._cropping import crop_image
@@ -227,7 +226,7 @@ def prepare_contact_image(
     positive = {"threshold": threshold, "contrast": contrast, "ridge_period": ridge_period}
     for name, value in positive.items():
         if value is not None and not (
-            (number := number_array(value, name)).ndim == 0 and 1e-15 < number < 1e15
+            (number := real_array(value, name, ImageError)).ndim == 0 and 1e-15 < number < 1e15
         ):
             raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
     frame = crop_image(pixels, background=background, mask=mask, region_of_interest=region_of_interest)
@@ -320,7 +319,7 @@ def _contrast_problem(signal: Signal, *, resolved: bool) -> str | None:
 def _check_seed(seed: tuple[float, float] | None, view: WorkingImage) -> None:
     if seed is None:
         return
-    place = number_array(seed, "seed")
+    place = real_array(seed, "seed", ImageError)
     if place.shape != (2,) or not ((place >= 0) & (place < view.shape)).all():
         raise ImageError(f"seed {seed} lies outside the picture of {view.shape} pixels")
 

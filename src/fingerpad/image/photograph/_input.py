@@ -6,11 +6,11 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array
 from fingerpad._srgb import linear_light
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry.faces import Direction, Face
-from fingerpad.image._arguments import number_array, picture_array
+from fingerpad.image._arguments import picture_array
 from fingerpad.image._levels import LUMA
 from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph._silhouette import Silhouette
@@ -114,7 +114,7 @@ def check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
 
 def check_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
     """Return the region of interest as slices."""
-    edges = number_array(region, "region_of_interest")
+    edges = real_array(region, "region_of_interest", ImageError)
     if edges.shape != (4,) or not np.isfinite(edges).all():
         raise ImageError(f"region_of_interest must be four numbers, row, column, row, column, found {region}")
     first_row, first_column, last_row, last_column = edges.tolist()
@@ -130,7 +130,7 @@ def check_window(region: tuple[float, float, float, float], size: tuple[int, int
 
 def check_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
     """Return the marks, checked."""
-    marks = number_array(points, "points")
+    marks = real_array(points, "points", ImageError)
     if marks.ndim != 2 or marks.shape[1] != 2 or len(np.unique(marks, axis=0)) < 2:
         raise ImageError(
             f"points must be two or more different marks (row, column), found shape {marks.shape}"

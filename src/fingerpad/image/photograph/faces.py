@@ -17,7 +17,15 @@ from scipy import special
 from scipy.linalg import block_diag, solve_triangular
 from scipy.optimize import brentq
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import (
+    ArrayLike,
+    BoolArray,
+    FloatArray,
+    as_float_array,
+    non_negative_number,
+    real_array,
+    set_fields,
+)
 from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
 from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Face
@@ -49,6 +57,12 @@ class FaceSemiAxes(Displayed):
     scale : str or None
         Name of the scale: faces of one name share its error; without a name it is the picture's own.
 
+    Raises
+    ------
+    FitError
+        If the face is unknown, the semi-axes are not two positive lengths, or a covariance or uncertainty is
+        not one.
+
     Examples
     --------
     >>> face = FaceSemiAxes(face="palmar", semi_axes=np.array([11.8, 13.8]), covariance=0.01 * np.eye(2))
@@ -61,6 +75,21 @@ class FaceSemiAxes(Displayed):
     covariance: FloatArray
     relative_scale_std: float = 0.0
     scale: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.face not in tuple(FACE_AXES):
+            raise FitError(f"face must be one of {', '.join(FACE_AXES)}, found {self.face!r}")
+        scale_std = non_negative_number(self.relative_scale_std, "relative_scale_std", FitError)
+        what = f"{self.face} face: "
+        lengths = real_array(self.semi_axes, f"{what}semi_axes", FitError)
+        if lengths.shape != (2,) or not ((lengths > 0) & np.isfinite(lengths)).all():
+            raise FitError(f"{what}semi_axes must be two positive lengths, found {self.semi_axes}")
+        covariance = real_array(self.covariance, f"{what}covariance", FitError)
+        if covariance.shape != (2, 2) or not np.isfinite(covariance).all():
+            raise FitError(f"{what}covariance must be finite, of shape (2, 2), found {covariance}")
+        if np.linalg.eigvalsh(covariance).min() < -1e-12 * np.abs(covariance).max():
+            raise FitError(f"{what}covariance must have no negative variance, found {covariance}")
+        set_fields(self, semi_axes=lengths, covariance=covariance, relative_scale_std=scale_std)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -183,8 +212,8 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
     Raises
     ------
     FitError
-        If something else is given, no face shows one of the semi-axes, a covariance or scale is not one, or
-        the faces contradict each other, as where the axes of one are swapped: τ exceeds 0.3.
+        If something else is given, no face shows one of the semi-axes, or the faces contradict each other, as
+        where the axes of one are swapped: τ exceeds 0.3.
 
     Examples
     --------
@@ -197,30 +226,10 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
     """
     given = tuple(faces)
     for one in given:
-        _require_face(one)
+        if not isinstance(one, FaceSemiAxes):
+            raise FitError(f"give face_semi_axes of a measured photograph, found {type(one).__name__}")
     _require_every_axis(given)
     return _combine(given)
-
-
-def _require_std(name: str, value: float) -> None:
-    if not (math.isfinite(value) and value >= 0):
-        raise FitError(f"{name} must be zero or positive, and finite, found {value}")
-
-
-def _require_face(one: FaceSemiAxes) -> None:
-    if not isinstance(one, FaceSemiAxes):
-        found = type(one).__name__
-        raise FitError(f"give face_semi_axes of a measured photograph, found {found}")
-    if one.face not in FACE_AXES:
-        raise FitError(f"face must be one of {', '.join(FACE_AXES)}, found {one.face!r}")
-    _require_std("relative_scale_std", one.relative_scale_std)
-    if not (np.shape(one.semi_axes) == (2,) and np.isfinite(one.semi_axes).all() and min(one.semi_axes) > 0):
-        raise FitError(f"{one.face} face: semi_axes must be two positive lengths, found {one.semi_axes}")
-    covariance = np.asarray(one.covariance)
-    if covariance.shape != (2, 2) or not np.isfinite(covariance).all():
-        raise FitError(f"{one.face} face: covariance must be finite, of shape (2, 2), found {covariance}")
-    if np.linalg.eigvalsh(covariance).min() < -1e-12 * np.abs(covariance).max():
-        raise FitError(f"{one.face} face: covariance must have no negative variance, found {covariance}")
 
 
 def _require_every_axis(faces: tuple[FaceSemiAxes, ...]) -> None:

@@ -18,7 +18,7 @@ from scipy import special
 from scipy.linalg import cho_solve, solve_triangular
 from scipy.optimize import least_squares
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad.exceptions import FitError
 from fingerpad.image._correlation import correlation_length
 from fingerpad.image._orthogonal_fit import Parameters, distances
@@ -119,6 +119,8 @@ def fit_outline_ellipse(
     ------
     FitError
         If the points are too few, not finite, on a line, or do not determine an ellipse.
+    GeometryError
+        If the lean or its uncertainty is beyond a full turn, as degrees are.
 
     Examples
     --------
@@ -134,6 +136,8 @@ def fit_outline_ellipse(
         raise FitError(
             f"lean_std must be positive, found {lean_std}: give what is known of the finger's axis"
         )
+    check_radians("lean", lean)
+    check_radians("lean_std", lean_std)
     rows = np.asarray(np.arange(len(points)) if places is None else places, dtype=np.int64)
     past = np.zeros(len(points)) if beyond is None else as_float_array(beyond)
     on_arc = past == 0

@@ -6,7 +6,15 @@ from typing import Self, TypeAlias
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
+from fingerpad._arrays import (
+    ArrayLike,
+    FloatArray,
+    as_float_array,
+    finite_number,
+    positive_number,
+    real_number,
+    set_fields,
+)
 from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
@@ -55,7 +63,11 @@ class ForceSignal(Displayed):
         displacement: ArrayLike | None = None,
     ) -> None:
         given = {"time": time, "load": load, "trigger": trigger, "displacement": displacement}
-        channels = {name: as_float_array(values) for name, values in given.items() if values is not None}
+        channels = {
+            name: as_float_array(values, name, LoadingError)
+            for name, values in given.items()
+            if values is not None
+        }
         time = channels["time"]
         if time.ndim == 1 and time.size < _MIN_SAMPLES:
             raise LoadingError(f"a signal over time needs {_MIN_SAMPLES} samples or more, found {time.size}")
@@ -180,7 +192,7 @@ class FrameRate:
     Raises
     ------
     LoadingError
-        If the rate is not positive and finite, or the time not finite.
+        If the rate is not positive and finite, the time not finite, or the frame not a whole number.
 
     Examples
     --------
@@ -193,13 +205,18 @@ class FrameRate:
     anchor_frame: int | None = field(default=0, kw_only=True)
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.frames_per_second) and self.frames_per_second > 0):
-            raise LoadingError(
-                f"frames_per_second must be positive and finite, found {self.frames_per_second}"
-            )
-        if not math.isfinite(self.anchor_time):
-            raise LoadingError(f"anchor_time must be finite, found {self.anchor_time}")
-        set_fields(self, frames_per_second=float(self.frames_per_second), anchor_time=float(self.anchor_time))
+        frame = self.anchor_frame
+        if frame is not None:
+            number = real_number(frame, "anchor_frame", LoadingError)
+            if not number.is_integer():
+                raise LoadingError(f"anchor_frame must be a whole number or None, found {number:g}")
+            frame = int(number)
+        set_fields(
+            self,
+            frames_per_second=positive_number(self.frames_per_second, "frames_per_second", LoadingError),
+            anchor_time=finite_number(self.anchor_time, "anchor_time", LoadingError),
+            anchor_frame=frame,
+        )
 
     @classmethod
     def of_trigger(cls, frames_per_second: float, signal: ForceSignal, *, frame: int = 0) -> Self:
@@ -284,7 +301,7 @@ class FrameStamps(Displayed):
     time: FloatArray
 
     def __init__(self, time: ArrayLike) -> None:
-        time = as_float_array(time)
+        time = as_float_array(time, "time", LoadingError)
         if time.ndim != 1 or not time.size or not np.isfinite(time).all():
             raise LoadingError(f"time stamps must be a row of finite times, found shape {time.shape}")
         _require_increasing(time, "time of the frames")

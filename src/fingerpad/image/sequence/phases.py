@@ -8,7 +8,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array, set_fields
 from fingerpad._display import Displayed
 from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
@@ -90,7 +90,7 @@ class PhaseIntervals(Displayed):
     Raises
     ------
     LoadingError
-        If the lengths differ, a time is not finite, or times decrease.
+        If the lengths differ, a time is not finite, times decrease, or a phase is none of `PHASES`.
 
     Examples
     --------
@@ -103,7 +103,10 @@ class PhaseIntervals(Displayed):
     phase: tuple[Phase, ...]
 
     def __init__(self, start: ArrayLike, phase: Sequence[Phase]) -> None:
-        start = as_float_array(start)
+        start = real_array(start, "start", LoadingError)
+        unknown = [one for one in phase if one not in PHASES]
+        if unknown:
+            raise LoadingError(f"phase must be one of {', '.join(PHASES)}, found {unknown[0]!r}")
         if start.ndim != 1 or start.size != len(phase):
             raise LoadingError(f"start has shape {start.shape} for {len(phase)} phases: give each its start")
         if not np.isfinite(start).all() or (np.diff(start) < 0).any():
