@@ -373,9 +373,11 @@ def test_measure_print_explains_scale_flags_and_overlays(tmp_path: Path) -> None
     assert code == 0
     assert re.search(r"^mm_per_px +0\.050800 ± 0\.000029\nscale_from +file$", out, re.M)
     assert "check the scale" not in out
+    assert "scale taken as exact" not in out
     assert out.endswith(f"Overlays: {tmp_path / 'drawn'}\n")
     code, out, _ = run("measure", "print", tmp_path / "stated.png", "--ppi", 50)
     assert re.search(r"^scale_from +option$", out, re.M)
+    assert "\nscale taken as exact\n" in out
     assert "\nscale_doubtful: the ridge period is not that of a finger: check the scale\n" in out
     assert "Overlays" not in out
 

@@ -2,8 +2,10 @@
 
 import json
 import tomllib
+from collections import Counter
 from importlib.resources import files
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -130,3 +132,14 @@ def test_record_to_json(items) -> None:
     assert json.loads(json.dumps(record)) == record
     assert type(record["verdict"]) is str
     assert items["Table 4, θ = 30°, R_g"].as_record()["computed"] is None
+
+
+def test_the_docs_count_the_misprints() -> None:
+    radii = [item for item in audit() if item.item.startswith("Table 2")]
+    counts = Counter(item.verdict for item in radii)
+    assert counts == {MISPRINT: 8, REPRODUCED: 2}
+    root = Path(__file__).parents[2]
+    readme = " ".join((root / "README.md").read_text(encoding="utf-8").split())
+    assert "Eight of the ten radii that it tabulates contain a misprint" in readme
+    paper = (root / "paper" / "paper.md").read_text(encoding="utf-8")
+    assert "eight of ten tabulated radii contain a misprint" in paper

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingerpad.cli.measure.flags import Overlay, Roi, region_of
-from fingerpad.cli.measure.records import overlay_files, print_flags, record_of
+from fingerpad.cli.measure.records import overlay_files, print_flags, print_if_exact, record_of
 from fingerpad.cli.measure.scale import WAYS, takes_scale
 from fingerpad.cli.shared import AsJson, Exit, print_folder, print_record
 from fingerpad.exceptions import CalibrationError, ImageError
@@ -82,6 +82,7 @@ def measure_photo(
     record = record_of(image, measured)
     print_record(record, as_json)
     if not as_json:
+        print_if_exact(None if "error" in record else scale.mm_per_px_std)
         print_flags(record)
     print_folder("Overlays", overlay_dir, as_json)
     if "error" in record:

@@ -15,7 +15,14 @@ from fingerpad.cli.measure.flags import (
     Threshold,
     measurement_region,
 )
-from fingerpad.cli.measure.records import overlay_files, print_flags, printed, record_of, tracked
+from fingerpad.cli.measure.records import (
+    overlay_files,
+    print_flags,
+    print_if_exact,
+    printed,
+    record_of,
+    tracked,
+)
 from fingerpad.cli.measure.scale import WAYS, takes_scale
 from fingerpad.cli.shared import AsJson, Exit, print_folder, print_text, require_positive
 from fingerpad.exceptions import CalibrationError
@@ -70,6 +77,7 @@ def measure_prints(
 
     def print_block(record: dict[str, Any]) -> None:
         print_text(record)
+        print_if_exact(record.get("mm_per_px_std"))
         print_flags(record)
         typer.echo()
 

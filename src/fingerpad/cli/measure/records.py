@@ -76,6 +76,12 @@ def overlay_files(images: list[Path], folder: Path | None) -> dict[Path, Path]:
     return files
 
 
+def print_if_exact(mm_per_px_std: float | None) -> None:
+    """Say of a scale without uncertainty that it is taken as exact."""
+    if mm_per_px_std == 0:
+        typer.echo("scale taken as exact")
+
+
 def print_flags(record: Mapping[str, Any]) -> None:
     """Print what each flag of a record means."""
     from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS

@@ -16,7 +16,7 @@ from fingerpad.cli.measure.flags import (
     Threshold,
     measurement_region,
 )
-from fingerpad.cli.measure.records import printed, tracked
+from fingerpad.cli.measure.records import print_if_exact, printed, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
 from fingerpad.cli.shared import AsJson, Exit, print_folder, require_positive
 from fingerpad.exceptions import CalibrationError, LoadingError
@@ -94,6 +94,8 @@ def measure_frames(
     )
     shown = printed(tracked(results, len(frames)), as_json, FrameResult.as_record, _print_frame)
     summary = sequence_summary(shown, signal)
+    if not as_json:
+        print_if_exact(scale.mm_per_px_std)
     print_folder("Overlays", overlay_dir, as_json)
     for note in summary.notes:
         typer.echo(f"note: {note}", err=True)
