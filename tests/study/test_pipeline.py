@@ -12,6 +12,7 @@ from PIL import Image
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.report import write_report
+from fingerpad.report.text import implausible_values
 from fingerpad.simulate import render_contact_image
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
@@ -280,3 +281,25 @@ def test_a_study_of_failures_still_reports(tmp_path: Path) -> None:
     result = run_study(manifest, tmp_path / "out")
     assert result.rows[0]["status"] == "failed"
     assert result.summaries == []
+
+
+def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path: Path) -> None:
+    ellipse = "ellipse_mm = { semi_major = 0.0074, semi_minor = 0.005, std = 0.0001 }"
+    manifest = single_row(tmp_path, row("x", ellipse))
+    text = manifest.read_text().replace(
+        "palmar = 8, distal = 14, radial_ulnar = 12", "palmar = 0.008, distal = 0.014, radial_ulnar = 0.012"
+    )
+    manifest.write_text(
+        text.replace("0.1, distal = 0.1, radial_ulnar = 0.1", "1e-4, distal = 1e-4, radial_ulnar = 1e-4")
+    )
+    result = run_study(manifest, tmp_path / "out")
+    (only,) = result.rows
+    assert (only["pooled"], only["excluding_flags"]) == (False, "implausible_size")
+    assert result.summaries[0].corrected_radius is None
+    (size, *_) = implausible_values(result)
+    assert (
+        size == "f, wedge 30°: in 1 of 1 contact a semi-axis of the pad lies outside 2–40 mm: check the units"
+    )
+    page = write_report(result, tmp_path / "out").read_text(encoding="utf-8")
+    assert page.index(size) < page.index('id="results"')
+    assert "x is left out: a semi-axis of the pad lies outside 2–40 mm" in page

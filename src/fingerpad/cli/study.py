@@ -155,7 +155,13 @@ def verify(
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
     from fingerpad.image import FLAG_WORDS
-    from fingerpad.report.text import doubtful_frames, face_differences, in_words
+    from fingerpad.report.text import (
+        doubtful_frames,
+        face_differences,
+        implausible_values,
+        in_words,
+        placement_words,
+    )
     from fingerpad.uncertainty.validity import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
     for summary, validity in zip(result.summaries, result.validities, strict=True):
@@ -164,7 +170,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             continue
         label = "  (synthetic)" if summary.synthetic else ""
         typer.echo(
-            f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°: corrected radius "
+            f"{placement_words(summary)}: corrected radius "
             f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}; "
             f"Hertz theory: {validity.verdict}"
         )
@@ -184,7 +190,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")
     for name, count, words in doubtful_frames(result):
         typer.echo(f"doubtful: {name}: {words} in {count} of its frames")
-    for note in result.notes:
+    for note in (*result.notes, *implausible_values(result)):
         typer.echo(f"note: {note}", err=True)
     for failure in result.failures:
         typer.echo(f"failed: {failure}", err=True)

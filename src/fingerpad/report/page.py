@@ -2,7 +2,6 @@
 
 import base64
 import io
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import chain
@@ -40,7 +39,9 @@ from fingerpad.report.text import (
     VERDICT_SYMBOLS,
     doubtful_frames,
     face_differences,
+    implausible_values,
     in_words,
+    note_counts,
     percent,
     phase_words,
     pooling_words,
@@ -124,6 +125,7 @@ def write_page(
             home=home,
             pages=pages,
             failed=result.failed_contacts,
+            odd=[*result.notes, *implausible_values(result)],
             most_failed=_MOST_FAILED,
             decided=result.decided,
             **(_tabled(result, draw) if pages else _drawn_in_full(result, draw)),
@@ -209,9 +211,7 @@ def _details(
 ) -> dict[str, Any]:
     """Return what a section shows of one finger at one placement."""
     rows, contacts, shown = summary.rows, summary.contacts, shown_rows(summary)
-    notes: Counter[str] = Counter()
-    for codes, count in Counter(rows.column("range_notes")).items():
-        notes.update(dict.fromkeys(codes.split(), count))
+    notes = note_counts(summary)
     doubtful = contacts.at(contacts.column("flags") != "")
     doubtful = doubtful.at(np.argsort(doubtful.column("pooled"), kind="stable"))  # those left out first
     out = contacts.at(~contacts.column("pooled"))

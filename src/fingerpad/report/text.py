@@ -7,7 +7,10 @@ from typing import Any, Final
 
 from fingerpad.image import FLAG_WORDS, OutlineSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
+from fingerpad.study.error_text import counted
+from fingerpad.study.results.rows import IMPLAUSIBLE, RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED
 
@@ -64,12 +67,39 @@ def pooling_words(row: Mapping[str, Any]) -> str:
     >>> pooling_words(row | {"pooled": True, "pooling_decided_by": "Ada", "pooling_reason": "whole print"})
     'included by Ada: whole print (the contact has little contrast with the background)'
     """
-    flags = "; ".join(in_words(row["excluding_flags"] or "", FLAG_WORDS))
+    flags = "; ".join(in_words(row["excluding_flags"] or "", {**FLAG_WORDS, **RANGE_NOTES}))
     if row["pooling_decided_by"]:
         done = "included" if row["pooled"] else "left out"
         words = f"{done} by {row['pooling_decided_by']}: {row['pooling_reason']}"
         return f"{words} ({flags})" if flags else words
     return flags
+
+
+def placement_words(summary: Summary) -> str:
+    """Return which finger at which angles a summary is of."""
+    roll = f", roll {summary.roll_angle_deg:g}°" if summary.roll_angle_deg else ""
+    return f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°{roll}"
+
+
+def note_counts(summary: Summary) -> Counter[str]:
+    """Return how many rows of a summary have each range note."""
+    counts: Counter[str] = Counter()
+    for codes, count in Counter(summary.rows.column("range_notes")).items():
+        counts.update(dict.fromkeys((codes or "").split(), count))
+    return counts
+
+
+def implausible_values(result: StudyResult) -> Iterator[str]:
+    """Yield what no finger has, for each finger and placement: a wrong scale, load or unit."""
+    for summary in result.summaries:
+        counts, total = note_counts(summary), len(summary.rows)
+        frames = " and frames" if total > len(summary.contacts) else ""
+        for code in IMPLAUSIBLE:
+            if counts[code]:
+                yield (
+                    f"{placement_words(summary)}: in {counts[code]} of {counted(total, 'contact')}{frames} "
+                    f"{RANGE_NOTES[code]}"
+                )
 
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:

@@ -110,7 +110,10 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
             "whether the row counts in pooled radii: as a person decided, or else not if a flag excludes it "
             "(see the guide's table of flags); of a sequence only loading frames of a large enough ellipse",
         ),
-        _text("excluding_flags", "flags that keep it out of pooled radii unless a person includes it"),
+        _text(
+            "excluding_flags",
+            "flags and range notes that keep it out of pooled radii unless a person decides",
+        ),
         _text("pooling_decided_by", "who decided whether it is pooled; empty where its flags do"),
         _text("pooling_reason", "why they decided so"),
         _text("range_notes", "doubts about values, separated by spaces"),

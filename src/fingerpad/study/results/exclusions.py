@@ -11,11 +11,13 @@ NEVER_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtfu
 POOLED_IF_REVIEWED: Final = frozenset(("low_contrast", "several_regions", "poor_ellipse"))
 # The ridge area is an upper bound; area and ellipse of the contact are no less sure.
 RIDGES_MERGE: Final = "ridges_merge"
+# A range note: with a pad of no finger's size, no radius is one.
+IMPLAUSIBLE_SIZE: Final = "implausible_size"
 _REVIEWED: Final = frozenset(("accepted", "corrected"))
 
 
-def excluding_flags(contact: Contact, measured: Measurement) -> frozenset[str]:
-    """Return the flags of a measured contact that keep it out of pooled results.
+def excluding_flags(contact: Contact, measured: Measurement, *, plausible: bool = True) -> frozenset[str]:
+    """Return the flags of a measured contact, and the range note, that keep it out of pooled results.
 
     Parameters
     ----------
@@ -23,6 +25,8 @@ def excluding_flags(contact: Contact, measured: Measurement) -> frozenset[str]:
         Its table of the manifest. A seed, mask or region of interest says which of several patches is meant.
     measured : Measurement
         What was measured of it, and what a person decided.
+    plausible : bool, optional
+        Whether its finger's semi-axes are those of a finger pad.
 
     Examples
     --------
@@ -33,9 +37,11 @@ def excluding_flags(contact: Contact, measured: Measurement) -> frozenset[str]:
     ['poor_ellipse']
     >>> excluding_flags(contact, Measurement(flags=("poor_ellipse",), reviewed="accepted"))
     frozenset()
+    >>> sorted(excluding_flags(contact, Measurement(), plausible=False))
+    ['implausible_size']
     """
     excluding = NEVER_POOLED
     if measured.reviewed not in _REVIEWED:
         chosen = any((contact.seed_px, contact.mask_px, contact.region_of_interest_px))
         excluding |= POOLED_IF_REVIEWED - ({"several_regions"} if chosen else set())
-    return excluding.intersection(measured.flags)
+    return excluding.intersection(measured.flags) | (set() if plausible else {IMPLAUSIBLE_SIZE})

@@ -16,7 +16,7 @@ from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.columns import COLUMNS, ColumnArray
-from fingerpad.study.results.exclusions import excluding_flags
+from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.repeats import ContactRepeatability
@@ -37,6 +37,9 @@ RANGE_NOTES: Final = {
     "deeper_than_pad": "the indentation exceeds the palmar semi-axis: check load, scale and units",
     "layer_out_of_range": "the contact is out of the range of the laws for a layer over bone: see layer_flag",
 }
+
+# What no contact of a finger has, at any load: the input is wrong.
+IMPLAUSIBLE: Final = ("implausible_size", "implausible_modulus", "deeper_than_pad")
 
 # Columns that a measurement has as they are.
 _MEASURED: Final = tuple(field.name for field in fields(Measurement) if field.name in COLUMNS)
@@ -225,7 +228,8 @@ def _described(
 ) -> dict[str, ColumnArray]:
     """Return the columns known before any model."""
     contacts, measured = zip(*seen, strict=True)
-    excluding = [excluding_flags(*one) for one in seen]
+    plausible = {name: not implausible_size(finger.semi_axes).any() for name, finger in fingers.items()}
+    excluding = [excluding_flags(contact, one, plausible=plausible[contact.finger]) for contact, one in seen]
     known: dict[str, Iterable[Any]] = {
         **{name: [getattr(one, name) for one in measured] for name in _MEASURED},
         "finger": (contact.finger for contact in contacts),
@@ -242,7 +246,7 @@ def _described(
             for reason, one, flags in zip(reasons, measured, excluding, strict=True)
         ),
         "excluding_flags": (
-            " ".join(flag for flag in one.flags if flag in flags)
+            " ".join(flag for flag in (*one.flags, IMPLAUSIBLE_SIZE) if flag in flags)
             for one, flags in zip(measured, excluding, strict=True)
         ),
         "wedge_angle_deg": (contact.wedge_angle_deg for contact in contacts),

@@ -23,7 +23,7 @@ from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
-from fingerpad.study.results.exclusions import excluding_flags
+from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, endpoint
@@ -66,6 +66,7 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     change = params.change or correction_of(opened, params.item)
     prepared = _prepared(opened, params.item, contact, found, change)
     contact_image = measured_under(prepared, change)
+    model = _model(opened, params.item, contact, contact_image, found)
     own, error = _automatic(opened, params.item, contact, found) if change.edits else (contact_image, None)
     return {
         "item": params.item,
@@ -74,13 +75,19 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
         "numbers": numbers(contact_image),
         "automatic": own and {**numbers(own), "outline_px": own.outline.round(2)},
         "automatic_error": error,
-        "model": _model(opened, params.item, contact, contact_image, found),
+        "model": model,
         "settings": {
             "dark_on_light": contact_image.dark_on_light,
             "threshold": contact_image.threshold,
         },
         "flags": [*doubts_of(contact_image), *found.flags],
-        "pooling": _pooling(opened, params.item, contact, from_contact_image(contact_image, contact, found)),
+        "pooling": _pooling(
+            opened,
+            params.item,
+            contact,
+            from_contact_image(contact_image, contact, found),
+            plausible=model is None or IMPLAUSIBLE_SIZE not in model["range_notes"],
+        ),
         "mm_per_px": found.scale.mm_per_px,
         "mm_per_px_std": found.scale.mm_per_px_std,
         "milliseconds": 1000 * (time.perf_counter() - began),
@@ -254,14 +261,14 @@ def _model(
 
 
 def _pooling(
-    opened: StudySession, item: str, contact: Contact, measured: Measurement
+    opened: StudySession, item: str, contact: Contact, measured: Measurement, *, plausible: bool
 ) -> dict[str, Any] | None:
     """Return whether a contact will be pooled; None of frames and files, for which other rules hold."""
     if item.startswith("file:") or "#" in item:
         return None
     active_correction = opened.corrections.active_correction(item)
     seen = reviewed(measured, active_correction)
-    excluding = sorted(excluding_flags(contact, seen))
+    excluding = sorted(excluding_flags(contact, seen, plausible=plausible))
     pooled = not excluding if seen.pooling is None else seen.pooling
     return {
         "pooled": pooled and seen.rejected is None,
