@@ -817,3 +817,27 @@ def test_the_shown_rate_is_of_this_run_alone() -> None:
     display.update(Progress(item="b", status="done", pictures=1_000_001, failed=0, total=1_000_002))
     assert 0 < float(shown["rate"].removesuffix(" pictures/s")) <= 50
     assert shown["completed"] == 1_000_001
+
+
+def test_a_run_without_a_result_says_why(tmp_path: Path) -> None:
+    head = (
+        'title = "T"\n[[fingers]]\nname = "f"\n'
+        "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
+        "semi_axes_mm_std = { palmar = 0.1, distal = 0.2, radial_ulnar = 0.3 }\n"
+    )
+    study = tmp_path / "study.toml"
+    study.write_text(head, encoding="utf-8")
+    code, out, _ = run("run", study)
+    assert code == 0
+    axes = "palmar 8.00 ± 0.10 mm, distal 14.00 ± 0.20 mm, radial–ulnar 12.00 ± 0.30 mm"
+    assert f"f: semi-axes {axes}; no contact is given\n" in out
+    pixels = render_contact_image(semi_major=4.0, semi_minor=3.0, seed=1).pixels
+    for name, shown in (("coarse", pixels), ("empty", np.zeros_like(pixels))):
+        Image.fromarray(shown).save(tmp_path / f"{name}.png")
+        head += f'[[observations]]\nname = "{name}"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 1\n'
+        head += f'file = "{name}.png"\nscale = {{ ppi = 50 }}\n'
+    study.write_text(head, encoding="utf-8")
+    code, out, _ = run("run", study)
+    assert code == 3
+    assert re.search(r"^f, wedge 30°: 0 of 1 contact pooled: .*the ridge period is not that", out, re.M)
+    assert run("status", study)[1].endswith("failed: empty\n")

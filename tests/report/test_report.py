@@ -124,7 +124,7 @@ def test_manifest_text_escaped(tmp_path: Path) -> None:
     text = write_report(run_study(manifest, tmp_path / "out"), tmp_path / "out").read_text(encoding="utf-8")
     assert "<script>" not in text
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; sons" in text
-    assert "No observation could be measured" in text
+    assert "No contact is given" in text
 
 
 def test_every_flag_described() -> None:

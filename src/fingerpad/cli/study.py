@@ -123,6 +123,8 @@ def _print_status(found: "Status") -> None:
         cost = found.seconds[name]
         typer.echo(f"{name:<7} {getattr(found, name):>6}" + (f"  {cost:8.0f} s" if cost else ""))
     typer.echo(f"{'total':<7} {found.total:>6}")
+    for item in found.failed_items:
+        typer.echo(f"failed: {item}")
     for fault in found.faults:
         typer.echo(f"fault: {fault}", err=True)
 
@@ -158,22 +160,27 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     from fingerpad.report.text import (
         doubtful_frames,
         face_differences,
+        fingers_without_results,
         implausible_values,
         in_words,
         placement_words,
+        why_not_pooled,
     )
     from fingerpad.uncertainty.validity import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
     for summary, validity in zip(result.summaries, result.validities, strict=True):
         pooled = summary.corrected_radius
-        if pooled is None:
-            continue
         label = "  (synthetic)" if summary.synthetic else ""
+        if pooled is None:
+            typer.echo(f"{placement_words(summary)}: {why_not_pooled(summary)}{label}")
+            continue
         typer.echo(
             f"{placement_words(summary)}: corrected radius "
             f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}; "
             f"Hertz theory: {validity.verdict}"
         )
+    for line in fingers_without_results(result):
+        typer.echo(line)
     if any(validity.verdict in {STRAINED, FAILS} for validity in result.validities):
         typer.echo(
             f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%}, {FAILS} by more "

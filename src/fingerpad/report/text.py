@@ -5,14 +5,18 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
+import numpy as np
+
 from fingerpad.image import FLAG_WORDS, OutlineSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.error_text import counted
+from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.rows import IMPLAUSIBLE, RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED
+from fingerpad.units import value_with_uncertainty
 
 # They differ in shades of grey too.
 VERDICT_SYMBOLS: Final[Mapping[str, str]] = {
@@ -29,6 +33,7 @@ HEADLINE_WORDS: Final[Mapping[str, str]] = {
     INDENTATION: "ξ from the area (mm)",
 }
 
+_NOT_LOADING: Final = "no loading frame, or too small an ellipse"
 _AXIS_WORDS: Final[Mapping[str, str]] = {
     "palmar": "palmar",
     "distal": "distal",
@@ -99,6 +104,43 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
                 yield (
                     f"{placement_words(summary)}: in {counts[code]} of {counted(total, 'contact')}{frames} "
                     f"{RANGE_NOTES[code]}"
+                )
+
+
+def why_not_pooled(summary: Summary) -> str:
+    """Return why nothing at a placement is pooled, each reason with the number of contacts or frames."""
+    contacts = len(summary.contacts)
+    counts = {"contact": contacts, "frame": len(summary.rows) - contacts}
+    seen = " and ".join(counted(count, noun) for noun, count in counts.items() if count)
+    fields = ("excluding_flags", "pooling_decided_by", "pooling_reason", "pooled")
+    reasons = Counter(pooling_words(row) or _NOT_LOADING for row in summary.rows.records(*fields))
+    return f"0 of {seen} pooled: " + "; ".join(
+        f"{words} ({count})" if len(reasons) > 1 else words for words, count in reasons.items()
+    )
+
+
+def fingers_without_results(result: StudyResult) -> Iterator[str]:
+    """Yield what was found of fingers without a measured contact: semi-axes, and radii from loading data."""
+    with_contacts = {summary.finger for summary in result.summaries}
+    for finger in result.fingers.values():
+        if finger.name in with_contacts or finger.reason is not None:
+            continue
+        stds = np.sqrt(np.diag(finger.covariance))
+        axes = ", ".join(
+            f"{words} {value_with_uncertainty(axis, std)} mm"
+            for words, axis, std in zip(_AXIS_WORDS.values(), finger.semi_axes, stds, strict=True)
+        )
+        contacts = int(np.count_nonzero(result.rows.column("finger") == finger.name))
+        why = f"none of {counted(contacts, 'contact')} was measured" if contacts else "no contact is given"
+        yield f"{finger.name}: semi-axes {axes}{'  (synthetic)' if finger.synthetic else ''}; {why}"
+        for place in dict.fromkeys(one.manifest.place for one in result.curves):
+            name, wedge_angle_deg, synthetic = place
+            found = loading_radius(result.curves, place) if name == finger.name else None
+            if found is not None:
+                label = "  (synthetic)" if synthetic else ""
+                yield (
+                    f"{name}, wedge {wedge_angle_deg:g}°: R_g "
+                    f"{value_with_uncertainty(found.value, found.std)} mm from loading data{label}"
                 )
 
 

@@ -31,6 +31,8 @@ class Status:
     seconds : dict of str to float or None
         What each of these four costs on one process: what the done and the failed took, and what the stale
         and the left may take; None without any measured yet.
+    failed_items : tuple of str
+        Names of the failed.
     faults : tuple of str
         What is wrong with the stored and the written results, each naming its file or item.
     """
@@ -40,6 +42,7 @@ class Status:
     stale: int
     left: int
     seconds: dict[str, float | None]
+    failed_items: tuple[str, ...] = ()
     faults: tuple[str, ...] = ()
 
     @property
@@ -70,7 +73,12 @@ def study_status(manifest: Path, out: Path) -> Status:
     if not (out / STORE_NAME).is_file():
         context = RunContext.of(study, folder, active_corrections, None)
         counts = {**dict.fromkeys(_STATES, 0), "left": len(item_states(context))}
-        return Status(**counts, seconds=dict.fromkeys(_STATES), faults=tuple(result_set_faults(out)))
+        return Status(
+            **counts,
+            seconds=dict.fromkeys(_STATES),
+            failed_items=(),
+            faults=tuple(result_set_faults(out)),
+        )
     counts, pictures = dict.fromkeys(_STATES, 0), dict.fromkeys(_STATES, 0)
     spent: dict[str, float] = dict.fromkeys(_STATES, 0.0)
     films = {sequence.name: sequence for sequence in study.sequences}
@@ -78,7 +86,8 @@ def study_status(manifest: Path, out: Path) -> Status:
         context = RunContext.of(study, folder, active_corrections, store)
         statuses = store.statuses()
         of_item = _by_item(statuses)
-        for name, state in item_states(context).items():
+        states = item_states(context)
+        for name, state in states.items():
             parts = of_item.get(name, ())
             counts[state] += 1
             spent[state] += sum(part.seconds for part in parts)
@@ -90,7 +99,12 @@ def study_status(manifest: Path, out: Path) -> Status:
     seen = sum(status.count for status in statuses.values())
     usual = sum(status.seconds for status in statuses.values()) / seen if seen else None
     coming = {name: None if usual is None else usual * pictures[name] for name in ("stale", "left")}
-    return Status(**counts, seconds={**spent, **coming}, faults=faults)
+    return Status(
+        **counts,
+        seconds={**spent, **coming},
+        failed_items=tuple(name for name, state in states.items() if state == "failed"),
+        faults=faults,
+    )
 
 
 def item_states(context: RunContext) -> dict[str, str]:
