@@ -36,8 +36,8 @@ def init(
         return
     manifest = write_template(folder)
     typer.echo(
-        f"Wrote {manifest}. Its finger and contact are examples: replace them, put your pictures beside it, "
-        f"then: fingerpad run {manifest}"
+        f"Wrote {manifest}. Its finger and contact are examples: replace them, remove their lines "
+        f"`synthetic = true`, put your pictures beside it, then: fingerpad run {manifest}"
     )
 
 
