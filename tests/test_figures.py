@@ -243,6 +243,25 @@ def test_corrected_radius_lines(axes) -> None:
     assert "printed in Dzidek et al. (2017)" in texts(axes)
 
 
+def test_corrected_radius_has_inner_bars_and_a_band(axes) -> None:
+    plot_corrected_radius(
+        axes,
+        LOAD,
+        VALUE,
+        corrected_radius_std=0.8,
+        fixed_geometry_std=0.1,
+        measured_radius=VALUE[0] + 5,
+        measured_radius_std=0.5,
+    )
+    bars = [np.diff([end[:, 1] for end in one.get_segments()]) for one in axes.collections]
+    assert_allclose([one[0] / 2 for one in bars], [[0.8], [0.1]])
+    (band,) = axes.patches
+    assert_allclose(
+        band.get_extents().transformed(axes.transData.inverted()).intervaly,
+        VALUE[0] + 5 + np.array([-0.5, 0.5]),
+    )
+
+
 def test_power_laws_through_mean(axes) -> None:
     area = 80 * LOAD**0.4
     plot_area_against_load(axes, LOAD, area, exponent=0.4, exponent_std=0.03)

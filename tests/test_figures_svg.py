@@ -33,7 +33,14 @@ VALUE = np.array([12.0, 30.0, 55.0, 80.0])
 STD = np.array([1.0, 2.0, 2.5, 3.0])
 PLOTS = {
     "radius": lambda axes: plot_corrected_radius(
-        axes, LOAD, VALUE, corrected_radius_std=STD, measured_radius=90.0, mean_curvature_radius=70.0
+        axes,
+        LOAD,
+        VALUE,
+        corrected_radius_std=STD,
+        fixed_geometry_std=STD / 10,
+        measured_radius=90.0,
+        measured_radius_std=5.0,
+        mean_curvature_radius=70.0,
     ),
     "area": lambda axes: plot_area_against_load(
         axes, LOAD, VALUE, area_std=STD, exponent=0.8, exponent_std=0.05, synthetic=True

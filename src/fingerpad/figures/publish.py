@@ -264,7 +264,7 @@ def figure_csv(figure: PanelFigure) -> str:
     for number, panel in enumerate(figure.panels, start=1):
         names = {f"{axis}_name": plain_text(label(panel, axis)) for axis in "xy"}
         for call in panel.calls:
-            series = plain_text(call.options.get("label") or _SERIES.get(call.name, ""))
+            series = plain_text(call.options.get("label") or _SERIES.get(call.name, "")).lstrip("_")
             for point in _points(call):
                 known = {key: value for key, value in point.items() if not _missing(value)}
                 table.writerow({"panel": number, **names, "series": series, **known})

@@ -37,8 +37,10 @@ def plot_corrected_radius(
     corrected_radius: ArrayLike,
     *,
     corrected_radius_std: ArrayLike | None = None,
+    fixed_geometry_std: ArrayLike | None = None,
     compliance_radius: ArrayLike | None = None,
     measured_radius: float | None = None,
+    measured_radius_std: float | None = None,
     mean_curvature_radius: float | None = None,
     printed: PublishedWedge | None = None,
     synthetic: ArrayLike = False,
@@ -51,10 +53,14 @@ def plot_corrected_radius(
         Where to draw.
     load, corrected_radius, corrected_radius_std : array_like
         Normal force (N) and corrected radius (mm); both may be empty.
+    fixed_geometry_std : array_like, optional
+        The part of `corrected_radius_std` that remains with the pad's geometry held exact, mm: thick bars.
     compliance_radius : array_like, optional
         R_Aξ, the equivalent sphere to compare with R_g, mm: small squares.
     measured_radius : float, optional
         R_g from loading data, mm: dashed.
+    measured_radius_std : float, optional
+        Its standard uncertainty, mm: a band.
     mean_curvature_radius : float, optional
         R_0g of the undeformed pad, mm: dotted.
     printed : PublishedWedge, optional
@@ -82,6 +88,18 @@ def plot_corrected_radius(
         synthetic=synthetic,
         label=r"$R_\mathrm{g}^\mathrm{corr}$",
     )
+    if fixed_geometry_std is not None:
+        x, y, inner = broadcast(load, corrected_radius, fixed_geometry_std)
+        axes.errorbar(
+            x,
+            y,
+            yerr=inner,
+            fmt="none",
+            color=BLUE,
+            elinewidth=2.4,
+            label="_geometry held exact",  # not in the legend
+            zorder=3,
+        )
     mark_synthetic(axes, synthetic)
     if compliance_radius is not None:
         label = r"$R_{A\xi}$, to compare with $R_\mathrm{g}$"
@@ -96,6 +114,9 @@ def plot_corrected_radius(
             zorder=4,
             label=r"$R_\mathrm{g}^\mathrm{corr}$, printed in Dzidek et al. (2017)",
         )
+    if measured_radius is not None and measured_radius_std is not None and np.isfinite(measured_radius_std):
+        band = (measured_radius - measured_radius_std, measured_radius + measured_radius_std)
+        axes.axhspan(*band, color=BLACK, alpha=0.12, linewidth=0)
     _mark_levels(
         axes, [(r"$R_\mathrm{g}$", measured_radius, "--"), (r"$R_\mathrm{0g}$", mean_curvature_radius, ":")]
     )

@@ -357,7 +357,9 @@ class PanelDrawing:
 
 
 def _split(style: str) -> tuple[str, str]:
-    """Return the marker and the line of a format such as ``o-``."""
+    """Return the marker and the line of a format such as ``o-``, neither of ``none``."""
+    if style == "none":
+        return "", ""
     marker = style[:1] if style[:1] in {"o", "s", "D", "v", "."} else ""
     return marker, style[len(marker) :]
 

@@ -61,12 +61,15 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             + ("" if rows[-1]["long_axis"] else " The measured ellipse has no direction and is not drawn.")
         ),
     )
+    loading = loading_radius(result.curves, summary.place)
     yield Plot(
         name=f"{name}_corrected_radius",
-        figure=_corrected_radius(rows, loading_radius(result.curves, summary.place)),
+        figure=_corrected_radius(rows, loading),
         caption=(
-            f"Corrected radius against load ({where}); bars: one standard uncertainty with the pad's "
-            "geometry held exact, as Dzidek et al. do. Dotted: undeformed pad. Dashed: loading data, if any."
+            f"Corrected radius against load ({where}); thin bars: one standard uncertainty, of "
+            "which contacts share the part from the pad's geometry; thick bars: with that held exact, "
+            "as Dzidek et al. do. Dotted: undeformed pad."
+            + ("" if loading is None else " Dashed: loading data, with one standard uncertainty (band).")
         ),
     )
     if np.ptp(rows.column("load_N")) > 0:
@@ -298,9 +301,11 @@ def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> Pane
         plot_corrected_radius,
         rows.column("load_N"),
         rows.column("radius_from_indentation_mm"),
-        corrected_radius_std=rows.column("radius_from_indentation_mm_fixed_geometry_std"),
+        corrected_radius_std=rows.column("radius_from_indentation_mm_std"),
+        fixed_geometry_std=rows.column("radius_from_indentation_mm_fixed_geometry_std"),
         compliance_radius=rows.column("radius_from_compliance_mm"),
         measured_radius=None if loading is None else loading.value,
+        measured_radius_std=None if loading is None else loading.std,
         mean_curvature_radius=rows[0]["mean_curvature_radius_mm"],
         synthetic=rows.column("synthetic"),
     )
