@@ -11,7 +11,7 @@ from fingerpad.image import FLAG_WORDS, FLAGS
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.units import value_with_uncertainty
+from fingerpad.units import two_digits, value_with_uncertainty
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 VOID = {"meta", "img", "br", "link"}
@@ -150,3 +150,15 @@ def test_every_flag_described() -> None:
 )
 def test_two_digits_of_uncertainty(value: float | None, std: float | None, text: str) -> None:
     assert value_with_uncertainty(value, std) == text
+
+
+def test_where_the_first_order_does_not_hold_the_difference_and_the_way_out_are_said(
+    demo: tuple[StudyResult, str, Path],
+) -> None:
+    result, text, _ = demo
+    invalid = [check for check in result.checks if check and not check.valid]
+    assert text.count('<code>method = "monte_carlo"</code>') == len(invalid) > 0
+    for check in invalid:
+        assert (
+            f'differ by up to <span class="number">{two_digits(check.interval_difference)} mm</span>' in text
+        )

@@ -136,6 +136,7 @@ def write_page(
             agreement_figures=[] if home else draw(agreement_plots(result)),
             quantity_words=QUANTITY_WORDS,
             exact=result.study.taken_as_exact(),
+            first_order=result.study.uncertainty.method == "first_order",
             methods=None if home else methods_section(result),
             assumed=result.study.assumed(),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),

@@ -54,6 +54,12 @@ class UncertaintyCheck:
     shares: dict[str, float]
     total: dict[str, float]
 
+    @property
+    def interval_difference(self) -> float:
+        """By how much the ends of the two intervals differ at most, mm."""
+        ends = zip(self.interval, self.simulated_interval, strict=True)
+        return max(abs(one - other) for one, other in ends)
+
     @classmethod
     def of(cls, observation: str, inputs: Inputs) -> Self:
         """Propagate the inputs of one contact by first order and by Monte Carlo."""
