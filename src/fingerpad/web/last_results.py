@@ -16,7 +16,7 @@ from fingerpad.study.results.table import ResultsTable, Row
 from fingerpad.web.answers.results import BudgetCheck, ModelCheck, ModelHeadline
 from fingerpad.web.study_session import StudySession
 
-_Triple: TypeAlias = Annotated[list[float], Field(min_length=3, max_length=3)]
+_Triple: TypeAlias = Annotated[list[float | None], Field(min_length=3, max_length=3)]
 FRAME_COLUMNS: Final = (
     *("phase", "phase_decided_by", "time_s", "load_N"),
     *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
@@ -40,10 +40,11 @@ class _Finger(_Record):
     @model_validator(mode="after")
     def _whole(self) -> Self:
         axes = (self.palmar_mm, self.distal_mm, self.radial_ulnar_mm)
-        known = self.covariance_mm2 is not None and None not in axes
+        entries = [entry for row in self.covariance_mm2 or [[None]] for entry in row]
+        known = None not in axes and None not in entries
         if not known and any(axis is not None for axis in axes):
             raise ValueError("semi-axes and covariance_mm2 belong together")
-        if self.covariance_mm2 and not all(self.covariance_mm2[k][k] >= 0 for k in range(3)):
+        if any(entry is not None and entry < 0 for entry in entries[::4]):  # the diagonal
             raise ValueError("covariance_mm2 must not be negative on its diagonal")
         return self
 
