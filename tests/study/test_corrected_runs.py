@@ -8,11 +8,14 @@ from tests.study.small_study import copy
 from fingerpad.report import write_report
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
+from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.status import study_status
+from fingerpad.study.status import item_states, semi_axes_state, study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
 ELLIPSE = {"ellipse_px": {"centre": [60, 60], "semi_axes": [40, 30], "orientation_deg": 10}}
@@ -117,6 +120,29 @@ def test_a_rejected_photograph_is_left_out(manifest: Path) -> None:
     result, measured = run(manifest)
     assert "g/distal.jpg" not in measured
     assert "palmar" in (result.fingers["g"].reason or "")
+
+
+def semi_axes_states(manifest: Path, run_of: StudyResult | None) -> dict[str, str]:
+    """Return the state of each finger's semi-axes in the results of a run."""
+    study, log = read_study(manifest), CorrectionLog(manifest.parent)
+    records = {one["finger"]: one for one in summary_record(run_of)["fingers"]} if run_of else {}
+    with Store.reading(manifest.parent / "out" / STORE_NAME) as store:
+        states = item_states(RunContext.of(study, manifest.parent, log.active_corrections(), store))
+    return {one.name: semi_axes_state(one, states, records.get(one.name)) for one in study.fingers}
+
+
+def test_semi_axes_are_out_of_date_once_their_photographs_change(manifest: Path) -> None:
+    assert semi_axes_states(manifest, None) == {"f": "given", "g": "left"}
+    result, _ = run(manifest)
+    assert semi_axes_states(manifest, result) == {"f": "given", "g": "done"}
+    text = manifest.read_text()
+    manifest.write_text(text.replace("mm_per_px = 0.1 }", "mm_per_px = 0.11 }", 1))
+    assert semi_axes_states(manifest, result)["g"] == "stale"
+    manifest.write_text(text)
+    decide(manifest, "g/distal.jpg", {"rejected": "nail in view"})
+    assert semi_axes_states(manifest, result)["g"] == "stale"
+    result, _ = run(manifest)
+    assert semi_axes_states(manifest, result)["g"] == "failed"
 
 
 def test_what_is_odd_about_corrections_is_told(manifest: Path) -> None:

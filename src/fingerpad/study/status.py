@@ -3,12 +3,13 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
-from fingerpad.study.manifest import manifest_in, read_study
+from fingerpad.study.manifest import Finger, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.run import items_of
 from fingerpad.study.measuring.sequence_header import frame_count
 from fingerpad.study.results.result_set import result_set_faults
@@ -119,6 +120,38 @@ def item_states(context: RunContext) -> dict[str, str]:
         return "left" if status is None else status.status if status.key == key() else "stale"
 
     return {name: state(name, key) for name, key in items_of(context)}
+
+
+def semi_axes_state(finger: Finger, states: Mapping[str, str], record: Mapping[str, Any] | None) -> str:
+    """Return the state of a finger's semi-axes in the results of the last run.
+
+    Parameters
+    ----------
+    finger : Finger
+        Its table of the manifest.
+    states : mapping
+        The state of each item, by `item_states`.
+    record : mapping or None
+        What ``summary.json`` says of the finger; None without a run of it.
+
+    Returns
+    -------
+    str
+        ``given`` if they are entered; otherwise as `Status` counts items: ``stale`` also where a photograph
+        was added, removed or rejected since.
+    """
+    if finger.semi_axes_mm is not None:
+        return "given"
+    if record is None:
+        return "left"
+    items = [photograph_item(finger, one) for one in finger.photographs if one.file is not None]
+    now = [item for item in items if item in states]  # the others are rejected
+    if any(states[item] in {"stale", "left"} for item in now):
+        return "stale"
+    if record.get("reason") is not None:
+        return "failed"
+    measured = sorted(f"{finger.name}/{one['file']}" for one in record["photographs"])
+    return "done" if sorted(now) == measured else "stale"
 
 
 def _by_item(statuses: Mapping[str, TaskStatus]) -> dict[str, list[TaskStatus]]:

@@ -21,6 +21,9 @@ from tests.end_to_end.page.browser import (
     stroke,
 )
 
+from fingerpad.report import write_report
+from fingerpad.study.pipeline import run_study
+
 
 @pytest.fixture(scope="module")
 def same_files(run_demo, tmp_path_factory) -> Path:
@@ -146,3 +149,40 @@ def test_length_by_pointer_and_by_keys(tab: Tab) -> None:
     page.get_by_role("button", name="Start of the line").press("Shift+ArrowLeft")
     third = numbers(page, "length")
     assert float(first.split()[0]) < float(second.split()[0]) < float(third.split()[0])
+
+
+def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, example) -> None:
+    manifest, out = example / "study.toml", example / "results"
+    run_study(manifest, out, write_report=write_report)
+    page = example_tab.open("study")
+    page.get_by_text("Nothing is missing.").wait_for()
+    on_pad = page.locator(".inspector").get_by_text("of the last run, out of date", exact=True)
+    fingers = page.get_by_role("group", name="Fingers")
+    expect(fingers.get_by_text("out of date")).to_have_count(0)
+    text = manifest.read_text()
+    manifest.write_text(text.replace("mm_per_px = 0.1\n", "mm_per_px = 0.11\n"))
+    page.reload()
+    page.get_by_text("Semi-axes of synthetic_pad are out of date.").wait_for()
+    expect(fingers.get_by_text("out of date")).to_have_count(3)
+    expect(page.get_by_text("Nothing is missing.")).to_have_count(0)
+    example_tab.go("contacts/images/contact_1N")
+    numbers(page)
+    expect(page.locator(".inspector").get_by_text("semi-axes out of date")).to_have_count(2)
+    example_tab.go("pad")
+    numbers(page, "u")
+    expect(on_pad).to_have_count(2)
+    # Faces in scales that differ by a factor contradict each other.
+    phone = text.replace("[scales.camera]", "[scales.phone]\nmm_per_px = 0.3\n\n[scales.camera]")
+    manifest.write_text(phone.replace('palmar.jpg", scale = "camera"', 'palmar.jpg", scale = "phone"'))
+    run_study(manifest, out, write_report=write_report)
+    example_tab.go("study")
+    page.reload()
+    page.get_by_text("the faces contradict each other").wait_for()
+    expect(page.get_by_text("Nothing is missing.")).to_have_count(0)
+    manifest.write_text(text)
+    run_study(manifest, out, write_report=write_report)
+    page.reload()
+    page.get_by_text("Nothing is missing.").wait_for()
+    example_tab.go("pad")
+    numbers(page, "u")
+    expect(on_pad).to_have_count(0)

@@ -95,7 +95,7 @@ class PhotographEntry(Review):
 
 
 class FingerEntry(Answer):
-    """A finger of the study."""
+    """A finger of the study; `status` and `reason` are of its semi-axes."""
 
     name: str
     table: dict[str, Any]
@@ -103,6 +103,8 @@ class FingerEntry(Answer):
     synthetic: bool
     semi_axes_mm: SemiAxes | None
     semi_axes_mm_std: SemiAxes | None
+    status: Status
+    reason: str | None
     photographs: list[PhotographEntry]
 
 

@@ -32,7 +32,7 @@ from fingerpad.study.new_files.file_names import read_file_name
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.rows import RANGE_NOTES
-from fingerpad.study.status import item_states
+from fingerpad.study.status import item_states, semi_axes_state
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.last_results import FRAME_COLUMNS, Results, known_finger, last_results, results_faults
@@ -73,7 +73,7 @@ def document(opened: StudySession) -> dict[str, Any]:
         "missing": [asdict(one) for one in opened.missing()],
         "scales": _scales(loaded),
         "fingers": [
-            _finger(opened, *one, states=states, active_corrections=active_corrections)
+            _finger(opened, *one, found=found, states=states, active_corrections=active_corrections)
             for one in _tables(loaded, "finger")
         ],
         "observations": [
@@ -181,10 +181,14 @@ def _finger(
     table: dict[str, Any],
     complete: bool,
     *,
+    found: Results | None,
     states: Mapping[str, str],
     active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
     known = known_finger(opened, name) if complete else None
+    finger = next((one for one in opened.study().fingers if one.name == name), None)
+    record = next((one for one in found.summary["fingers"] if one["finger"] == name), None) if found else None
+    status = "left" if finger is None else semi_axes_state(finger, states, record)
     axes = ("palmar", "distal", "radial_ulnar")
     return {
         "name": name,
@@ -194,6 +198,8 @@ def _finger(
         "semi_axes_mm": known and dict(zip(axes, known.semi_axes.tolist(), strict=True)),
         "semi_axes_mm_std": known
         and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
+        "status": status,
+        "reason": record.get("reason") if record and status == "failed" else None,
         "photographs": [
             _photograph(name, one, states, active_corrections) for one in table.get("photographs", [])
         ],

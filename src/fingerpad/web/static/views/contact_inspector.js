@@ -7,6 +7,7 @@ import { describeCode } from "../core/workspace.js";
 import { button, check, chip, choose, field, list, number, segments, synthetic } from "../parts/forms.js";
 import { Histogram } from "../parts/histogram.js";
 import { poolingOf } from "../parts/pooling.js";
+import { staleChip } from "../parts/stale_axes.js";
 import { agreementOf } from "./agreement.js";
 import { flagNote, Inspector } from "./inspector.js";
 import { SHARED } from "./similar.js";
@@ -190,6 +191,7 @@ export class ContactInspector extends Inspector {
     }
     const { numbers, automatic, model } = answer;
     const corrected = answer.by !== "automatic" && !this.view.blind;
+    const outOfDate = () => staleChip((this.view.film ?? this.view.entry).finger, "semi-axes out of date");
     const line = ([key, label, words, mark]) =>
       quantityRow(label(), quantityText(numbers, key), {
         mark,
@@ -207,6 +209,7 @@ export class ContactInspector extends Inspector {
             { "data-live": "radius" },
             quantityText(model, "radius_from_indentation_mm"),
           ),
+          outOfDate(),
         ),
       h("div.headline", h("h3", "Contact"), chip(answer.by, corrected ? "accent" : "")),
       h(
@@ -223,7 +226,7 @@ export class ContactInspector extends Inspector {
         ),
       ),
       model && [
-        h("h3", layered(model) ? "Model, Hertz theory" : "Model"),
+        h("div.headline", h("h3", layered(model) ? "Model, Hertz theory" : "Model"), outOfDate()),
         h(
           "dl.readings",
           MODEL.map(([key, label, words]) =>

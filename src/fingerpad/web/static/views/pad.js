@@ -9,6 +9,7 @@ import { workspace } from "../core/workspace.js";
 import { button, choose, empty, field, number, synthetic } from "../parts/forms.js";
 import { AXES } from "../parts/missing_fields.js";
 import { PadScene } from "../parts/pad_scene.js";
+import { staleChip } from "../parts/stale_axes.js";
 
 /** @type {[key: string, label: () => any][]} */
 const QUANTITIES_SHOWN = [
@@ -92,6 +93,7 @@ class PadView {
     const options = [...known.map(({ name }) => [name, name]), ["", "semi-axes entered here"]];
     const finger = workspace.study.fingers.find(({ name }) => name === this.finger);
     this.axesShown = h("dl.readings");
+    this.axesTitle = h("div.headline");
     const angle = (key, title, words, min, max) => {
       const slider = h("input", {
         type: "range",
@@ -116,6 +118,7 @@ class PadView {
       this[`set_${key}`] = set;
       return h("div.angle", field(title, slider), h("div.control", typed, h("span.unit", "°")));
     };
+    render(this.axesTitle, h("h3", "Semi-axes"));
     render(
       this.side,
       h("h2.sr", "Pad and placement"),
@@ -133,7 +136,7 @@ class PadView {
       ),
       h(
         "section",
-        h("h3", "Semi-axes"),
+        this.axesTitle,
         finger
           ? this.axesShown
           : h(
@@ -191,6 +194,7 @@ class PadView {
   /** @param {Answers["PadGeometry"]} answer */
   #show(answer) {
     this.answer = answer;
+    render(this.axesTitle, h("h3", "Semi-axes"), staleChip(this.finger));
     render(
       this.axesShown,
       AXES.map(([axis, words]) =>
@@ -219,6 +223,7 @@ class PadView {
       answer.v_deg !== null &&
         Math.abs(answer.v_deg - 90) > 0.005 &&
         h("p.soft.number", symbol("v"), ` = ${quantityText(answer, "v_deg")}`),
+      h("div", staleChip(this.finger)),
       h(
         "dl.readings",
         { "data-live": "radii" },
@@ -226,6 +231,10 @@ class PadView {
       ),
       !this.finger && h("p.soft", "No uncertainty: these semi-axes belong to no finger of the study."),
     );
+  }
+
+  update() {
+    if (this.finger) this.#ask();
   }
 
   close() {

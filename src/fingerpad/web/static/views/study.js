@@ -6,6 +6,7 @@ import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
 import { button, choose, faultList, field, number, text } from "../parts/forms.js";
 import { missingList } from "../parts/missing_fields.js";
+import { axesNotes } from "../parts/stale_axes.js";
 import { NewFiles } from "./new_files.js";
 import { StudyTables } from "./study_tables.js";
 
@@ -105,7 +106,9 @@ class StudyView {
 
   #missing() {
     const { missing, ready, observations, sequences } = workspace.study;
+    const notes = axesNotes();
     if (ready && !missing.length) {
+      if (notes.length) return h("section.card", { "aria-label": "Semi-axes" }, h("div.stack", notes));
       if (observations.length + sequences.length)
         return h(
           "section.card",
@@ -136,6 +139,7 @@ class StudyView {
           )
         : h("p.soft", "Start by dropping files: photographs of the finger and contact images."),
       ready && h("p.soft", "The study can run without them."),
+      notes,
     );
   }
 

@@ -7,6 +7,7 @@ import { withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, chip, field, NAME, number, synthetic, text } from "../parts/forms.js";
 import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
+import { staleChip } from "../parts/stale_axes.js";
 import { card, cell, incompleteChip, row, table } from "../parts/tables.js";
 
 export class FingerTable {
@@ -44,7 +45,12 @@ export class FingerTable {
     return row(
       cell(h("strong", name), " ", synthetic(finger.synthetic), " ", incompleteChip(finger)),
       AXES.map(([axis]) =>
-        h("td.number", withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis])),
+        h(
+          "td.number",
+          withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis]),
+          " ",
+          staleChip(name, "out of date"),
+        ),
       ),
       h(
         "td.number",
