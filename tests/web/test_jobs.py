@@ -201,6 +201,8 @@ def test_results_change_without_new_measurements(finished_client):
     run_of(finished_client)
     rows = {row["item"]: row for row in finished_client.get("/api/results/rows").json()["rows"]}
     assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
+    pooling = finished_client.get("/api/results/plot").json()["groups"][0]["pooling"]
+    assert [pooling[name] for name in ("contacts", "contacts_pooled", "contacts_rejected")] == [3, 2, 1]
 
 
 def test_results_of_another_picture_are_not_up_to_date(finished_client, finished):

@@ -66,6 +66,7 @@ PURE = {
     "reviewed",
     "contacts",
     "contacts_pooled",
+    "contacts_rejected",
     "frames_pooled",
     "table",  # as the manifest states it, under its own keys
     "scale",

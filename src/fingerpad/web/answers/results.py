@@ -105,10 +105,14 @@ class PooledContact(Answer):
 
 
 class Pooling(Answer):
-    """How many contacts and frames of a group count in its pooled radius, and the contacts in question."""
+    """How many contacts and frames of a group count in its pooled radius, and the contacts in question.
+
+    `contacts` is the number of measured and rejected ones.
+    """
 
     contacts: int
     contacts_pooled: int
+    contacts_rejected: int
     frames: int
     frames_pooled: int
     in_question: list[PooledContact]

@@ -131,15 +131,14 @@ def _figure(of: Mapping[str, Any]) -> str:
 def _group(
     of: Mapping[str, Any], table: ResultsTable, active_corrections: Mapping[str, ActiveCorrection]
 ) -> dict[str, Any]:
-    chosen = table.known("radius_from_indentation_mm")
-    for name in PLACEMENT:
-        chosen &= table.column(name) == of[name]
-    rows = table.at(chosen)
+    placed = np.logical_and.reduce([table.column(name) == of[name] for name in PLACEMENT])
+    rows = table.at(placed & table.known("radius_from_indentation_mm"))
+    rejected = placed & (table.column("status") == "rejected") & ~table.known("frame")
     codes = Counter(code for notes in rows.items("range_notes") for code in (notes or "").split())
     return {
         **{name: of.get(name) for name in answers.PlottedGroup.model_fields},
         "figure": _figure(of),
-        "pooling": _pooling(rows, active_corrections),
+        "pooling": _pooling(rows, int(rejected.sum()), active_corrections),
         "rows": {
             name: rows.items("observation" if name == "item" else name)
             for name in answers.PlottedRows.model_fields
@@ -164,8 +163,20 @@ def _validity(of: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _pooling(rows: ResultsTable, active_corrections: Mapping[str, ActiveCorrection]) -> dict[str, Any]:
-    """Return how many rows are pooled, and the contacts that are not or about which there is a say."""
+def _pooling(
+    rows: ResultsTable, rejected: int, active_corrections: Mapping[str, ActiveCorrection]
+) -> dict[str, Any]:
+    """Return how many rows are pooled, and the contacts that are not or about which there is a say.
+
+    Parameters
+    ----------
+    rows : ResultsTable
+        The measured rows of a group.
+    rejected : int
+        The number of its contacts that a person rejected.
+    active_corrections : mapping
+        What people corrected, by item.
+    """
     decided = {name for name, one in active_corrections.items() if pooling_choice(one)}
     of_film = rows.known("frame")
     contacts, frames = rows.at(~of_film), rows.at(of_film)
@@ -179,8 +190,9 @@ def _pooling(rows: ResultsTable, active_corrections: Mapping[str, ActiveCorrecti
         )
     )
     return {
-        "contacts": len(contacts),
+        "contacts": len(contacts) + rejected,
         "contacts_pooled": int(contacts.column("pooled").sum()),
+        "contacts_rejected": rejected,
         "frames": len(frames),
         "frames_pooled": int(frames.column("pooled").sum()),
         "in_question": [

@@ -43,7 +43,8 @@ function decisionOf({ change, history }) {
  * @param {Answers["PlottedGroup"]["pooling"]} pooling
  */
 export function poolingList(pooling) {
-  const { contacts, contacts_pooled: pooled, frames, frames_pooled: framesPooled } = pooling;
+  const { contacts, contacts_pooled: pooled, contacts_rejected: rejected } = pooling;
+  const { frames, frames_pooled: framesPooled } = pooling;
   const why = text({ value: "", placeholder: REASON, label: "Reason of the decision" });
   const list = h("ul.pooling-list");
   const draw = () =>
@@ -88,12 +89,13 @@ export function poolingList(pooling) {
   draw();
   const counts = [
     contacts > 0 && `${pooled} of ${contacts} contacts pooled`,
+    rejected > 0 && `${rejected} rejected`,
     frames > 0 && `${framesPooled} of ${frames} frames pooled`,
   ].filter(Boolean);
   if (!pooling.in_question.length) return h("p.soft.pooling-count", counts.join(", "));
   return h(
     "details.pooling",
-    { open: pooled < contacts },
+    { open: pooled + rejected < contacts },
     h("summary", counts.join(", ")),
     h("label.why", h("span", "Reason"), why),
     list,
