@@ -445,7 +445,7 @@ def test_limits_of_phases_are_moved_manually(tab: Tab, demo) -> None:
     record = json.loads(log.read_text().splitlines()[-1])
     assert (record["item"], record["change"]["phases"]["why"]) == (
         "synthetic_press_30deg#phases",
-        "after a look at force and area",
+        "no reason given",
     )
     assert {one["phase"]: one["start_s"] for one in record["change"]["phases"]["starts"]}["hold"] == moved
     # By keys, no further than the next limit, while the answer to the move before is still to come.

@@ -64,3 +64,16 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     assert [rows[f"contact_{load}N"]["pooled"] for load in ("0.5", "1", "2")] == [True, False, False]
     assert rows["contact_2N"]["pooling_decided_by"] == record["who"]
     assert rows["contact_2N"]["reviewed"] is None
+
+
+def test_a_rejected_contact_is_counted_and_no_reason_is_made_up(example_tab: Tab, example) -> None:
+    page = example_tab.open("contacts/images/contact_1N")
+    numbers(page)
+    page.keyboard.press("x")
+    page.get_by_role("heading", name="contact_2N").wait_for()
+    record = json.loads((example / "corrections.jsonl").read_text().splitlines()[-1])
+    assert record["change"] == {"rejected": "no reason given"}
+    run_study(example / "study.toml", example / "results", write_report=write_report)
+    example_tab.go("results")
+    page.reload()
+    page.get_by_text("2 of 3 contacts pooled, 1 rejected").wait_for()

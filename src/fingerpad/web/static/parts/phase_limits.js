@@ -6,7 +6,7 @@ import { showError } from "../core/messages.js";
 import { ago, plain } from "../core/quantity.js";
 import { text } from "./forms.js";
 
-const REASON = "after a look at force and area";
+const REASON = "no reason given";
 /** A move by keys is saved after this pause. */
 const PAUSE_MS = 450;
 

@@ -6,7 +6,7 @@ import { showError } from "../core/messages.js";
 import { ago, plain } from "../core/quantity.js";
 import { button, text } from "./forms.js";
 
-const REASON = "after a look at the picture";
+const REASON = "no reason given";
 
 /** @param {Answers["PoolingChoice"]} decision */
 export const decisionWords = ({ include, why, who, when }) =>

@@ -94,7 +94,7 @@ export class Inspector {
   }
 
   reason() {
-    return this.why.value.trim() || "rejected on inspection";
+    return this.why.value.trim() || "no reason given";
   }
 
   /** Show the options of the tool: the radius of a brush, or an explanation. */
