@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fingerpad.geometry import Ellipse, Ellipsoid, Placement
     from fingerpad.image import (
         ForceSignal,
+        FrameRate,
         Scale,
         combine_faces,
         measure_coin,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from fingerpad.loading import LoadingCurve, fit_loading_curve, read_loading_curve
     from fingerpad.study.pipeline import run_study
     from fingerpad.study.results.load import load_results
-    from fingerpad.uncertainty import pad_uncertainty, pool, propagate, run_monte_carlo
+    from fingerpad.uncertainty import Inputs, pad_model, pad_uncertainty, pool, propagate, run_monte_carlo
 
 _MODULES = {
     "fingerpad.contact": ("EllipsoidContact", "HertzGeometry", "hertz_contact", "pad_contact"),
@@ -37,6 +38,7 @@ _MODULES = {
     "fingerpad.geometry": ("Ellipse", "Ellipsoid", "Placement"),
     "fingerpad.image": (
         "ForceSignal",
+        "FrameRate",
         "Scale",
         "combine_faces",
         "measure_coin",
@@ -50,7 +52,14 @@ _MODULES = {
     "fingerpad.loading": ("LoadingCurve", "fit_loading_curve", "read_loading_curve"),
     "fingerpad.study.pipeline": ("run_study",),
     "fingerpad.study.results.load": ("load_results",),
-    "fingerpad.uncertainty": ("pad_uncertainty", "pool", "propagate", "run_monte_carlo"),
+    "fingerpad.uncertainty": (
+        "Inputs",
+        "pad_model",
+        "pad_uncertainty",
+        "pool",
+        "propagate",
+        "run_monte_carlo",
+    ),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -60,7 +69,9 @@ __all__ = [
     "EllipsoidContact",
     "FingerpadError",
     "ForceSignal",
+    "FrameRate",
     "HertzGeometry",
+    "Inputs",
     "LoadingCurve",
     "Placement",
     "Scale",
@@ -75,6 +86,7 @@ __all__ = [
     "measure_sequence",
     "open_frames",
     "pad_contact",
+    "pad_model",
     "pad_uncertainty",
     "pool",
     "propagate",

@@ -53,12 +53,16 @@ def read_columns(
     Raises
     ------
     LoadingError
-        If the file cannot be read, a column is missing or has an unknown unit, or a cell is not a finite
-        number. The message names file, column and line.
+        If the file cannot be read, a column is missing or has an unknown unit, `columns` names another
+        quantity, or a cell is not a finite number. The message names file, column and line.
     """
     table = _read_table(path)
     given = columns or {}
-    found = {name: _find_column(table, name, given.get(name)) for name in (*required, *optional)}
+    known = [*required, *optional]
+    for name in given:
+        if name not in known:
+            raise LoadingError(f"{path}: columns name no quantity {name!r}; there are {', '.join(known)}")
+    found = {name: _find_column(table, name, given.get(name)) for name in known}
     for name in required:
         if found[name] is None:
             raise LoadingError(

@@ -33,6 +33,12 @@ def test_columns_can_be_named(tmp_path: Path) -> None:
     assert_allclose([curve.load[0], curve.indentation[0]], [0.5, 3.0])
 
 
+def test_a_column_of_no_such_quantity_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path, "force_N,Fz_N,displacement_mm\n1,10,3\n")
+    with pytest.raises(LoadingError, match="no quantity 'load'; there are force, displacement, area, time"):
+        read_loading_curve(path, {"load": "Fz_N:N"})
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
