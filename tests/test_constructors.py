@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 from PIL import Image
 
 from fingerpad.contact import (
@@ -35,6 +36,7 @@ from fingerpad.image import (
     BrushStroke,
     FaceSemiAxes,
     ForceSignal,
+    Frame,
     FrameRate,
     FrameStamps,
     Grid,
@@ -44,10 +46,19 @@ from fingerpad.image import (
     PlaneEllipse,
     RegionPolygon,
     Scale,
+    direct_semi_axes,
+    estimate_settings,
     measure_coin,
     measure_contact_image,
+    measure_frames,
     measure_photograph,
+    measure_sequence,
+    open_frames,
+    photograph_from_ellipse,
+    photograph_from_handles,
+    prepare_contact_image,
     read_image,
+    scan_texture,
 )
 from fingerpad.loading import LoadingCurve, read_loading_curve
 from fingerpad.simulate import render_coin, render_contact_image, render_finger, render_sequence
@@ -299,6 +310,57 @@ def test_image_arguments(tmp_path: Path) -> None:
         measure_contact_image(str(tmp_path / "none.png"), scale)
     with pytest.raises(CalibrationError, match="mm_per_px must be between .*found 500"):
         measure_contact_image(path, 500)
+
+
+def test_sequence_arguments(tmp_path: Path) -> None:
+    pressed = render_sequence([0.0, 0.1], seed=2)
+    frames = [Frame(index=k, pixels=pressed.pixels(k)) for k in range(2)]
+    path = tmp_path / "press.tif"
+    tifffile.imwrite(path, np.stack([frame.pixels for frame in frames]), photometric="minisblack")
+    size = 25.4 / pressed.ppi
+    wanted = [str(result.measures) for result in measure_sequence(frames, Scale(size))]
+    assert "gross_area_mm2" in wanted[1]
+    for sequence in (path, str(path), open_frames(path)):
+        assert [str(result.measures) for result in measure_sequence(sequence, size)] == wanted
+    settings = estimate_settings(frames, size)
+    assert [str(result.measures) for result in measure_frames(frames, size, settings)] == wanted
+    assert scan_texture(frames, size).busiest == (0, 1)
+
+
+# None of them is iterated over: they are refused where they are called.
+SEQUENCES = {
+    "no such file": lambda: measure_sequence("none.tif", 0.05),
+    "frames must be a path, .*found float": lambda: measure_sequence(1.0, 0.05),
+    "frames must be a path, .*found ndarray": lambda: measure_sequence(np.zeros((3, 40, 30)), 0.05),
+    "a generator only once": lambda: measure_sequence((frame for frame in ()), 0.05),
+    "mm_per_px must be between": lambda: measure_sequence([], 500),
+    "mm_per_px must be numeric, found '500'": lambda: measure_frames([], "500", None),
+    "force and phases need": lambda: measure_sequence([], 0.05, force=ForceSignal([0, 1], [0, 1])),
+}
+
+
+@pytest.mark.parametrize("message", SEQUENCES)
+def test_sequences_refused_at_call(message: str) -> None:
+    with pytest.raises(FingerpadError, match=message):
+        SEQUENCES[message]()
+
+
+def test_numbers_as_scales() -> None:
+    truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    size, scale = truth.mm_per_px, Scale(truth.mm_per_px)
+    assert prepare_contact_image(truth.pixels, size).scale == scale
+    handles = {"centre": (300, 200), "across_end": (300, 436), "along_end": (24, 200)}
+    for measure, marks in (
+        (photograph_from_handles, handles),
+        (direct_semi_axes, handles),
+        (photograph_from_ellipse, {"centre": (300, 200), "semi_axes": (236, 276)}),
+    ):
+        one, other = measure("palmar", size, **marks), measure("palmar", scale, **marks)
+        np.testing.assert_array_equal(one.semi_axes, other.semi_axes)
+        with pytest.raises(CalibrationError, match="mm_per_px must be numeric, found 'a'"):
+            measure("palmar", "a", **marks)
+    with pytest.raises(CalibrationError, match="mm_per_px must be numeric, found '500'"):
+        measure_contact_image(truth.pixels, "500")
 
 
 def test_photograph_and_coin_by_path(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from fingerpad.image.contact_image.options import ContactImageOptions
 from fingerpad.image.contact_image.prepare import prepare_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
-from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, grey_levels
+from fingerpad.image.inputs import ImageLike, ScaleLike, grey_levels
 
 
 def measure_contact_image(
@@ -69,5 +69,5 @@ def measure_contact_image(
     (True, ())
     """
     pixels = grey_levels(image)
-    prepared = prepare_contact_image(pixels, as_scale(scale), **options)
+    prepared = prepare_contact_image(pixels, scale, **options)
     return replace(prepared.contact_image, _picture=np.asarray(pixels))

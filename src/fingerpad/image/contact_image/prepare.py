@@ -27,6 +27,7 @@ from fingerpad.image.contact_image._working_image import WorkingImage
 from fingerpad.image.contact_image.manual import RegionEdit, outline_after_strokes, outline_of_ellipse
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.ellipse import ImageEllipse
+from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.scale import Scale
 
 _NOMINAL_RIDGE_PERIOD_MM = 0.45
@@ -178,7 +179,7 @@ class PreparedContactImage(Displayed):
 
 def prepare_contact_image(
     pixels: npt.ArrayLike,
-    scale: Scale,
+    scale: ScaleLike,
     *,
     dark_on_light: bool | None = None,
     background: npt.ArrayLike | None = None,
@@ -195,7 +196,7 @@ def prepare_contact_image(
     ----------
     pixels : array_like, shape (rows, columns)
         Grey levels of any real type.
-    scale : Scale
+    scale : Scale or float
         Millimetres per pixel.
     dark_on_light, background, seed, threshold, contrast, ridge_period, mask, region_of_interest
         See `ContactImageOptions`.
@@ -223,6 +224,7 @@ def prepare_contact_image(
     >>> print(f"{prepared.with_corrections(ellipse=drawn).gross_area:.1f} mm²")
     23.4 mm²
     """
+    scale = as_scale(scale)
     positive = {"threshold": threshold, "contrast": contrast, "ridge_period": ridge_period}
     for name, value in positive.items():
         if value is not None and not (

@@ -7,13 +7,13 @@ import numpy as np
 from fingerpad._arrays import as_float_array
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry.faces import Face
+from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.photograph.faces import FaceSemiAxes
-from fingerpad.image.scale import Scale
 
 
 def direct_semi_axes(
     face: Face,
-    scale: Scale,
+    scale: ScaleLike,
     *,
     centre: tuple[float, float],
     across_end: tuple[float, float],
@@ -28,8 +28,8 @@ def direct_semi_axes(
     ----------
     face : Face
         The face that looks at the camera.
-    scale : Scale
-        Scale of the photograph.
+    scale : Scale or float
+        Millimetres per pixel.
     centre, across_end, along_end : (float, float)
         (row, column), px: centre, and the ends of the semi-axes across and along (see `FACE_AXES`).
     point_px_std : float
@@ -47,10 +47,12 @@ def direct_semi_axes(
 
     Examples
     --------
+    >>> from fingerpad.image import Scale
     >>> marks = {"centre": (300, 200), "across_end": (300, 436), "along_end": (24, 200)}
     >>> direct_semi_axes("palmar", Scale(0.05), **marks).semi_axes.tolist()
     [11.8, 13.8]
     """
+    scale = as_scale(scale)
     ends = as_float_array([across_end, along_end]) - as_float_array(centre)
     lengths = np.linalg.norm(ends, axis=1)
     if not (np.isfinite(lengths).all() and (lengths > 0).all()):

@@ -12,11 +12,11 @@ from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, 
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.ellipse import rotation
+from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.photograph._arc import PAD_MIDDLE
 from fingerpad.image.photograph._departure import PadShape, departure_of, is_significant, with_departure
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, turns_from
 from fingerpad.image.photograph.result import PhotographFit, size_flags
-from fingerpad.image.scale import Scale
 
 IntArray: TypeAlias = npt.NDArray[np.int64]
 
@@ -31,7 +31,7 @@ _FARTHEST_PX = 1e6
 
 def photograph_from_ellipse(
     face: Face,
-    scale: Scale,
+    scale: ScaleLike,
     *,
     centre: tuple[float, float],
     semi_axes: tuple[float, float],
@@ -45,8 +45,8 @@ def photograph_from_ellipse(
     ----------
     face : {"palmar", "distal", "radial", "ulnar"}
         The face that looks at the camera.
-    scale : Scale
-        Scale of the photograph.
+    scale : Scale or float
+        Millimetres per pixel.
     centre : (float, float)
         (row, column), px.
     semi_axes : (float, float)
@@ -70,6 +70,7 @@ def photograph_from_ellipse(
 
     Examples
     --------
+    >>> from fingerpad.image import Scale
     >>> fit = photograph_from_ellipse(
     ...     "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276)
     ... )
@@ -82,6 +83,7 @@ def photograph_from_ellipse(
             f"{math.degrees(lean):g} degrees, {semi_axes}"
         )
     check_radians("lean", lean)
+    scale = as_scale(scale)
     side = palmar_directions(face, tip, palmar)[0]
     semi_px = as_float_array(semi_axes)
     semi_mm = semi_px * scale.mm_per_px
@@ -107,7 +109,7 @@ def photograph_from_ellipse(
 
 def photograph_from_handles(
     face: Face,
-    scale: Scale,
+    scale: ScaleLike,
     *,
     centre: tuple[float, float],
     across_end: tuple[float, float],
@@ -138,6 +140,7 @@ def photograph_from_handles(
 
     Examples
     --------
+    >>> from fingerpad.image import Scale
     >>> scale = Scale(0.05)
     >>> fit = photograph_from_handles(
     ...     "palmar", scale, centre=(300, 200), across_end=(300, 436), along_end=(24, 200)
@@ -193,7 +196,7 @@ def with_marked_points(
 
     Examples
     --------
-    >>> from fingerpad.image import measure_photograph
+    >>> from fingerpad.image import Scale, measure_photograph
     >>> from fingerpad.simulate import render_finger
     >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
     >>> found = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))

@@ -3,7 +3,7 @@
 import hashlib
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -20,6 +20,7 @@ from fingerpad.image._memory import MEMORY_LIMIT, check_memory
 from fingerpad.image._tiff import levels_of_page, tifffile_warnings
 from fingerpad.image.read import check_finite, check_regular, read_image
 
+FramesLike: TypeAlias = "Iterable[Frame] | str | PathLike[str]"
 Kind: TypeAlias = Literal["folder", "tiff", "video"]
 
 PICTURE_SUFFIXES: Final = frozenset({".png", ".tif", ".tiff", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm"})
@@ -203,6 +204,25 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
     else:
         kind, (count, rate) = "video", _video_header(path, memory_limit)
     return Frames(path=path, kind=kind, count=count, frames_per_second=rate, memory_limit=memory_limit)
+
+
+def as_frames(frames: FramesLike) -> Iterable[Frame]:
+    """Return frames, opened if they are a path.
+
+    Raises
+    ------
+    ImageError
+        If the path holds no sequence, or something else than frames is given.
+    """
+    if isinstance(frames, str | PathLike):
+        return open_frames(frames)
+    kept = frames if isinstance(frames, list | tuple | np.ndarray) else ()  # what can be looked at at no cost
+    if not hasattr(frames, "__iter__") or not all(isinstance(one, Frame) for one in kept):
+        raise ImageError(
+            f"frames must be a path, or Frame(index=…, pixels=…) one after the other, found "
+            f"{type(frames).__name__}"
+        )
+    return frames
 
 
 def _size(shape: tuple[int, ...] | None) -> str:

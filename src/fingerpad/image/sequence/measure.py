@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final, TypeAlias, Unpack
 
 import numpy as np
@@ -16,7 +17,7 @@ from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
-from fingerpad.image.sequence.frames import Frame
+from fingerpad.image.sequence.frames import Frame, FramesLike, as_frames
 from fingerpad.image.sequence.phases import Phase, PhaseIntervals, phase_intervals
 from fingerpad.image.sequence.result import FrameResult
 from fingerpad.image.sequence.settings import (
@@ -33,7 +34,7 @@ PERSISTENCE: Final = 3
 
 
 def measure_sequence(
-    frames: Iterable[Frame],
+    frames: FramesLike,
     scale: ScaleLike,
     *,
     clock: FrameClock | None = None,
@@ -58,8 +59,8 @@ def measure_sequence(
 
     Parameters
     ----------
-    frames : iterable of Frame
-        The sequence, as `open_frames` returns it: it must be possible to go through it twice.
+    frames : iterable of Frame or path-like
+        The sequence, as `open_frames` returns it or takes it: it must be possible to go through it twice.
     scale : Scale or float
         Millimetres per pixel.
     clock : FrameRate or FrameStamps, optional
@@ -77,14 +78,18 @@ def measure_sequence(
     **place
         Background, seed, mask and region of interest, as for `measure_contact_image`.
 
-    Yields
-    ------
-    FrameResult
+    Returns
+    -------
+    iterator of FrameResult
+        Frames are read as it advances.
 
     Raises
     ------
     ImageError
-        If no frame can be read, none shows a contact, or `frames` can be gone through only once.
+        If `frames` is no sequence, or can be gone through only once; on the way, if no frame can be read, or
+        none shows a contact.
+    CalibrationError
+        If a number is no length of a pixel, mm.
     LoadingError
         If a force or phases are given without a clock.
 
@@ -103,18 +108,23 @@ def measure_sequence(
     """
     if (force is not None or phases is not None) and clock is None:
         raise LoadingError("force and phases need the times of the frames: give frames per second, or stamps")
-    scale = as_scale(scale)
-    if settings is None:
-        if iter(frames) is frames:
-            raise ImageError("frames are read twice, a generator only once: give a list, or settings")
-        settings = estimate_settings(frames, scale, dark_on_light=dark_on_light, threshold=threshold, **place)
-    measured = measure_frames(frames, scale, settings, watch=watch, **place)
-    yield from assign_times(measured, settings.texture, clock=clock, force=force, phases=phases)
+    sequence, scale = as_frames(frames), as_scale(scale)
+    if settings is None and iter(sequence) is sequence:
+        raise ImageError("frames are read twice, a generator only once: give a list, or settings")
+
+    def results() -> Iterator[FrameResult]:
+        found = settings or estimate_settings(
+            sequence, scale, dark_on_light=dark_on_light, threshold=threshold, **place
+        )
+        measured = measure_frames(sequence, scale, found, watch=watch, **place)
+        yield from assign_times(measured, found.texture, clock=clock, force=force, phases=phases)
+
+    return results()
 
 
 def measure_frames(
     frames: Iterable[Frame],
-    scale: Scale,
+    scale: ScaleLike,
     settings: SequenceSettings,
     *,
     watch: Watcher | None = None,
@@ -126,7 +136,7 @@ def measure_frames(
     ----------
     frames : iterable of Frame
         A sequence or a part of it.
-    scale : Scale
+    scale : Scale or float
         Millimetres per pixel.
     settings : SequenceSettings
         From `estimate_settings` of the whole sequence.
@@ -135,9 +145,9 @@ def measure_frames(
     **place
         Background, seed, mask and region of interest, as for `measure_contact_image`.
 
-    Yields
-    ------
-    FrameResult
+    Returns
+    -------
+    iterator of FrameResult
         One for each frame.
 
     Examples
@@ -151,24 +161,26 @@ def measure_frames(
     >>> [result.measures is None for result in measure_frames(frames, scale, settings)]
     [True, False]
     """
-    for frame in frames:
-        if frame.pixels is None:
-            yield FrameResult(index=frame.index, readable=False, reason=frame.reason)
-            continue
-        try:
-            if texture_of(frame.pixels, scale, place) < settings.min_texture:
-                reason = "no contact found: the frame is smooth beside those of the largest contact"
-                yield FrameResult(index=frame.index, reason=reason)
-                continue
-            contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
-        except MemoryError:  # the limit of the process, not a fault of this frame
-            raise
-        except Exception as error:  # any error fails this frame only
-            yield FrameResult(index=frame.index, reason=reason_of(error, "the frame cannot be measured"))
-            continue
-        if watch is not None:
-            watch(frame.index, frame.pixels, contact_image)
-        yield FrameResult(index=frame.index, measures=contact_image.as_record(), flags=contact_image.flags)
+    return map(partial(_measure_frame, as_scale(scale), settings, watch, place), frames)
+
+
+def _measure_frame(
+    scale: Scale, settings: SequenceSettings, watch: Watcher | None, place: MeasurementRegion, frame: Frame
+) -> FrameResult:
+    if frame.pixels is None:
+        return FrameResult(index=frame.index, readable=False, reason=frame.reason)
+    try:
+        if texture_of(frame.pixels, scale, place) < settings.min_texture:
+            reason = "no contact found: the frame is smooth beside those of the largest contact"
+            return FrameResult(index=frame.index, reason=reason)
+        contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
+    except MemoryError:  # the limit of the process, not a fault of this frame
+        raise
+    except Exception as error:  # any error fails this frame only
+        return FrameResult(index=frame.index, reason=reason_of(error, "the frame cannot be measured"))
+    if watch is not None:
+        watch(frame.index, frame.pixels, contact_image)
+    return FrameResult(index=frame.index, measures=contact_image.as_record(), flags=contact_image.flags)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -18,6 +18,7 @@ from fingerpad.image.contact_image._cropping import crop_grey
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
+from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.frames import Frame, Frames
 
@@ -114,14 +115,16 @@ class SequenceSettings(Displayed):
         return _MIN_TEXTURE * float(np.nanmax(self.texture))
 
 
-def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[MeasurementRegion]) -> TextureScan:
+def scan_texture(
+    frames: Iterable[Frame], scale: ScaleLike, **place: Unpack[MeasurementRegion]
+) -> TextureScan:
     """Measure the texture of each frame, to find those of the largest contact.
 
     Parameters
     ----------
     frames : iterable of Frame
         A sequence or a part of it.
-    scale : Scale
+    scale : Scale or float
         Millimetres per pixel.
     **place
         Background, seed, mask and region of interest, as for `measure_contact_image`.
@@ -140,6 +143,7 @@ def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[Measurem
     >>> bool(texture[1] > 100 * texture[0])
     True
     """
+    scale = as_scale(scale)
     index, texture, reason = [], [], None
     for frame in frames:
         index.append(frame.index)
@@ -154,7 +158,7 @@ def scan_texture(frames: Iterable[Frame], scale: Scale, **place: Unpack[Measurem
 
 def estimate_settings(
     frames: Iterable[Frame],
-    scale: Scale,
+    scale: ScaleLike,
     *,
     scan: TextureScan | None = None,
     dark_on_light: bool | None = None,
@@ -171,7 +175,7 @@ def estimate_settings(
     ----------
     frames : iterable of Frame
         The sequence; it is read twice.
-    scale : Scale
+    scale : Scale or float
         Millimetres per pixel.
     scan : TextureScan, optional
         That of the whole sequence; made here when None.
@@ -201,6 +205,7 @@ def estimate_settings(
     >>> settings["dark_on_light"]
     True
     """
+    scale = as_scale(scale)
     scan = scan_texture(frames, scale, **place) if scan is None else scan
     if not scan.busiest:
         raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
