@@ -17,9 +17,18 @@ from fingerpad.contact import (
     HertzGeometry,
     HertzPressure,
     PadGap,
+    curvature_ratio,
+    equivalent_radius_from_area,
+    equivalent_radius_from_compliance,
+    equivalent_radius_from_indentation,
+    fast_contact,
     hertz_contact,
+    hertz_displacement,
+    indentation_factor,
+    layer_compliance_ratio,
     pad_contact,
     reduced_modulus,
+    size_factor,
     solve_contact,
     youngs_modulus,
 )
@@ -60,7 +69,16 @@ from fingerpad.image import (
     read_image,
     scan_texture,
 )
-from fingerpad.loading import LoadingCurve, read_loading_curve
+from fingerpad.loading import (
+    LoadingCurve,
+    area_from_load,
+    indentation_from_load,
+    load_from_indentation,
+    local_area_exponent,
+    read_loading_curve,
+    secant_modulus,
+)
+from fingerpad.published import radius_with_misprint
 from fingerpad.simulate import render_coin, render_contact_image, render_finger, render_sequence
 from fingerpad.uncertainty import Inputs, pad_model, propagate
 
@@ -283,6 +301,26 @@ SCALARS = {
         propagate(lambda load: {"double": 2 * load}, Inputs.of(load=(2, 0.1)))["double"].value
     ),
     "uncertainty": lambda: propagate(lambda load: {"double": load}, Inputs.of(load=(2, 0.1)))["double"].std,
+    "F2": lambda: indentation_factor(0.7),
+    "F1": lambda: size_factor(0.7),
+    "curvature ratio": lambda: curvature_ratio(0.7),
+    "load from indentation": lambda: load_from_indentation(1.8, loading_radius=20, initial_modulus=0.1),
+    "indentation from load": lambda: indentation_from_load(2, loading_radius=20, initial_modulus=0.1),
+    "area from load": lambda: area_from_load(2, loading_radius=20, initial_modulus=0.1),
+    "secant modulus": lambda: secant_modulus(2, 1.8, loading_radius=20),
+    "area exponent": lambda: local_area_exponent(2, initial_modulus=0.04, load_coefficient=0.02),
+    "radius with the misprint": lambda: radius_with_misprint(PAD, 0.5),
+    "radius of a paraboloid": lambda: PadGap.paraboloid(10, 12).first_radius,
+    "flatness of a paraboloid": lambda: PadGap.paraboloid(10, 12).flatness,
+    "radius of a gap": lambda: PadGap.of(PAD, wedge_angle=0.5).second_radius,
+    "displacement": lambda: hertz_displacement(0, 0, semi_x=1, semi_y=1, peak_pressure=1, reduced_modulus=1),
+    "layer compliance": lambda: layer_compliance_ratio(1.0, 0.5),
+    "indentation of a layer": lambda: (
+        fast_contact(PadGap.paraboloid(10, 12), load=1, reduced_modulus=0.1).indentation
+    ),
+    "equivalent radius from area": lambda: equivalent_radius_from_area(15, 0.7),
+    "equivalent radius from compliance": lambda: equivalent_radius_from_compliance(15, 0.7),
+    "equivalent radius from indentation": lambda: equivalent_radius_from_indentation(15, 0.7),
     "load at a time": lambda: ForceSignal([0, 1], [0, 1]).load_at(0.5),
     **{
         f"{name} of pad_contact": lambda name=name: getattr(

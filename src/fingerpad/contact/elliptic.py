@@ -238,4 +238,5 @@ def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
     0.995216154
     """
     cube, product = factor_products(axis_ratio)
-    return as_float_array(product / np.cbrt(cube))
+    factor: FloatArray = product / np.cbrt(cube)
+    return factor

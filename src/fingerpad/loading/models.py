@@ -60,7 +60,7 @@ def load_from_indentation(
     )
     h = hertz_stiffness(radius, ratio) * np.maximum(xi, 0) ** 1.5
     rest = 1 - coefficient * h
-    return np.where(rest > 0, modulus * h / rest, np.nan)
+    return np.where(rest > 0, modulus * h / rest, np.nan)[()]
 
 
 @np.errstate(all="ignore")
@@ -96,9 +96,8 @@ def indentation_from_load(
     W, radius, modulus, coefficient, ratio = broadcast(
         load, loading_radius, initial_modulus, load_coefficient, poisson_ratio
     )
-    return np.asarray(
-        (3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * (modulus + coefficient * W))) ** (2 / 3)
-    )
+    xi: FloatArray = (3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * (modulus + coefficient * W))) ** (2 / 3)
+    return xi
 
 
 @np.errstate(all="ignore")
@@ -129,7 +128,7 @@ def secant_modulus(
     102.4 kPa
     """
     W, xi, radius, ratio = broadcast(load, indentation, loading_radius, poisson_ratio)
-    return np.where(xi > 0, 3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * xi**1.5), np.nan)
+    return np.where(xi > 0, 3 * (1 - ratio**2) * W / (4 * np.sqrt(radius) * xi**1.5), np.nan)[()]
 
 
 def area_from_load(
@@ -168,7 +167,8 @@ def area_from_load(
         load_coefficient=load_coefficient,
         poisson_ratio=poisson_ratio,
     )
-    return np.asarray(np.pi * as_float_array(loading_radius) * xi)
+    area: FloatArray = np.pi * as_float_array(loading_radius) * xi
+    return area
 
 
 @np.errstate(all="ignore")
