@@ -121,7 +121,7 @@ if __name__ == "__main__":
     sequences.press_accuracy()
     sequences.sequence_memory()
     engine.engines()
-    engine.long_film()
+    engine.long_sequence()
     engine.stored_study()
     loading.loading_coverage(repeats=100)
     loading_truth.print_table(repeats=10)

@@ -59,7 +59,7 @@ scale = {{ ppi = {ppi} }}
 name = "long"
 finger = "f"
 wedge_angle_deg = 30
-file = "film"
+file = "frames"
 scale = {{ ppi = 500 }}
 force = "force.csv"
 frames_per_second = 500
@@ -102,10 +102,10 @@ def _write_study(folder: Path) -> None:
     pixels = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3).pixels
     big = Image.fromarray(pixels).resize((SIDE, SIDE), Image.Resampling.BICUBIC)
     big.save(folder / "one.png")
-    (folder / "film").mkdir()
-    Image.fromarray(pixels).save(folder / "film" / "f0000.png")
+    (folder / "frames").mkdir()
+    Image.fromarray(pixels).save(folder / "frames" / "f0000.png")
     for number in range(1, FRAMES):
-        (folder / "film" / f"f{number:04d}.png").hardlink_to(folder / "film" / "f0000.png")
+        (folder / "frames" / f"f{number:04d}.png").hardlink_to(folder / "frames" / "f0000.png")
     times = "\n".join(f"{number / 500},1" for number in range(FRAMES))
     (folder / "force.csv").write_text(f"time_s,force_N\n{times}\n", encoding="ascii")
     text = _STUDY.format(ppi=500 * SIDE / pixels.shape[1])
@@ -149,7 +149,7 @@ def _drag(page: Page) -> list[float]:
 
 def _scroll(page: Page) -> tuple[float, list[float]]:
     start = page.evaluate("() => performance.now()")
-    _go(page, "contacts/film:long")
+    _go(page, "contacts/sequence:long")
     page.locator(".filmstrip .cell").first.wait_for()
     opened: float = page.evaluate("() => performance.now()") - start
     waits: list[float] = page.evaluate(_SCROLL)

@@ -1,4 +1,4 @@
-"""Measuring on several processes, resuming, and long films: ``python -m benchmarks.engine``."""
+"""Measuring on several processes, resuming, and long sequences: ``python -m benchmarks.engine``."""
 
 import json
 import multiprocessing
@@ -24,7 +24,7 @@ from fingerpad.study.manifest import Study, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
 from fingerpad.study.measuring.sequence_header import header_task
-from fingerpad.study.measuring.sequences import film_plan
+from fingerpad.study.measuring.sequences import sequence_plan
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 
@@ -36,12 +36,12 @@ semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
 semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
 synthetic = true
 """
-_FILM = """
+_SEQUENCE = """
 [[sequences]]
-name = "film_{number}"
+name = "sequence_{number}"
 finger = "finger_{finger}"
 wedge_angle_deg = {wedge}
-file = "film_{number}.tif"
+file = "sequence_{number}.tif"
 force = "force_{number}.csv"
 scale = {{ ppi = {ppi} }}
 frames_per_second = 500
@@ -49,34 +49,34 @@ synthetic = true
 """
 
 
-def make_study(folder: Path, *, films: int, frames: int, ppi: float, size: float = 1.0) -> Path:
-    """Write a study of synthetic films, each of a rendered press, and return its manifest."""
+def make_study(folder: Path, *, sequences: int, frames: int, ppi: float, size: float = 1.0) -> Path:
+    """Write a study of synthetic sequences, each of a rendered press, and return its manifest."""
     rendered = min(frames, 40)
     loads = np.interp(np.arange(rendered), [0, rendered // 2, rendered - 1], [0.05, 2 * size, 0.05])
     press = render_sequence(loads, radii=(14.3 * size, 13.0 * size), reduced_modulus=0.09, ppi=ppi, seed=1)
     pages = [press.pixels(k) for k in range(rendered)]
     stretched = np.arange(frames) * rendered // frames
-    for number in range(films):
-        with tifffile.TiffWriter(folder / f"film_{number}.tif") as writer:
+    for number in range(sequences):
+        with tifffile.TiffWriter(folder / f"sequence_{number}.tif") as writer:
             for page in stretched:
                 writer.write(pages[page], contiguous=False)
         rows = "\n".join(f"{k / FPS},{loads[page]}" for k, page in enumerate(stretched))
         (folder / f"force_{number}.csv").write_text(f"time_s,force_N\n{rows}\n", encoding="ascii")
     fingers = "".join(_FINGER.format(number=number) for number in range(5))
     tables = "".join(
-        _FILM.format(number=number, finger=number % 5, wedge=(15, 45)[number // 5 % 2], ppi=ppi)
-        for number in range(films)
+        _SEQUENCE.format(number=number, finger=number % 5, wedge=(15, 45)[number // 5 % 2], ppi=ppi)
+        for number in range(sequences)
     )
     manifest = folder / "study.toml"
-    manifest.write_text(f'title = "Synthetic films"\n{fingers}{tables}', encoding="utf-8")
+    manifest.write_text(f'title = "Synthetic sequences"\n{fingers}{tables}', encoding="utf-8")
     return manifest
 
 
-def engines(films: int = 4, frames: int = 1500) -> None:
+def engines(sequences: int = 4, frames: int = 1500) -> None:
     """Print frames a second of one process, of two, and of two workers of Dask, and what keeping costs."""
-    print(f"\nMeasuring {films * frames:,} frames of 614 x 582 px, start of processes included")
+    print(f"\nMeasuring {sequences * frames:,} frames of 614 x 582 px, start of processes included")
     with tempfile.TemporaryDirectory() as folder:
-        manifest = make_study(Path(folder), films=films, frames=frames, ppi=1000)
+        manifest = make_study(Path(folder), sequences=sequences, frames=frames, ppi=1000)
         rates: dict[str, float] = {}
         for name, options in (
             ("one process", {}),
@@ -84,7 +84,7 @@ def engines(films: int = 4, frames: int = 1500) -> None:
             ("Dask, two workers", {"workers": 2, "scheduler": "local"}),
         ):
             seconds, spent = _timed(manifest, Path(folder) / name, **options)
-            rates[name] = films * frames / seconds
+            rates[name] = sequences * frames / seconds
             aside = f", {100 * (seconds / spent - 1):.1f} % of it beside measuring (asked: 5)"
             print(f"    {name:<18} {rates[name]:6.1f} frames/s{aside if not options else ''}")
         pool = rates["two processes"]
@@ -104,10 +104,10 @@ def _timed(manifest: Path, out: Path, **options: Any) -> tuple[float, float]:
     return reported[-1][0] - reported[0][0], sum(one.seconds for _, one in reported)
 
 
-def long_film(short: int = 200, long: int = 20_000) -> None:
+def long_sequence(short: int = 200, long: int = 20_000) -> None:
     """Print the peak memory of measuring a short and a long TIFF, parent and workers."""
     print("\nPeak memory of measuring a TIFF of small frames with two processes")
-    peaks = {frames: _in_child(_film_memory, frames) for frames in (short, long)}
+    peaks = {frames: _in_child(_sequence_memory, frames) for frames in (short, long)}
     for frames, (seconds, own, worker) in peaks.items():
         print(
             f"    {frames:6,} frames: this process {own:.0f} MB, the larger worker {worker:.0f} MB, "
@@ -117,18 +117,18 @@ def long_film(short: int = 200, long: int = 20_000) -> None:
     print(f"    the long one needs {more[0]:.0f} and {more[1]:.0f} MB more (asked: 100)")
 
 
-def _film_memory(frames: int) -> tuple[float, float, float]:
+def _sequence_memory(frames: int) -> tuple[float, float, float]:
     with tempfile.TemporaryDirectory() as folder:
-        manifest = make_study(Path(folder), films=1, frames=frames, ppi=240, size=0.4)
+        manifest = make_study(Path(folder), sequences=1, frames=frames, ppi=240, size=0.4)
         seconds, _ = _timed(manifest, Path(folder) / "out", workers=2)
         return seconds, peak_mb(), peak_of_children_mb()
 
 
-def stored_study(films: int = 50, frames: int = 2000) -> None:
+def stored_study(sequences: int = 50, frames: int = 2000) -> None:
     """Print what a finished study of many frames costs: its status, and a run that measures nothing."""
-    print(f"\nA finished study of {films} films, {films * frames:,} frames")
+    print(f"\nA finished study of {sequences} sequences, {sequences * frames:,} frames")
     with tempfile.TemporaryDirectory() as folder:
-        manifest = make_study(Path(folder), films=films, frames=frames, ppi=240, size=0.4)
+        manifest = make_study(Path(folder), sequences=sequences, frames=frames, ppi=240, size=0.4)
         out = Path(folder) / "out"
         _fill(manifest, out)
         start = time.perf_counter()
@@ -157,7 +157,7 @@ def measured_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
 
 
 def _fill(manifest: Path, out: Path) -> None:
-    """Measure the first film, and store its results for the others, which show the same."""
+    """Measure the first sequence, and store its results for the others, which show the same."""
     out.mkdir()
     study, folder = read_study(manifest), manifest.parent
     first = study.sequences[0].name
@@ -167,7 +167,7 @@ def _fill(manifest: Path, out: Path) -> None:
         records: dict[str, str] = {}
         for sequence in study.sequences:
             header = header_task(sequence, context)
-            stages = film_plan(sequence, context)
+            stages = sequence_plan(sequence, context)
             for task in chain([header], chain.from_iterable(stages)):
                 like = task.name.replace(sequence.name, first, 1)
                 if like not in records:
@@ -184,5 +184,5 @@ def _in_child(work: Any, *args: Any) -> Any:
 
 if __name__ == "__main__":
     engines()
-    long_film()
+    long_sequence()
     stored_study()

@@ -93,7 +93,7 @@ def add_decisions(folder: Path) -> None:
         "observations": [{"name": "waiting", "finger": "synthetic_pad", "file": "synthetic/truth.csv"}],
         "scales": {"camera_2": {"coin": "coin.png"}},
         "fingers": [{"name": "thumb", "photographs": [{"file": "synthetic/photograph_palmar.jpg"}]}],
-        "sequences": [{"name": "film", "path": "synthetic", "scale": {"coin": "coin.png"}}],
+        "sequences": [{"name": "press", "path": "synthetic", "scale": {"coin": "coin.png"}}],
         "curves": [{"finger": "synthetic_pad", "file": "synthetic/truth.csv"}],
     }
     text = f"{manifest.read_text(encoding='utf-8')}\n{tomlkit.dumps(incomplete)}"

@@ -55,19 +55,19 @@ class Cost(NamedTuple):
         return self.model_s + self.tables_s + self.report_s
 
 
-def films_of(
+def sequences_of(
     rows: int, frames: int = FRAMES, fingers: int = FINGERS, wedges: tuple[float, ...] = WEDGES
 ) -> list[ContactSequence]:
-    """Return the films of a study of so many rows: so many frames each at most, over fingers and angles."""
+    """Return the sequences of so many rows: at most so many frames each, over fingers and angles."""
     count = math.ceil(rows / frames)
     return [
         ContactSequence.model_validate(
             {
-                "name": f"film_{number}",
+                "name": f"sequence_{number}",
                 "finger": f"finger_{number % fingers}",
                 "wedge_angle_deg": wedges[number // fingers % len(wedges)],
-                "file": f"film_{number}.tif",
-                "force": f"film_{number}.csv",
+                "file": f"sequence_{number}.tif",
+                "force": f"sequence_{number}.csv",
                 "scale": {"ppi": 500},
                 "synthetic": True,
             }
@@ -76,14 +76,19 @@ def films_of(
     ]
 
 
-def measurements_of(film: ContactSequence, count: int) -> Iterator[Measurement]:
+def measurements_of(sequence: ContactSequence, count: int) -> Iterator[Measurement]:
     """Yield the frames of a press to 2 N and back; one of a hundred cannot be read, one is cut."""
-    rng = np.random.default_rng(int(film.name.removeprefix("film_")))
+    rng = np.random.default_rng(int(sequence.name.removeprefix("sequence_")))
     for frame in range(count):
         load = 0.1 + 1.9 * (1 - abs(2 * frame / max(count - 1, 1) - 1))
         phase = "loading" if 2 * frame < count else "unloading"
-        place: dict[str, Any] = {"sequence": film.name, "frame": frame, "time_s": frame / 500, "phase": phase}
-        name = f"{film.name}#{frame}"
+        place: dict[str, Any] = {
+            "sequence": sequence.name,
+            "frame": frame,
+            "time_s": frame / 500,
+            "phase": phase,
+        }
+        name = f"{sequence.name}#{frame}"
         if frame % 100 == 7:
             yield Measurement(
                 observation=name, load_N=load, reason="the page is damaged", **place, counts=False
@@ -97,7 +102,7 @@ def measurements_of(film: ContactSequence, count: int) -> Iterator[Measurement]:
             semi_major_mm=float(axes[0]),
             semi_minor_mm=float(axes[1]),
             covariance_mm2=EDGE_STD**2 * np.eye(2) + SCALE_STD**2 * np.outer(axes, axes),
-            scale=f"sequence:{film.name}",
+            scale=f"sequence:{sequence.name}",
             relative_scale_std=SCALE_STD,
             long_axis="along",
             gross_area_mm2=area,
@@ -126,14 +131,14 @@ def study_result(
     wedges: tuple[float, ...] = WEDGES,
 ) -> StudyResult:
     """Return the result of a synthetic study of so many rows, its measurements streamed."""
-    films = films_of(rows, frames, fingers, wedges)
-    counts = [min(frames, rows - frames * number) for number in range(len(films))]
-    names = dict.fromkeys(film.finger for film in films)
+    sequences = sequences_of(rows, frames, fingers, wedges)
+    counts = [min(frames, rows - frames * number) for number in range(len(sequences))]
+    names = dict.fromkeys(sequence.finger for sequence in sequences)
     study = Study.model_validate(
         {
             "title": f"Synthetic study of {rows:,} rows",
             "fingers": [{"name": name, **_given()} for name in names],
-            "sequences": [film.model_dump(exclude_defaults=True) for film in films],
+            "sequences": [sequence.model_dump(exclude_defaults=True) for sequence in sequences],
             "uncertainty": {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.02},
         }
     )
@@ -149,9 +154,9 @@ def study_result(
     }
 
     def seen() -> Iterator[tuple[Contact, Measurement]]:
-        for film, count in zip(films, counts, strict=True):
-            for measured in measurements_of(film, count):
-                yield film, measured
+        for sequence, count in zip(sequences, counts, strict=True):
+            for measured in measurements_of(sequence, count):
+                yield sequence, measured
 
     with Store.writing(folder / STORE_NAME) as store:
         return result_of(
@@ -159,7 +164,9 @@ def study_result(
                 context=RunContext(study=study, folder=folder),
                 progress=Progress(pictures=rows, failed=0, total=rows),
                 fingers=known,
-                sequences=[_sequence(film, count) for film, count in zip(films, counts, strict=True)],
+                sequences=[
+                    _sequence(sequence, count) for sequence, count in zip(sequences, counts, strict=True)
+                ],
                 curves=[],
                 contacts=seen(),
             ),
@@ -196,10 +203,10 @@ def _given() -> dict[str, dict[str, float]]:
     }
 
 
-def _sequence(film: ContactSequence, count: int) -> SequenceResult:
+def _sequence(sequence: ContactSequence, count: int) -> SequenceResult:
     failed = sum(frame % 100 == 7 for frame in range(count))
     return SequenceResult(
-        manifest=film,
+        manifest=sequence,
         summary=SequenceSummary(
             count=count,
             measured=count - failed,
@@ -248,11 +255,11 @@ def report_of_many_fingers(workers: int = 2) -> tuple[float, float]:
         with Store.writing(out / STORE_NAME) as store, local_executor(out, workers) as executor:
             records_of(tasks, executor, store, out, on_drawn)
 
-    films = THESIS_FINGERS * len(THESIS_WEDGES)
+    sequences = THESIS_FINGERS * len(THESIS_WEDGES)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
         result = study_result(
-            THESIS_FRAMES * films, out, frames=THESIS_FRAMES, fingers=THESIS_FINGERS, wedges=THESIS_WEDGES
+            THESIS_FRAMES * sequences, out, frames=THESIS_FRAMES, fingers=THESIS_FINGERS, wedges=THESIS_WEDGES
         )
         seconds = []
         for _ in range(2):
@@ -261,15 +268,17 @@ def report_of_many_fingers(workers: int = 2) -> tuple[float, float]:
             seconds.append(time.perf_counter() - start)
     first, again = seconds
     print(
-        f"\nThe report of {films} films of {THESIS_FINGERS} fingers, {workers} workers: {first:.0f} s the "
-        f"first time, {again:.1f} s again, {peak_mb():.0f} MB"
+        f"\nThe report of {sequences} sequences of {THESIS_FINGERS} fingers, {workers} workers: "
+        f"{first:.0f} s the first time, {again:.1f} s again, {peak_mb():.0f} MB"
     )
     return first, again
 
 
 def rows_at_scale(largest: int = 5) -> list[Cost]:
     """Print and return seconds and memory from 10² rows to 10^`largest`, with the exponent of the cost."""
-    print("\nAfter measuring: model, tables and report of synthetic films; processor time, a process each")
+    print(
+        "\nAfter measuring: model, tables and report of synthetic sequences; processor time, a process each"
+    )
     print("       rows    model   tables   report    total  exponent  peak memory  report.html")
     found: list[Cost] = []
     for power in range(2, largest + 1):

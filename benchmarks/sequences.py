@@ -109,7 +109,7 @@ def _print_errors(look: str, phase: str, errors: FloatArray) -> None:
 
 
 def sequence_memory() -> None:
-    """Print the peak memory of a process that measures a short film and a long one of the same frames."""
+    """Print the peak memory of a process that measures a short sequence and a long one of the same frames."""
     print("\nPeak memory of a process, frames of 32 x 48 px from a TIFF file")
     context = multiprocessing.get_context("spawn")
     with tempfile.TemporaryDirectory() as folder:
@@ -121,13 +121,13 @@ def sequence_memory() -> None:
                 for _ in range(count):
                     tiff.write(noise, photometric="minisblack", contiguous=False)
             with context.Pool(1) as pool:
-                peak, seconds, measured = pool.apply(_measure_film, (path,))
+                peak, seconds, measured = pool.apply(_measure_sequence, (path,))
             print(
                 f"    {count:5d} frames: {peak:6.1f} MB, {count / seconds:5.0f} frames/s, {measured} measured"
             )
 
 
-def _measure_film(path: Path) -> tuple[float, float, int]:
+def _measure_sequence(path: Path) -> tuple[float, float, int]:
     frames, scale = open_frames(path), Scale(0.12)
     start = time.perf_counter()
     settings = estimate_settings(frames, scale)

@@ -51,11 +51,11 @@ file = "o{number}.png"
 scale = {{ ppi = 240 }}
 synthetic = true
 """
-_FILM: Final = """[[sequences]]
+_SEQUENCE: Final = """[[sequences]]
 name = "p"
 finger = "f"
 wedge_angle_deg = 30
-file = "film"
+file = "frames"
 scale = { ppi = 240 }
 force = "force.csv"
 frames_per_second = 20
@@ -70,7 +70,7 @@ def make_study(folder: Path) -> Path:
     for number, size in enumerate(sizes):
         truth = render_contact_image(semi_major=size, semi_minor=3.2, ppi=240, seed=number)
         Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
-    (folder / "film").mkdir()
+    (folder / "frames").mkdir()
     loads = np.interp(np.arange(FRAMES), [0, FRAMES // 2, FRAMES - 1], [0.2, 2.0, 0.2])
     for number, load in enumerate(loads):
         truth = render_contact_image(
@@ -79,11 +79,11 @@ def make_study(folder: Path) -> Path:
         page = np.full((260, 220), 230, np.uint8)
         rows, columns = (min(a, b) for a, b in zip(page.shape, truth.pixels.shape, strict=True))
         page[:rows, :columns] = truth.pixels[:rows, :columns]
-        Image.fromarray(page).save(folder / "film" / f"f{number:03d}.png")
+        Image.fromarray(page).save(folder / "frames" / f"f{number:03d}.png")
     rows_text = "\n".join(f"{number / 20},{load:.4f}" for number, load in enumerate(loads))
     (folder / "force.csv").write_text(f"time_s,force_N\n{rows_text}\n", encoding="ascii")
     pictures = "".join(_PICTURE.format(number=number, load=1 + number) for number in range(PICTURES))
-    (folder / "study.toml").write_text(_STUDY + pictures + _FILM, encoding="utf-8")
+    (folder / "study.toml").write_text(_STUDY + pictures + _SEQUENCE, encoding="utf-8")
     return folder / "study.toml"
 
 

@@ -34,7 +34,7 @@ _ODD_NUMBERS = (0, 1, 2, 3, 7, 255, 256, 32767, 65535, 10**5, 10**7, 2**31 - 1, 
 NAMES = (
     *("a.png", "a.jpg", "a.bmp", "a.pgm", "lzw.tif", "deep.png", "face.jpg", "face.ppm", "deep_colour.png"),
     *("packbits.tif", "jpeg.tif", "tiff_lzw.tif", "fax.tif", "palette.png", "progressive.jpg", "tiled.tif"),
-    *("white.tif", "planes.tif", "doubles.tif", "stack.tif", "film.avi", "film.mp4"),
+    *("white.tif", "planes.tif", "doubles.tif", "stack.tif", "video.avi", "video.mp4"),
 )
 
 
@@ -64,8 +64,8 @@ def originals() -> dict[str, bytes]:
         file = io.BytesIO()
         tifffile.imwrite(file, array, **options)
         found[name] = file.getvalue()
-    for name, codec in (("film.avi", "MJPG"), ("film.mp4", "mp4v")):
-        found[name] = _film(grey, name, codec)
+    for name, codec in (("video.avi", "MJPG"), ("video.mp4", "mp4v")):
+        found[name] = _video(grey, name, codec)
     return found
 
 
@@ -75,14 +75,14 @@ def _saved(image: Image.Image, form: str, **options: object) -> bytes:
     return file.getvalue()
 
 
-def _film(grey: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], name: str, codec: str) -> bytes:
+def _video(grey: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], name: str, codec: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
         fourcc = int(cv2.VideoWriter.fourcc(*codec))
-        film = cv2.VideoWriter(str(path), fourcc, 50.0, (grey.shape[1], grey.shape[0]))
+        writer = cv2.VideoWriter(str(path), fourcc, 50.0, (grey.shape[1], grey.shape[0]))
         for _ in range(5):
-            film.write(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR))
-        film.release()
+            writer.write(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR))
+        writer.release()
         return path.read_bytes()
 
 

@@ -23,13 +23,13 @@ LOADS = {30: (0.25, 0.5, 1.0, 2.0, 4.0), 45: (0.5, 1.0, 2.0, 4.0)}
 LOOKS = {30: "livescan", 45: "ink"}
 PPI = 500.0
 MM_PER_PX = 0.05
-FILM_PPI = 240.0
+SEQUENCE_PPI = 240.0
 FRAMES_PER_SECOND, FRAMES = 20.0, 24
 RATES, HELD_RATE = (0.2, 2.0, 10.0), 2.0
 
 
 def main() -> None:
-    """Write images, photographs, curves, film and truth."""
+    """Write images, photographs, curves, sequence and truth."""
     FOLDER.mkdir(exist_ok=True)
     truth = [row for wedge in LOADS for row in render_images(wedge)]
     with (FOLDER / "truth.csv").open("w", newline="", encoding="utf-8") as file:
@@ -114,7 +114,7 @@ def render_curves(wedge: int) -> None:
 
 
 def render_press(wedge: int) -> None:
-    """Film a press to 2 N, a hold and the release, with a force whose trigger starts the camera."""
+    """Render a press to 2 N, a hold and the release, with a force whose trigger starts the camera."""
     knots, loads = (0.06, 0.55, 0.75, 1.12), (0.0, 2.0, 2.0, 0.0)
     time = np.arange(FRAMES) / FRAMES_PER_SECOND
     load = np.interp(time, knots, loads)
@@ -124,7 +124,7 @@ def render_press(wedge: int) -> None:
         load,
         radii=(float(max(radii)), float(min(radii))),
         reduced_modulus=REDUCED_MODULUS,
-        ppi=FILM_PPI,
+        ppi=SEQUENCE_PPI,
         noise_std=2.0,
         seed=17,
     )

@@ -497,11 +497,11 @@ def test_scale_from_circle_and_grid(print_file: Path, tmp_path: Path) -> None:
 def test_progress_bar_on_terminals_only(
     print_file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    film = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
+    sequence = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
     for command, count in (
         (["print", print_file], 1),
         (["print", print_file, print_file], 2),
-        (["sequence", film], 24),
+        (["sequence", sequence], 24),
     ):
         ours, theirs = pty.openpty()
         with os.fdopen(theirs, "w") as terminal, monkeypatch.context() as patched:

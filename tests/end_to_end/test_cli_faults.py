@@ -19,7 +19,7 @@ from fingerpad.cli import app
 from fingerpad.simulate import render_contact_image
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
-FILM = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
+SEQUENCE = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
 HERTZ = ("hertz", "--radii-mm", "12", "14", "--load-n", "2", "--modulus-kpa", "100")
 PROGRAM = (sys.executable, "-m", "fingerpad")
 # The same, with interrupts, which processes started in the background ignore.
@@ -154,7 +154,7 @@ def test_results_printed_before_error(tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setattr(fingerpad.image, "write_overlay", write_some)
     overlay = tmp_path / "overlay"
     done = CliRunner().invoke(
-        app, ["measure", "sequence", str(FILM), "--ppi", "240", "--overlay-dir", str(overlay), "--json"]
+        app, ["measure", "sequence", str(SEQUENCE), "--ppi", "240", "--overlay-dir", str(overlay), "--json"]
     )
     assert done.exit_code == 1
     assert done.stderr == "fingerpad: this cannot be done (ZeroDivisionError: division by zero)\n"
@@ -162,20 +162,20 @@ def test_results_printed_before_error(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def test_damaged_sequence_refused_or_measured(tmp_path: Path) -> None:
-    film = tmp_path / "film.avi"
-    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 10, (120, 120))
+    video = tmp_path / "video.avi"
+    writer = cv2.VideoWriter(str(video), cv2.VideoWriter.fourcc(*"MJPG"), 10, (120, 120))
     pixels = cv2.resize(render_contact_image(seed=1).pixels, (120, 120))
     for _ in range(6):
         writer.write(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
     writer.release()
-    whole, rng = film.read_bytes(), random.Random(1)
+    whole, rng = video.read_bytes(), random.Random(1)
     codes = set()
     for _ in range(30):
         damaged = bytearray(whole)
         for _ in range(rng.choice((1, 20, 300))):
             damaged[rng.randrange(len(damaged))] = rng.randrange(256)
-        film.write_bytes(damaged[: rng.choice((len(damaged), rng.randrange(len(damaged))))])
-        done = CliRunner().invoke(app, ["measure", "sequence", str(film), "--ppi", "250", "--json"])
+        video.write_bytes(damaged[: rng.choice((len(damaged), rng.randrange(len(damaged))))])
+        done = CliRunner().invoke(app, ["measure", "sequence", str(video), "--ppi", "250", "--json"])
         assert isinstance(done.exception, SystemExit | None), done.exception
         assert done.exit_code == 2 or json.loads(done.stdout)
         codes.add(done.exit_code)
@@ -262,7 +262,7 @@ def test_wrapped_interrupt_is_interrupt(place: str, function: str) -> None:
 
 def test_interrupted_sequence_message() -> None:
     with subprocess.Popen(
-        [*INTERRUPTIBLE, "measure", "sequence", str(FILM), "--ppi", "240", "--json"],
+        [*INTERRUPTIBLE, "measure", "sequence", str(SEQUENCE), "--ppi", "240", "--json"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -10,35 +10,35 @@ from fingerpad.image import Scale, open_frames
 
 
 @pytest.fixture(params=["folder", "tiff", "video"])
-def film(request, tmp_path):
+def frames(request, tmp_path):
     levels = np.arange(12)[:, None, None] * 15 + np.zeros((12, 32, 48))
     pictures = levels.astype(np.uint8)
     if request.param == "tiff":
-        tifffile.imwrite(tmp_path / "film.tif", pictures, photometric="minisblack")
-        return open_frames(tmp_path / "film.tif")
+        tifffile.imwrite(tmp_path / "stack.tif", pictures, photometric="minisblack")
+        return open_frames(tmp_path / "stack.tif")
     if request.param == "folder":
-        (tmp_path / "film").mkdir()
+        (tmp_path / "frames").mkdir()
         for k, picture in enumerate(pictures):
-            cv2.imwrite(str(tmp_path / "film" / f"{k}.png"), picture)
-        return open_frames(tmp_path / "film")
-    writer = cv2.VideoWriter(str(tmp_path / "film.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (48, 32))
+            cv2.imwrite(str(tmp_path / "frames" / f"{k}.png"), picture)
+        return open_frames(tmp_path / "frames")
+    writer = cv2.VideoWriter(str(tmp_path / "video.avi"), cv2.VideoWriter_fourcc(*"MJPG"), 20, (48, 32))
     for picture in pictures:
         writer.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
     writer.release()
-    return open_frames(tmp_path / "film.avi")
+    return open_frames(tmp_path / "video.avi")
 
 
-def test_frame_alone_equals_frame_in_sequence(film):
-    for frame in list(film):
-        alone = film.at(frame.index)
+def test_frame_alone_equals_frame_in_sequence(frames):
+    for frame in list(frames):
+        alone = frames.at(frame.index)
         assert alone.index == frame.index
         np.testing.assert_array_equal(alone.pixels, frame.pixels)
 
 
 @pytest.mark.parametrize("index", [-1, 12, 10**9])
-def test_missing_frame_refused(film, index):
+def test_missing_frame_refused(frames, index):
     with pytest.raises(ImageError, match="there are 12"):
-        film.at(index)
+        frames.at(index)
 
 
 def test_length_uncertainty():

@@ -38,7 +38,7 @@ def levels(frames):
 
 
 def test_folder_in_natural_order(tmp_path):
-    frames = open_frames(write_folder(tmp_path / "film"))
+    frames = open_frames(write_folder(tmp_path / "frames"))
     assert len(frames) == 12
     for _ in range(2):
         assert levels(frames) == [10 * k for k in range(12)]
@@ -47,19 +47,19 @@ def test_folder_in_natural_order(tmp_path):
 
 def test_tiff_stack_depth(tmp_path):
     stack = np.stack([level(k).astype(np.uint16) * 250 for k in range(5)])
-    tifffile.imwrite(tmp_path / "film.tif", stack, photometric="minisblack")
-    frames = list(open_frames(tmp_path / "film.tif"))
+    tifffile.imwrite(tmp_path / "stack.tif", stack, photometric="minisblack")
+    frames = list(open_frames(tmp_path / "stack.tif"))
     assert frames[3].pixels.dtype == np.uint16
     np.testing.assert_array_equal(np.stack([frame.pixels for frame in frames]), stack)
 
 
 def test_compressed_pages(tmp_path):
     first, *others = [Image.fromarray(level(k)) for k in range(4)]
-    first.save(tmp_path / "film.tif", save_all=True, append_images=others, compression="tiff_lzw")
-    assert levels(open_frames(tmp_path / "film.tif")) == [0, 10, 20, 30]
+    first.save(tmp_path / "stack.tif", save_all=True, append_images=others, compression="tiff_lzw")
+    assert levels(open_frames(tmp_path / "stack.tif")) == [0, 10, 20, 30]
 
 
-@pytest.mark.parametrize(("name", "codec"), [("film.avi", "MJPG"), ("film.mp4", "mp4v")])
+@pytest.mark.parametrize(("name", "codec"), [("video.avi", "MJPG"), ("video.mp4", "mp4v")])
 def test_video(tmp_path, name, codec):
     frames = open_frames(write_video(tmp_path / name, codec))
     assert frames.kind == "video"
@@ -71,15 +71,15 @@ def test_video(tmp_path, name, codec):
 def test_truncated_video(tmp_path):
     whole = write_video(tmp_path / "whole.avi", "MJPG", count=60)
     data = whole.read_bytes()
-    (tmp_path / "film.avi").write_bytes(data[: len(data) * 2 // 3])
-    frames = list(open_frames(tmp_path / "film.avi"))
+    (tmp_path / "video.avi").write_bytes(data[: len(data) * 2 // 3])
+    frames = list(open_frames(tmp_path / "video.avi"))
     read = [frame for frame in frames if frame.pixels is not None]
     assert 20 < len(read) < 60
     assert all("the video ends after" in frame.reason for frame in frames[len(read) :])
 
 
 def test_damaged_page_fails_alone(tmp_path):
-    path = tmp_path / "film.tif"
+    path = tmp_path / "stack.tif"
     noise = np.random.default_rng(0).integers(0, 256, (9, 40, 50)).astype(np.uint8)
     tifffile.imwrite(path, noise, photometric="minisblack", compression="zlib")
     with tifffile.TiffFile(path) as tiff:
@@ -94,7 +94,7 @@ def test_damaged_page_fails_alone(tmp_path):
 
 
 def test_damaged_picture_or_size_fails_alone(tmp_path):
-    folder = write_folder(tmp_path / "film", count=6)
+    folder = write_folder(tmp_path / "frames", count=6)
     (folder / "frame2.png").write_bytes((folder / "frame2.png").read_bytes()[:40])
     Image.fromarray(np.zeros((24, 33), np.uint8)).save(folder / "frame4.png")
     frames = list(open_frames(folder))
@@ -107,9 +107,9 @@ def test_damaged_picture_or_size_fails_alone(tmp_path):
 def test_nan_and_large_pages_fail_alone(tmp_path):
     stack = np.ones((3, 20, 20), np.float32)
     stack[1, 2, 3] = np.nan
-    tifffile.imwrite(tmp_path / "film.tif", stack, photometric="minisblack")
-    assert levels(open_frames(tmp_path / "film.tif")) == [1, None, 1]
-    refused = list(open_frames(tmp_path / "film.tif", memory_limit=10_000))
+    tifffile.imwrite(tmp_path / "stack.tif", stack, photometric="minisblack")
+    assert levels(open_frames(tmp_path / "stack.tif")) == [1, None, 1]
+    refused = list(open_frames(tmp_path / "stack.tif", memory_limit=10_000))
     assert all(frame.pixels is None and "raise memory_limit" in frame.reason for frame in refused)
 
 
@@ -125,10 +125,10 @@ def make_text(path):
     ("name", "make", "words"),
     [
         ("none.avi", lambda path: None, "no such file or folder"),
-        ("film", make_empty_folder, "holds no picture"),
-        ("film.avi", make_text, "cannot be opened as a video"),
-        ("film.tif", make_text, "cannot be read as TIFF"),
-        ("film.png", make_text, "is one picture"),
+        ("frames", make_empty_folder, "holds no picture"),
+        ("video.avi", make_text, "cannot be opened as a video"),
+        ("stack.tif", make_text, "cannot be read as TIFF"),
+        ("frame.png", make_text, "is one picture"),
     ],
 )
 def test_not_a_sequence(tmp_path, name, make, words):
@@ -159,7 +159,7 @@ def test_memory_independent_of_length(tmp_path):
 
 
 def test_truncated_stack(tmp_path, capfd):
-    path = tmp_path / "film.tif"
+    path = tmp_path / "stack.tif"
     with tifffile.TiffWriter(path) as writer:  # page by page, as cameras write
         for k in range(10):
             writer.write(level(k), contiguous=False)

@@ -14,9 +14,9 @@ def test_every_file_has_a_test():
 @pytest.mark.parametrize("name", NAMES)
 def test_intact_files_are_read(tmp_path, name):
     (tmp_path / name).write_bytes(originals()[name])
-    film = name in {"film.avi", "film.mp4", "stack.tif"}
-    frames = "read" if film or name.endswith(".tif") else "refused"
-    assert use(tmp_path / name, as_photograph=False) == ["refused" if film else "read"] * 2 + [frames]
+    sequence = name in {"video.avi", "video.mp4", "stack.tif"}
+    frames = "read" if sequence or name.endswith(".tif") else "refused"
+    assert use(tmp_path / name, as_photograph=False) == ["refused" if sequence else "read"] * 2 + [frames]
 
 
 @pytest.mark.parametrize("name", NAMES)

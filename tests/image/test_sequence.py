@@ -42,7 +42,7 @@ def press():
 
 @pytest.fixture(scope="module")
 def frames(press, tmp_path_factory):
-    path = tmp_path_factory.mktemp("film") / "press.tif"
+    path = tmp_path_factory.mktemp("frames") / "press.tif"
     tifffile.imwrite(path, np.stack([press.pixels(k) for k in range(TIME.size)]), photometric="minisblack")
     return open_frames(path)
 
@@ -199,10 +199,10 @@ def test_faint_contact_refused(press, frames, settings):
     whole = press.pixels(30)
     ground = np.median(whole)
     faint, thin = (np.uint8(ground - share * (ground - whole)) for share in (0.25, 0.7))
-    films = [[Frame(index=0, pixels=pixels)] for pixels in (faint, thin)]
+    sequences = [[Frame(index=0, pixels=pixels)] for pixels in (faint, thin)]
     # With settings of its own even the faint frame passes for a contact.
-    assert next(measure_sequence(films[0], SCALE)).measures
-    refused, kept = (next(measure_sequence(film, SCALE, settings=settings)) for film in films)
+    assert next(measure_sequence(sequences[0], SCALE)).measures
+    refused, kept = (next(measure_sequence(sequence, SCALE, settings=settings)) for sequence in sequences)
     assert refused.measures is None
     assert kept.measures["gross_area_mm2"] == pytest.approx(press.gross_area[30], rel=0.01)
 

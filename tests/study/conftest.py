@@ -13,7 +13,7 @@ from fingerpad.study.pipeline import run_study
 
 @pytest.fixture(scope="session")
 def small_study(session_folder: Path) -> Path:
-    """Return the manifest of the small study, whose film is a folder of pictures."""
+    """Return the manifest of the small study, whose sequence is a folder of pictures."""
     folder = session_folder / "small-study"
     with FileLock(f"{folder}.lock"):
         return folder / "study.toml" if (folder / "study.toml").exists() else make(folder)
@@ -21,10 +21,10 @@ def small_study(session_folder: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def small_study_of_tiff(small_study: Path, session_folder: Path) -> Path:
-    """Return the manifest of the small study, whose film is a TIFF."""
+    """Return the manifest of the small study, whose sequence is a TIFF."""
     folder = session_folder / "small-study-of-tiff"
     with FileLock(f"{folder}.lock"):
-        if not (folder / "film.tif").exists():
+        if not (folder / "stack.tif").exists():
             shutil.rmtree(folder, ignore_errors=True)
             make_of_tiff(small_study, folder)
     return folder / "study.toml"
@@ -32,7 +32,7 @@ def small_study_of_tiff(small_study: Path, session_folder: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def small_run(small_study: Path, session_folder: Path) -> Path:
-    """Return the manifest of the small study, run with its film in pieces: the results are in ``out``."""
+    """Return the manifest of the small study, run with its sequence in pieces: the results are in ``out``."""
     folder = session_folder / "small-run"
     with FileLock(f"{folder}.lock"), pytest.MonkeyPatch.context() as patched:
         patched.setattr(sequences, "_LEAST_PIECE", PIECE)
@@ -44,5 +44,5 @@ def small_run(small_study: Path, session_folder: Path) -> Path:
 
 @pytest.fixture
 def small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Measure films in the pieces of `small_run`."""
+    """Measure sequences in the pieces of `small_run`."""
     monkeypatch.setattr(sequences, "_LEAST_PIECE", PIECE)

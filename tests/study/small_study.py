@@ -1,4 +1,4 @@
-"""A small study of pictures, a photograph and a film, quick to measure, for what can happen to a run."""
+"""A small study of pictures, a photograph and a sequence, quick to measure, for what can happen to a run."""
 
 import shutil
 from pathlib import Path
@@ -41,7 +41,7 @@ file = "o{number}.png"
 scale = {{ ppi = 240 }}
 synthetic = true
 """
-FILM = """[[sequences]]
+SEQUENCE = """[[sequences]]
 name = "p"
 finger = "f"
 wedge_angle_deg = 30
@@ -55,29 +55,29 @@ synthetic = true
 
 def make(folder: Path) -> Path:
     """Render the study's inputs, write its manifest, and return the manifest."""
-    (folder / "film").mkdir(parents=True, exist_ok=True)
+    (folder / "frames").mkdir(parents=True, exist_ok=True)
     for number in range(PICTURES):
         truth = render_contact_image(semi_major=4.0 + 0.2 * number, semi_minor=3.2, ppi=PPI, seed=number)
         Image.fromarray(truth.pixels).save(folder / f"o{number}.png")
     press = render_sequence(LOAD, radii=(14.3, 13.0), reduced_modulus=0.09, ppi=PPI, seed=5)
     for k in range(FRAMES):
-        Image.fromarray(press.pixels(k)).save(folder / "film" / f"f{k}.png")
+        Image.fromarray(press.pixels(k)).save(folder / "frames" / f"f{k}.png")
     for face in ("palmar", "distal"):
         finger = render_finger(face, mm_per_px=0.1, seed=3)
         Image.fromarray(finger.pixels).save(folder / f"{face}.jpg", quality=92)
     rows = "\n".join(f"{k / 20},{load}" for k, load in enumerate(LOAD))
     (folder / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
     pictures = "".join(PICTURE.format(number=k, load=1.0 + k) for k in range(PICTURES))
-    (folder / "study.toml").write_text(HEAD + pictures + FILM.format(path="film"))
+    (folder / "study.toml").write_text(HEAD + pictures + SEQUENCE.format(path="frames"))
     return folder / "study.toml"
 
 
 def make_of_tiff(small_study: Path, folder: Path) -> None:
-    """Copy the study with its film as a TIFF."""
+    """Copy the study with its sequence as a TIFF."""
     manifest = copy(small_study, folder)
-    manifest.write_text(manifest.read_text().replace('"film"', '"film.tif"'))
-    pages = [Image.open(folder / "film" / f"f{k}.png") for k in range(FRAMES)]
-    pages[0].save(folder / "film.tif", save_all=True, append_images=pages[1:])
+    manifest.write_text(manifest.read_text().replace('"frames"', '"stack.tif"'))
+    pages = [Image.open(folder / "frames" / f"f{k}.png") for k in range(FRAMES)]
+    pages[0].save(folder / "stack.tif", save_all=True, append_images=pages[1:])
 
 
 def copy(made: Path, folder: Path) -> Path:

@@ -184,21 +184,21 @@ def test_files_left_out_are_listed(tmp_path):
     assert not (other / "LEFT_OUT.txt").exists()
 
 
-def test_a_film_travels_with_its_frames_wherever_they_are(tmp_path):
+def test_a_sequence_travels_with_its_frames_wherever_they_are(tmp_path):
     folder = tmp_path / "study"
     write(folder, {}, set(), {})
-    (folder / ".data/film").mkdir()
+    (folder / ".data/frames").mkdir()
     for number in (1, 2):
-        (folder / f".data/film/f{number}.png").write_bytes(bytes([number]))
-    (folder / "film").symlink_to(".data/film")
+        (folder / f".data/frames/f{number}.png").write_bytes(bytes([number]))
+    (folder / "frames").symlink_to(".data/frames")
     (folder / "force.csv").write_text("time_s,force_N\n0,0\n")
-    film = {"name": "p", "finger": "f", "wedge_angle_deg": 30, "file": "film", "force": "force.csv"}
-    text = tomlkit.dumps({**HEAD, "sequences": [{**film, "scale": {"ppi": 500}}]})
+    sequence = {"name": "p", "finger": "f", "wedge_angle_deg": 30, "file": "frames", "force": "force.csv"}
+    text = tomlkit.dumps({**HEAD, "sequences": [{**sequence, "scale": {"ppi": 500}}]})
     (folder / "study.toml").write_text(text)
     found, other = round_trip(folder)
-    assert [path.read_bytes() for path in sorted((other / "film").iterdir())] == [b"\x01", b"\x02"]
-    assert read_study(other / "study.toml").sequences[0].file == "film"
-    assert [one.file for one in found.left_out] == [".data/", "film/"]
+    assert [path.read_bytes() for path in sorted((other / "frames").iterdir())] == [b"\x01", b"\x02"]
+    assert read_study(other / "study.toml").sequences[0].file == "frames"
+    assert [one.file for one in found.left_out] == [".data/", "frames/"]
 
 
 @pytest.mark.parametrize("place", ["beside", "around", "the study itself", "within"])

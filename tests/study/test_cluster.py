@@ -43,7 +43,7 @@ def made(small_study: Path) -> Path:
 
 @pytest.fixture
 def unfinished(small_run: Path, tmp_path: Path) -> Path:
-    """Return the manifest of a study whose run had yet to measure the pictures and the film."""
+    """Return the manifest of a study whose run had yet to measure the pictures and the sequence."""
     return copy_unfinished(small_run, tmp_path / "study", "o", "p")
 
 

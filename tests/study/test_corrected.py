@@ -180,18 +180,18 @@ def test_a_contact_not_found_automatically_is_measured_manually(folder, tmp_path
     )
 
 
-def test_frames_keep_the_films_reading(folder):
-    """A frame is measured as its film is; a stroke changes the region, not the reading."""
-    scale, film = Scale.of_ppi(500), STUDY.sequences[0]
+def test_frames_keep_the_sequences_reading(folder):
+    """A frame is measured as its sequence is; a stroke changes the region, not the reading."""
+    scale, sequence = Scale.of_ppi(500), STUDY.sequences[0]
     settings = measure_contact_image(TRUTH.pixels, scale).settings | {"ridge_period": 0.5}
-    plain = corrected_contact_image(TRUTH.pixels, scale, film, folder, settings=settings)
+    plain = corrected_contact_image(TRUTH.pixels, scale, sequence, folder, settings=settings)
     assert (
         plain.contact_image.as_record() == measure_contact_image(TRUTH.pixels, scale, **settings).as_record()
     )
     row, column = plain.contact_image.centroid
     stroke = {"action": "remove", "points_px": [[row - 150, column]], "radius_px": 40}
     change = ContactCorrection.model_validate({"strokes": [stroke]})
-    found = corrected_contact_image(TRUTH.pixels, scale, film, folder, change, settings=settings)
+    found = corrected_contact_image(TRUTH.pixels, scale, sequence, folder, change, settings=settings)
     assert found.automatic.as_record() == plain.contact_image.as_record()
     assert found.contact_image.ridge_period == plain.contact_image.ridge_period
     assert found.contact_image.gross_area < plain.contact_image.gross_area

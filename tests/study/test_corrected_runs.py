@@ -170,8 +170,8 @@ def test_corrections_of_a_picture_that_was_replaced_are_told(manifest: Path) -> 
     assert "another picture or force" in notes[0]
     decide(manifest, "o1", ELLIPSE)
     assert not run(manifest)[0].notes
-    film = manifest.parent / "film"
-    (film / "f8.png").write_bytes((film / "f9.png").read_bytes())
+    images = manifest.parent / "frames"
+    (images / "f8.png").write_bytes((images / "f9.png").read_bytes())
     notes = run(manifest)[0].notes
     assert [note.split()[1] for note in notes] == ["p#8"]
     assert "another picture or force" in notes[0]

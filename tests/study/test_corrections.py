@@ -146,7 +146,7 @@ def test_items_that_the_manifest_lost_wait(tmp_path):
 
 BAD = {
     "no such item": ("print_9", {"threshold": 1}, "nothing that can be corrected"),
-    "no such film": ("prints#1", {"threshold": 1}, "nothing that can be corrected"),
+    "no such sequence": ("prints#1", {"threshold": 1}, "nothing that can be corrected"),
     "no frame number": ("press#x", {"threshold": 1}, "nothing that can be corrected"),
     "frame number with zeros": ("press#007", {"threshold": 1}, "nothing that can be corrected"),
     "no such photograph": ("f/b.jpg", {"tip": "up"}, "nothing that can be corrected"),
@@ -161,7 +161,7 @@ BAD = {
     "key frame alone": ("press#4", {"key_frame": True}, "give ellipse_px"),
     "unknown action": ("print_1", {"strokes": [{**STROKE, "action": "smear"}]}, "action"),
     "minor first": ("print_1", {"ellipse_px": {"centre": [1, 1], "semi_axes": [3, 4]}}, "major one first"),
-    "phases of no film": ("print_1#phases", PHASES, "nothing that can be corrected"),
+    "phases of no sequence": ("print_1#phases", PHASES, "nothing that can be corrected"),
     "phases backwards": (
         "press#phases",
         {"phases": {"starts": STARTS[::-1], "why": "slipped"}},

@@ -332,9 +332,9 @@ def test_corrected_names_stay(folder):
     changed(folder, ("observation", "print_2", {"name": "other"}))
 
 
-def test_names_of_corrected_films_fingers_and_rows_of_a_spreadsheet_stay(folder):
-    (folder / "film").mkdir()
-    (folder / "film" / "1.png").write_bytes(b"a frame")
+def test_names_of_corrected_sequences_fingers_and_rows_of_a_spreadsheet_stay(folder):
+    (folder / "frames").mkdir()
+    (folder / "frames" / "1.png").write_bytes(b"a frame")
     (folder / "force.csv").write_text("time_s,force_N\n0,0\n1,1\n")
     (folder / "more.csv").write_text(
         "name,finger,wedge_angle_deg,load_N,file,ppi\nrow_1,left,30,1,a.png,500\nrow_2,left,30,1,a.png,500\n"
@@ -344,7 +344,7 @@ def test_names_of_corrected_films_fingers_and_rows_of_a_spreadsheet_stay(folder)
     photographs += '{ face = "distal", file = "b.png", scale = "reader" }]\n'
     text += "".join(f'[[fingers]]\nname = "{name}"\n{photographs}' for name in ("right", "rig"))
     text += "".join(
-        f'[[sequences]]\nname = "{name}"\nfinger = "left"\nwedge_angle_deg = 30\nfile = "film"\n'
+        f'[[sequences]]\nname = "{name}"\nfinger = "left"\nwedge_angle_deg = 30\nfile = "frames"\n'
         'force = "force.csv"\nscale = "reader"\n'
         for name in ("press", "pres")
     )
@@ -495,7 +495,7 @@ def test_what_is_missing_is_said(tmp_path):
     assert said(tmp_path) == {}
 
 
-def test_films_and_results_are_no_loose_pictures(folder):
+def test_sequences_and_results_are_no_loose_pictures(folder):
     (folder / "press").mkdir()
     for number in range(30):
         (folder / "press" / f"{number}.png").write_bytes(b"a frame")

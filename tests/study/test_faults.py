@@ -28,12 +28,12 @@ from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
-ITEMS = PICTURES + 3  # two photographs and a film
+ITEMS = PICTURES + 3  # two photographs and a sequence
 
 
 @pytest.fixture(scope="module")
 def whole(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyResult:
-    """Results of a run that measures the film in one piece."""
+    """Results of a run that measures the sequence in one piece."""
     return run_study(small_study, tmp_path_factory.mktemp("undisturbed"))
 
 
@@ -55,7 +55,7 @@ def finished(small_run: Path, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def unfinished(small_run: Path, tmp_path: Path) -> Path:
-    """Return the manifest of a study whose run had yet to measure the pictures and the film."""
+    """Return the manifest of a study whose run had yet to measure the pictures and the sequence."""
     return copy_unfinished(small_run, tmp_path / "study", "o", "p")
 
 
@@ -63,7 +63,7 @@ def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
     return list(run_study(manifest, out, **options).rows)
 
 
-def test_a_film_in_pieces_gives_the_rows_of_the_whole(finished: Path, undisturbed: list[dict]) -> None:
+def test_a_sequence_in_pieces_gives_the_rows_of_the_whole(finished: Path, undisturbed: list[dict]) -> None:
     out = finished.parent / "out"
     with Store.reading(out / STORE_NAME) as store:
         pieces = [name for name in store.statuses() if name.startswith("p frames")]
@@ -78,7 +78,9 @@ def test_two_processes_and_a_tiff_give_the_rows_of_one(
 ) -> None:
     found = run_study(small_study_of_tiff, tmp_path / "out", workers=2)
     assert [row | {"file": None} for row in found.rows] == [row | {"file": None} for row in whole.rows]
-    assert [film.overlays for film in found.sequences] == [film.overlays for film in whole.sequences]
+    assert [sequence.overlays for sequence in found.sequences] == [
+        sequence.overlays for sequence in whole.sequences
+    ]
     for name, finger in whole.fingers.items():
         assert np.array_equal(found.fingers[name].semi_axes, finger.semi_axes, equal_nan=True)
 
@@ -125,7 +127,7 @@ def workers_of(parent: int) -> list[str]:
 
 
 def stored(out: Path) -> int:
-    """Return the number of results in the store, but for the film's header, which no task reports."""
+    """Return the number of results in the store, but for the sequence's header, which no task reports."""
     with Store.reading(out / STORE_NAME) as store:
         return len(store.statuses().keys() - {"p header"})
 
@@ -184,10 +186,10 @@ CHANGES: dict[str, tuple[int, str, Callable[[Path], object]]] = {
     "deleted": (1, "o2.png", lambda path: path.unlink()),
     "a frame replaced": (
         2,
-        "film/f12.png",
+        "frames/f12.png",
         lambda path: replaced(path, (path.parent / "f2.png").read_bytes()),
     ),
-    "a frame deleted": (1, "film/f12.png", lambda path: path.unlink()),
+    "a frame deleted": (1, "frames/f12.png", lambda path: path.unlink()),
     "a photograph replaced": (2, "palmar.jpg", lambda path: replaced(path, b"no picture")),
 }
 
@@ -197,7 +199,7 @@ def test_an_input_that_changes_while_the_run_goes_on(
     small_run: Path, undisturbed: list[dict], tmp_path: Path, workers: int, name: str, change: Callable
 ) -> None:
     item = name.partition("/")[0]
-    task = {"film": "p", "palmar.jpg": "g/palmar.jpg"}.get(item, item.removesuffix(".png"))
+    task = {"frames": "p", "palmar.jpg": "g/palmar.jpg"}.get(item, item.removesuffix(".png"))
     manifest = copy_unfinished(small_run, tmp_path / "study", "o0", task)
     path, out = manifest.parent / name, manifest.parent / "out"
     before = path.read_bytes()

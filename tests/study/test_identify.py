@@ -120,7 +120,7 @@ def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
         ("force_displacement.csv", "loading curve", True),
     ],
 )
-def test_force_and_displacement_belong_to_a_film_if_the_name_says_force(
+def test_force_and_displacement_belong_to_a_sequence_if_the_name_says_force(
     tmp_path, name, content, is_sure
 ) -> None:
     (tmp_path / name).write_text("time_s,force_N,displacement_mm\n0,0,0\n")

@@ -1,4 +1,4 @@
-"""The place of contact of a filmed press."""
+"""The place of contact in a sequence."""
 
 import numpy as np
 import pytest

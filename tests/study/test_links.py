@@ -32,7 +32,7 @@ scale = { coin = "euro.png", diameter_mm = 23.25 }
 name = "p"
 finger = "index"
 wedge_angle_deg = 30
-file = "film"
+file = "frames"
 force = "force.csv"
 times = "times.csv"
 scale = { ppi = 500 }
@@ -42,8 +42,8 @@ wedge_angle_deg = 30
 file = "curve.csv"
 """
 FILES = (
-    "coin.png", "palmar.jpg", "distal.csv", "a.png", "background.png", "euro.png", "film/f1.png",
-    "film/f2.png", "force.csv", "times.csv", "curve.csv", "more.csv",
+    "coin.png", "palmar.jpg", "distal.csv", "a.png", "background.png", "euro.png", "frames/f1.png",
+    "frames/f2.png", "force.csv", "times.csv", "curve.csv", "more.csv",
 )  # fmt: skip
 
 
@@ -51,7 +51,7 @@ FILES = (
 def study(tmp_path: Path) -> Path:
     """A study, and a folder `outside` beside it that holds the same files."""
     folder = tmp_path / "study"
-    (folder / "film").mkdir(parents=True)
+    (folder / "frames").mkdir(parents=True)
     for name in FILES:
         (folder / name).write_bytes(b"a file")
     header = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std"
@@ -69,7 +69,7 @@ def test_a_link_out_of_the_study_is_refused_by_name(study: Path, file: str) -> N
         read_study(study / "study.toml")
 
 
-@pytest.mark.parametrize("name", [*(file for file in FILES if "/" not in file), "film"])
+@pytest.mark.parametrize("name", [*(file for file in FILES if "/" not in file), "frames"])
 def test_a_file_behind_a_linked_folder_is_refused_by_name(study: Path, name: str) -> None:
     (study / "more").symlink_to(study.parent / "outside")
     (study / "study.toml").write_text(STUDY.replace(f'"{name}"', f'"more/{name}"'))
@@ -79,11 +79,11 @@ def test_a_file_behind_a_linked_folder_is_refused_by_name(study: Path, name: str
 
 def test_links_within_the_study_are_followed(study: Path) -> None:
     (study / ".data").mkdir()
-    for name in ("a.png", "film", "film/f2.png"):
+    for name in ("a.png", "frames", "frames/f2.png"):
         stored = study / ".data" / name.replace("/", "-")
         (study / name).rename(stored)
         (study / name).symlink_to(stored)
-    assert read_study(study / "study.toml").sequences[0].file == "film"
+    assert read_study(study / "study.toml").sequences[0].file == "frames"
 
 
 def test_a_folder_that_nothing_names_may_link_anywhere(study: Path) -> None:

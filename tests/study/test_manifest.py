@@ -29,7 +29,7 @@ PRESS = """
 name = "p"
 finger = "index"
 wedge_angle_deg = 30
-file = "film"
+file = "frames"
 force = "force.csv"
 """
 VALID = 'title = "T"\n' + FINGER + ROW
@@ -64,7 +64,7 @@ def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> No
     path.write_text("\n".join(opened), encoding="utf-8")
     for name in (
         *("images/index_30deg_1N.png", "images/background.png", "curves/index_30deg.csv"),
-        *("films/index_30deg", "films/index_30deg_force.csv", "photographs/one_euro.jpg"),
+        *("sequences/index_30deg", "sequences/index_30deg_force.csv", "photographs/one_euro.jpg"),
         "photographs/board.png",
         *(f"outlines/right_index_{face}.csv" for face in ("palmar", "distal", "radial")),
         *(f"photographs/{face}.jpg" for face in ("palmar", "distal", "radial")),
@@ -242,7 +242,7 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
             r"observations.0..scale: no scale is named 's'; write a table .scales.s.",
         ),
         (VALID + PRESS, "sequences.0.: a sequence needs its scale"),
-        (VALID + PRESS + "scale = { ppi = 500 }", "sequences.0..file: no file 'film' in the study"),
+        (VALID + PRESS + "scale = { ppi = 500 }", "sequences.0..file: no file 'frames' in the study"),
         (
             VALID + PRESS + 'scale = { ppi = 500 }\ntimes = "t.csv"\nframes_per_second = 9',
             "no use for frames_per_second",

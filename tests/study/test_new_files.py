@@ -79,7 +79,7 @@ def test_finger(name: str, finger: str | None) -> None:
         ("2_cent.jpg", "picture", None, None),
         ("center.png", "picture", "observation", None),
         ("scaled_2N.png", "picture", "observation", None),
-        ("press.avi", "film", "sequence", None),
+        ("press.avi", "sequence", "sequence", None),
         ("distal.csv", "table", "outline", "distal"),
         ("loading.csv", "table", "curve", None),
         ("force.csv", "table", None, None),

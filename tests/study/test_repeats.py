@@ -112,11 +112,11 @@ def test_which_contacts_are_repeats(other: dict[str, Any], are_repeats: bool) ->
 
 
 def test_frames_of_a_sequence_are_no_repeats() -> None:
-    film = ContactSequence(
+    sequence = ContactSequence(
         name="p", finger="f", wedge_angle_deg=30, file="p.tif", force="f.csv", scale={"ppi": 500}
     )
     frames = [
-        (film, replace(measured, observation=f"p#{k}", sequence="p", frame=k))
+        (sequence, replace(measured, observation=f"p#{k}", sequence="p", frame=k))
         for k, (_, measured) in enumerate(repeats(5))
     ]
     assert contact_repeatability(STUDY, PADS, [contact(9), *frames])[False].count == 0

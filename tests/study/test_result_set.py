@@ -275,6 +275,6 @@ def test_files_of_the_results_never_share_a_name(small_study: Path, tmp_path: Pa
     assert result.failures == []
     shown = [row["overlay"] for row in result.rows if row["overlay"]]
     shown += [one.overlay for finger in result.fingers.values() for one in finger.photographs]
-    shown += [one.file for film in result.sequences for one in film.overlays]
+    shown += [one.file for sequence in result.sequences for one in sequence.overlays]
     assert len(set(shown)) == len(shown) >= PICTURES + 2 + 3
     assert set(shown) <= set(result_files(tmp_path / "out"))

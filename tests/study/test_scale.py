@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.scale import cost_apart, films_of, measurements_of, study_result
+from benchmarks.scale import cost_apart, measurements_of, sequences_of, study_result
 from numpy.testing import assert_allclose
 
 from fingerpad.report import write_report
@@ -22,7 +22,7 @@ def test_cost_grows_with_the_rows() -> None:
     small, large = cost_apart(1_000), cost_apart(5_000)
     assert large.model_s + large.tables_s < 7 * (small.model_s + small.tables_s)
     assert large.total_s < 7 * small.total_s
-    assert large.peak_mb - small.peak_mb < 35  # the rows take 4 MB, figures of more films the rest
+    assert large.peak_mb - small.peak_mb < 35  # the rows take 4 MB, figures of more sequences the rest
 
 
 def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -42,7 +42,7 @@ def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
 
 
 def test_no_more_than_a_batch_is_held() -> None:
-    (film,) = films_of(1_900)
+    (sequence,) = sequences_of(1_900)
     alive: set[int] = set()
     most = 0
 
@@ -52,11 +52,11 @@ def test_no_more_than_a_batch_is_held() -> None:
 
     def seen() -> Iterator[tuple[Contact, Measurement]]:
         nonlocal most
-        for one in measurements_of(film, 1_900):
+        for one in measurements_of(sequence, 1_900):
             counted = Counted(**{name: getattr(one, name) for name in Measurement.__slots__})
             alive.add(id(counted))
             most = max(most, len(alive))
-            yield film, counted
+            yield sequence, counted
             del counted
 
     assert len(model_contacts(_study(), {"finger_0": _finger("finger_0")}, seen()).table) == 1_900
@@ -118,4 +118,4 @@ def test_a_report_of_many_rows_stays_small_and_says_what_is_left_out(tmp_path: P
     assert report.stat().st_size < 2_500_000
     assert "150 of 1980 frames are drawn" in text
     assert "In 20 of its frames the contact is cut by the edge of the picture" in text
-    assert "film_2</td><td>20 frames; the first: 7: the page is damaged" in text
+    assert "sequence_2</td><td>20 frames; the first: 7: the page is damaged" in text

@@ -1,4 +1,4 @@
-"""Films of presses in a study: frames become rows, few are pooled, and none is listed by the thousand."""
+"""Sequences of presses in a study: frames become rows, few are pooled, and none is listed by the thousand."""
 
 import shutil
 import tracemalloc
@@ -20,7 +20,7 @@ from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.sequences import film_key
+from fingerpad.study.measuring.sequences import sequence_key
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
@@ -38,12 +38,12 @@ name = "f"
 semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
 semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 """
-FILM = """
+SEQUENCE = """
 [[sequences]]
 name = "%s"
 finger = "f"
 wedge_angle_deg = 30
-file = "film"
+file = "frames"
 scale = { ppi = 240, relative_std = 0.01 }
 force = "force.csv"
 %s
@@ -59,9 +59,9 @@ def press() -> SyntheticSequence:
 @pytest.fixture(scope="module")
 def untouched(press: SyntheticSequence, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("untouched")
-    (folder / "film").mkdir()
+    (folder / "frames").mkdir()
     for k in range(LOAD.size):
-        Image.fromarray(press.pixels(k)).save(folder / "film" / f"f{k}.png")
+        Image.fromarray(press.pixels(k)).save(folder / "frames" / f"f{k}.png")
     rows = "\n".join(f"{k / RATE},{load}" for k, load in enumerate(LOAD))
     (folder / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
     return folder
@@ -73,13 +73,13 @@ def plain(untouched: Path) -> StudyResult:
 
 
 @pytest.fixture
-def film(untouched: Path, plain: StudyResult, tmp_path: Path) -> Path:
+def study_dir(untouched: Path, plain: StudyResult, tmp_path: Path) -> Path:
     """Return the folder of a study with the results of the plain run in ``out``."""
     return Path(shutil.copytree(untouched, tmp_path / "study"))
 
 
 def run(folder: Path, *sequences: tuple[str, str], more: str = "") -> StudyResult:
-    text = MANIFEST + "".join(FILM % sequence for sequence in sequences) + more
+    text = MANIFEST + "".join(SEQUENCE % sequence for sequence in sequences) + more
     (folder / "study.toml").write_text(text)
     return run_study(folder / "study.toml", folder / "out")
 
@@ -102,77 +102,87 @@ def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticSeque
     assert_allclose([row["reduced_modulus_kpa"] for row in result.rows[3:-3]], 90, rtol=0.06)
 
 
-def test_only_loading_frames_of_large_ellipses_are_pooled(film: Path, plain: StudyResult) -> None:
+def test_only_loading_frames_of_large_ellipses_are_pooled(study_dir: Path, plain: StudyResult) -> None:
     pooled = [row for row in plain.rows if row["pooled"]]
     assert {row["phase"] for row in pooled} == {"loading"}
     assert all(row["semi_minor_mm"] >= 5 * row["ridge_period_mm"] for row in pooled)
     chosen = [
-        row["load_N"] for row in run(film, ("p", CLOCK + "\npool_min_load_N = 1.2")).rows if row["pooled"]
+        row["load_N"]
+        for row in run(study_dir, ("p", CLOCK + "\npool_min_load_N = 1.2")).rows
+        if row["pooled"]
     ]
     assert 1.2 <= min(chosen) < 1.5
     assert 0 < len(chosen) < len(pooled)
 
 
-def test_a_film_counts_as_one_contact_however_many_its_frames(film: Path) -> None:
-    few, many = (run(film, ("p", f"{CLOCK}\npool_min_load_N = {least}")) for least in (1.5, 0.3))
+def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Path) -> None:
+    few, many = (run(study_dir, ("p", f"{CLOCK}\npool_min_load_N = {least}")) for least in (1.5, 0.3))
     (one,), (all_,) = few.summaries, many.summaries
     assert one.corrected_radius.count == all_.corrected_radius.count == 1
     own = [row["radius_from_indentation_mm_fixed_geometry_std"] for row in many.rows if row["pooled"]]
     assert all_.corrected_radius.fixed.std >= min(own)
     assert all_.corrected_radius.std == pytest.approx(one.corrected_radius.std, rel=0.02)
-    (two,) = run(film, ("p", CLOCK), ("q", CLOCK)).summaries
+    (two,) = run(study_dir, ("p", CLOCK), ("q", CLOCK)).summaries
     assert two.corrected_radius.count == 2
     assert two.pooled_from.endswith("frames of 2 sequences")
-    # Pad and wedge are the same for both films: most of the uncertainty does not average away.
+    # Pad and wedge are the same for both sequences: most of the uncertainty does not average away.
     assert two.corrected_radius.std == pytest.approx(all_.corrected_radius.std, rel=0.05)
 
 
-def test_a_corrupt_frame_is_one_failed_row(film: Path) -> None:
-    (film / "film" / "f8.png").write_bytes(b"torn")
-    Image.new("L", (40, 40)).save(film / "film" / "f12.png")
-    result = run(film, ("p", CLOCK))
+def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:
+    (study_dir / "frames" / "f8.png").write_bytes(b"torn")
+    Image.new("L", (40, 40)).save(study_dir / "frames" / "f12.png")
+    result = run(study_dir, ("p", CLOCK))
     failed = {row["frame"]: row for row in result.rows if row["status"] == "failed"}
     assert set(failed) == {8, 12}
     assert "f8.png" in failed[8]["reason"]
-    assert str(film) not in failed[8]["reason"]
+    assert str(study_dir) not in failed[8]["reason"]
     assert (failed[8]["time_s"], failed[8]["pooled"]) == (pytest.approx(0.4), False)
     assert len(result.failures) == 1
-    assert "first frame 8: film/f8.png" in result.sequences[0].summary.notes[0]
-    assert result.failures[0].startswith("p: 2 frames; the first: 8: film/f8.png")
+    assert "first frame 8: frames/f8.png" in result.sequences[0].summary.notes[0]
+    assert result.failures[0].startswith("p: 2 frames; the first: 8: frames/f8.png")
 
 
 @pytest.mark.parametrize(
     ("keys", "make", "reason"),
     [
-        ("", lambda folder: None, "film: pictures state no rate: give frames_per_second, or times"),
+        ("", lambda folder: None, "frames: pictures state no rate: give frames_per_second, or times"),
         (
             CLOCK,
             lambda folder: (folder / "force.csv").write_text("t,F\n1,2\n"),
             "force.csv: no column time_s",
         ),
-        (CLOCK, lambda folder: [f.unlink() for f in (folder / "film").iterdir()], "film: holds no picture"),
+        (
+            CLOCK,
+            lambda folder: [f.unlink() for f in (folder / "frames").iterdir()],
+            "frames: holds no picture",
+        ),
         (CLOCK + "\ncontact_load_N = 9", lambda folder: None, "the force never rises through 9 N"),
         (CLOCK + "\nregion_of_interest_px = [900, 0, 990, 90]", lambda folder: None, "region_of_interest"),
     ],
 )
-def test_a_film_that_cannot_be_used_costs_itself_only(film: Path, keys: str, make, reason: str) -> None:
-    make(film)
+def test_a_sequence_that_cannot_be_used_costs_itself_only(
+    study_dir: Path, keys: str, make, reason: str
+) -> None:
+    make(study_dir)
     ellipse = (
         '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 1\n'
         "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }\n"
     )
-    result = run(film, ("p", keys), more=ellipse)
+    result = run(study_dir, ("p", keys), more=ellipse)
     assert [row["status"] for row in result.rows] == ["measured", "failed"]
     assert reason in result.rows[1]["reason"]
     assert "#" not in result.rows[1]["observation"]
     if not keys:
-        assert "It could not be measured" in write_report(result, film / "out").read_text(encoding="utf-8")
+        assert "It could not be measured" in write_report(result, study_dir / "out").read_text(
+            encoding="utf-8"
+        )
 
 
-def test_corrections_reach_every_frame(film: Path, press: SyntheticSequence) -> None:
+def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence) -> None:
     rows, columns = press.pixels(0).shape
     half = f"{CLOCK}\nregion_of_interest_px = [0, 0, {rows // 2}, {columns}]"
-    result = run(film, ("p", half))
+    result = run(study_dir, ("p", half))
     frame = next(row for row in result.rows if row["frame"] == 12)
     assert frame["measured_by"] == "corrected"
     assert "cut_by_mask" in frame["flags"]
@@ -198,21 +208,21 @@ def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouc
     assert record["area_exponent"] == pytest.approx(2 / 3, abs=0.02)
 
 
-def test_memory_grows_with_rows_only(film: Path, press: SyntheticSequence) -> None:
+def test_memory_grows_with_rows_only(study_dir: Path, press: SyntheticSequence) -> None:
     # Each frame three times: kept pictures would add a thousand times what a row takes.
     peaks = []
     for copies in (1, 3):
         lines = [f"{k / RATE},{LOAD[k // copies]}" for k in range(LOAD.size * copies)]
-        (film / "force.csv").write_text("time_s,force_N\n" + "\n".join(lines) + "\n")
+        (study_dir / "force.csv").write_text("time_s,force_N\n" + "\n".join(lines) + "\n")
         if copies > 1:
             for k in reversed(range(LOAD.size)):
-                picture = (film / "film" / f"f{k}.png").read_bytes()
+                picture = (study_dir / "frames" / f"f{k}.png").read_bytes()
                 for copy in range(copies):
-                    (film / "film" / f"f{copies * k + copy}.png").write_bytes(picture)
-        run(film, ("p", CLOCK))  # whatever is loaded only once, is loaded now
-        shutil.rmtree(film / "out")
+                    (study_dir / "frames" / f"f{copies * k + copy}.png").write_bytes(picture)
+        run(study_dir, ("p", CLOCK))  # whatever is loaded only once, is loaded now
+        shutil.rmtree(study_dir / "out")
         tracemalloc.start()
-        rows = len(run(film, ("p", CLOCK)).rows)
+        rows = len(run(study_dir, ("p", CLOCK)).rows)
         peaks.append((rows, tracemalloc.get_traced_memory()[1]))
         tracemalloc.stop()
     (few, before), (many, after) = peaks
@@ -231,10 +241,10 @@ def key_frame(press: SyntheticSequence, frame: int, **more: object) -> dict:
 
 
 def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
-    film: Path, plain: StudyResult, press: SyntheticSequence
+    study_dir: Path, plain: StudyResult, press: SyntheticSequence
 ) -> None:
-    assert run(film, ("p", CLOCK)).rows[0]["measured_by"] == "automatic"
-    study, log = read_study(film / "study.toml"), CorrectionLog(film)
+    assert run(study_dir, ("p", CLOCK)).rows[0]["measured_by"] == "automatic"
+    study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
     for frame, change in {
         5: key_frame(press, 5),
         8: {"rejected": "slipped"},
@@ -242,7 +252,7 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
         14: {**key_frame(press, 14), "key_frame": False},
     }.items():
         log.append(f"p#{frame}", change, who="anna", expected=0, study=study)
-    rows = {row["frame"]: row for row in run(film, ("p", CLOCK)).rows}
+    rows = {row["frame"]: row for row in run(study_dir, ("p", CLOCK)).rows}
     before = {row["frame"]: row for row in plain.rows}
     for frame in (6, 7, 9, 10):
         row = rows[frame]
@@ -261,7 +271,7 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
         assert rows[frame]["semi_major_mm"] == before[frame]["semi_major_mm"]
     # Without its second key frame nothing is carried.
     log.append("p#11", {}, who="anna", expected=log.history("p#11").last_id, study=study)
-    after = {row["frame"]: row for row in run(film, ("p", CLOCK)).rows}
+    after = {row["frame"]: row for row in run(study_dir, ("p", CLOCK)).rows}
     assert after[9] == before[9]
 
 
@@ -295,17 +305,23 @@ def test_ellipses_between_keep_their_direction_and_turn_the_short_way() -> None:
     assert np.degrees(turned.orientation) == pytest.approx(80)
 
 
-def test_a_key_frame_needs_an_ellipse(film: Path) -> None:
-    run(film, ("p", CLOCK))
+def test_a_key_frame_needs_an_ellipse(study_dir: Path) -> None:
+    run(study_dir, ("p", CLOCK))
     with pytest.raises(StoreError, match="give ellipse_px"):
-        CorrectionLog(film).append(
-            "p#5", {"key_frame": True}, who="anna", expected=0, study=read_study(film / "study.toml")
+        CorrectionLog(study_dir).append(
+            "p#5",
+            {"key_frame": True},
+            who="anna",
+            expected=0,
+            study=read_study(study_dir / "study.toml"),
         )
 
 
-def test_the_key_of_a_film_changes_with_what_is_carried_and_with_nothing_else(film: Path) -> None:
-    (film / "study.toml").write_text(MANIFEST + FILM % ("p", CLOCK))
-    study = read_study(film / "study.toml")
+def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_else(
+    study_dir: Path,
+) -> None:
+    (study_dir / "study.toml").write_text(MANIFEST + SEQUENCE % ("p", CLOCK))
+    study = read_study(study_dir / "study.toml")
     sequence = study.sequences[0]
 
     def key_of(**frames: dict) -> tuple[str, str]:
@@ -317,7 +333,7 @@ def test_the_key_of_a_film_changes_with_what_is_carried_and_with_nothing_else(fi
         }
         edits = {frame: one.change.edits for frame, one in frame_corrections(active, "p").items()}
         measured = repr(sorted((frame, edit) for frame, edit in edits.items() if edit))
-        return measured, film_key(sequence, RunContext.of(study, film, active, None))
+        return measured, sequence_key(sequence, RunContext.of(study, study_dir, active, None))
 
     ellipse = {"ellipse_px": {"centre": [50, 50], "semi_axes": [30, 20]}}
     larger = {"ellipse_px": {"centre": [50, 50], "semi_axes": [40, 20]}}
@@ -347,11 +363,11 @@ def phases(*starts: tuple[str, float], why: str = "slipped at first") -> dict:
     return {"phases": {"starts": [{"phase": phase, "start_s": start} for phase, start in starts], "why": why}}
 
 
-def test_phases_that_a_person_set_rule_and_are_reported_as_such(film: Path, plain: StudyResult) -> None:
-    run(film, ("p", CLOCK))
-    study, log = read_study(film / "study.toml"), CorrectionLog(film)
+def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path, plain: StudyResult) -> None:
+    run(study_dir, ("p", CLOCK))
+    study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
     log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
-    result = run(film, ("p", CLOCK))
+    result = run(study_dir, ("p", CLOCK))
     rows = {row["frame"]: row for row in result.rows}
     # Frames are 0.05 s apart: the limits lie half-way between frames 1 and 2, 9 and 10, 18 and 19, 22 and 23.
     for names, frames in (("loading", range(5, 10)), ("hold", range(10, 19)), ("unloading", range(19, 23))):
@@ -366,42 +382,42 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(film: Path, plai
     assert (record["phases_decided_by"], record["phases_reason"]) == ("anna", "slipped at first")
     assert record["phases_decided_at"] == log.history("p#phases").records[0].when
     assert record["phases"]["hold"] == 9
-    text = write_report(result, film / "out").read_text(encoding="utf-8")
+    text = write_report(result, study_dir / "out").read_text(encoding="utf-8")
     assert "phases set manually by anna" in text
     assert "hold from 0.475 s" in text
     # Taken back, everything is as it was.
     log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
-    after = run(film, ("p", CLOCK))
+    after = run(study_dir, ("p", CLOCK))
     assert list(after.rows) == list(plain.rows)
     assert summary_record(after)["sequences"][0]["phases_decided_by"] is None
-    assert "set manually" not in write_report(after, film / "out").read_text(encoding="utf-8").replace(
+    assert "set manually" not in write_report(after, study_dir / "out").read_text(encoding="utf-8").replace(
         "unless set manually", ""
     )
 
 
-def test_phases_set_manually_measure_no_picture_again(film: Path) -> None:
-    run(film, ("p", CLOCK))
-    study, log = read_study(film / "study.toml"), CorrectionLog(film)
-    with Store.reading(film / "out" / STORE_NAME) as store:
+def test_phases_set_manually_measure_no_picture_again(study_dir: Path) -> None:
+    run(study_dir, ("p", CLOCK))
+    study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
+    with Store.reading(study_dir / "out" / STORE_NAME) as store:
         before = {name: status.key for name, status in store.statuses().items()}
     log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
-    assert study_status(film / "study.toml", film / "out").stale == 1
-    run(film, ("p", CLOCK))
-    with Store.reading(film / "out" / STORE_NAME) as store:
+    assert study_status(study_dir / "study.toml", study_dir / "out").stale == 1
+    run(study_dir, ("p", CLOCK))
+    with Store.reading(study_dir / "out" / STORE_NAME) as store:
         after = {name: status.key for name, status in store.statuses().items()}
     assert {name for name in before if before[name] != after[name]} == {"p"}
-    assert study_status(film / "study.toml", film / "out").stale == 0
+    assert study_status(study_dir / "study.toml", study_dir / "out").stale == 0
 
 
-def test_phases_of_a_force_that_was_replaced_are_told(film: Path) -> None:
-    run(film, ("p", CLOCK))
-    CorrectionLog(film).append(
-        "p#phases", phases(*PHASES), who="anna", expected=0, study=read_study(film / "study.toml")
+def test_phases_of_a_force_that_was_replaced_are_told(study_dir: Path) -> None:
+    run(study_dir, ("p", CLOCK))
+    CorrectionLog(study_dir).append(
+        "p#phases", phases(*PHASES), who="anna", expected=0, study=read_study(study_dir / "study.toml")
     )
-    assert run(film, ("p", CLOCK)).notes == ()
-    text = (film / "force.csv").read_text()
-    (film / "force.csv").write_text(text.replace("0.05,", "0.051,", 1))
-    (note,) = run(film, ("p", CLOCK)).notes
+    assert run(study_dir, ("p", CLOCK)).notes == ()
+    text = (study_dir / "force.csv").read_text()
+    (study_dir / "force.csv").write_text(text.replace("0.05,", "0.051,", 1))
+    (note,) = run(study_dir, ("p", CLOCK)).notes
     assert "p#phases was corrected on another picture or force" in note
 
 
@@ -415,23 +431,23 @@ DEPTH = 1.2 * (LOAD / 2) ** (2 / 3)
 AWAY = np.where(np.arange(LOAD.size) < 2, np.arange(LOAD.size) - 2.0, 0) * 0.1
 
 
-def test_a_displacement_gives_each_frame_its_indentation(film: Path, plain: StudyResult) -> None:
-    write_force(film, 7 + DEPTH + AWAY)
-    result = run(film, ("p", CLOCK))
+def test_a_displacement_gives_each_frame_its_indentation(study_dir: Path, plain: StudyResult) -> None:
+    write_force(study_dir, 7 + DEPTH + AWAY)
+    result = run(study_dir, ("p", CLOCK))
     for row in result.rows:
         assert row["measured_indentation_mm"] == pytest.approx(DEPTH[row["frame"]], abs=0.02)
     assert np.isnan(plain.rows.column("measured_indentation_mm")).all()
-    text = write_report(result, film / "out").read_text(encoding="utf-8")
+    text = write_report(result, study_dir / "out").read_text(encoding="utf-8")
     assert "against the platen's displacement from the place of contact" in text
-    assert "indentation ξ" in (film / "out" / "figures" / "sequence_p_indentation.svg").read_text()
-    assert "platen's displacement" not in write_report(plain, film / "out").read_text(encoding="utf-8")
+    assert "indentation ξ" in (study_dir / "out" / "figures" / "sequence_p_indentation.svg").read_text()
+    assert "platen's displacement" not in write_report(plain, study_dir / "out").read_text(encoding="utf-8")
 
 
-def test_without_an_approach_there_is_no_indentation_but_a_note(film: Path, plain: StudyResult) -> None:
+def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir: Path, plain: StudyResult) -> None:
     # The record begins in contact.
     lines = [f"{k / RATE},{LOAD[k]},{DEPTH[k] + k / 1e4}" for k in range(4, LOAD.size)]
-    (film / "force.csv").write_text("time_s,force_N,displacement_mm\n" + "\n".join(lines) + "\n")
-    result = run(film, ("p", f"{CLOCK}\nstart_s = 0"))
+    (study_dir / "force.csv").write_text("time_s,force_N,displacement_mm\n" + "\n".join(lines) + "\n")
+    result = run(study_dir, ("p", f"{CLOCK}\nstart_s = 0"))
     assert not result.rows.known("measured_indentation_mm").any()
     (note,) = [note for note in result.sequences[0].summary.notes if "indentation" in note]
     assert "place of contact is unknown" in note

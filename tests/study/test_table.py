@@ -52,10 +52,10 @@ def test_rows_come_out_as_they_went_in(batch: int) -> None:
 
 def test_some_rows_keep_their_places_in_the_whole() -> None:
     table = table_of(ROWS, 2)
-    films = table.at(table.known("frame")).by("sequence", "finger")
-    assert list(films) == [("p", "g"), ("p", "f"), ("q", "f")]
-    assert films["q", "f"].places.tolist() == [3]
-    assert films["q", "f"][0] == table[3] == list(table[2:])[1]
+    sequences = table.at(table.known("frame")).by("sequence", "finger")
+    assert list(sequences) == [("p", "g"), ("p", "f"), ("q", "f")]
+    assert sequences["q", "f"].places.tolist() == [3]
+    assert sequences["q", "f"][0] == table[3] == list(table[2:])[1]
     assert table[1:][::-1].column("frame").tolist() == [13, 12, 0]
     assert table[1:].at(np.array([2, 0])).places.tolist() == [3, 1]
     assert np.isnan(table.column("load_N")).tolist() == [False, True, False, False]

@@ -270,7 +270,7 @@ def test_geometry_is_that_of_the_library(standing):
 def test_signal_without_a_run_or_a_readable_force(client, studies_folder):
     signal = client.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"})
     assert signal.json()["start_s"] is None
-    # The film is pressed from 0 s, held between 0.55 and 0.75 s, and let go until 1.05 s or so.
+    # The sequence is pressed from 0 s, held between 0.55 and 0.75 s, and let go until 1.05 s or so.
     phases = {one["phase"]: one["start_s"] for one in signal.json()["phases"]}
     assert list(phases) == ["loading", "hold", "unloading", "after"]
     assert (phases["hold"], phases["unloading"]) == (

@@ -97,7 +97,7 @@ def test_names_of_files_never_become_paths(client, studies_folder, name, kept):
         ("x.png", b"", 400),
         ("x.png", b"no picture at all", 422),
         ("x.tif", b"II*\0nonsense", 422),
-        ("x.avi", b"no film", 422),
+        ("x.avi", b"no video", 422),
         ("x.png", huge_png(60_000, 60_000), 422),
     ],
 )
@@ -111,7 +111,7 @@ def test_unusable_files_are_refused_and_removed(client, studies_folder, name, co
 
 
 @pytest.mark.parametrize("folder", ["..", "a/b", ".x", "/etc", "a\\b"])
-def test_a_film_collects_its_frames_in_a_plainly_named_folder(client, folder):
+def test_a_sequence_collects_its_frames_in_a_plainly_named_folder(client, folder):
     assert upload(client, "1.png", png(), folder=folder).status_code == 400
     kept = upload(client, "1.png", png(), folder="press1").json()
     assert kept["file"] == "uploads/press1/1.png"
@@ -136,7 +136,7 @@ def test_sequences_and_images_are_distinguished(client):
     file = io.BytesIO()
     tifffile.imwrite(file, np.zeros((5, 20, 30), np.uint16), photometric="minisblack")
     record = upload(client, "press.tif", file.getvalue()).json()
-    assert (record["kind"], record["frames"]) == ("film", 5)
+    assert (record["kind"], record["frames"]) == ("sequence", 5)
     file = io.BytesIO()
     tifffile.imwrite(file, np.zeros((20, 30), np.uint16))
     record = upload(client, "one.tif", file.getvalue()).json()

@@ -236,18 +236,18 @@ def test_items_are_names_and_never_paths(done, item, kind):
 
 @pytest.mark.parametrize("kind", ["info", "preview", "thumbnail"])
 def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, studies_folder, kind):
-    film = studies_folder / "demo" / "film"
-    film.mkdir()
+    frames = studies_folder / "demo" / "frames"
+    frames.mkdir()
     shutil.copy(studies_folder / "demo/synthetic/synthetic_30deg_1N.png", studies_folder / "outside.png")
-    (film / "f1.png").symlink_to(studies_folder / "outside.png")
+    (frames / "f1.png").symlink_to(studies_folder / "outside.png")
     edits = {
         "expected": client.get("/api/study").json()["digest"],
-        "edits": [{"kind": "sequence", "key": "draft", "set": {"file": "film"}}],
+        "edits": [{"kind": "sequence", "key": "draft", "set": {"file": "frames"}}],
     }
     client.post("/api/study/edits", json=edits).raise_for_status()
     answer = client.get(f"/api/picture/{kind}", params={"item": "draft#0"})
     assert answer.status_code == 422
-    assert "'film/f1.png' is a link that leaves the study folder" in answer.json()["error"]
+    assert "'frames/f1.png' is a link that leaves the study folder" in answer.json()["error"]
 
 
 @pytest.mark.parametrize("coin", ["../../etc/passwd", "/etc/passwd", "study.toml", "nothing.png"])

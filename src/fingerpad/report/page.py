@@ -265,21 +265,23 @@ def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
     for name, count, words in doubtful_frames(result):
         doubts.setdefault(name, []).append((count, words))
     shown = []
-    films = list(zip(result.sequences, result.frames(), strict=True))
-    drawn = set(np.linspace(0, len(films) - 1, min(len(films), _MOST_PRESSES)).round().astype(int).tolist())
-    pictures = _share(_MOST_PICTURES, len(films))
-    for number, (film, frames) in enumerate(films):
-        plots = chain(press_plot(film, frames), area_indentation_plot(film, frames))
+    sequences = list(zip(result.sequences, result.frames(), strict=True))
+    drawn = set(
+        np.linspace(0, len(sequences) - 1, min(len(sequences), _MOST_PRESSES)).round().astype(int).tolist()
+    )
+    pictures = _share(_MOST_PICTURES, len(sequences))
+    for number, (sequence, frames) in enumerate(sequences):
+        plots = chain(press_plot(sequence, frames), area_indentation_plot(sequence, frames))
         figures = draw(plots) if number in drawn else []
         shown.append(
             {
-                "film": film,
+                "sequence": sequence,
                 "synthetic": bool(frames.column("synthetic").any()),
                 "figures": figures,
                 "pooled": int(frames.column("pooled").sum()),
                 "exponent": area_exponent(frames),
-                "doubts": doubts.get(film.manifest.name, ()),
-                "overlays": film.overlays[:pictures],
+                "doubts": doubts.get(sequence.manifest.name, ()),
+                "overlays": sequence.overlays[:pictures],
             }
         )
     return shown

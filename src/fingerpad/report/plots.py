@@ -202,9 +202,9 @@ def budget_plot(summary: Summary, check: UncertaintyCheck | None) -> Iterator[Pl
     )
 
 
-def press_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
+def press_plot(sequence: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
     """Draw one sequence."""
-    of = film.manifest
+    of = sequence.manifest
     seen = frames.at(frames.known("semi_major_mm"))
     if not seen:
         return
@@ -221,7 +221,7 @@ def press_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
         semi_minor=rows.column("semi_minor_mm"),
         synthetic=synthetic,
     )
-    manual = " Phases were set manually." if film.phases else ""
+    manual = " Phases were set manually." if sequence.phases else ""
     some = "" if len(rows) == len(seen) else f" {len(rows)} of {len(seen)} frames are drawn."
     yield Plot(
         name=f"sequence_{file_stem(of.name)}{'_synthetic' if synthetic else ''}",
@@ -233,12 +233,12 @@ def press_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
     )
 
 
-def area_indentation_plot(film: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
+def area_indentation_plot(sequence: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
     """Draw area against measured indentation of one sequence, where a displacement was recorded."""
     seen = frames.at(frames.known("gross_area_mm2") & frames.known("measured_indentation_mm"))
     if not seen:
         return
-    of, rows = film.manifest, thinned(seen, _MOST_FRAMES)
+    of, rows = sequence.manifest, thinned(seen, _MOST_FRAMES)
     synthetic = bool(rows[0]["synthetic"])
     yield Plot(
         name=f"sequence_{file_stem(of.name)}_indentation{'_synthetic' if synthetic else ''}",

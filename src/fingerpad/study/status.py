@@ -82,7 +82,7 @@ def study_status(manifest: Path, out: Path) -> Status:
         )
     counts, pictures = dict.fromkeys(_STATES, 0), dict.fromkeys(_STATES, 0)
     spent: dict[str, float] = dict.fromkeys(_STATES, 0.0)
-    films = {sequence.name: sequence for sequence in study.sequences}
+    sequences = {sequence.name: sequence for sequence in study.sequences}
     with Store.reading(out / STORE_NAME) as store:
         context = RunContext.of(study, folder, active_corrections, store)
         statuses = store.statuses()
@@ -92,7 +92,7 @@ def study_status(manifest: Path, out: Path) -> Status:
             parts = of_item.get(name, ())
             counts[state] += 1
             spent[state] += sum(part.seconds for part in parts)
-            pictures[state] += frame_count(films[name], context) if name in films else 1
+            pictures[state] += frame_count(sequences[name], context) if name in sequences else 1
             if state == "left":
                 pictures[state] -= sum(part.count for part in parts)
         damaged = [f"{STORE_NAME}: the stored result of {task} is damaged" for task in store.damaged()]
@@ -155,7 +155,7 @@ def semi_axes_state(finger: Finger, states: Mapping[str, str], record: Mapping[s
 
 
 def _by_item(statuses: Mapping[str, TaskStatus]) -> dict[str, list[TaskStatus]]:
-    """Return the statuses of each item: those of a film are its own and its pieces', separated by a blank."""
+    """Return the statuses of each item: of a sequence its own and its pieces', separated by a blank."""
     found: dict[str, list[TaskStatus]] = {}
     for task, status in statuses.items():
         found.setdefault(task if "/" in task else task.partition(" ")[0], []).append(status)

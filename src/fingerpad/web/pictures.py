@@ -24,7 +24,7 @@ THUMBNAIL_PX: Final = 192
 PREVIEW_PX: Final = 2048
 _DECODED_BYTES: Final = 400_000_000
 _ENCODED_BYTES: Final = 100_000_000
-_FILM_SUFFIXES: Final = VIDEO_SUFFIXES | TIFF_SUFFIXES
+_SEQUENCE_SUFFIXES: Final = VIDEO_SUFFIXES | TIFF_SUFFIXES
 _JPEG: Final = [cv2.IMWRITE_JPEG_QUALITY, 90]
 _WEBP: Final = [cv2.IMWRITE_WEBP_QUALITY, 75]
 _PNG: Final = [cv2.IMWRITE_PNG_COMPRESSION, 1]
@@ -136,7 +136,7 @@ class Pictures:
 
     def shown(self, place: ImageLocation) -> npt.NDArray[np.uint8]:
         """Return an image in 8 bits, in colour where that matters."""
-        if place.colour and not is_film(place.path):
+        if place.colour and not is_sequence(place.path):
             return self.colour(place)
         if place.colour:
             place = ImageLocation(place.path, frame=0)
@@ -162,25 +162,25 @@ class Pictures:
         return self._encoded.get((place.stamp, longest_px, ending), draw)
 
 
-def is_film(path: Path) -> bool:
+def is_sequence(path: Path) -> bool:
     """Tell whether a file may hold many frames, by its name."""
-    return path.is_dir() or path.suffix.lower() in _FILM_SUFFIXES
+    return path.is_dir() or path.suffix.lower() in _SEQUENCE_SUFFIXES
 
 
 def kind_of_file(name: str) -> Kind:
-    """Return the kind of a file by its name: picture, film, table or other.
+    """Return the kind of a file by its name: picture, sequence, table or other.
 
     Examples
     --------
     >>> kind_of_file("a.PNG"), kind_of_file("a.csv"), kind_of_file("a.avi"), kind_of_file("a.txt")
-    ('picture', 'table', 'film', 'other')
+    ('picture', 'table', 'sequence', 'other')
     """
     suffix = Path(name).suffix.lower()
     if suffix in PICTURE_SUFFIXES:
         return "picture"
     if suffix in SHEET_SUFFIXES:
         return "table"
-    return "film" if suffix in _FILM_SUFFIXES else "other"
+    return "sequence" if suffix in _SEQUENCE_SUFFIXES else "other"
 
 
 def eight_bit(pixels: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:

@@ -185,7 +185,7 @@ class StudySession:
         needed |= {"name": name, "finger": NO_TABLE, "wedge_angle_deg": 0}
         return validated(model, {**content, **needed}, name, strict=False)
 
-    def film_name(self, name: str) -> str:
+    def sequence_file(self, name: str) -> str:
         """Return the file or folder of a sequence."""
         file = self._named("sequence", name, "file")
         if file is None:
@@ -242,7 +242,7 @@ class StudySession:
             return ImageLocation(self.file(file), colour="/" in item)
         if not number.isdecimal() or len(number) > 9:
             raise RequestError.not_there(f"{item[:80]!r} is no frame: write it as {name}#12")
-        return ImageLocation(self.film(file), frame=int(number))
+        return ImageLocation(self.sequence_path(file), frame=int(number))
 
     def _named(self, kind: str, key: str, place: str) -> str | None:
         file = self._content(kind, key).get(place)
@@ -309,7 +309,7 @@ class StudySession:
             raise RequestError.not_there(f"the study holds no file {name[:80]!r}")
         return path
 
-    def film(self, name: str) -> Path:
+    def sequence_path(self, name: str) -> Path:
         """Return the path of a sequence: a file of the study, or a folder of frames."""
         path = self._inside(name)
         if path is None or not path.exists():

@@ -20,7 +20,7 @@ from fingerpad.image import open_frames, read_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES, read_cells
 from fingerpad.web.errors import RequestError
-from fingerpad.web.pictures import is_film, kind_of_file
+from fingerpad.web.pictures import is_sequence, kind_of_file
 from fingerpad.web.study_session import StudySession
 
 FOLDER: Final = "uploads"
@@ -43,7 +43,7 @@ def plain_name(name: str) -> str:
     if not dot or f".{suffix.lower()}" not in _SUFFIXES:
         raise RequestError(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
-            f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), films (TIFF, AVI, MP4) and tables "
+            f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), videos (AVI, MP4) and tables "
             "(CSV, TSV, XLSX) can be used",
         )
     plain = re.sub(r"(?:(?!(?<=\d)\.(?=\d))[^\w+-])+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
@@ -143,8 +143,8 @@ def described(opened: StudySession, path: Path) -> dict[str, Any]:
     try:
         if record["kind"] == "table":
             record["columns"] = _headers(path)
-        elif is_film(path) and (count := open_frames(path, memory_limit=opened.memory_limit).count) > 1:
-            record |= {"kind": "film", "frames": count}
+        elif is_sequence(path) and (count := open_frames(path, memory_limit=opened.memory_limit).count) > 1:
+            record |= {"kind": "sequence", "frames": count}
         else:
             picture = read_image(path, memory_limit=opened.memory_limit)
             record |= dict(zip(("rows_px", "columns_px"), picture.pixels.shape, strict=True))

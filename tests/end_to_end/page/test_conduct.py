@@ -30,7 +30,7 @@ STEPS = {
     "scale": ".scale-item",
     "photographs": "[data-live=finger]",
     "contacts": "[data-live=numbers]",
-    "contacts/film:synthetic_press_30deg": ".limits .limit",
+    "contacts/sequence:synthetic_press_30deg": ".limits .limit",
     "pad": "[data-live=u]",
     "results": ".chart .point",
     "results/table": "tbody tr",
@@ -76,7 +76,7 @@ semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
 name = "long"
 finger = "f"
 wedge_angle_deg = 30
-file = "film"
+file = "frames"
 scale = { ppi = 500 }
 force = "force.csv"
 frames_per_second = 500
@@ -259,18 +259,18 @@ def test_confirmed_edits_survive_a_killed_server(browser, demo) -> None:
 
 def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     study = tmp_path / "long"
-    (study / "film").mkdir(parents=True)
+    (study / "frames").mkdir(parents=True)
     frame = Image.open(DEMO / "synthetic" / "synthetic_30deg_1N.png").convert("L")
-    frame.save(study / "film" / "f0000.png")
+    frame.save(study / "frames" / "f0000.png")
     for number in range(1, 2000):
-        (study / "film" / f"f{number:04d}.png").hardlink_to(study / "film" / "f0000.png")
+        (study / "frames" / f"f{number:04d}.png").hardlink_to(study / "frames" / "f0000.png")
     times = "\n".join(f"{number / 500},{number / 2000}" for number in range(2000))
     (study / "force.csv").write_text(f"time_s,force_N\n{times}\n")
     (study / "study.toml").write_text(LONG)
     with served(tmp_path, study) as server:
         tab = Tab(browser, server)
         page = tab.open()
-        tab.go("contacts/film:long")
+        tab.go("contacts/sequence:long")
         page.locator(".filmstrip .cell").first.wait_for()
         expect(page.locator(".track")).to_have_css("width", "200000px")
         most = page.evaluate(SCROLL)

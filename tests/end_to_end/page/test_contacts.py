@@ -263,7 +263,7 @@ def test_an_address_opens_its_image_from_any_view(tab: Tab) -> None:
     numbers(page)
     for item, source in {
         "synthetic_30deg_4N": "images",
-        "synthetic_press_30deg#3": "film:synthetic_press_30deg",
+        "synthetic_press_30deg#3": "sequence:synthetic_press_30deg",
         PRINT: "images",
     }.items():
         tab.go(f"contacts/{source}/{item.replace('#', '%2523')}")
@@ -294,7 +294,7 @@ def test_reject_with_a_reason_and_undo(tab: Tab, demo) -> None:
 
 
 def test_frames_of_a_sequence(tab: Tab, demo) -> None:
-    page = tab.open("contacts/film:synthetic_press_30deg")
+    page = tab.open("contacts/sequence:synthetic_press_30deg")
     numbers(page)
     page.keyboard.press(".")
     page.wait_for_url(re.compile("%233"))
@@ -305,7 +305,7 @@ def test_frames_of_a_sequence(tab: Tab, demo) -> None:
 
 
 def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> None:
-    page = tab.open("contacts/film:synthetic_press_30deg/synthetic_press_30deg%25234")
+    page = tab.open("contacts/sequence:synthetic_press_30deg/synthetic_press_30deg%25234")
     program = numbers(page)
     grown = page.get_by_label("Aspect ratio against force, up to the current frame").locator("path.grown")
     first = grown.get_attribute("d")
@@ -410,7 +410,7 @@ def test_real_contact_image_is_corrected_and_accepted(empty_tab: Tab, name: str)
 
 
 def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
-    page = tab.open("contacts/film:synthetic_press_30deg")
+    page = tab.open("contacts/sequence:synthetic_press_30deg")
     numbers(page)
     trace = page.get_by_role("slider", name="Time of the frame")
     page.wait_for_function("() => document.querySelector('[role=slider]').getAttribute('aria-valuetext')")
@@ -433,7 +433,7 @@ def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
 
 
 def test_limits_of_phases_are_moved_manually(tab: Tab, demo) -> None:
-    page = tab.open("contacts/film:synthetic_press_30deg")
+    page = tab.open("contacts/sequence:synthetic_press_30deg")
     numbers(page)
     hold = page.get_by_role("slider", name="Start of hold")
     found = float(hold.get_attribute("aria-valuenow"))

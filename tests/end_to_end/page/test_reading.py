@@ -159,7 +159,7 @@ def test_figure_for_publication(tab: Tab) -> None:
         ("results/plot", "corrected radius", "synthetic_pad_30deg_synthetic_corrected_radius"),
         ("results/plot", "contact area", "synthetic_pad_30deg_synthetic_area"),
         ("results/budget", "", "left_index_direct_45deg_budget"),
-        ("contacts/film:synthetic_press_30deg", "", "sequence_synthetic_press_30deg_synthetic"),
+        ("contacts/sequence:synthetic_press_30deg", "", "sequence_synthetic_press_30deg_synthetic"),
     ],
 )
 def test_a_chart_leads_to_its_figure(tab: Tab, view: str, choice: str, figure: str) -> None:

@@ -185,9 +185,9 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
 
     Examples
     --------
-    >>> open_frames("no_such_film.avi")
+    >>> open_frames("no_such_video.avi")
     Traceback (most recent call last):
-    fingerpad.exceptions.ImageError: no_such_film.avi: no such file or folder: check the path
+    fingerpad.exceptions.ImageError: no_such_video.avi: no such file or folder: check the path
     """
     path = Path(path)
     check_regular(path)

@@ -142,7 +142,7 @@ def prepared_contact(
             # Learnt the other way round, the contrast is of something else.
             reading["contrast"] = None
         reading["dark_on_light"] = polarity
-    # The frames of a film share a relative level: the manifest's threshold has gone into learning it.
+    # The frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
     level = correction.threshold if settings is not None else _first(correction.threshold, contact.threshold)
     return prepare_contact_image(
         pixels, scale, threshold=level, **reading, **place_of(contact, folder, correction)

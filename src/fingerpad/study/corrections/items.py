@@ -41,15 +41,15 @@ def named_kind(item: str, study: Study) -> Kind | None:
         return "phases" if any(one.name == sequence for one in study.sequences) else None
     name, mark, number = item.partition("#")
     if mark:
-        film = any(sequence.name == name for sequence in study.sequences)
-        return "frame" if film and _is_frame(number) else None
+        known = any(sequence.name == name for sequence in study.sequences)
+        return "frame" if known and _is_frame(number) else None
     return "observation" if any(each.name == item for each in study.observations) else None
 
 
 def image_of(item: str, study: Study) -> str | None:
     """Return the file of an item's picture, or of the force whose phases it is.
 
-    None where it has none of its own, as a frame of a film.
+    None where it has none of its own, as a frame of a sequence.
     """
     if "/" in item:
         return item.partition("/")[2]

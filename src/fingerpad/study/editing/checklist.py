@@ -14,12 +14,12 @@ from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.validation import Fault
 from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES
 
-# What can be a picture, a film, a curve, an outline or a spreadsheet that tells of them.
+# What can be a picture, a sequence, a curve, an outline or a spreadsheet that tells of them.
 _USABLE: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | SHEET_SUFFIXES
 # A run's output folder, which may lie inside the study's.
 _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
-# More pictures than these in a folder of their own are the frames of a film.
-_FILM: Final = 20
+# More pictures than these in a folder of their own are the frames of a sequence.
+_SEQUENCE: Final = 20
 _OF_PHOTOGRAPH: Final = re.compile(r"photographs\[(?P<number>\d+)\]\.?(?P<place>.*)")
 _NEEDS_AXES: Final = "give either semi_axes_mm or photographs"
 _NEEDS_SCALE: Final = " needs its scale"
@@ -139,7 +139,7 @@ def _unused(loaded: LoadedStudy) -> Iterator[Missing]:
         frames.setdefault(path.parent.relative_to(folder).as_posix(), []).append(name)
     for place, names in sorted(frames.items()):
         pictures = {name for name in names if Path(name).suffix.lower() in PICTURE_SUFFIXES}
-        if place != "." and len(pictures) > _FILM:
+        if place != "." and len(pictures) > _SEQUENCE:
             words = f"{len(pictures)} pictures that nothing names: add them as a sequence"
             yield Missing(kind="folder", key=place, words=words)
             names = [name for name in names if name not in pictures]  # noqa: PLW2901

@@ -27,7 +27,7 @@ from fingerpad.study.engine.worker import IsolatedRunner
 _ADDRESS: Final = re.compile(r"((tcp|tls|ws|wss|ucx)://)?([\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1,5}")
 _WAIT_S: Final = 30
 _COUNT_AGAIN_S: Final = 5
-# Files of so many tasks stay with the workers: the pieces of a film follow one another.
+# Files of so many tasks stay with the workers: the pieces of a sequence follow one another.
 _KEPT: Final = 4
 _GONE: Final = "the scheduler is gone: what was measured is kept; start it again and run again to go on"
 

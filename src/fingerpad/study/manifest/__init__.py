@@ -1,4 +1,4 @@
-"""The study manifest: a TOML file that says what was observed, and where pictures, films and curves lie."""
+"""The study manifest: a TOML file that says what was observed, and where images, sequences and curves lie."""
 
 from fingerpad.study.manifest.contacts import (
     CORRECTIONS,

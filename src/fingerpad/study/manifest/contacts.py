@@ -1,4 +1,4 @@
-"""Contacts of a finger with the platen: single ones under one load, and films of whole presses."""
+"""Contacts of a finger with the platen: single ones under one load, and sequences of whole presses."""
 
 from typing import Annotated, Final, Literal, Self, TypeAlias
 
@@ -107,7 +107,7 @@ class Observation(PlacedFinger):
 
 
 class ContactSequence(PlacedFinger):
-    """A film of one press: a folder of pictures, a TIFF of many pages or a video, and its force."""
+    """An image sequence of one press: a folder of pictures, an image stack or a video, and its force."""
 
     file: str
     """Folder of pictures, TIFF of many pages, or video."""

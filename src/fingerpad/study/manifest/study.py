@@ -78,7 +78,7 @@ class Study(ManifestModel):
     observations_csv: str | None = None
     """CSV file of observations, with the same keys as headers."""
     sequences: list[ContactSequence] = Field(default=[])
-    """Filmed presses."""
+    """Image sequences of presses."""
     curves: list[Curve] = Field(default=[])
     """Loading curves."""
 

@@ -1,1 +1,1 @@
-"""Measuring what a study shows: photographs, contact images, films."""
+"""Measuring what a study shows: photographs, contact images, sequences."""

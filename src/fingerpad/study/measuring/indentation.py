@@ -1,4 +1,4 @@
-"""Indentation of a filmed pad: the platen's displacement from the place of contact."""
+"""Indentation during a sequence: the platen's displacement from the place of contact."""
 
 from typing import Final
 

@@ -20,8 +20,8 @@ from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.sequence_header import frame_count, header_task
-from fingerpad.study.measuring.sequence_result import SequenceResult, film_result
-from fingerpad.study.measuring.sequences import film_key, film_measurements, film_plan
+from fingerpad.study.measuring.sequence_result import SequenceResult, result_of_sequence
+from fingerpad.study.measuring.sequences import sequence_key, sequence_measurements, sequence_plan
 from fingerpad.study.measuring.tasks import observation_tasks, photograph_tasks, pictures_of, resolve_scales
 
 
@@ -97,19 +97,19 @@ def measure_study(
         record = put_unless_changed(store, context.folder, task, result)
         tally.tell(task, failed=record.get("reason") is not None, seconds=result.seconds)
 
-    films = (
-        film_plan(sequence, context)
+    plans = (
+        sequence_plan(sequence, context)
         for sequence in study.sequences
         if (status := statuses.get(sequence.name)) is None
-        or not store.is_current(status, film_key(sequence, context), executor.limits)
+        or not store.is_current(status, sequence_key(sequence, context), executor.limits)
     )
     fingers = (_finger_plan(finger, context) for finger in study.fingers)
     contacts = (iter(([task],)) for task in observation_tasks(context))
     tally.tell()
-    run_plans(chain(films, fingers, contacts), executor, store_result, is_done)
+    run_plans(chain(plans, fingers, contacts), executor, store_result, is_done)
     sequences = [
-        film_result(
-            sequence, context.measured(sequence.name, film_key(sequence, context), sequence.file), context
+        result_of_sequence(
+            sequence, context.measured(sequence.name, sequence_key(sequence, context), sequence.file), context
         )
         for sequence in study.sequences
     ]
@@ -142,9 +142,9 @@ class _Contacts:
                 seen = measurement_from(record)
             seen = replace(seen, load_N=observation.load_N)  # which may have changed since
             yield observation, reviewed(seen, context.active_corrections.get(observation.name))
-        for film in self.sequences:
-            for measured in film_measurements(film, context):
-                yield film.manifest, measured
+        for sequence in self.sequences:
+            for measured in sequence_measurements(sequence, context):
+                yield sequence.manifest, measured
 
 
 def _finger_plan(finger: Finger, context: RunContext) -> Plan:
@@ -166,7 +166,7 @@ def pad_of(finger: Finger, context: RunContext) -> FingerResult:
 
 
 def items_of(context: RunContext) -> Iterator[tuple[str, Callable[[], str]]]:
-    """Yield the name of each photograph, loading curve, observation and film, with what makes its key."""
+    """Yield the name of each photograph, loading curve, observation and sequence, with what makes its key."""
     for finger in context.study.fingers:
         for photograph in pictures_of(finger):
             item = photograph_item(finger, photograph)
@@ -177,7 +177,7 @@ def items_of(context: RunContext) -> Iterator[tuple[str, Callable[[], str]]]:
     for observation in context.study.observations:
         yield observation.name, partial(context.item_key, observation.name, observation)
     for sequence in context.study.sequences:
-        yield sequence.name, partial(film_key, sequence, context)
+        yield sequence.name, partial(sequence_key, sequence, context)
 
 
 def drawn_for(context: RunContext, store: Store) -> Iterator[tuple[str, str]]:
@@ -201,9 +201,9 @@ class _Tally:
     ) -> None:
         self._on_progress = on_progress
         self.pictures = self.failed = self._total = 0
-        films = {sequence.name: sequence for sequence in context.study.sequences}
+        sequences = {sequence.name: sequence for sequence in context.study.sequences}
         for name, key in items_of(context):
-            count = frame_count(films[name], context) if name in films else 1
+            count = frame_count(sequences[name], context) if name in sequences else 1
             self._total += count
             if (status := statuses.get(name)) and store.is_current(status, key(), limits):
                 self.pictures += count

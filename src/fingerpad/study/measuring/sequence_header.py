@@ -1,4 +1,4 @@
-"""The task that opens a film, and counts its frames."""
+"""The task that opens a sequence, and counts its frames."""
 
 from dataclasses import asdict
 from functools import partial
@@ -17,7 +17,7 @@ TIMING: Final = frozenset(
 
 
 def header_task(sequence: ContactSequence, context: RunContext) -> Task:
-    """Return the task that opens a film: it counts the frames."""
+    """Return the task that opens a sequence: it counts the frames."""
     return Task(
         name=f"{sequence.name} header",  # no name of the manifest holds a blank
         item=sequence.name,
@@ -36,7 +36,7 @@ def _header(path: str, folder: Path, _out: Path) -> Record:
 
 
 def frame_count(sequence: ContactSequence, context: RunContext) -> int:
-    """Return the number of frames of a film; one that has not been opened, or cannot be, counts as one."""
+    """Return the number of frames of a sequence; 1 if it has not been opened, or cannot be."""
     header = header_task(sequence, context)
     record = context.record(header.name, header.key)
     return 1 if record is None or "header" not in record else int(record["header"]["count"])

@@ -1,4 +1,4 @@
-"""What a filmed press comes to."""
+"""What a sequence comes to."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from fingerpad.study.measuring.sequence_tasks import FrameOverlay
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SequenceResult:
-    """What a film comes to.
+    """What a sequence comes to.
 
     Attributes
     ----------
     manifest : ContactSequence
         What the manifest says of it.
     summary : SequenceSummary or None
-        Counts of frames; None where the film could not be measured.
+        Counts of frames; None where the sequence could not be measured.
     overlays : tuple of FrameOverlay
         A few frames.
     reason : str or None
@@ -38,8 +38,8 @@ class SequenceResult:
     phases: ManualPhases | None = None
 
 
-def film_result(sequence: ContactSequence, record: Record, context: RunContext) -> SequenceResult:
-    """Return what a film came to, from its record in the store."""
+def result_of_sequence(sequence: ContactSequence, record: Record, context: RunContext) -> SequenceResult:
+    """Return what a sequence came to, from its record in the store."""
     summary = record.get("summary")
     return SequenceResult(
         manifest=sequence,
@@ -51,11 +51,11 @@ def film_result(sequence: ContactSequence, record: Record, context: RunContext) 
 
 
 def frames_beyond(
-    films: Iterable[SequenceResult], active_corrections: Mapping[str, ActiveCorrection]
+    sequences: Iterable[SequenceResult], active_corrections: Mapping[str, ActiveCorrection]
 ) -> Iterator[str]:
-    """Yield the corrected frames that lie beyond the end of their film."""
-    for film in films:
-        if film.summary is not None:
-            for frame in frames_of(active_corrections, film.manifest.name):
-                if frame >= film.summary.count:
-                    yield f"{film.manifest.name}#{frame}"
+    """Yield the corrected frames that lie beyond the end of their sequence."""
+    for sequence in sequences:
+        if sequence.summary is not None:
+            for frame in frames_of(active_corrections, sequence.manifest.name):
+                if frame >= sequence.summary.count:
+                    yield f"{sequence.manifest.name}#{frame}"

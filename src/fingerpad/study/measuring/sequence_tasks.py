@@ -1,4 +1,4 @@
-"""The work on the pictures of a film, each part of it a task of its own."""
+"""The work on the pictures of a sequence, each part of it a task of its own."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
@@ -54,7 +54,7 @@ class FrameOverlay(NamedTuple):
 
 
 class FrameDigest(NamedTuple):
-    """What the frames of a film come to.
+    """What the frames of a sequence come to.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class FrameDigest(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SequenceImages:
-    """The pictures of a film.
+    """The pictures of a sequence.
 
     Each method is the work of a task: it takes the study folder and one to draw into, and returns plain
     values. A piece is its first frame and the one after its last.
@@ -162,7 +162,7 @@ class SequenceImages:
         return from_contact_image(contact_image, self.sequence, self.found)
 
     def draw(self, settings: SequenceSettings, frame_digest: FrameDigest, folder: Path, out: Path) -> Record:
-        """Draw the chosen frames, each once, and return what there is to be said of the film."""
+        """Draw the chosen frames, each once, and return what there is to be said of the sequence."""
         frames = open_frames(folder / self.sequence.file)
         overlays: dict[int, FrameOverlay] = {}
         for role, index in frame_digest.chosen.items():

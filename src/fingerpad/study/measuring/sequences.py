@@ -1,7 +1,8 @@
-"""A film of one press, measured piece by piece: each frame in contact becomes a row.
+"""An image sequence of one press, measured piece by piece: each frame in contact becomes a row.
 
-The pieces are tasks of their own, so that a run goes on within a film, and several processes share one. Three
-stages follow one another: all frames are surveyed, one reading is learnt, and the frames are measured by it.
+The pieces are tasks of their own, so that a run goes on within a sequence, and several processes share one.
+Three stages follow one another: all frames are surveyed, one reading is learnt, and the frames are measured
+by it.
 """
 
 import math
@@ -53,8 +54,8 @@ _MOST_PIECES: Final = 256
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Film:
-    """A film that is to be measured.
+class OpenedSequence:
+    """A sequence that is to be measured.
 
     Attributes
     ----------
@@ -80,8 +81,8 @@ class Film:
     clock: FrameClock
 
     @classmethod
-    def open(cls, sequence: ContactSequence, context: RunContext) -> "Film":
-        """Open a film of the manifest, whose header is in the store.
+    def open(cls, sequence: ContactSequence, context: RunContext) -> "OpenedSequence":
+        """Open a sequence of the manifest, whose header is in the store.
 
         Raises
         ------
@@ -91,7 +92,7 @@ class Film:
         assert sequence.scale is not None  # the manifest's own rule
         found = require_scale(context.scale(sequence.scale))
         if found.name is None:
-            # No name holds a colon: the frames of a film share its scale, and nothing else does.
+            # No name holds a colon: the frames of a sequence share its scale, and nothing else does.
             found = replace(found, name=f"sequence:{sequence.name}")
         header = header_task(sequence, context)
         frames = Frames(
@@ -158,7 +159,9 @@ class Film:
         ]
         draw = partial(self.sequence_images.draw, settings, _gist_of(self.placed(), self.force))
         yield [
-            replace(self._task("", draw), name=self.sequence.name, key=film_key(self.sequence, self.context))
+            replace(
+                self._task("", draw), name=self.sequence.name, key=sequence_key(self.sequence, self.context)
+            )
         ]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
@@ -275,8 +278,8 @@ class Film:
         return measured.semi_minor_mm >= LEAST_RIDGES * measured.ridge_period_mm
 
 
-def film_key(sequence: ContactSequence, context: RunContext) -> str:
-    """Return the key of all that is known of a film."""
+def sequence_key(sequence: ContactSequence, context: RunContext) -> str:
+    """Return the key of all that is known of a sequence."""
     return context.key(
         sequence,
         frame_edits(context.active_corrections, sequence.name),
@@ -284,19 +287,19 @@ def film_key(sequence: ContactSequence, context: RunContext) -> str:
     )
 
 
-def film_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[Task]]:
-    """Yield the tasks of a film, stage by stage; whatever goes wrong costs this film only.
+def sequence_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[Task]]:
+    """Yield the tasks of a sequence, stage by stage; whatever goes wrong costs this sequence only.
 
     Parameters
     ----------
     sequence : ContactSequence
-        A film of the manifest.
+        A sequence of the manifest.
     context : RunContext
         What the run knows; the results of a stage must be in its store before the next is asked for.
     """
-    key = film_key(sequence, context)
+    key = sequence_key(sequence, context)
     try:
-        yield from Film.open(sequence, context).stages()
+        yield from OpenedSequence.open(sequence, context).stages()
     except ChangedError:
         key, reason = "", CHANGED.format(sequence.file)  # never up to date: the next run measures it again
     except StoreError:
@@ -309,25 +312,25 @@ def film_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[T
     context.store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
 
 
-def corrected_frames(films: Iterable[SequenceResult], context: RunContext) -> dict[str, str]:
+def corrected_frames(sequences: Iterable[SequenceResult], context: RunContext) -> dict[str, str]:
     """Return the digests of all frames that people corrected, by item, as they were measured."""
     found: dict[str, str] = {}
-    for film in films:
-        name = film.manifest.name
+    for sequence in sequences:
+        name = sequence.manifest.name
         ruled = frames_of(context.active_corrections, name)
-        if film.reason is None and ruled:
-            digests = Film.open(film.manifest, context).digests(ruled)
+        if sequence.reason is None and ruled:
+            digests = OpenedSequence.open(sequence.manifest, context).digests(ruled)
             found |= {f"{name}#{frame}": digests.get(frame, "") for frame in ruled}
     return found
 
 
-def film_measurements(result: SequenceResult, context: RunContext) -> Iterator[Measurement]:
-    """Yield the measurements of a film that is in the store, or the one that says why it has none."""
+def sequence_measurements(result: SequenceResult, context: RunContext) -> Iterator[Measurement]:
+    """Yield the measurements of a sequence that is in the store, or the one that says why it has none."""
     name = result.manifest.name
     if result.reason is not None:
         yield Measurement(observation=name, reason=result.reason, sequence=name)
         return
-    yield from Film.open(result.manifest, context).measurements()
+    yield from OpenedSequence.open(result.manifest, context).measurements()
 
 
 def _good(context: RunContext, task: str, key: str) -> Record:

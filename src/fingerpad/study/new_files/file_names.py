@@ -1,4 +1,4 @@
-"""What the name of a file says about the picture, film or table in it."""
+"""What the name of a file says about the picture, sequence or table in it."""
 
 import re
 from collections.abc import Iterable
@@ -10,7 +10,7 @@ from typing import Final, Literal, TypeAlias
 from fingerpad.image import Face
 from fingerpad.study.new_files.quantities import DIGITS, FACES, HAND_WORDS, INITIALS, Role
 
-Kind: TypeAlias = Literal["picture", "film", "table", "other"]
+Kind: TypeAlias = Literal["picture", "sequence", "table", "other"]
 
 # Letters, or one number with its decimal mark.
 _WORD: Final = re.compile(r"[^\W\d_]+|\d+(?:[.,]\d+)?")
@@ -26,7 +26,7 @@ _CAPITALS: Final = re.compile(r"(?<![^\W\d_])([LR])([TIMRLP])(?![^\W\d_])")
 _OF_SCALE: Final = frozenset(
     ("ruler", "scale", "coin", "euro", "cent", "calibration", "card", "checkerboard", "grid")
 )
-_ROLES: Final[dict[Kind, Role]] = {"picture": "observation", "film": "sequence", "table": "curve"}
+_ROLES: Final[dict[Kind, Role]] = {"picture": "observation", "sequence": "sequence", "table": "curve"}
 _FACE_ROLES: Final[dict[Kind, Role]] = {"picture": "photograph", "table": "outline"}
 
 
@@ -37,7 +37,7 @@ class FileNameReading:
     Attributes
     ----------
     role : {"observation", "photograph", "sequence", "curve", "outline"} or None
-        What the file is in a study; None for a ruler, a coin or the force of a film.
+        What the file is in a study; None for a ruler, a coin or the force of a sequence.
     finger : str or None
         Name of the finger, with the person's in front where both are named: ``S01_left_index``.
     face : {"palmar", "distal", "radial", "ulnar"} or None
@@ -60,7 +60,7 @@ def read_file_name(name: str, kind: Kind, *, fingers: Iterable[str] = ()) -> Fil
     ----------
     name : str
         Name of the file, with or without folders.
-    kind : {"picture", "film", "table", "other"}
+    kind : {"picture", "sequence", "table", "other"}
         Kind of file.
     fingers : iterable of str
         Fingers of the study; one of them in the name is that finger.
@@ -101,7 +101,7 @@ def names_a_scale(name: str) -> bool:
 
 
 def names_a_force(name: str) -> bool:
-    """Tell whether a name says that a table holds a force, as beside a film, and no loading curve."""
+    """Tell whether a name says that a table holds a force, as beside a sequence, and no loading curve."""
     words = {word.lower() for word in _WORD.findall(PurePosixPath(name).stem)}
     return "force" in words and words.isdisjoint(("displacement", "indentation", "curve"))
 

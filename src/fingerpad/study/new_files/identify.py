@@ -80,13 +80,13 @@ class FileIdentity:
 def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> FileIdentity:
     r"""Guess what a file is, by its content and its name.
 
-    Pictures are looked at (`fingerpad.image.guess_subject`), tables are known by their headers, and films by
-    their frames. A name that says it, as ``palmar``, ``30deg_2N`` or ``coin``, counts for much.
+    Pictures are looked at (`fingerpad.image.guess_subject`), tables are known by their headers, and
+    sequences by their frames. A name that says it, as ``palmar``, ``30deg_2N`` or ``coin``, counts for much.
 
     Parameters
     ----------
     path : path-like
-        A picture, a film, a table or a spreadsheet.
+        A picture, a sequence, a table or a spreadsheet.
     memory_limit : int
         The most bytes that reading may take, as for `fingerpad.image.read_image`.
 
@@ -97,7 +97,7 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
     Raises
     ------
     ImageError
-        If a picture or a film cannot be read.
+        If a picture or a sequence cannot be read.
     ManifestError
         If a table cannot be read.
 
@@ -118,9 +118,9 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
     if suffix in SHEET_SUFFIXES:
         return _identity(_table_contents(path), path, "table")
     if suffix in VIDEO_SUFFIXES:
-        return _identity({"sequence": 1.0}, path, "film")
+        return _identity({"sequence": 1.0}, path, "sequence")
     if suffix in TIFF_SUFFIXES and open_frames(path, memory_limit=memory_limit).count > 1:
-        return _identity({"sequence": 1.0}, path, "film")
+        return _identity({"sequence": 1.0}, path, "sequence")
     if suffix not in PICTURE_SUFFIXES:
         return _identity({"other": 1.0}, path, "other")
     guess = guess_subject(read_colour_image(path, memory_limit=memory_limit))
@@ -176,11 +176,11 @@ def _table_contents(path: Path) -> dict[Content, float]:
         }.items()
     }
     if has["force"] and has["travel"]:
-        # Beside a film the platen's displacement may be recorded too.
-        film = (
+        # Beside a sequence the platen's displacement may be recorded too.
+        share = (
             0.04 if not has["time"] else 0.95 if has["trigger"] else 0.7 if names_a_force(path.name) else 0.04
         )
-        return {"loading curve": 0.99 - film, "force table": film, "other": 0.01}
+        return {"loading curve": 0.99 - share, "force table": share, "other": 0.01}
     if _names_files(cells, path):
         return {"table of files": 0.95, "other": 0.05}
     if has["force"] and has["time"]:

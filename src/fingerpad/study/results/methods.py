@@ -88,7 +88,7 @@ def _contacts(result: StudyResult) -> Iterator[str]:
         f"The pads were pressed against {of.platen or 'a flat platen'} at wedge angles of {wedge}° "
         f"({wedge_std}) and a roll of {roll}° ({roll_std})."
     )
-    counts = {"single contact": len(study.observations), "filmed press": len(study.sequences)}
+    counts = {"single contact": len(study.observations), "sequence": len(study.sequences)}
     contacts = _joined([counted(count, noun) for noun, count in counts.items() if count])
     loads = _range(result.rows.column("load_N"))
     sensor = f", by {of.force_sensor}," if of.force_sensor else ""

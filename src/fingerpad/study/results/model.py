@@ -147,7 +147,7 @@ def contact_inputs(
         [(one.load_N, one.relative_scale_std, one.edge_offset_mm_std) for _, one in seen], (count, 3)
     ).T
     axes = np.reshape([(one.semi_major_mm, one.semi_minor_mm) for _, one in seen], (count, 2))
-    deviation = cache(FingerResult.shape_deviation)  # a film has thousands of rows at one angle
+    deviation = cache(FingerResult.shape_deviation)  # a sequence has thousands of rows at one angle
     along, along_std, across_std = np.reshape(
         [
             deviation(pad, one.wedge_angle_deg, one.roll_angle_deg)

@@ -154,7 +154,8 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
         "second_operator": [one.as_record() for one in result.operators],
         "by_load": [one.as_record() for one in result.by_load],
         "sequences": [
-            _sequence(film, frames) for film, frames in zip(result.sequences, result.frames(), strict=True)
+            _sequence(sequence, frames)
+            for sequence, frames in zip(result.sequences, result.frames(), strict=True)
         ],
         "scales": {name: _scale(scale) for name, scale in result.scales.items()},
         "curves": [

@@ -335,7 +335,7 @@ def _outline_radii(seen: Mapping[str, ColumnArray], pads: Sequence[FingerResult]
     """Return the radius along the finger that side faces show where each contact is, unless it is rolled."""
     angles = np.where(seen["roll_angle_deg"] == 0, seen["wedge_angle_deg"], np.nan).tolist()
     found = np.full((len(pads), 2), np.nan)
-    radius = cache(FingerResult.outline_radius)  # a film has thousands of rows at one angle
+    radius = cache(FingerResult.outline_radius)  # a sequence has thousands of rows at one angle
     for place, (pad, angle) in enumerate(zip(pads, angles, strict=True)):
         if not np.isnan(angle):
             found[place] = radius(pad, angle)

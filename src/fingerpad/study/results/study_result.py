@@ -117,9 +117,9 @@ class StudyResult(Displayed):
         failed = self.rows.at(self.rows.column("status") == "failed")
         frames = failed.known("frame")
         lines = [(row["observation"], row["reason"]) for row in failed.at(~frames)]
-        for (name,), film in failed.at(frames).by("sequence").items():
-            first = film[0]
-            many = "1 frame" if len(film) == 1 else f"{len(film)} frames; the first:"
+        for (name,), rows in failed.at(frames).by("sequence").items():
+            first = rows[0]
+            many = "1 frame" if len(rows) == 1 else f"{len(rows)} frames; the first:"
             lines.append((name, f"{many} {first['frame']}: {first['reason']}"))
         return lines
 
@@ -130,8 +130,8 @@ class StudyResult(Displayed):
 
     def frames(self) -> list[ResultsTable]:
         """Return the rows of frames of each of `sequences`."""
-        films = self.rows.at(self.rows.known("frame")).by("sequence")
-        return [films.get((film.manifest.name,), self.rows[:0]) for film in self.sequences]
+        rows = self.rows.at(self.rows.known("frame")).by("sequence")
+        return [rows.get((sequence.manifest.name,), self.rows[:0]) for sequence in self.sequences]
 
     def curves_on_layer(self) -> list[CurveOnLayer | None]:
         """Return each of `curves` on its finger's layer of tissue; None without a thickness."""
@@ -161,7 +161,7 @@ class StudyResult(Displayed):
             study=study,
             fingers={name: self.fingers[name]},
             rows=self.rows.at(self.rows.column("finger") == name),
-            sequences=[film for film in self.sequences if film.manifest.finger == name],
+            sequences=[sequence for sequence in self.sequences if sequence.manifest.finger == name],
             scales={key: found for key, found in self.scales.items() if key in scales},
             summaries=list(compress(self.summaries, own)),
             checks=list(compress(self.checks, own)),

@@ -62,14 +62,14 @@ class Summary:
         """What the pooled radii come from, in words, and of how many observations."""
         pooled = self.rows.at(self.rows.column("pooled"))
         frames = int(pooled.known("frame").sum())
-        films = len(set(pooled.column("sequence")) - {None})
+        sequences = len(set(pooled.column("sequence")) - {None})
         contacts, seen = len(pooled) - frames, len(self.contacts)
         singles = counted(contacts, "observation")
         if contacts < seen:
             singles = f"{contacts} of {counted(seen, 'observation')}"
-        parts = [singles] if seen or not films else []
-        if films:
-            parts.append(f"{counted(frames, 'frame')} of {counted(films, 'sequence')}")
+        parts = [singles] if seen or not sequences else []
+        if sequences:
+            parts.append(f"{counted(frames, 'frame')} of {counted(sequences, 'sequence')}")
         return " and ".join(parts)
 
 
@@ -81,8 +81,8 @@ def pool_contacts(rows: Rows) -> list[Summary]:
 
 def _summary(key: PlacementKey, rows: Rows, group: ResultsTable) -> Summary:
     pooled = group.at(group.column("pooled"))
-    films = pooled.known("sequence")
-    estimate = numbered(np.where(films, pooled.column("sequence"), pooled.column("observation")))
+    framed = pooled.known("sequence")
+    estimate = numbered(np.where(framed, pooled.column("sequence"), pooled.column("observation")))
     corrected, compliance = (
         PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None for name in POOLED_OUTPUTS
     )

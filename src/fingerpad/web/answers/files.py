@@ -11,7 +11,7 @@ class UploadedFile(Answer):
     """An uploaded file."""
 
     file: str
-    kind: Literal["picture", "film", "table", "other"]
+    kind: Literal["picture", "sequence", "table", "other"]
     bytes: int
     rows_px: int | None
     columns_px: int | None

@@ -9,7 +9,7 @@ from starlette.responses import Response
 
 from fingerpad.web.answers import files as answers
 from fingerpad.web.endpoints import IMMUTABLE, Item, Params, endpoint
-from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_film
+from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_sequence
 from fingerpad.web.workspace import Workspace
 
 _NO_CACHE: Final = {"cache-control": "private, no-cache"}
@@ -33,8 +33,8 @@ def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
     """Return the size of an image and the addresses of its previews."""
     opened = workspace.study
     place = opened.place_of(params.item)
-    film = place.colour and is_film(place.path)
-    picture = opened.pictures.grey(ImageLocation(place.path, frame=0) if film else place)
+    is_frame = place.colour and is_sequence(place.path)
+    picture = opened.pictures.grey(ImageLocation(place.path, frame=0) if is_frame else place)
     rows, columns = picture.pixels.shape
     query = urlencode({"item": params.item, "v": version(place)})
     return {

@@ -178,8 +178,8 @@ def _pooling(
         What people corrected, by item.
     """
     decided = {name for name, one in active_corrections.items() if pooling_choice(one)}
-    of_film = rows.known("frame")
-    contacts, frames = rows.at(~of_film), rows.at(of_film)
+    framed = rows.known("frame")
+    contacts, frames = rows.at(~framed), rows.at(framed)
     asked = contacts.at(
         np.array(
             [

@@ -320,7 +320,7 @@ def _files(opened: StudySession) -> list[dict[str, Any]]:
             and Path(name).suffix.lower() in TIFF_SUFFIXES
             and (opened.count_frames(name) or 1) > 1
         ):
-            kind = "film"
+            kind = "sequence"
         reading = asdict(read_file_name(name, kind, fingers=fingers)) if name in unused else None
         return {"file": name, "kind": kind, "bytes": size, "used": used, "reading": reading}
 
@@ -346,7 +346,7 @@ def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]
     """Return frames of a sequence, with the results of the last run."""
     opened = workspace.study
     name, found = params.sequence, last_results(opened)
-    total = opened.count_frames(opened.film_name(name)) or 0
+    total = opened.count_frames(opened.sequence_file(name)) or 0
     rows = found.frames(name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
     ruled = frame_corrections(opened.corrections.active_corrections(), name, shown)

@@ -22,7 +22,7 @@ export const FILTER_TESTS = {
 
 /** @param {Partial<Omit<Observation, "status" | "file"> & Frame>} entry */
 export function describe(entry) {
-  const film = entry.frame !== undefined;
+  const framed = entry.frame !== undefined;
   const state = entry.rejected ? "rejected" : entry.status;
   const marks = [];
   if (entry.flags?.length) marks.push(["flag", entry.flags.map(describeCode).join("; ")]);
@@ -31,13 +31,13 @@ export function describe(entry) {
   const load =
     entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
   return {
-    label: film
+    label: framed
       ? `${entry.frame}${load ? ` · ${load}` : ""}`
       : load
         ? `${load} · ${plain(entry.wedge_angle_deg)}°`
         : entry.item,
     name: [
-      film ? `Frame ${entry.frame}` : entry.item,
+      framed ? `Frame ${entry.frame}` : entry.item,
       load,
       ...marks.map(([, title]) => title),
       state === "none" ? "no contact found, or not run yet" : "",

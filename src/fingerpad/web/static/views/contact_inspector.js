@@ -143,7 +143,7 @@ export class ContactInspector extends Inspector {
       h(
         "div.headline",
         h("h2", entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
-        h("span", synthetic(entry.synthetic ?? this.view.film?.synthetic)),
+        h("span", synthetic(entry.synthetic ?? this.view.sequence?.synthetic)),
       ),
       h("p.context", lines.join(" · ")),
     );
@@ -304,7 +304,7 @@ export class ContactInspector extends Inspector {
           }),
         ),
       ),
-      this.view.film &&
+      this.view.sequence &&
         answer &&
         check("Key frame: carry this ellipse to the frames up to the next one (k)", {
           checked: Boolean(change.key_frame),

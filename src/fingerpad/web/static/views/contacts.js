@@ -46,7 +46,7 @@ class Contacts extends Review {
   /** @type {(Observation | Frame)[]} */
   entries = [];
   /** @type {Sequence | undefined} */
-  film;
+  sequence;
 
   /** @type {"add" | "remove" | "replace"} */
   action = "replace";
@@ -89,7 +89,7 @@ class Contacts extends Review {
       ...(images ? [["second", "Second operator, blind"]] : []),
       ...workspace.study.sequences
         .filter(({ file }) => file)
-        .map(({ name, frames }) => [`film:${name}`, `Sequence ${name}${frames ? ` (${frames})` : ""}`]),
+        .map(({ name, frames }) => [`sequence:${name}`, `Sequence ${name}${frames ? ` (${frames})` : ""}`]),
     ];
   }
 
@@ -138,7 +138,7 @@ class Contacts extends Review {
       bar: [
         this.traces.root,
         h(
-          "div.film-bar",
+          "div.filmstrip-bar",
           h("label", "Images", this.sourceChoice),
           h("label", "Show", this.filterChoice),
           this.count,
@@ -186,8 +186,8 @@ class Contacts extends Review {
         ...image,
       }));
     } else {
-      const name = this.source.slice(5);
-      this.film = workspace.study.sequences.find((entry) => entry.name === name);
+      const name = this.source.slice("sequence:".length);
+      this.sequence = workspace.study.sequences.find((entry) => entry.name === name);
       this.all = [];
       for (let total = 1; this.all.length < total; ) {
         const page = await get("/api/study/frames", { sequence: name, offset: this.all.length, limit: 2000 });
@@ -197,8 +197,8 @@ class Contacts extends Review {
         if (!page.frames.length) break;
       }
     }
-    const signal = this.film ? await this.#signal() : null;
-    this.traces.set(this.film?.name ?? null, signal, /** @type {Frame[]} */ (this.all));
+    const signal = this.sequence ? await this.#signal() : null;
+    this.traces.set(this.sequence?.name ?? null, signal, /** @type {Frame[]} */ (this.all));
     if (this.closed) return;
     this.#filter(this.filter, this.wanted);
     await this.#figure();
@@ -206,16 +206,16 @@ class Contacts extends Review {
 
   /** Show the way to the sequence's figure in the report, if there is one. */
   async #figure() {
-    const name = `sequence_${this.film?.name}`;
-    const there = this.film && workspace.study.results.there;
+    const name = `sequence_${this.sequence?.name}`;
+    const there = this.sequence && workspace.study.results.there;
     const { figures } = there ? await get("/api/results/figures") : { figures: [] };
     const figure = figures.find((each) => [name, `${name}_synthetic`].includes(each.name));
-    if (name === `sequence_${this.film?.name}`) render(this.traces.figure, figureButton(figure));
+    if (name === `sequence_${this.sequence?.name}`) render(this.traces.figure, figureButton(figure));
   }
 
   /** The force of the sequence; without it the frames are shown alone. */
   async #signal() {
-    return get("/api/study/signal", { sequence: this.film.name }).catch((error) => {
+    return get("/api/study/signal", { sequence: this.sequence.name }).catch((error) => {
       showError(error);
       return null;
     });
@@ -243,7 +243,7 @@ class Contacts extends Review {
   async #align(start) {
     const set = { start_s: Number(start.toFixed(4)), contact_load_N: null };
     try {
-      await workspace.edit({ kind: "sequence", key: this.film.name, set });
+      await workspace.edit({ kind: "sequence", key: this.sequence.name, set });
       toast("The alignment is saved. Run the study to use it.", {
         kind: "good",
         action: { words: "Run", do: () => (location.hash = "#/run") },
@@ -282,7 +282,9 @@ class Contacts extends Review {
   }
 
   missing() {
-    return this.film ? missingOf("sequence", this.film.name) : missingOf("observation", this.entry.item);
+    return this.sequence
+      ? missingOf("sequence", this.sequence.name)
+      : missingOf("observation", this.entry.item);
   }
 
   title() {
@@ -298,8 +300,8 @@ class Contacts extends Review {
   showInfo(info) {
     this.info = info;
     this.inspector.head();
-    if (this.film) this.traces.choose(/** @type {Frame} */ (this.entry));
-    this.mark.hidden = !(this.entry.synthetic ?? this.film?.synthetic);
+    if (this.sequence) this.traces.choose(/** @type {Frame} */ (this.entry));
+    this.mark.hidden = !(this.entry.synthetic ?? this.sequence?.synthetic);
     this.#ahead();
   }
 
@@ -440,7 +442,7 @@ class Contacts extends Review {
 
   /** Carry the ellipse of this frame to those up to the next key frame, or no longer. */
   async setKeyFrame(on) {
-    if (!this.film || !this.measured) return;
+    if (!this.sequence || !this.measured) return;
     await this.keep((change) => ({
       ...change,
       ellipse_px: on ? (change.ellipse_px ?? this.#ellipse()) : change.ellipse_px,
@@ -452,7 +454,7 @@ class Contacts extends Review {
   /** Read again which frames around this one are interpolated. */
   async #refreshFrames() {
     const offset = Math.max(0, this.entry.frame - 1000);
-    const { frames } = await get("/api/study/frames", { sequence: this.film.name, offset, limit: 2000 });
+    const { frames } = await get("/api/study/frames", { sequence: this.sequence.name, offset, limit: 2000 });
     frames.forEach((frame, k) => {
       Object.assign(this.all[offset + k] ?? {}, frame);
     });
@@ -479,7 +481,7 @@ class Contacts extends Review {
 
   context() {
     const entry = this.entry;
-    const of = this.film ?? entry;
+    const of = this.sequence ?? entry;
     return {
       entry,
       lines: [
@@ -505,7 +507,8 @@ class Contacts extends Review {
   update() {
     if (!this.stage || this.blind) return;
     if (this.source !== "images") {
-      this.film = workspace.study.sequences.find(({ name }) => name === this.film?.name) ?? this.film;
+      this.sequence =
+        workspace.study.sequences.find(({ name }) => name === this.sequence?.name) ?? this.sequence;
       this.refreshMissing();
       return;
     }

@@ -17,7 +17,7 @@ export const KINDS = {
     ["ruler", "ruler, for the scale"],
     ["", "something else"],
   ],
-  film: [["sequence", "sequence"]],
+  sequence: [["sequence", "sequence"]],
   table: [
     ["curve", "loading curve"],
     ["outline", "outline of a face"],

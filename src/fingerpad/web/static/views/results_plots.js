@@ -322,7 +322,7 @@ export class Plots {
         })),
         chosen: ({ pointIndex }) => {
           const item = name(pointIndex);
-          const source = item.includes("#") ? `film:${item.split("#")[0]}` : "images";
+          const source = item.includes("#") ? `sequence:${item.split("#")[0]}` : "images";
           location.hash = `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(item)}`;
         },
       });

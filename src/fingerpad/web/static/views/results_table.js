@@ -222,7 +222,7 @@ export class Table {
   /** @param {Answers["Rows"]["rows"][number]} row */
   #link(row) {
     if (!row.item || !row.file) return h("span", row.observation);
-    const source = row.sequence ? `film:${row.sequence}` : "images";
+    const source = row.sequence ? `sequence:${row.sequence}` : "images";
     return h(
       "a",
       { href: `#/contacts/${encodeURIComponent(source)}/${encodeURIComponent(row.item)}` },

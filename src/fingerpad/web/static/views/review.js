@@ -121,7 +121,7 @@ export class Review {
           inspector.root,
           inspector.footer,
         ),
-        h("section.film", { "aria-label": "All images" }, bar, this.strip.root),
+        h("section.filmstrip-panel", { "aria-label": "All images" }, bar, this.strip.root),
       ),
     );
   }

@@ -285,7 +285,7 @@ function fileOf(name) {
   const { observations, sequences } = workspace.study;
   return (
     observations.find(({ item }) => item === name)?.file ??
-    sequences.find((film) => film.name === name)?.file ??
+    sequences.find((sequence) => sequence.name === name)?.file ??
     name
   );
 }

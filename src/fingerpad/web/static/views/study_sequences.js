@@ -33,7 +33,7 @@ function sequenceRow(tables, one) {
   const force = [...new Set([one.force, ...files].filter(Boolean))];
   return row(
     cell(
-      h("a", { href: `#/contacts/${encodeURIComponent(`film:${one.name}`)}` }, one.name),
+      h("a", { href: `#/contacts/${encodeURIComponent(`sequence:${one.name}`)}` }, one.name),
       " ",
       synthetic(one.synthetic),
       one.frames && h("div.soft.number", `${one.frames} frames`),

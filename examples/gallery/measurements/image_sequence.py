@@ -1,5 +1,5 @@
 """
-Filmed press
+Image sequence
 ============
 
 Area and semi-axes of every frame of a synthetic press, against time and against force.
