@@ -76,10 +76,10 @@ def make_study(folder: Path) -> None:
     kept = [curve for curve in curves if "file =" not in curve]  # they take long to fit
     manifest.write_text("[[curves]]".join([head, *kept]), encoding="utf-8")
     run_study(manifest, folder / "results", write_report=write_report)
-    add_decisions(folder)
+    add_corrections(folder)
 
 
-def add_decisions(folder: Path) -> None:
+def add_corrections(folder: Path) -> None:
     """Add corrections and incomplete tables to the demo study."""
     manifest = folder / "study.toml"
     log, study = CorrectionLog(folder), read_study(manifest)

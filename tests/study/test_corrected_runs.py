@@ -1,4 +1,4 @@
-"""Runs of a study that people corrected: results follow the decisions, and nothing else is measured again."""
+"""Runs of a corrected study: results follow the corrections, and nothing else is measured again."""
 
 from pathlib import Path
 
@@ -86,12 +86,12 @@ def test_a_verdict_measures_nothing(manifest: Path, item: str, change: dict, sta
     assert others[0] == others[1]
 
 
-def test_the_report_says_what_people_decided(manifest: Path) -> None:
+def test_the_report_lists_manual_corrections(manifest: Path) -> None:
     decide(manifest, "o1", ELLIPSE)
     decide(manifest, "o2", {"rejected": "it <slipped>"})
     result, _ = run(manifest)
     page = write_report(result, manifest.parent / "out").read_text(encoding="utf-8")
-    section = page[page.index("What people decided") : page.index('id="fingers"')]
+    section = page[page.index("Manual corrections") : page.index('id="fingers"')]
     assert ("corrected" in section, "it &lt;slipped&gt;" in section, "anna" in section) == (True,) * 3
     own = row_of(result, "o1")["automatic_semi_major_mm"]
     assert f"{own:.3f}" in section

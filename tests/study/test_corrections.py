@@ -78,7 +78,7 @@ def test_a_change_is_read_back_by_another(tmp_path):
     assert other.active_correction("print_2") is None
 
 
-def test_the_newest_rules_and_every_decision_stays(tmp_path):
+def test_the_newest_is_active_and_every_correction_stays(tmp_path):
     log = CorrectionLog(tmp_path)
     for level in (10, 20, 30):
         said(log, "print_1", {"threshold": level})
@@ -88,7 +88,7 @@ def test_the_newest_rules_and_every_decision_stays(tmp_path):
     assert all(record["who"] == "anna" and record["when"].endswith("Z") for record in kept)
 
 
-def test_who_decided_about_pooling_stays_whoever_corrects_later(tmp_path):
+def test_who_corrected_pooling_stays_whoever_corrects_later(tmp_path):
     log, out = CorrectionLog(tmp_path), {"include": False, "why": "slipped"}
     said(log, "print_1", {"pooling": {"include": True, "why": "slipped"}}, who="first")
     said(log, "print_1", {"pooling": out}, who="anna")

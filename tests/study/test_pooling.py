@@ -377,7 +377,7 @@ def test_a_person_decides_what_flags_would(
     row = rows.table[1]
     assert row["pooled"] == counts
     assert row["excluding_flags"] == " ".join(flags)
-    assert row["pooling_decided_by"] == ("A" if pooling else None)
+    assert row["pooling_corrected_by"] == ("A" if pooling else None)
     assert row["reviewed"] == ("rejected" if rejected else None)
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]
 

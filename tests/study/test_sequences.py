@@ -374,13 +374,13 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
         assert {rows[k]["phase"] for k in frames} == {names}
     assert 23 not in rows
     assert 23 in {row["frame"] for row in plain.rows}
-    assert {row["phase_decided_by"] for row in rows.values()} == {"anna"}
+    assert {row["phase_corrected_by"] for row in rows.values()} == {"anna"}
     assert max(row["frame"] for row in rows.values() if row["pooled"]) == 9
     assert max(row["frame"] for row in plain.rows if row["pooled"]) == 11
     (record,) = summary_record(result)["sequences"]
     assert record["phase_starts_s"] == [list(one) for one in PHASES]
-    assert (record["phases_decided_by"], record["phases_reason"]) == ("anna", "slipped at first")
-    assert record["phases_decided_at"] == log.history("p#phases").records[0].when
+    assert (record["phases_corrected_by"], record["phases_reason"]) == ("anna", "slipped at first")
+    assert record["phases_corrected_at"] == log.history("p#phases").records[0].when
     assert record["phases"]["hold"] == 9
     text = write_report(result, study_dir / "out").read_text(encoding="utf-8")
     assert "phases set manually by anna" in text
@@ -389,7 +389,7 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
     log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
     after = run(study_dir, ("p", CLOCK))
     assert list(after.rows) == list(plain.rows)
-    assert summary_record(after)["sequences"][0]["phases_decided_by"] is None
+    assert summary_record(after)["sequences"][0]["phases_corrected_by"] is None
     assert "set manually" not in write_report(after, study_dir / "out").read_text(encoding="utf-8").replace(
         "unless set manually", ""
     )

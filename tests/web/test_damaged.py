@@ -5,7 +5,7 @@ import os
 import shutil
 
 import pytest
-from benchmarks.mutations import SLOW, add_decisions, ask_mutated, routes
+from benchmarks.mutations import SLOW, add_corrections, ask_mutated, routes
 from tests.sums import write_sums
 from tests.web.conftest import serving
 
@@ -170,7 +170,7 @@ def test_odd_files_in_the_folder_do_no_harm(client, folder):
 
 
 def test_studies_mutated_at_random_are_answered(folder):
-    add_decisions(folder)
+    add_corrections(folder)
     answers = ask_mutated(folder, 50)
     assert answers.faults == []
     assert sum(answers.by_status.values()) > 1000

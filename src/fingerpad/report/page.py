@@ -127,7 +127,7 @@ def write_page(
             failed=result.failed_contacts,
             odd=[*result.notes, *implausible_values(result)],
             most_failed=_MOST_FAILED,
-            decided=result.decided,
+            corrected=result.corrected,
             **(_tabled(result, draw) if pages else _drawn_in_full(result, draw)),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
@@ -227,7 +227,7 @@ def _details(
         "left_out": [(row["observation"], pooling_words(row)) for row in out[:MOST_POINTS]],
         "pooled_manually": [
             (row["observation"], pooling_words(row))
-            for row in contacts.at(contacts.column("pooled") & contacts.known("pooling_decided_by"))
+            for row in contacts.at(contacts.column("pooled") & contacts.known("pooling_corrected_by"))
         ],
         "edge": _edge(shown.column("edge_offset_mm_std")),
         "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],

@@ -51,14 +51,14 @@ def phase_words(phases: ManualPhases) -> str:
 
     Examples
     --------
-    >>> from fingerpad.study.corrections.changes import PhaseDecision
+    >>> from fingerpad.study.corrections.changes import PhaseCorrection
     >>> starts = [{"phase": "loading", "start_s": 0.25}, {"phase": "hold", "start_s": 1}]
-    >>> decision = PhaseDecision(starts=starts, why="slipped at first")
-    >>> phase_words(ManualPhases(decision, "Ada", "2026-05-04T10:00:00.000Z"))
+    >>> correction = PhaseCorrection(starts=starts, why="slipped at first")
+    >>> phase_words(ManualPhases(correction, "Ada", "2026-05-04T10:00:00.000Z"))
     'phases set manually by Ada on 2026-05-04: loading from 0.25 s, hold from 1 s (slipped at first)'
     """
-    starts = ", ".join(f"{one.phase} from {one.start_s:.4g} s" for one in phases.decision.starts)
-    return f"phases set manually by {phases.who} on {phases.when[:10]}: {starts} ({phases.decision.why})"
+    starts = ", ".join(f"{one.phase} from {one.start_s:.4g} s" for one in phases.correction.starts)
+    return f"phases set manually by {phases.who} on {phases.when[:10]}: {starts} ({phases.correction.why})"
 
 
 def pooling_words(row: Mapping[str, Any]) -> str:
@@ -66,16 +66,16 @@ def pooling_words(row: Mapping[str, Any]) -> str:
 
     Examples
     --------
-    >>> row = {"excluding_flags": "low_contrast", "pooling_decided_by": None, "pooled": False}
+    >>> row = {"excluding_flags": "low_contrast", "pooling_corrected_by": None, "pooled": False}
     >>> pooling_words(row)
     'the contact has little contrast with the background'
-    >>> pooling_words(row | {"pooled": True, "pooling_decided_by": "Ada", "pooling_reason": "whole print"})
+    >>> pooling_words(row | {"pooled": True, "pooling_corrected_by": "Ada", "pooling_reason": "whole print"})
     'included by Ada: whole print (the contact has little contrast with the background)'
     """
     flags = "; ".join(in_words(row["excluding_flags"] or "", {**FLAG_WORDS, **RANGE_NOTES}))
-    if row["pooling_decided_by"]:
+    if row["pooling_corrected_by"]:
         done = "included" if row["pooled"] else "left out"
-        words = f"{done} by {row['pooling_decided_by']}: {row['pooling_reason']}"
+        words = f"{done} by {row['pooling_corrected_by']}: {row['pooling_reason']}"
         return f"{words} ({flags})" if flags else words
     return flags
 
@@ -112,7 +112,7 @@ def why_not_pooled(summary: Summary) -> str:
     contacts = len(summary.contacts)
     counts = {"contact": contacts, "frame": len(summary.rows) - contacts}
     seen = " and ".join(counted(count, noun) for noun, count in counts.items() if count)
-    fields = ("excluding_flags", "pooling_decided_by", "pooling_reason", "pooled")
+    fields = ("excluding_flags", "pooling_corrected_by", "pooling_reason", "pooled")
     reasons = Counter(pooling_words(row) or _NOT_LOADING for row in summary.rows.records(*fields))
     return f"0 of {seen} pooled: " + "; ".join(
         f"{words} ({count})" if len(reasons) > 1 else words for words, count in reasons.items()

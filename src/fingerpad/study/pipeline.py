@@ -47,7 +47,7 @@ _MOST_N: Final = 100.0
 _REPLACED: Final = (
     f"{CORRECTIONS_NAME}: {{}} was corrected on another picture or force than is there now: look at it again"
 )
-_NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: what was decided about it has no effect"
+_NOT_THERE: Final = f"{CORRECTIONS_NAME}: {{}} is not in the study: its correction has no effect"
 _DAMAGED: Final = f"{STORE_NAME}: the stored result of {{}} was damaged and is measured again"
 
 

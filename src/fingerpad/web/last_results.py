@@ -18,7 +18,7 @@ from fingerpad.web.study_session import StudySession
 
 _Triple: TypeAlias = Annotated[list[float | None], Field(min_length=3, max_length=3)]
 FRAME_COLUMNS: Final = (
-    *("phase", "phase_decided_by", "time_s", "load_N"),
+    *("phase", "phase_corrected_by", "time_s", "load_N"),
     *("measured_indentation_mm", "gross_area_mm2", "aspect_ratio"),
 )
 

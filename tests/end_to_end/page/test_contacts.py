@@ -185,7 +185,7 @@ def test_a_threshold_is_applied_to_similar_images_one_by_one(tab: Tab, demo) -> 
     expect(cards.first.locator("path.region")).to_have_attribute("d", re.compile("."))
     page.keyboard.press("Enter")  # the first card's Accept has the focus
     cards.nth(1).get_by_role("button", name="Leave").click()
-    dialog.get_by_text(f"2 of {len(names)} decided").wait_for()
+    dialog.get_by_text(f"2 of {len(names)} reviewed").wait_for()
     dialog.get_by_role("button", name="Close").click()
     kept = [record for record in corrections(demo) if record["item"] != PRINT]
     assert [(record["item"], record["change"]) for record in kept] == [

@@ -1,4 +1,4 @@
-"""Which contacts are pooled: the page says how many, who is left out and why, and takes a decision."""
+"""Which contacts are pooled: the page says how many, who is left out and why, and takes a correction."""
 
 import json
 import re
@@ -31,7 +31,7 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     words = card.locator(".pooling-list li").first.inner_text()
     assert "contact_1N, 1 N is left out: the contact is cut by the edge of the picture" in words
     before = card.locator(".main-fact dd").first.inner_text()
-    card.get_by_label("Reason of the decision").fill("shown whole enough")
+    card.get_by_label("Reason of the correction").fill("shown whole enough")
     card.get_by_role("button", name="Include contact_1N").click()
     card.get_by_text(re.compile("included by .+, just now: shown whole enough")).wait_for()
     record = json.loads((example / "corrections.jsonl").read_text().splitlines()[-1])
@@ -53,7 +53,7 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
         assert unexplained(page) == []
     # Back to the rule, and one that nothing speaks against left out by its picture.
     card.get_by_text("3 of 3 contacts pooled").click()
-    card.get_by_role("button", name="Undo the decision about contact_1N").click()
+    card.get_by_role("button", name="Undo the correction of contact_1N").click()
     card.get_by_text(re.compile("included by .+, just now")).wait_for(state="detached")
     example_tab.go("contacts/images/contact_2N")
     numbers(page)
@@ -62,7 +62,7 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     page.get_by_text("Left out of the pooled radius").wait_for()
     rows = {row["observation"]: row for row in run_study(example / "study.toml", example / "results").rows}
     assert [rows[f"contact_{load}N"]["pooled"] for load in ("0.5", "1", "2")] == [True, False, False]
-    assert rows["contact_2N"]["pooling_decided_by"] == record["who"]
+    assert rows["contact_2N"]["pooling_corrected_by"] == record["who"]
     assert rows["contact_2N"]["reviewed"] is None
 
 

@@ -24,7 +24,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.changes import (
     ContactCorrection,
-    PhaseDecision,
+    PhaseCorrection,
     PhotographCorrection,
     SequenceCorrection,
 )
@@ -54,13 +54,13 @@ class ManualPhases(NamedTuple):
 
     Attributes
     ----------
-    decision : PhaseDecision
+    correction : PhaseCorrection
         The phases, and why.
     who, when : str
         Who set them, and when.
     """
 
-    decision: PhaseDecision
+    correction: PhaseCorrection
     who: str
     when: str
 

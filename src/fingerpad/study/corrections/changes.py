@@ -70,8 +70,8 @@ class ManualFaceEllipse(ManifestModel):
     lean_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
 
 
-class PoolingDecision(ManifestModel):
-    """Whether a contact counts in pooled results, as a person decided, and why."""
+class PoolingCorrection(ManifestModel):
+    """Whether a contact counts in pooled results, as corrected manually, and why."""
 
     include: bool
     why: Reason
@@ -84,8 +84,8 @@ class PhaseStart(ManifestModel):
     start_s: Finite
 
 
-class PhaseDecision(ManifestModel):
-    """The phases of a press as a person set them, and why; up to the first it is not loaded yet."""
+class PhaseCorrection(ManifestModel):
+    """The phases of a press as set manually, and why; up to the first it is not loaded yet."""
 
     starts: Annotated[list[PhaseStart], Field(min_length=1, max_length=1000)]
     why: Reason
@@ -140,7 +140,7 @@ class ContactCorrection(_Judged):
     strokes: Annotated[list[RegionStroke], Field(max_length=2000)] = Field(default=[])
     ellipse_px: ManualContactEllipse | None = None
     key_frame: bool = False
-    pooling: PoolingDecision | None = None
+    pooling: PoolingCorrection | None = None
 
     @model_validator(mode="after")
     def _carried(self) -> Self:
@@ -215,7 +215,7 @@ class SequenceCorrection(_Judged):
 
     accepted: Literal[False] = False
     rejected: None = None
-    phases: PhaseDecision | None = None
+    phases: PhaseCorrection | None = None
 
     def outside(self, _shape: tuple[int, int]) -> None:
         """Return None: nothing of it is drawn into a picture."""

@@ -1,4 +1,4 @@
-"""Decisions about one item, and which of them rules."""
+"""Corrections of one item, and which of them is active."""
 
 import hashlib
 import json
@@ -24,7 +24,7 @@ Action: TypeAlias = Literal["change", "undo", "redo"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
-    """One decision of one person.
+    """One correction by one person.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Record:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActiveCorrection:
-    """What rules for an item.
+    """The active correction of an item.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class ActiveCorrection:
     picture : str
         That of the `Record`.
     pooling_who, pooling_when : str
-        Who decided whether it is pooled, and when; empty where no person did.
+        Who corrected whether it is pooled, and when; empty where no person did.
     """
 
     item: str
@@ -106,7 +106,7 @@ def is_rejected(active_correction: ActiveCorrection | None) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class History:
-    """All decisions about one item.
+    """All corrections of one item.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class History:
 
     @property
     def active_correction(self) -> ActiveCorrection | None:
-        """What rules; None where the program's own result does."""
+        """The active correction; None where the automatic result holds."""
         changes, place = self._place()
         if not place or not changes[place - 1].change:
             return None
@@ -145,15 +145,15 @@ class History:
         change = checked_change(
             model_of(self.item), record.change, f"{CORRECTIONS_NAME}: record {record.id}: {self.item}"
         )
-        decided = _first_with_pooling(changes[:place])
+        pooling = _first_with_pooling(changes[:place])
         return ActiveCorrection(
             item=self.item,
             change=change,
             who=record.who,
             when=record.when,
             picture=record.picture,
-            pooling_who=decided.who if decided else "",
-            pooling_when=decided.when if decided else "",
+            pooling_who=pooling.who if pooling else "",
+            pooling_when=pooling.when if pooling else "",
         )
 
     def _place(self) -> tuple[list[Record], int]:
@@ -172,7 +172,7 @@ class History:
 
 
 def _first_with_pooling(changes: Sequence[Record]) -> Record | None:
-    """Return the change that decided what the last of some says of pooling; None where it says nothing."""
+    """Return the change that set what the last of some says of pooling; None where it says nothing."""
     found = None
     for record in reversed(changes):
         if (pooling := record.change.get("pooling")) is None or pooling != changes[-1].change.get("pooling"):

@@ -81,7 +81,7 @@ def on_another_image(
     Parameters
     ----------
     active_corrections : mapping
-        What rules, by item.
+        Active corrections by item.
     digest : callable
         That of an item's current picture, as of `picture_digest`.
     """
@@ -95,7 +95,7 @@ def on_another_image(
 def frames_of(
     active_corrections: Mapping[str, ActiveCorrection], sequence: str
 ) -> dict[int, ActiveCorrection]:
-    """Return what rules for the frames of a sequence, by the frame's number."""
+    """Return the active corrections of a sequence's frames, by the frame's number."""
     start = f"{sequence}#"
     named = {
         item.removeprefix(start): one for item, one in active_corrections.items() if item.startswith(start)

@@ -37,12 +37,12 @@ class InterpolatedCorrection(ContactCorrection):
 def frame_corrections(
     active_corrections: Mapping[str, ActiveCorrection], sequence: str, within: range | None = None
 ) -> dict[int, ActiveCorrection]:
-    """Return what rules for the frames of a sequence, by number, ellipses between key frames included.
+    """Return the active corrections of a sequence's frames, by number, ellipses between key frames included.
 
     Parameters
     ----------
     active_corrections : mapping of str to ActiveCorrection
-        What people decided, by item; no frame that they corrected takes a carried ellipse.
+        Active corrections by item; no frame that was corrected takes a carried ellipse.
     sequence : str
         Name of the sequence.
     within : range, optional
@@ -66,7 +66,7 @@ def frame_edits(active_corrections: Mapping[str, ActiveCorrection], sequence: st
     Parameters
     ----------
     active_corrections : mapping of str to ActiveCorrection
-        What people decided, by item.
+        Active corrections by item.
     sequence : str
         Name of the sequence.
 

@@ -1,8 +1,8 @@
 """What people corrected in a study, with who and when: a file that is only ever added to.
 
 ``corrections.jsonl`` lies beside the manifest, one record a line. Each record of a change says all that is
-wanted of its item, so that the newest rules. An undo or redo is a record too, and walks over earlier changes.
-Nothing that the program measured is kept here, and nothing that it measured is overwritten.
+wanted of its item, so that the newest is active. An undo or redo is a record too, and walks over earlier
+changes. Automatic measurements are neither kept here nor overwritten.
 """
 
 import hashlib
@@ -149,17 +149,17 @@ class CorrectionLog:
             return True  # the line is named when it is taken
 
     def history(self, item: str) -> History:
-        """Return all decisions about an item."""
+        """Return all corrections of an item."""
         with self._lock:
             self.refresh()
             return History(item=item, records=tuple(self._histories.get(item, ())))
 
     def active_correction(self, item: str) -> ActiveCorrection | None:
-        """Return what rules for an item; None where the program's own result does."""
+        """Return the active correction of an item; None where the automatic result holds."""
         return self.history(item).active_correction
 
     def active_corrections(self) -> dict[str, ActiveCorrection]:
-        """Return what rules, by item."""
+        """Return the active corrections by item."""
         with self._lock:
             self.refresh()
             found = {

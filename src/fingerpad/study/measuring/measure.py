@@ -59,9 +59,9 @@ class Measurement:
     rejected : str or None
         Why a person does not want it; it is no failure, and never counts.
     pooling : bool or None
-        Whether it is pooled whatever its flags, as a person decided; None where no person did.
-    pooling_decided_by, pooling_reason : str or None
-        Who decided that, and why.
+        Whether it is pooled whatever its flags, as corrected manually; None without a correction.
+    pooling_corrected_by, pooling_reason : str or None
+        Who corrected that, and why.
     """
 
     observation: str = ""
@@ -98,13 +98,13 @@ class Measurement:
     counts: bool = True
     rejected: str | None = None
     pooling: bool | None = None
-    pooling_decided_by: str | None = None
+    pooling_corrected_by: str | None = None
     pooling_reason: str | None = None
     sequence: str | None = None
     frame: int | None = None
     time_s: float = np.nan
     phase: str | None = None
-    phase_decided_by: str | None = None
+    phase_corrected_by: str | None = None
     measured_indentation_mm: float = np.nan
 
 
@@ -185,7 +185,7 @@ def with_automatic_axes(measured: Measurement, seen: CorrectedContactImage) -> M
 
 
 def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) -> Measurement:
-    """Return a measurement with what a person decided about it, and who."""
+    """Return a measurement with its manual correction, and who made it."""
     if active_correction is None:
         return measured
     change = active_correction.change
@@ -209,7 +209,7 @@ def reviewed(measured: Measurement, active_correction: ActiveCorrection | None) 
         rejected=rejected,
         counts=measured.counts and rejected is None,
         pooling=pooling.include if pooling else None,
-        pooling_decided_by=active_correction.pooling_who if pooling else None,
+        pooling_corrected_by=active_correction.pooling_who if pooling else None,
         pooling_reason=pooling.why if pooling else None,
     )
 

@@ -61,8 +61,8 @@ class OpenedSequence:
     ----------
     sequence_images : SequenceImages
         Its pictures.
-    ruled : mapping of int to ActiveCorrection
-        What people decided about frames, and what follows from it for those between key frames.
+    active : mapping of int to ActiveCorrection
+        Active corrections of frames, and what follows from it for those between key frames.
     context : RunContext
         What the run knows.
     frames : Frames
@@ -74,7 +74,7 @@ class OpenedSequence:
     """
 
     sequence_images: SequenceImages
-    ruled: Mapping[int, ActiveCorrection]
+    active: Mapping[int, ActiveCorrection]
     context: RunContext
     frames: Frames
     force: ForceSignal
@@ -98,7 +98,7 @@ class OpenedSequence:
         frames = Frames(
             path=context.folder / sequence.file, **_good(context, header.name, header.key)["header"]
         )
-        ruled = frame_corrections(context.active_corrections, sequence.name)
+        active = frame_corrections(context.active_corrections, sequence.name)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
         force = read_force_signal(context.folder / sequence.force, columns)
         return cls(
@@ -106,10 +106,10 @@ class OpenedSequence:
                 sequence=sequence,
                 found=found,
                 corrections={
-                    frame: contact_correction(one) for frame, one in ruled.items() if one.change.edits
+                    frame: contact_correction(one) for frame, one in active.items() if one.change.edits
                 },
             ),
-            ruled=ruled,
+            active=active,
             context=context,
             frames=frames,
             force=force,
@@ -200,7 +200,7 @@ class OpenedSequence:
         for result, measured in self.placed():
             row = self._row(result, measured, contact)
             if row is not None:
-                yield reviewed(row, self.ruled.get(result.index))
+                yield reviewed(row, self.active.get(result.index))
 
     def digests(self, frames: Iterable[int]) -> dict[int, str]:
         """Return the digests of some frames as they were measured, from what the store holds."""
@@ -237,7 +237,7 @@ class OpenedSequence:
             np.empty(0),
             clock=self.clock,
             force=self.force,
-            phases=self.phases and self.phases.decision.intervals,
+            phases=self.phases and self.phases.correction.intervals,
         )
         for result in timed:
             yield result, waiting.pop(result.index, None)
@@ -265,7 +265,7 @@ class OpenedSequence:
             time_s=result.time,
             phase=result.phase,
             measured_indentation_mm=float(self.force.displacement_at(result.time)) - contact,
-            phase_decided_by=self.phases and self.phases.who,
+            phase_corrected_by=self.phases and self.phases.who,
             counts=measured is not None and self._counts(result, seen),
         )
 
@@ -317,10 +317,10 @@ def corrected_frames(sequences: Iterable[SequenceResult], context: RunContext) -
     found: dict[str, str] = {}
     for sequence in sequences:
         name = sequence.manifest.name
-        ruled = frames_of(context.active_corrections, name)
-        if sequence.reason is None and ruled:
-            digests = OpenedSequence.open(sequence.manifest, context).digests(ruled)
-            found |= {f"{name}#{frame}": digests.get(frame, "") for frame in ruled}
+        active = frames_of(context.active_corrections, name)
+        if sequence.reason is None and active:
+            digests = OpenedSequence.open(sequence.manifest, context).digests(active)
+            found |= {f"{name}#{frame}": digests.get(frame, "") for frame in active}
     return found
 
 

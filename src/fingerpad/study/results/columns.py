@@ -107,15 +107,15 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
             "pooled",
             "bool",
             "",
-            "whether the row counts in pooled radii: as a person decided, or else not if a flag excludes it "
+            "whether the row counts in pooled radii: as corrected, or else not if a flag excludes it "
             "(see the guide's table of flags); of a sequence only loading frames of a large enough ellipse",
         ),
         _text(
             "excluding_flags",
-            "flags and range notes that keep it out of pooled radii unless a person decides",
+            "flags and range notes that keep it out of pooled radii unless a person includes it",
         ),
-        _text("pooling_decided_by", "who decided whether it is pooled; empty where its flags do"),
-        _text("pooling_reason", "why they decided so"),
+        _text("pooling_corrected_by", "who corrected whether it is pooled; empty where its flags decide"),
+        _text("pooling_reason", "why they corrected it"),
         _text("range_notes", "doubts about values, separated by spaces"),
     ),
     "placement": (
@@ -130,7 +130,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         _number("time_s", "s", "time of the frame on the clock of its force"),
         _text("phase", "loading, hold or unloading, by the force or as a person set it"),
         _text(
-            "phase_decided_by",
+            "phase_corrected_by",
             "who set the phases of the sequence; empty where the force gives them",
         ),
         _number(

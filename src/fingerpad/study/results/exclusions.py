@@ -24,7 +24,7 @@ def excluding_flags(contact: Contact, measured: Measurement, *, plausible: bool 
     contact : Contact
         Its table of the manifest. A seed, mask or region of interest says which of several patches is meant.
     measured : Measurement
-        What was measured of it, and what a person decided.
+        What was measured of it, and its manual correction.
     plausible : bool, optional
         Whether its finger's semi-axes are those of a finger pad.
 

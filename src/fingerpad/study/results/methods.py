@@ -139,10 +139,10 @@ def _edge(stds: FloatArray) -> str:
 
 
 def _reviewed(result: StudyResult) -> Iterator[str]:
-    decided = result.decided
-    if decided:
-        counts = Counter(decided.column("reviewed"))
-        people = sorted(set(decided.column("reviewed_by")) - {None})
+    corrected = result.corrected
+    if corrected:
+        counts = Counter(corrected.column("reviewed"))
+        people = sorted(set(corrected.column("reviewed_by")) - {None})
         listed = _joined([f"{count} {verdict}" for verdict, count in counts.items()])
         yield f"All was measured automatically, then {listed} manually by {_joined(people)}."
     else:

@@ -232,7 +232,7 @@ def _sequence(sequence: SequenceResult, frames: ResultsTable) -> dict[str, Any]:
             "notes": summary.notes,
         }
     )
-    manual = of_phases.decision if (of_phases := sequence.phases) else None
+    manual = of_phases.correction if (of_phases := sequence.phases) else None
     return {
         "sequence": of.name,
         "finger": of.finger,
@@ -240,8 +240,8 @@ def _sequence(sequence: SequenceResult, frames: ResultsTable) -> dict[str, Any]:
         "roll_angle_deg": of.roll_angle_deg,
         "synthetic": of.synthetic,
         **counts,
-        "phases_decided_by": of_phases and of_phases.who,
-        "phases_decided_at": of_phases and of_phases.when,
+        "phases_corrected_by": of_phases and of_phases.who,
+        "phases_corrected_at": of_phases and of_phases.when,
         "phases_reason": manual and manual.why,
         "phase_starts_s": manual and [[one.phase, one.start_s] for one in manual.starts],
         "rows": len(frames),

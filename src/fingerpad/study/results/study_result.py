@@ -124,9 +124,9 @@ class StudyResult(Displayed):
         return lines
 
     @property
-    def decided(self) -> ResultsTable:
-        """Rows about which a person decided."""
-        return self.rows.at(self.rows.known("reviewed") | self.rows.known("pooling_decided_by"))
+    def corrected(self) -> ResultsTable:
+        """Rows that were corrected or reviewed manually."""
+        return self.rows.at(self.rows.known("reviewed") | self.rows.known("pooling_corrected_by"))
 
     def frames(self) -> list[ResultsTable]:
         """Return the rows of frames of each of `sequences`."""

@@ -36,8 +36,8 @@ class Refusal(Answer):
     digest: str | None = None
 
 
-class PoolingChoice(Answer):
-    """A person's decision whether a contact is pooled."""
+class PoolingCorrectionRecord(Answer):
+    """A manual correction of whether a contact is pooled."""
 
     include: bool
     why: str

@@ -3,7 +3,7 @@
 from typing import Any
 
 from fingerpad.study.corrections.history import Action
-from fingerpad.web.answers.base import Answer, Axis, Face, MeasuredBy, Point, PoolingChoice
+from fingerpad.web.answers.base import Answer, Axis, Face, MeasuredBy, Point, PoolingCorrectionRecord
 from fingerpad.web.answers.study import SemiAxes
 
 
@@ -127,11 +127,11 @@ class ContactModel(Answer):
 
 
 class ContactPooling(Answer):
-    """Whether a contact will be pooled: the flags against it, and what a person decided."""
+    """Whether a contact will be pooled: the flags against it, and its manual correction."""
 
     pooled: bool
     excluding_flags: list[str]
-    decision: PoolingChoice | None
+    correction: PoolingCorrectionRecord | None
 
 
 class ContactMeasurement(Answer):

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from fingerpad.web.answers.base import Answer, Cell, Point3D, PoolingChoice
+from fingerpad.web.answers.base import Answer, Cell, Point3D, PoolingCorrectionRecord
 from fingerpad.web.answers.study import SemiAxes
 
 
@@ -94,14 +94,14 @@ class ModelValidity(Answer):
 class PooledContact(Answer):
     """A contact that is left out of the pooled radius, or about which a person or a flag has a say.
 
-    `pooled` and `why` are of the last run; `decision` is what a person wants now.
+    `pooled` and `why` are of the last run; `correction` is what is wanted now.
     """
 
     item: str
     load_N: float | None  # noqa: N815
     pooled: bool
     why: str
-    decision: PoolingChoice | None
+    correction: PoolingCorrectionRecord | None
 
 
 class Pooling(Answer):

@@ -275,7 +275,7 @@ class FrameEntry(Review):
     status: str
     flags: list[str]
     phase: str | None
-    phase_decided_by: str | None
+    phase_corrected_by: str | None
     time_s: float | None
     load_N: float | None  # noqa: N815
     measured_indentation_mm: float | None

@@ -30,7 +30,7 @@ from fingerpad.web.endpoints import Item, Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
 from fingerpad.web.pictures import Cache, ImageLocation
-from fingerpad.web.routes.corrections import pooling_choice
+from fingerpad.web.routes.corrections import pooling_correction
 from fingerpad.web.routes.photographs import measured_finger
 from fingerpad.web.routes.scales import scale_of
 from fingerpad.web.study_session import NO_TABLE, StudySession
@@ -273,7 +273,7 @@ def _pooling(
     return {
         "pooled": pooled and seen.rejected is None,
         "excluding_flags": excluding,
-        "decision": pooling_choice(active_correction),
+        "correction": pooling_correction(active_correction),
     }
 
 

@@ -67,8 +67,8 @@ def _document(opened: StudySession, params: ItemParams) -> dict[str, Any]:
     }
 
 
-def pooling_choice(active_correction: ActiveCorrection | None) -> dict[str, Any] | None:
-    """Return what a person decided about the pooling of a contact, None where no person did."""
+def pooling_correction(active_correction: ActiveCorrection | None) -> dict[str, Any] | None:
+    """Return the correction of a contact's pooling, None without one."""
     change = active_correction and active_correction.change
     if active_correction is None or not isinstance(change, ContactCorrection) or change.pooling is None:
         return None

@@ -20,7 +20,7 @@ from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import Results, last_results, results_faults
-from fingerpad.web.routes.corrections import pooling_choice
+from fingerpad.web.routes.corrections import pooling_correction
 from fingerpad.web.workspace import Workspace
 
 _MOST_IN_QUESTION: Final = 200
@@ -177,13 +177,13 @@ def _pooling(
     active_corrections : mapping
         What people corrected, by item.
     """
-    decided = {name for name, one in active_corrections.items() if pooling_choice(one)}
+    corrected = {name for name, one in active_corrections.items() if pooling_correction(one)}
     framed = rows.known("frame")
     contacts, frames = rows.at(~framed), rows.at(framed)
     asked = contacts.at(
         np.array(
             [
-                not row["pooled"] or bool(row["excluding_flags"]) or row["observation"] in decided
+                not row["pooled"] or bool(row["excluding_flags"]) or row["observation"] in corrected
                 for row in contacts.records("observation", "pooled", "excluding_flags")
             ],
             dtype=bool,
@@ -201,7 +201,7 @@ def _pooling(
                 "load_N": row["load_N"],
                 "pooled": row["pooled"],
                 "why": pooling_words(row),
-                "decision": pooling_choice(active_corrections.get(row["observation"])),
+                "correction": pooling_correction(active_corrections.get(row["observation"])),
             }
             for row in asked[:_MOST_IN_QUESTION]
         ],

@@ -349,10 +349,10 @@ def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]
     total = opened.count_frames(opened.sequence_file(name)) or 0
     rows = found.frames(name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
-    ruled = frame_corrections(opened.corrections.active_corrections(), name, shown)
+    active = frame_corrections(opened.corrections.active_corrections(), name, shown)
     return {
         "total": total,
-        "frames": [_frame(name, number, rows.get(number), ruled.get(number)) for number in shown],
+        "frames": [_frame(name, number, rows.get(number), active.get(number)) for number in shown],
     }
 
 

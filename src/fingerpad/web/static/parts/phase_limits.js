@@ -77,7 +77,7 @@ export class PhaseLimits {
     this.#corrections.load().catch(showError);
   }
 
-  /** The decision of a person; undefined without one. */
+  /** The manual phases; undefined without a correction. */
   get #manual() {
     /** @type {any} */
     const change = this.#corrections?.change;
@@ -117,7 +117,7 @@ export class PhaseLimits {
   #outdated() {
     const starts = this.#starts;
     const rows = this.#frames.filter(({ phase }) => phase);
-    const manual = rows.some(({ phase_decided_by: who }) => who);
+    const manual = rows.some(({ phase_corrected_by: who }) => who);
     if (manual !== Boolean(this.#manual)) return rows.length > 0;
     if (!manual) return false;
     const at = (time) => starts.findLast(({ start_s }) => start_s < time)?.phase;

@@ -1,4 +1,4 @@
-// Whether a contact counts in the pooled radius: why, and a person's decision.
+// Whether a contact counts in the pooled radius: why, and its correction.
 
 import { Corrections, withoutDefaults } from "../core/corrections.js";
 import { h, redraw, render } from "../core/dom.js";
@@ -8,12 +8,12 @@ import { button, text } from "./forms.js";
 
 const REASON = "no reason given";
 
-/** @param {Answers["PoolingChoice"]} decision */
-export const decisionWords = ({ include, why, who, when }) =>
+/** @param {Answers["PoolingCorrectionRecord"]} correction */
+export const correctionWords = ({ include, why, who, when }) =>
   `${include ? "included" : "left out"} by ${who}, ${ago(when)}: ${why}`;
 
-/** Save a decision about a contact; null goes back to the rule. */
-async function decide(item, pooling) {
+/** Save the correction of a contact's pooling; null goes back to the rule. */
+async function correctPooling(item, pooling) {
   const corrections = new Corrections(item, { changed: () => {}, conflict: () => {} });
   try {
     await corrections.load();
@@ -25,12 +25,12 @@ async function decide(item, pooling) {
 }
 
 /**
- * The decision that a correction holds, with who made it first.
+ * The correction of pooling in a document, with who made it first.
  *
  * @param {Answers["Corrections"]} document
- * @returns {Answers["PoolingChoice"] | null}
+ * @returns {Answers["PoolingCorrectionRecord"] | null}
  */
-function decisionOf({ change, history }) {
+function correctionOf({ change, history }) {
   /** @type {any} */
   const pooling = change.pooling;
   const record = history.at(-1);
@@ -45,7 +45,7 @@ function decisionOf({ change, history }) {
 export function poolingList(pooling) {
   const { contacts, contacts_pooled: pooled, contacts_rejected: rejected } = pooling;
   const { frames, frames_pooled: framesPooled } = pooling;
-  const why = text({ value: "", placeholder: REASON, label: "Reason of the decision" });
+  const why = text({ value: "", placeholder: REASON, label: "Reason of the correction" });
   const list = h("ul.pooling-list");
   const draw = () =>
     render(
@@ -54,11 +54,14 @@ export function poolingList(pooling) {
     );
   /** @param {Answers["PooledContact"]} one */
   const row = (one) => {
-    const wanted = one.decision?.include ?? one.pooled;
+    const wanted = one.correction?.include ?? one.pooled;
     const set = (value) => async () => {
       try {
-        const document = await decide(one.item, value && { ...value, why: why.value.trim() || REASON });
-        one.decision = decisionOf(document);
+        const document = await correctPooling(
+          one.item,
+          value && { ...value, why: why.value.trim() || REASON },
+        );
+        one.correction = correctionOf(document);
         redraw(draw);
       } catch (error) {
         showError(error);
@@ -72,8 +75,8 @@ export function poolingList(pooling) {
         "div",
         h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item),
         `${load} is ${one.pooled ? "pooled" : "left out"}${one.why ? `: ${one.why}` : ""}. `,
-        one.decision && h("strong", decisionWords(one.decision), ". "),
-        one.decision && one.decision.include !== one.pooled && "It takes effect with the next run.",
+        one.correction && h("strong", correctionWords(one.correction), ". "),
+        one.correction && one.correction.include !== one.pooled && "It takes effect with the next run.",
       ),
       h(
         "div.actions",
@@ -81,8 +84,8 @@ export function poolingList(pooling) {
           kind: "small",
           label: `${wanted ? "Leave out" : "Include"} ${one.item}`,
         }),
-        one.decision &&
-          button("Undo", set(null), { kind: "small", label: `Undo the decision about ${one.item}` }),
+        one.correction &&
+          button("Undo", set(null), { kind: "small", label: `Undo the correction of ${one.item}` }),
       ),
     );
   };
@@ -108,19 +111,19 @@ export function poolingList(pooling) {
  * @param {NonNullable<ContactMeasurement["pooling"]>} pooling
  * @param {{ words: (code: string) => string, set: (pooling: object | null) => any }} options
  */
-export function poolingOf({ pooled, excluding_flags: flags, decision }, { words, set }) {
+export function poolingOf({ pooled, excluding_flags: flags, correction }, { words, set }) {
   return h(
     pooled ? "div.pooling-note" : "div.pooling-note.note",
     h("strong", pooled ? "Counts in the pooled radius" : "Left out of the pooled radius"),
     flags.length > 0 && [": ", flags.map(words).join("; ")],
     ". ",
-    decision && [decisionWords(decision), ". "],
+    correction && [correctionWords(correction), ". "],
     h(
       "div.actions",
       button(pooled ? "Leave out" : "Include", () => set({ include: !pooled, why: REASON }), {
         kind: "small",
       }),
-      decision && button("Undo the decision", () => set(null), { kind: "small" }),
+      correction && button("Undo the correction", () => set(null), { kind: "small" }),
     ),
   );
 }

@@ -40,7 +40,7 @@ export class Inspector {
         reasons.map((value) => h("option", { value })),
       ),
     );
-    this.footer = h("div.footer", this.#decision());
+    this.footer = h("div.footer", this.#reviewButtons());
   }
 
   /** Brightness and contrast of the picture on the screen. */
@@ -65,7 +65,7 @@ export class Inspector {
     );
   }
 
-  #decision() {
+  #reviewButtons() {
     this.buttons = {
       accept: button("Accept and next", () => this.view.accept(), { kind: "primary", key: "Enter" }),
       undo: button("Undo", () => this.view.undo(), { key: "u" }),
@@ -78,7 +78,7 @@ export class Inspector {
     };
     const { accept, undo, redo, reject } = this.buttons;
     return [
-      h("div.decision", accept, undo, redo, reject),
+      h("div.review-buttons", accept, undo, redo, reject),
       h("label.why", h("span", "Reason to reject"), this.why),
     ];
   }

@@ -16,9 +16,9 @@ const percent = (share) => `${share < 0 ? "−" : "+"}${Math.abs(100 * share).to
 /** One image: its outline now and with the settings. */
 class Card {
   /** @param {Answers["SimilarImage"]} image */
-  constructor(image, decided) {
+  constructor(image, reviewed) {
     this.image = image;
-    this.decided = decided;
+    this.reviewed = reviewed;
     this.picture = h("div.similar-picture", { "aria-hidden": "true" });
     this.words = h("div.similar-words", { "aria-live": "polite" }, h("p.loading", "Measuring …"));
     this.accept = button("Accept", () => this.#accept(), { kind: "primary small", disabled: true });
@@ -93,7 +93,7 @@ class Card {
     this.state = state;
     this.root.dataset.state = state;
     render(this.actions, h("span.chip", { class: state === "accepted" ? "good" : "" }, state));
-    this.decided();
+    this.reviewed();
   }
 }
 
@@ -104,13 +104,13 @@ class Card {
  */
 export async function applyToSimilar(item) {
   const { settings, images } = await get("/api/corrections/similar", { item });
-  const cards = images.filter(({ differs }) => differs).map((image) => new Card(image, decided));
+  const cards = images.filter(({ differs }) => differs).map((image) => new Card(image, reviewed));
   const status = h("p.soft", { role: "status" });
   const dialog = h("dialog.similar", { "aria-label": "Apply to similar images" });
-  function decided() {
+  function reviewed() {
     const left = cards.filter(({ state }) => !state);
     status.textContent = left.length
-      ? `${cards.length - left.length} of ${cards.length} decided`
+      ? `${cards.length - left.length} of ${cards.length} reviewed`
       : `${cards.filter(({ state }) => state === "accepted").length} accepted, the others are as before`;
     const next = left.find(({ accept }) => !accept.disabled) ?? left[0];
     (next?.accept ?? done).focus();
