@@ -1,7 +1,8 @@
 """Accuracy and coverage of the measurement of photographs: ``python -m benchmarks.photographs``.
 
 A broad population of rendered fingers: four faces, sizes, skins, backdrops of another colour than the skin,
-light, shadow, blur, noise, lean and tilt, JPEG, 0.03 to 0.07 mm per pixel; departures beyond the arc.
+light, shadow, blur, noise, tilt in the image and of the camera, JPEG, 0.03 to 0.07 mm per pixel; departures
+beyond the arc.
 """
 
 import time
@@ -45,7 +46,7 @@ def random_finger(seed: int, least_arc_deg: float) -> SyntheticFinger:
         arc_deg=rng.uniform(least_arc_deg, 180),
         departure=rng.uniform(-0.7, 0.7),
         palmar=None if face == "palmar" else "down" if face == "distal" else "right",
-        lean_deg=rng.uniform(-5, 5),
+        tilt_deg=rng.uniform(-5, 5),
         skin=skin,
         # Cork has the colour of light and middle skins: that edge is invisible.
         backdrop="white" if backdrop == "cork" and skin < 0.65 else backdrop,
@@ -54,7 +55,7 @@ def random_finger(seed: int, least_arc_deg: float) -> SyntheticFinger:
         texture_mm=rng.uniform(0.005, 0.025),
         blur_px=rng.uniform(0.6, 2.2),
         noise_std=rng.uniform(1, 5),
-        tilt_deg=rng.uniform(0, 1.5),
+        camera_tilt_deg=rng.uniform(0, 1.5),
         jpeg_quality=(None, 95, 90, 80)[rng.integers(4)],
         mm_per_px=rng.uniform(0.03, 0.07),
         seed=seed,

@@ -57,13 +57,13 @@ DEGREES = {
     ),
     "orientation of an ellipse": lambda: ImageEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
     "angle of a plane ellipse": lambda: PlaneEllipse(0, 0, 9, 8, angle=45),
-    "lean of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), lean=30),
-    "lean_std of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), lean_std=30),
+    "tilt of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), tilt=30),
+    "tilt_std of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), tilt_std=30),
     "angle of outline points": lambda: outline_points(11.8, 13.8, angle=30),
     "arc of outline points": lambda: outline_points(11.8, 13.8, arc=(0, 180)),
     "u of a misprinted radius": lambda: radius_with_misprint(PAD, 45),
-    "lean of a photograph": lambda: photograph_from_ellipse(
-        "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276), lean=12
+    "tilt of a photograph": lambda: photograph_from_ellipse(
+        "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276), tilt=12
     ),
     "orientation of a rendered contact": lambda: render_contact_image(orientation=20),
     "orientation of a rendered coin": lambda: render_coin(orientation=20),

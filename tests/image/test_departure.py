@@ -30,8 +30,8 @@ def arc_of(shape, half_deg, seed=0, noise_px=0.15):
 
 
 def compared(points, half_width=math.nan):
-    fit = fit_outline_ellipse(points, lean=0.0, lean_std=math.radians(2))
-    shape = PadShape(lean=(0.0, math.radians(2)), half_width=half_width, noise=fit.residual_std)
+    fit = fit_outline_ellipse(points, tilt=0.0, tilt_std=math.radians(2))
+    shape = PadShape(tilt=(0.0, math.radians(2)), half_width=half_width, noise=fit.residual_std)
     return fit, departure_of(points, fit.ellipse, fit.covariance[2:4, 2:4], shape)
 
 
@@ -90,7 +90,7 @@ def test_an_outline_that_neither_curve_follows_keeps_the_ellipse_of_its_arc():
     points = arc_of((2.0, 2.0), 60)
     folded = points + np.where(points[:, :1] > 0.7 * ACROSS, [0.0, -25.0], 0.0)
     fit, _ = compared(points)
-    shape = PadShape(lean=(0.0, math.radians(2)), noise=fit.residual_std)
+    shape = PadShape(tilt=(0.0, math.radians(2)), noise=fit.residual_std)
     departure = departure_of(folded, fit.ellipse, fit.covariance[2:4, 2:4], shape)
     assert departure.ellipse.semi_x == pytest.approx(fit.ellipse.semi_x)
     assert math.sqrt(departure.covariance[0, 0]) == pytest.approx(0.08 * ACROSS, rel=0.1)
@@ -106,7 +106,7 @@ def test_the_unit_and_the_spacing_of_points_do_not_matter():
 def test_few_points_tell_nothing():
     points = arc_of((1.7, 1.7), 75)
     fit, _ = compared(points)
-    shape = PadShape(lean=(0.0, 1.0))
+    shape = PadShape(tilt=(0.0, 1.0))
     assert departure_of(points[:60], fit.ellipse, fit.covariance[2:4, 2:4], shape) is None
 
 
@@ -157,10 +157,10 @@ def test_a_side_face_tells_its_own_curvature_from_the_ellipses():
     assert palmar.side_radii() == []
 
 
-def outline_of(points, semi_axes, face, lean=0.0):
+def outline_of(points, semi_axes, face, tilt=0.0):
     """Return the fit of a face with these semi-axes, mm, whose outline is given in their frame."""
     fit = photograph_from_ellipse(face, Scale(1.0), centre=(0, 0), semi_axes=semi_axes)
-    return replace(fit, outline=np.asarray(points) @ fit.directions, lean=lean, lean_std=0.001)
+    return replace(fit, outline=np.asarray(points) @ fit.directions, tilt=tilt, tilt_std=0.001)
 
 
 @pytest.mark.parametrize(
@@ -187,12 +187,12 @@ def test_a_shaft_a_little_wider_than_the_pad_tells_nothing_of_its_height():
 
 def test_an_ellipse_that_leans_otherwise_than_the_finger_is_doubted():
     straight, turned = (
-        with_reach(outline_of(ellipse_arc(-60, 150), (ACROSS, ALONG), "radial", lean), (0.0, 0.05))
-        for lean in (0.02, 0.1)
+        with_reach(outline_of(ellipse_arc(-60, 150), (ACROSS, ALONG), "radial", tilt), (0.0, 0.05))
+        for tilt in (0.02, 0.1)
     )
     assert "not_an_ellipse" not in straight.flags
     assert "not_an_ellipse" in turned.flags
-    assert turned.lean_std > 0.05 > straight.lean_std
+    assert turned.tilt_std > 0.05 > straight.tilt_std
     stds = np.sqrt(np.diagonal(turned.edge_covariance)) / turned.semi_axes
     assert (stds > 0.05).all()
 

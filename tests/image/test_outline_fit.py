@@ -1,4 +1,4 @@
-"""Ellipses on outlines: correlated errors, short arcs, lean, and a second implementation."""
+"""Ellipses on outlines: correlated errors, short arcs, tilt, and a second implementation."""
 
 import math
 
@@ -13,10 +13,10 @@ from fingerpad.image.photograph.outline_fit import departure_covariance
 from fingerpad.simulate import outline_points
 
 
-def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, lean=0.0, count=240):
+def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, tilt=0.0, count=240):
     """Return points whose radial errors run together over `reach` neighbours."""
     half = math.radians(arc_deg) / 2
-    points = outline_points(11.8, 13.8, count=count, arc=(math.pi / 2 - half, math.pi / 2 + half), angle=lean)
+    points = outline_points(11.8, 13.8, count=count, arc=(math.pi / 2 - half, math.pi / 2 + half), angle=tilt)
     rough = gaussian_filter1d(np.random.default_rng(seed).normal(0, 1, count), reach)
     rough *= std / rough.std()
     out = points / np.linalg.norm(points, axis=1, keepdims=True)
@@ -24,16 +24,16 @@ def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, lean=0.0, count=240):
 
 
 @pytest.mark.parametrize("arc_deg", [40, 90, 180])
-@pytest.mark.parametrize("lean", [-0.15, 0.0, 0.1])
-def test_exact_points(arc_deg, lean):
-    fit = fit_outline_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, lean=lean), lean=lean)
-    assert fit.ellipse[2:] == pytest.approx((11.8, 13.8, lean), rel=1e-4, abs=1e-5)
+@pytest.mark.parametrize("tilt", [-0.15, 0.0, 0.1])
+def test_exact_points(arc_deg, tilt):
+    fit = fit_outline_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, tilt=tilt), tilt=tilt)
+    assert fit.ellipse[2:] == pytest.approx((11.8, 13.8, tilt), rel=1e-4, abs=1e-5)
     assert np.ptp(fit.angles) == pytest.approx(math.radians(arc_deg), rel=0.01)
 
 
 @pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
 def test_coverage_with_correlated_errors(reach):
-    fits = [fit_outline_ellipse(noisy(seed, reach=reach), lean_std=0.02) for seed in range(40)]
+    fits = [fit_outline_ellipse(noisy(seed, reach=reach), tilt_std=0.02) for seed in range(40)]
     found = np.array([fit.ellipse[2:4] for fit in fits])
     stated = np.array([np.sqrt(np.diagonal(fit.covariance))[2:4] for fit in fits])
     held = np.mean(np.abs(found - (11.8, 13.8)) < 1.96 * stated)
@@ -51,9 +51,9 @@ def test_correlation_estimate():
 
 
 def test_agrees_with_a_second_implementation():
-    points = noisy(1, arc_deg=200, std=0.02, lean=0.1)
-    # In the frame of the lean, and with no prior to speak of: the same five parameters.
-    fit = fit_outline_ellipse(points, lean=0.1, lean_std=2 * math.pi)
+    points = noisy(1, arc_deg=200, std=0.02, tilt=0.1)
+    # In the frame of the tilt, and with no prior to speak of: the same five parameters.
+    fit = fit_outline_ellipse(points, tilt=0.1, tilt_std=2 * math.pi)
     model = EllipseModel.from_estimate(points)
     x, y, first, second, theta = (*model.center, *model.axis_lengths, model.theta)
     assert sorted(fit.ellipse[2:4]) == pytest.approx(sorted((first, second)), rel=2e-3)
@@ -64,9 +64,9 @@ def test_agrees_with_a_second_implementation():
 
 
 def test_known_axis_reduces_uncertainty():
-    points = noisy(2, arc_deg=100, lean=0.05)[:300]
-    strict = fit_outline_ellipse(points, lean=0.05, lean_std=0.005)
-    loose = fit_outline_ellipse(points, lean=0.05, lean_std=0.3)
+    points = noisy(2, arc_deg=100, tilt=0.05)[:300]
+    strict = fit_outline_ellipse(points, tilt=0.05, tilt_std=0.005)
+    loose = fit_outline_ellipse(points, tilt=0.05, tilt_std=0.3)
     assert strict.covariance[4, 4] < loose.covariance[4, 4] / 4
     assert strict.covariance[4, 4] <= 1.5 * 0.005**2
 
@@ -85,7 +85,7 @@ def test_missing_places():
 
 def test_influence_is_derivative():
     points = noisy(4, count=60)
-    fit = fit_outline_ellipse(points, lean_std=0.05)
+    fit = fit_outline_ellipse(points, tilt_std=0.05)
     out = points - fit.ellipse[:2]
     normal = out / np.array(fit.ellipse[2:4]) ** 2
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -93,7 +93,7 @@ def test_influence_is_derivative():
     for k in (5, 30, 55):
         moved = points.copy()
         moved[k] += step * normal[k]
-        refit = fit_outline_ellipse(moved, lean_std=0.05)
+        refit = fit_outline_ellipse(moved, tilt_std=0.05)
         change = (np.array(refit.ellipse) - fit.ellipse) / step
         np.testing.assert_allclose(
             change[:4], fit.influence[:4, k], atol=0.12 * np.abs(fit.influence[:4]).max()
@@ -121,9 +121,9 @@ def test_invalid_points(points, words):
 
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, math.nan])
-def test_invalid_lean_std(bad):
-    with pytest.raises(FitError, match="lean_std"):
-        fit_outline_ellipse(noisy(0), lean_std=bad)
+def test_invalid_tilt_std(bad):
+    with pytest.raises(FitError, match="tilt_std"):
+        fit_outline_ellipse(noisy(0), tilt_std=bad)
 
 
 def flanked(seed, bend, *, std=0.01, arc_deg=100.0, past=0.2):

@@ -42,7 +42,7 @@ def test_ellipse_position():
     tip = place[np.linalg.norm(place, axis=1).argmax()]
     length = np.linalg.norm(tip) * truth().mm_per_px
     assert length == pytest.approx(float(found().ellipse.semi_major), abs=0.15)
-    # Leaning left when positive: up and left, or down and right, go together.
+    # Tilted left when positive: up and left, or down and right, go together.
     assert math.sin(math.atan2(tip[1], tip[0]) - found().orientation) == pytest.approx(0, abs=0.03)
 
 

@@ -77,10 +77,10 @@ def test_grey_photographs():
 
 @pytest.mark.parametrize("tip", ["up", "right", "down", "left"])
 def test_tip_directions(tip):
-    truth = rendered(tip=tip, lean_deg=4.0)
+    truth = rendered(tip=tip, tilt_deg=4.0)
     found = measured(truth)
     np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.012)
-    assert math.degrees(found.lean) == pytest.approx(4, abs=max(1.0, 3 * math.degrees(found.lean_std)))
+    assert math.degrees(found.tilt) == pytest.approx(4, abs=max(1.0, 3 * math.degrees(found.tilt_std)))
 
 
 @pytest.mark.parametrize(("tip", "palmar"), [("up", "left"), ("right", "down"), ("down", "right")])
@@ -185,7 +185,7 @@ def test_interval_coverage():
         truth = rendered(
             face,
             arc_deg=rng.uniform(90, 180),
-            lean_deg=rng.uniform(-5, 5),
+            tilt_deg=rng.uniform(-5, 5),
             skin=rng.uniform(0, 1),
             backdrop=("blue", "white", "black")[seed // 4],
             noise_std=rng.uniform(1, 5),

@@ -12,7 +12,7 @@ from fingerpad.image.photograph._arc_averaging import average_over_ends
 from fingerpad.image.photograph._edges import SubpixelOutline
 
 SEMI_AXES = np.array([197.0, 230.0])
-LEAN = (0.0, math.radians(2))
+TILT = (0.0, math.radians(2))
 
 
 def half_outline(half_deg, departure):
@@ -40,8 +40,8 @@ def outline(half_deg, departures, seed):
 def both(half_deg, departures, seed, found_deg):
     points, angles = outline(half_deg, departures, seed)
     every = np.arange(len(points))
-    arc = fit_arc(points, every[np.abs(angles) < found_deg], LEAN)
-    return arc, average_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0)
+    arc = fit_arc(points, every[np.abs(angles) < found_deg], TILT)
+    return arc, average_over_ends(points, every, arc, middle=math.pi / 2, tilt=TILT, spacing=1.0)
 
 
 def sharp_edges(count):
@@ -92,13 +92,13 @@ def test_nail_beyond_arc():
     points, angles = outline(70, (0.2, -0.3), 2)
     points[angles > 85] += (-4, 0)
     every = np.arange(len(points))
-    arc = fit_arc(points, every[np.abs(angles) < 70], LEAN)
-    arc = average_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0)
+    arc = fit_arc(points, every[np.abs(angles) < 70], TILT)
+    arc = average_over_ends(points, every, arc, middle=math.pi / 2, tilt=TILT, spacing=1.0)
     assert np.abs(off(arc)).max() < 0.01
 
 
 def test_too_short_to_average():
     points, _ = outline(70, (0.2, 0.2), 3)
     every = np.arange(len(points))[::10]
-    arc = fit_arc(points, every, LEAN)
-    assert average_over_ends(points, every, arc, middle=math.pi / 2, lean=LEAN, spacing=1.0) is arc
+    arc = fit_arc(points, every, TILT)
+    assert average_over_ends(points, every, arc, middle=math.pi / 2, tilt=TILT, spacing=1.0) is arc

@@ -53,8 +53,8 @@ def test_handles_along_axes(face, tip, palmar, across, along):
     np.testing.assert_allclose(second - centre, 276 * np.array(along), atol=1e-9)
 
 
-def test_lean_sign():
-    centre, first, second = placed(lean=math.radians(90)).handles
+def test_tilt_sign():
+    centre, first, second = placed(tilt=math.radians(90)).handles
     np.testing.assert_allclose(first - centre, (-236, 0), atol=1e-9)
     np.testing.assert_allclose(second - centre, (0, -276), atol=1e-9)
 
@@ -65,7 +65,7 @@ def test_fit_round_trip():
         SCALE,
         centre=found().centre,
         semi_axes=tuple(found().semi_axes / SCALE.mm_per_px),
-        lean=found().lean,
+        tilt=found().tilt,
     )
     np.testing.assert_allclose(again.handles, found().handles, atol=1e-9)
     np.testing.assert_allclose(again.ellipse_points(), found().ellipse_points(), atol=1e-9)

@@ -21,7 +21,7 @@ def test_edge_on_true_arc(face, tip):
     truth = render_finger(
         face,
         tip=tip,
-        lean_deg=3,
+        tilt_deg=3,
         mm_per_px=0.08,
         backdrop="black",
         skin=0,

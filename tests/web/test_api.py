@@ -190,7 +190,7 @@ def test_a_photograph_gives_two_semi_axes_and_its_finger_three(standing):
     dragged = measured(standing, PHOTO, "photograph", handles=one["handles"])
     assert dragged["by"] == "manual"
     assert dragged["semi_axes_mm"] == pytest.approx(one["semi_axes_mm"])
-    assert dragged["ellipse_px"]["lean_deg"] == pytest.approx(one["ellipse_px"]["lean_deg"], abs=1e-6)
+    assert dragged["ellipse_px"]["tilt_deg"] == pytest.approx(one["ellipse_px"]["tilt_deg"], abs=1e-6)
     stored = measured(standing, PHOTO, "photograph", change={"ellipse_px": dragged["ellipse_px"]})
     assert stored["semi_axes_mm"] == pytest.approx(one["semi_axes_mm"])
     along[0] -= 20

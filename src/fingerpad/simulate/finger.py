@@ -51,7 +51,7 @@ class SyntheticFinger:
         True semi-axes across and along (see `FACE_AXES`), mm.
     centre : (float, float)
         True centre of the ellipse, (row, column), px; pixel centres are whole numbers.
-    lean : float
+    tilt : float
         True turn of the ellipse from the face's x towards its y, radians.
     arc : (float, float)
         First and last parametric angle of the exactly elliptic arc, radians.
@@ -71,7 +71,7 @@ class SyntheticFinger:
     face: Face
     semi_axes: tuple[float, float]
     centre: tuple[float, float]
-    lean: float
+    tilt: float
     arc: tuple[float, float]
     tip: Direction
     palmar: Direction
@@ -92,7 +92,7 @@ class SyntheticFinger:
         """
         t = np.linspace(*self.arc, count)
         local = np.stack([self.semi_axes[0] * np.cos(t), self.semi_axes[1] * np.sin(t)], axis=-1)
-        axes = _image_axes(self.face, self.tip, self.palmar, self.lean)
+        axes = _image_axes(self.face, self.tip, self.palmar, self.tilt)
         return np.asarray(local @ axes / self.mm_per_px + self.centre, dtype=np.float64)
 
 
@@ -104,7 +104,7 @@ def render_finger(
     departure: float = 0.4,
     tip: Direction = "up",
     palmar: Direction | None = None,
-    lean_deg: float = 0.0,
+    tilt_deg: float = 0.0,
     skin: float = 0.2,
     backdrop: Backdrop = "blue",
     light_deg: float = 120.0,
@@ -112,7 +112,7 @@ def render_finger(
     texture_mm: float = 0.015,
     blur_px: float = 1.0,
     noise_std: float = 2.0,
-    tilt_deg: float = 0.0,
+    camera_tilt_deg: float = 0.0,
     jpeg_quality: int | None = 90,
     mm_per_px: float = 0.05,
     seed: int = 0,
@@ -132,7 +132,7 @@ def render_finger(
         Relative change of the curvature beyond the arc, −0.8 (blunter) to 0.8 (tighter).
     tip, palmar : Direction
         Where the fingertip points, and the palmar side in the distal (down if left out) and side faces.
-    lean_deg : float
+    tilt_deg : float
         Turn of the finger in the picture.
     skin : float
         Skin tone from light, 0, to dark, 1.
@@ -144,7 +144,7 @@ def render_finger(
         Standard deviation of the outline's roughness.
     blur_px, noise_std, jpeg_quality : float, float, int or None
         Lens blur (standard deviation), camera noise in grey levels, JPEG quality (None for none).
-    tilt_deg : float
+    camera_tilt_deg : float
         Tilt of the finger's plane against the picture's, seen from 250 mm.
     mm_per_px : float
         Scale.
@@ -183,10 +183,10 @@ def render_finger(
         face, semi_axes, extent=math.radians(arc_deg), departure=departure, texture=texture_mm, rng=rng
     )
     size, centre = _frame(face, tip, palmar, mm_per_px)
-    axes = _image_axes(face, tip, palmar, math.radians(lean_deg))
+    axes = _image_axes(face, tip, palmar, math.radians(tilt_deg))
     rows, columns = (np.arange(n) - c for n, c in zip(size, centre, strict=True))
     flat = np.stack([rows[:, None] * r * mm_per_px + columns * c * mm_per_px for r, c in axes])
-    to_face = _to_face_plane(flat, math.radians(tilt_deg), rng)
+    to_face = _to_face_plane(flat, math.radians(camera_tilt_deg), rng)
     depth, nail = _depths(to_face, shape, mm_per_px)
     look = (skin, backdrop, light_deg, shadow, mm_per_px)
     light = _light_from_pixels(face, (depth, nail), to_face, look, rng)
@@ -195,7 +195,7 @@ def render_finger(
         face=face,
         semi_axes=semi_axes,
         centre=centre,
-        lean=math.radians(lean_deg),
+        tilt=math.radians(tilt_deg),
         arc=pad_arc(face, math.radians(arc_deg)),
         tip=tip,
         palmar=palmar,
@@ -218,22 +218,24 @@ def _frame(
     )
 
 
-def _image_axes(face: Face, tip: Direction, palmar: Direction, lean: float) -> FloatArray:
-    turn = np.array([[math.cos(lean), math.sin(lean)], [-math.sin(lean), math.cos(lean)]])
+def _image_axes(face: Face, tip: Direction, palmar: Direction, tilt: float) -> FloatArray:
+    turn = np.array([[math.cos(tilt), math.sin(tilt)], [-math.sin(tilt), math.cos(tilt)]])
     return np.asarray(turn @ face_axes(face, tip, palmar), dtype=np.float64)
 
 
-def _to_face_plane(seen: FloatArray, tilt: float, rng: np.random.Generator) -> FloatArray:
+def _to_face_plane(seen: FloatArray, camera_tilt: float, rng: np.random.Generator) -> FloatArray:
     """Return the place (x, y) of each pixel in the face's plane, mm, tilted about a line of any direction."""
     direction = rng.uniform(0, 2 * math.pi)
-    if tilt == 0:
+    if camera_tilt == 0:
         return seen
     toward = math.cos(direction), math.sin(direction)
     along = seen[0] * toward[0] + seen[1] * toward[1]
     # A ray through a place of the picture, from 250 mm, meets the plane farther out on the side tilted away.
-    stretch = 1 / (math.cos(tilt) - along / _DISTANCE_MM * math.sin(tilt))
-    beyond = stretch * (1 - math.cos(tilt)) * along
-    return np.stack([x * stretch * math.cos(tilt) + beyond * t for x, t in zip(seen, toward, strict=True)])
+    stretch = 1 / (math.cos(camera_tilt) - along / _DISTANCE_MM * math.sin(camera_tilt))
+    beyond = stretch * (1 - math.cos(camera_tilt)) * along
+    return np.stack(
+        [x * stretch * math.cos(camera_tilt) + beyond * t for x, t in zip(seen, toward, strict=True)]
+    )
 
 
 def _depths(places: FloatArray, shape: FingerShape, mm_per_px: float) -> tuple[Float32Array, Float32Array]:

@@ -73,8 +73,8 @@ class PadArc:
         What the points can be off together: a least value, px, and a share of the noise over the step.
     departure : Departure or None
         How the pad's outline departs from the ellipse, None where that is not known.
-    lean : (float, float)
-        Lean of the finger's axis, as its sides show it, and its standard uncertainty, radians.
+    tilt : (float, float)
+        Tilt of the finger's axis, as its sides show it, and its standard uncertainty, radians.
     """
 
     fit: OutlineFit
@@ -82,7 +82,7 @@ class PadArc:
     rejected: IndexArray
     shared_px: tuple[float, float] = _SHARED_PX
     departure: Departure | None = None
-    lean: tuple[float, float] = (0.0, math.inf)
+    tilt: tuple[float, float] = (0.0, math.inf)
 
 
 def candidate_points(points: FloatArray, face: Face) -> IndexArray:
@@ -109,7 +109,7 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
 
 
 def _initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
-    """Return a rough ellipse (x, y, semi_x, semi_y, lean) from the outline's extent near the pad's end."""
+    """Return a rough ellipse (x, y, semi_x, semi_y, tilt) from the outline's extent near the pad's end."""
     end = points[:, 1].max()
     height = np.ptp(points[:, 1]) if face == "distal" else np.ptp(points[:, 0])
     for _ in range(4):
@@ -123,7 +123,7 @@ def _initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
     return np.array([near[:, 0].max() - 0.6 * width, end - 0.95 * width, 0.6 * width, 0.95 * width, 0.0])
 
 
-def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tuple[float, float]) -> PadArc:
+def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tuple[float, float]) -> PadArc:
     """Find the longest arc through the middle of the candidates that one ellipse fits, and fit it.
 
     Parameters
@@ -134,20 +134,20 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tupl
         Candidates in order along the outline.
     middle : float
         Parametric angle of the pad's middle, radians.
-    lean : (float, float)
-        Lean of the finger's axis and its standard uncertainty, radians.
+    tilt : (float, float)
+        Tilt of the finger's axis and its standard uncertainty, radians.
     """
     track = points[order]
-    start = _consensus(track, lean)
+    start = _consensus(track, tilt)
     arcs: list[tuple[float, PadArc]] = []
     # A finger is no perfect ellipse: where the noise alone allows but a short arc, more is let pass.
     for slack in _SLACKS:
         values = start
         try:
             for _ in range(3):
-                first, last = _longest_window(track, values, middle, lean, slack)
+                first, last = _longest_window(track, values, middle, tilt, slack)
                 trim = round(_END_MARGIN * (last - first))
-                arc = fit_arc(points, order[first + trim : last - trim], lean, start=values)
+                arc = fit_arc(points, order[first + trim : last - trim], tilt, start=values)
                 arc = replace(arc, shared_px=_SHARED_FOUND_PX)
                 values = np.array(arc.fit.ellipse)
         except FitError:
@@ -165,17 +165,17 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, lean: tupl
 
 
 def fit_arc(
-    points: FloatArray, order: IndexArray, lean: tuple[float, float], start: FloatArray | None = None
+    points: FloatArray, order: IndexArray, tilt: tuple[float, float], start: FloatArray | None = None
 ) -> PadArc:
     """Fit an ellipse to all of an arc but the points that stand out from it."""
     track = points[order]
     if len(track) < _MIN_POINTS:
         raise FitError(f"only {len(track)} points of the outline were found on the arc: give a longer arc")
-    values = _consensus(track, lean) if start is None else start
+    values = _consensus(track, tilt) if start is None else start
     good = _inliers(distances(values, track)[0])
     for _ in range(3):
         fit = fit_outline_ellipse(
-            track[good], lean=lean[0], lean_std=lean[1], places=np.flatnonzero(good), start=values
+            track[good], tilt=tilt[0], tilt_std=tilt[1], places=np.flatnonzero(good), start=values
         )
         values, before = np.array(fit.ellipse), good
         good = _inliers(distances(values, track)[0])
@@ -193,7 +193,7 @@ def add_shared_errors(arc: PadArc, edges: SubpixelOutline) -> PadArc:
 
 
 def add_departure(
-    arc: PadArc, points: FloatArray, order: IndexArray, face: Face, lean: tuple[float, float]
+    arc: PadArc, points: FloatArray, order: IndexArray, face: Face, tilt: tuple[float, float]
 ) -> PadArc:
     """Compare the ellipse with a superellipse along its arc, and along the pad's middle where it is not.
 
@@ -207,19 +207,19 @@ def add_departure(
         Candidates in order along the outline.
     face : Face
         The face.
-    lean : (float, float)
-        Lean of the finger's axis and its standard uncertainty, radians.
+    tilt : (float, float)
+        Tilt of the finger's axis and its standard uncertainty, radians.
     """
     guess = _initial_ellipse(points, face)
     turns = turns_from(PAD_MIDDLE[face], points[order], guess)
     pad = np.isin(order, arc.used) | (np.abs(turns) < _SURELY_PAD)
     fit = arc.fit
     # A side face shows the nail's side too, whose distance is no semi-axis.
-    across = points[candidate_points(points, face)] @ [math.cos(lean[0]), math.sin(lean[0])]
+    across = points[candidate_points(points, face)] @ [math.cos(tilt[0]), math.sin(tilt[0])]
     half_width = float(np.ptp(across)) / 2 if face in ("palmar", "distal") else math.nan
-    shape = PadShape(lean=lean, half_width=half_width, noise=fit.residual_std)
+    shape = PadShape(tilt=tilt, half_width=half_width, noise=fit.residual_std)
     departure = departure_of(points[order[pad]], fit.ellipse, fit.covariance[2:4, 2:4], shape)
-    return replace(arc, departure=departure, lean=lean)
+    return replace(arc, departure=departure, tilt=tilt)
 
 
 def _inliers(off: FloatArray) -> BoolArray:
@@ -231,7 +231,7 @@ def _inliers(off: FloatArray) -> BoolArray:
     return np.asarray(~wide if (~wide).sum() >= _MIN_POINTS else ~far, dtype=bool)
 
 
-def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
+def _consensus(track: FloatArray, tilt: tuple[float, float]) -> FloatArray:
     """Return the ellipse through five points that most of a track agrees with (MSAC, seeded)."""
     sparse = track[np.linspace(0, len(track) - 1, min(_SPARSE, len(track))).astype(int)]
     local, shift, size = normalise(sparse)
@@ -243,7 +243,7 @@ def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
     chosen = np.rint(begin[:, None] + jitter * length[:, None]).astype(int)
     x, y = np.moveaxis(local[chosen], -1, 0)
     conics = np.linalg.svd(np.stack([x * x, x * y, y * y, x, y, np.ones_like(x)], axis=-1))[2][:, -1]
-    conics = conics[_plausible(conics, lean)]
+    conics = conics[_plausible(conics, tilt)]
     if not len(conics):
         raise FitError(
             "no ellipse fits the outline near the pad: check face, tip and palmar, or mark points on the pad"
@@ -255,15 +255,15 @@ def _consensus(track: FloatArray, lean: tuple[float, float]) -> FloatArray:
     return np.array([*(centre[0] * size + shift), *(axes[0] * size), angle[0]])
 
 
-def _plausible(conics: FloatArray, lean: tuple[float, float]) -> BoolArray:
+def _plausible(conics: FloatArray, tilt: tuple[float, float]) -> BoolArray:
     """Return which conics are ellipses about as upright and as long as a finger pad's."""
     with np.errstate(all="ignore"):
         centre, axes, angle = _conic_parameters(conics)
         ratio = axes[:, 1] / axes[:, 0]
         # The rounder, the less is known of the direction.
-        turn = np.abs(angle - lean[0]) * np.minimum(1, 4 * np.abs(np.log(ratio)))
+        turn = np.abs(angle - tilt[0]) * np.minimum(1, 4 * np.abs(np.log(ratio)))
         good = np.isfinite(axes).all(axis=1) & (ratio > _AXIS_RATIOS[0]) & (ratio < _AXIS_RATIOS[1])
-        good &= (axes.max(axis=1) < 12) & (turn < max(math.radians(8), 3 * lean[1]))
+        good &= (axes.max(axis=1) < 12) & (turn < max(math.radians(8), 3 * tilt[1]))
     return np.asarray(good & np.isfinite(centre).all(axis=1), dtype=bool)
 
 
@@ -294,7 +294,7 @@ def _sampson(conics: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def _longest_window(
-    track: FloatArray, values: FloatArray, middle: float, lean: tuple[float, float], slack: float
+    track: FloatArray, values: FloatArray, middle: float, tilt: tuple[float, float], slack: float
 ) -> tuple[int, int]:
     """Return the first and last index of the arc whose blocks one ellipse fits at the accepted misfit.
 
@@ -326,8 +326,8 @@ def _longest_window(
     wide = ends - starts >= min(_MIN_BLOCKS, len(r))
     starts, ends = starts[wide], ends[wide]
     normal, side, square, count = (part[ends] - part[starts] for part in run)
-    normal[:, 4, 4] += 1 / lean[1] ** 2
-    side[:, 4] += (values[4] - lean[0]) / lean[1] ** 2
+    normal[:, 4, 4] += 1 / tilt[1] ** 2
+    side[:, 4] += (values[4] - tilt[0]) / tilt[1] ** 2
     scale = 1 / np.sqrt(np.einsum("nii->ni", normal) + 1e-12)
     scaled = normal * scale[:, :, None] * scale[:, None, :] + 1e-10 * np.eye(5)
     side = side * scale

@@ -58,7 +58,7 @@ def average_over_ends(
     arc: PadArc,
     *,
     middle: float,
-    lean: tuple[float, float],
+    tilt: tuple[float, float],
     spacing: float,
 ) -> PadArc:
     """Fit the ellipse again for every place where the arc may end, and average by evidence.
@@ -78,8 +78,8 @@ def average_over_ends(
         The arc as found.
     middle : float
         Parametric angle of the pad's middle, radians.
-    lean : (float, float)
-        Lean of the finger's axis and its standard uncertainty, radians.
+    tilt : (float, float)
+        Tilt of the finger's axis and its standard uncertainty, radians.
     spacing : float
         Distance of the outline's neighbouring points, px.
     """
@@ -92,7 +92,7 @@ def average_over_ends(
     if len(blocks.turns) < _MIN_BLOCKS:
         return arc
     sides = [_side(blocks, values, middle, sign, noise) for sign in (-1, 1)]
-    known = np.array([0, 0, 0, 0, 1, values[4] - lean[0]]) / lean[1]
+    known = np.array([0, 0, 0, 0, 1, values[4] - tilt[0]]) / tilt[1]
     grams = sides[0][0][:, None] + sides[1][0] + np.outer(known, known)
     logs = sides[0][1][:, None] + sides[1][1]
     change, covariance = _average(grams.reshape(-1, 6, 6), logs.ravel(), len(blocks.turns))

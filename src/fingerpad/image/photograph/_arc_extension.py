@@ -20,7 +20,7 @@ _REACH = 0.25
 _REJECTION = 4.0
 
 
-def extend_arc(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tuple[float, float]) -> PadArc:
+def extend_arc(points: FloatArray, edges: SubpixelOutline, arc: PadArc, tilt: tuple[float, float]) -> PadArc:
     """Fit the arc's ellipse again, with the outline just beyond its ends.
 
     Parameters
@@ -31,8 +31,8 @@ def extend_arc(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tu
         The same outline in the picture.
     arc : PadArc
         The arc, fitted alone.
-    lean : (float, float)
-        Lean of the finger's axis and its standard uncertainty, radians.
+    tilt : (float, float)
+        Tilt of the finger's axis and its standard uncertainty, radians.
     """
     values, ends = np.array(arc.fit.ellipse), arc.used[[0, -1]]
     first, last = radii_of_curvature(values, parametric_angles(points[ends], values))
@@ -45,7 +45,7 @@ def extend_arc(points: FloatArray, edges: SubpixelOutline, arc: PadArc, lean: tu
     )
     beyond = edges.spacing * (np.minimum(place, 0) + np.maximum(place - (ends[1] - ends[0]) % count, 0))
     fit = fit_outline_ellipse(
-        points[order], lean=lean[0], lean_std=lean[1], places=place, start=values, beyond=beyond
+        points[order], tilt=tilt[0], tilt_std=tilt[1], places=place, start=values, beyond=beyond
     )
     return replace(arc, fit=fit)
 

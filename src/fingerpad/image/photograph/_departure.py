@@ -39,15 +39,15 @@ class PadShape:
 
     Attributes
     ----------
-    lean : (float, float)
-        Lean of the finger's axis and its standard uncertainty, radians.
+    tilt : (float, float)
+        Tilt of the finger's axis and its standard uncertainty, radians.
     half_width : float
         Half of the finger's width, px; NaN where this face does not show the pad's.
     noise : float
         Standard deviation of the points on the ellipse's arc from it, px.
     """
 
-    lean: tuple[float, float]
+    tilt: tuple[float, float]
     half_width: float = math.nan
     noise: float = math.inf
 
@@ -85,7 +85,7 @@ def with_departure(found: PhotographFit, fitted: PlaneEllipse, departure: Depart
     if departure is None:
         return replace(found, exponent=math.nan, exponent_std=math.nan)
     scale, better = found.scale.mm_per_px, departure.ellipse
-    frame = rotation(found.lean) @ found.directions
+    frame = rotation(found.tilt) @ found.directions
     row, column = found.centre + np.array([better.x - fitted.x, better.y - fitted.y]) @ frame
     return replace(
         found,
@@ -93,7 +93,7 @@ def with_departure(found: PhotographFit, fitted: PlaneEllipse, departure: Depart
         edge_covariance=departure.covariance * scale**2,
         centre=(float(row), float(column)),
         directions=rotation(better.angle).T @ frame,
-        lean=better.angle,
+        tilt=better.angle,
         exponent=departure.exponent,
         exponent_std=departure.exponent_std,
     )
@@ -132,11 +132,11 @@ def departure_of(
     given = np.array([ellipse.semi_x, ellipse.semi_y])
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
     width = math.log(shape.half_width / size)
-    curve = _Curve(blocks, weights, shape.lean, width, _LEAST_PX / size)
+    curve = _Curve(blocks, weights, shape.tilt, width, _LEAST_PX / size)
     bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)
     for _ in range(2):
         noise = max(_LEAST_PX / size, curve.deviation(bent.x))
-        curve = _Curve(blocks, weights, shape.lean, width, noise)
+        curve = _Curve(blocks, weights, shape.tilt, width, noise)
         bent = curve.fitted(bent.x)
     plain = curve.fitted(start)
     weight = float(expit(_LOG_ODDS + _log_evidence(bent) - _log_evidence(plain)))
@@ -194,11 +194,11 @@ class _Curve:
         self,
         points: FloatArray,
         weights: FloatArray,
-        lean: tuple[float, float],
+        tilt: tuple[float, float],
         log_width: float,
         noise: float,
     ) -> None:
-        self._points, self._weights, self._lean, self._noise = points, weights, lean, noise
+        self._points, self._weights, self._tilt, self._noise = points, weights, tilt, noise
         self._log_width = log_width
 
     def fitted(self, start: FloatArray) -> OptimizeResult:
@@ -257,7 +257,7 @@ class _Curve:
     def _off(self, values: FloatArray) -> FloatArray:
         off = self._weights * self._distances(values) / (_FAR * self._noise)
         robust = _FAR * np.sign(off) * np.sqrt(2 * (np.sqrt(1 + off**2) - 1))
-        known = [(values[..., 4:5] - self._lean[0]) / self._lean[1]]
+        known = [(values[..., 4:5] - self._tilt[0]) / self._tilt[1]]
         if not math.isnan(self._log_width):
             known += [(values[..., 2:3] - self._log_width) / _WIDTH_STD]
         if values.shape[-1] > 5:

@@ -14,11 +14,11 @@ _MIN_LENGTH = 0.35
 _AXIS_STD = {"palmar": math.radians(1.5), "radial": math.radians(3.0), "ulnar": math.radians(3.0)}
 # A finger held upright by eye.
 _UPRIGHT_STD = math.radians(5.0)
-_MAX_LEAN = math.radians(35)
+_MAX_TILT = math.radians(35)
 
 
-def finger_lean(points: FloatArray, face: Face) -> tuple[float, float]:
-    """Return the lean of the finger from x towards y, and its standard uncertainty, radians.
+def finger_tilt(points: FloatArray, face: Face) -> tuple[float, float]:
+    """Return the tilt of the finger from x towards y, and its standard uncertainty, radians.
 
     The middle line between the two sides below the pad, where they show; upright within 5 degrees where
     they do not, as when the finger is seen end on.
@@ -44,11 +44,11 @@ def finger_lean(points: FloatArray, face: Face) -> tuple[float, float]:
     levels = np.linspace(bottom, top, 40)
     middle = (_side(first, levels) + _side(second, levels)) / 2
     slope = np.polynomial.Polynomial.fit(levels, middle, 1).convert().coef[1]
-    lean = -math.atan(float(slope))
-    if abs(lean) > _MAX_LEAN:
+    tilt = -math.atan(float(slope))
+    if abs(tilt) > _MAX_TILT:
         return 0.0, _UPRIGHT_STD
     # A short stretch of the sides determines the axis less.
-    return lean, _AXIS_STD[face] * max(1.0, width / float(top - bottom))
+    return tilt, _AXIS_STD[face] * max(1.0, width / float(top - bottom))
 
 
 def _side(points: FloatArray, levels: FloatArray) -> FloatArray:

@@ -87,7 +87,7 @@ def check_not_cut(silhouette: Silhouette, sides: tuple[Direction, ...], tip: Dir
         along = rows if tip in ("up", "down") else columns
         low, high = float(along.min()) * silhouette.reduction, float(along.max()) * silhouette.reduction
         first, last = cuts[side]
-        # A leaning finger may leave through a side; its half at the tip may not.
+        # A tilted finger may leave through a side; its half at the tip may not.
         depth = {"up": (first - low), "left": (first - low), "down": (high - last), "right": (high - last)}[
             tip
         ]

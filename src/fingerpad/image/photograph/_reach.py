@@ -27,25 +27,25 @@ _AXIS_STD: Final = math.radians(1.0)
 # The share of the difference that is added to the uncertainty. Turns by so many standard uncertainties of the
 # finger's axis are common.
 _ADDED: Final = 0.6
-_OF_LEAN_STD: Final = 0.5
+_OF_TILT_STD: Final = 0.5
 # A difference so large shows that the outline is no ellipse.
 _NO_ELLIPSE: Final = 0.04
 
 
-def with_reach(found: PhotographFit, lean: tuple[float, float]) -> PhotographFit:
+def with_reach(found: PhotographFit, tilt: tuple[float, float]) -> PhotographFit:
     """Return a measured face whose uncertainty allows for the lengths that its outline has.
 
     The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse goes on, or less
     far, nothing tells which of the two is the pad: the semi-axes stay, and are as uncertain as that. Where
-    the ellipse leans otherwise than the finger, another curve was taken for a turned ellipse: its axis is
+    the ellipse is tilted otherwise than the finger, another curve was taken for a turned ellipse: its axis is
     uncertain by that turn, and its semi-axes by about as many radians.
 
     Parameters
     ----------
     found : PhotographFit
         With its outline.
-    lean : (float, float)
-        Lean of the finger's axis and its standard uncertainty, radians.
+    tilt : (float, float)
+        Tilt of the finger's axis and its standard uncertainty, radians.
 
     Returns
     -------
@@ -57,7 +57,7 @@ def with_reach(found: PhotographFit, lean: tuple[float, float]) -> PhotographFit
     across, along = found.semi_axes
     if found.face in ("radial", "ulnar"):
         lengths = _side_lengths(points, across, along)
-        axis = math.hypot(found.lean_std, _AXIS_STD)
+        axis = math.hypot(found.tilt_std, _AXIS_STD)
         stds = np.hypot(_SIDE_STD, np.array([across / along, along / across]) * axis)
     else:
         lengths, stds = _front_lengths(points, across, along), np.array(_FRONT_STD)
@@ -65,13 +65,13 @@ def with_reach(found: PhotographFit, lean: tuple[float, float]) -> PhotographFit
         lengths = np.full(2, math.nan)
     off = np.nan_to_num(lengths / found.semi_axes - 1)
     beyond = np.sign(off) * np.sqrt(np.maximum(off**2 - stds**2, 0))
-    turn = found.lean - lean[0] if found.face != "distal" else 0.0
-    turn = math.sqrt(max(turn**2 - (_OF_LEAN_STD * lean[1]) ** 2, 0.0))
+    turn = found.tilt - tilt[0] if found.face != "distal" else 0.0
+    turn = math.sqrt(max(turn**2 - (_OF_TILT_STD * tilt[1]) ** 2, 0.0))
     added, turned = _ADDED * beyond * found.semi_axes, _ADDED * turn * found.semi_axes
     no_ellipse = {"not_an_ellipse"} if max(turn, *np.abs(beyond)) > _NO_ELLIPSE else set()
     return replace(
         found,
-        lean_std=math.hypot(found.lean_std, _ADDED * turn),
+        tilt_std=math.hypot(found.tilt_std, _ADDED * turn),
         edge_covariance=found.edge_covariance + np.outer(added, added) + np.outer(turned, turned),
         flags=found.flags | no_ellipse,
     )

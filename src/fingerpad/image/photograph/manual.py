@@ -35,7 +35,7 @@ def photograph_from_ellipse(
     *,
     centre: tuple[float, float],
     semi_axes: tuple[float, float],
-    lean: float = 0.0,
+    tilt: float = 0.0,
     tip: Direction = "up",
     palmar: Direction | None = None,
 ) -> PhotographFit:
@@ -51,7 +51,7 @@ def photograph_from_ellipse(
         (row, column), px.
     semi_axes : (float, float)
         Across and along, in the order of `FACE_AXES`, px.
-    lean : float
+    tilt : float
         Turn of the ellipse from the face's x (across) towards its y (along), radians.
     tip, palmar : {"up", "down", "left", "right"}
         Directions of the fingertip and the palmar side, as for `measure_photograph`.
@@ -66,7 +66,7 @@ def photograph_from_ellipse(
     ImageError
         If a number is not finite, a semi-axis not positive, or face and directions do not agree.
     GeometryError
-        If the lean is beyond a full turn, as degrees are.
+        If the tilt is beyond a full turn, as degrees are.
 
     Examples
     --------
@@ -77,12 +77,12 @@ def photograph_from_ellipse(
     >>> {name: round(value, 3) for name, value in fit.semi_axes_mm.items()}
     {'radial_ulnar': 11.8, 'distal': 13.8}
     """
-    if not (np.isfinite([*centre, *semi_axes, lean]).all() and min(semi_axes) > 0):
+    if not (np.isfinite([*centre, *semi_axes, tilt]).all() and min(semi_axes) > 0):
         raise ImageError(
-            f"an ellipse needs a finite centre and lean and two positive semi-axes, found {centre}, "
-            f"{math.degrees(lean):g} degrees, {semi_axes}"
+            f"an ellipse needs a finite centre and tilt and two positive semi-axes, found {centre}, "
+            f"{math.degrees(tilt):g} degrees, {semi_axes}"
         )
-    check_radians("lean", lean)
+    check_radians("tilt", tilt)
     scale = as_scale(scale)
     side = palmar_directions(face, tip, palmar)[0]
     semi_px = as_float_array(semi_axes)
@@ -94,9 +94,9 @@ def photograph_from_ellipse(
         edge_covariance=2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2),
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
-        directions=rotation(lean).T @ face_axes(face, tip, side),
-        lean=lean,
-        lean_std=own_std / float(semi_px.max()),
+        directions=rotation(tilt).T @ face_axes(face, tip, side),
+        tilt=tilt,
+        tilt_std=own_std / float(semi_px.max()),
         arc=(PAD_MIDDLE[face] - math.pi, PAD_MIDDLE[face] + math.pi),
         points=np.empty((0, 2)),
         outliers=np.empty((0, 2)),
@@ -145,7 +145,7 @@ def photograph_from_handles(
     >>> fit = photograph_from_handles(
     ...     "palmar", scale, centre=(300, 200), across_end=(300, 436), along_end=(24, 200)
     ... )
-    >>> {name: round(value, 2) for name, value in fit.semi_axes_mm.items()}, round(fit.lean, 6) + 0.0
+    >>> {name: round(value, 2) for name, value in fit.semi_axes_mm.items()}, round(fit.tilt, 6) + 0.0
     ({'radial_ulnar': 11.8, 'distal': 13.8}, 0.0)
     """
     ends = as_float_array([across_end, along_end]) - as_float_array(centre)
@@ -153,13 +153,13 @@ def photograph_from_handles(
     longer = int(np.argmax(lengths))
     axes = face_axes(face, tip, palmar_directions(face, tip, palmar)[0])
     first, second = axes @ ends[longer]
-    lean = math.atan2(second, first) if longer == 0 else math.atan2(-first, second)
+    tilt = math.atan2(second, first) if longer == 0 else math.atan2(-first, second)
     return photograph_from_ellipse(
         face,
         scale,
         centre=centre,
         semi_axes=(float(lengths[0]), float(lengths[1])),
-        lean=lean,
+        tilt=tilt,
         tip=tip,
         palmar=palmar,
     )
@@ -212,32 +212,32 @@ def with_marked_points(
         return found
     left_out = np.concatenate([found.outliers, found.points[~kept]])
     points = np.concatenate([found.points[kept], marks])
-    axes = rotation(found.lean) @ found.directions
+    axes = rotation(found.tilt) @ found.directions
     centre = as_float_array(found.centre)
     local = (points - centre) @ axes.T
-    start = np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.lean])
+    start = np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.tilt])
     order, places = _outline_order(local, start, found)
     points, local = points[order], local[order]
-    # The lean of the automatic fit comes from the sides of the finger: it is kept as prior.
+    # The tilt of the automatic fit comes from the sides of the finger: it is kept as prior.
     fit = fit_outline_ellipse(
-        local, lean=found.lean, lean_std=max(found.lean_std, 1e-3), places=places, start=start
+        local, tilt=found.tilt, tilt_std=max(found.tilt_std, 1e-3), places=places, start=start
     )
     shared = fit.shared_error_covariance(_SHARED_PX, _SHARED_PX, _SHARED_REACH)
-    x, y, semi_x, semi_y, lean = fit.ellipse
+    x, y, semi_x, semi_y, tilt = fit.ellipse
     place = np.array([x, y]) @ axes + centre
     middle = PAD_MIDDLE[found.face]
     angles = middle + turns_from(middle, local, fit.ellipse)
     covariance = (fit.covariance + shared)[2:4, 2:4]
-    shape = PadShape(lean=(found.lean, max(found.lean_std, 1e-3)), noise=fit.residual_std)
+    shape = PadShape(tilt=(found.tilt, max(found.tilt_std, 1e-3)), noise=fit.residual_std)
     departure = departure_of(local, fit.ellipse, covariance, shape)
     result = replace(
         found,
         semi_axes=np.array([semi_x, semi_y]) * found.scale.mm_per_px,
         edge_covariance=covariance * found.scale.mm_per_px**2,
         centre=(float(place[0]), float(place[1])),
-        directions=rotation(lean).T @ axes,
-        lean=lean,
-        lean_std=math.sqrt(fit.covariance[4, 4]),
+        directions=rotation(tilt).T @ axes,
+        tilt=tilt,
+        tilt_std=math.sqrt(fit.covariance[4, 4]),
         arc=(float(angles.min()), float(angles.max())),
         points=points,
         outliers=left_out,

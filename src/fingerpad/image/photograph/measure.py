@@ -28,7 +28,7 @@ from fingerpad.image.photograph._arc_averaging import average_over_ends
 from fingerpad.image.photograph._arc_extension import extend_arc
 from fingerpad.image.photograph._departure import is_significant, with_departure
 from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
-from fingerpad.image.photograph._finger_axis import finger_lean
+from fingerpad.image.photograph._finger_axis import finger_tilt
 from fingerpad.image.photograph._input import (
     Window,
     between,
@@ -135,7 +135,7 @@ def measure_photograph(
             found = _result(arc, (axes, place), (edges, silhouette), face, scale)
             order = candidate_points((edges.points - place) @ axes.T, face)
             found = replace(found, outline=edges.points[order[edges.found[order]]])
-            tried.append(found if marked else with_reach(found, arc.lean))
+            tried.append(found if marked else with_reach(found, arc.tilt))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:
@@ -171,7 +171,7 @@ def _pad_arc(
     """Return the pad's arc in the face's frame, and the place of that frame's origin in the picture."""
     place = edges.points.mean(axis=0)
     local = (edges.points - place) @ axes.T
-    lean = finger_lean(local, face)
+    tilt = finger_tilt(local, face)
     if marks is not None:
         order = between(edges, marks)
     elif window is not None:
@@ -186,11 +186,11 @@ def _pad_arc(
             "widen region_of_interest, or mark points on the pad"
         )
     if marks is None and window is None:
-        arc = longest_arc(local, found, middle, lean)
-        arc = average_over_ends(local, found, arc, middle=middle, lean=lean, spacing=edges.spacing)
+        arc = longest_arc(local, found, middle, tilt)
+        arc = average_over_ends(local, found, arc, middle=middle, tilt=tilt, spacing=edges.spacing)
     else:
-        arc = extend_arc(local, edges, fit_arc(local, found, lean), lean)
-    return add_departure(add_shared_errors(arc, edges), local, found, face, lean), place
+        arc = extend_arc(local, edges, fit_arc(local, found, tilt), tilt)
+    return add_departure(add_shared_errors(arc, edges), local, found, face, tilt), place
 
 
 def _result(
@@ -202,7 +202,7 @@ def _result(
 ) -> PhotographFit:
     """Return what was fitted in the face's frame, as lengths and as places in the picture."""
     fit, (axes, place), (edges, silhouette) = arc.fit, frame, seen
-    x, y, semi_x, semi_y, lean = fit.ellipse
+    x, y, semi_x, semi_y, tilt = fit.ellipse
     centre = np.array([x, y]) @ axes + place
     middle = PAD_MIDDLE[face]
     local = (edges.points[arc.used] - place) @ axes.T
@@ -213,9 +213,9 @@ def _result(
         edge_covariance=fit.covariance[2:4, 2:4] * scale.mm_per_px**2,
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
-        directions=rotation(lean).T @ axes,
-        lean=lean,
-        lean_std=math.sqrt(fit.covariance[4, 4]),
+        directions=rotation(tilt).T @ axes,
+        tilt=tilt,
+        tilt_std=math.sqrt(fit.covariance[4, 4]),
         arc=(float(angles.min()), float(angles.max())),
         points=edges.points[arc.used],
         outliers=edges.points[arc.rejected],
@@ -250,6 +250,6 @@ def _flags(found: PhotographFit, contrast: float, silhouette: Silhouette) -> fro
         "touches_border": float(margin) < 6 + 3 * silhouette.reduction,
         "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
         "not_an_ellipse": is_significant(found.exponent, found.exponent_std),
-        "leaning": abs(found.lean) > math.radians(10),
+        "tilted": abs(found.tilt) > math.radians(10),
     }
     return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)

@@ -88,8 +88,8 @@ class OutlineFit(EllipseFit):
 def fit_outline_ellipse(
     points: ArrayLike,
     *,
-    lean: float = 0.0,
-    lean_std: float = math.radians(2),
+    tilt: float = 0.0,
+    tilt_std: float = math.radians(2),
     places: ArrayLike | None = None,
     start: ArrayLike | None = None,
     beyond: ArrayLike | None = None,
@@ -100,13 +100,13 @@ def fit_outline_ellipse(
     ----------
     points : array_like, (n, 2)
         (x, y) of at least eight points, in order along the outline, in any unit of length.
-    lean, lean_std : float
+    tilt, tilt_std : float
         Turn of the finger's axis from x towards y as known beforehand, and its standard uncertainty, radians.
         The fit weighs it against the points.
     places : array_like of int, (n,), optional
         Place of each point in the outline, rising, where some are left out.
     start : array_like, (5,), optional
-        (x, y, semi_x, semi_y, lean) to start from; the least-squares conic if left out.
+        (x, y, semi_x, semi_y, tilt) to start from; the least-squares conic if left out.
     beyond : array_like, (n,), optional
         How far along the outline each point lies beyond the arc, in the unit of the points: negative before
         its first end, positive past its last, 0 on it. All points are on the arc if left out.
@@ -120,7 +120,7 @@ def fit_outline_ellipse(
     FitError
         If the points are too few, not finite, on a line, or do not determine an ellipse.
     GeometryError
-        If the lean or its uncertainty is beyond a full turn, as degrees are.
+        If the tilt or its uncertainty is beyond a full turn, as degrees are.
 
     Examples
     --------
@@ -132,28 +132,28 @@ def fit_outline_ellipse(
     points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():
         raise FitError(f"an outline needs at least eight finite points (x, y), found shape {points.shape}")
-    if not lean_std > 0:
+    if not tilt_std > 0:
         raise FitError(
-            f"lean_std must be positive, found {lean_std}: give what is known of the finger's axis"
+            f"tilt_std must be positive, found {tilt_std}: give what is known of the finger's axis"
         )
-    check_radians("lean", lean)
-    check_radians("lean_std", lean_std)
+    check_radians("tilt", tilt)
+    check_radians("tilt_std", tilt_std)
     rows = np.asarray(np.arange(len(points)) if places is None else places, dtype=np.int64)
     past = np.zeros(len(points)) if beyond is None else as_float_array(beyond)
     on_arc = past == 0
     local, shift, size = normalise(points)
     past = past / size
-    values = _start(local[on_arc], lean) if start is None else _in_frame(as_float_array(start), shift, size)
-    values = _refine(local[on_arc], values, (lean, math.inf), np.asarray)
+    values = _start(local[on_arc], tilt) if start is None else _in_frame(as_float_array(start), shift, size)
+    values = _refine(local[on_arc], values, (tilt, math.inf), np.asarray)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
         spread = departure_covariance(past[~on_arc], _end_radii(values, local[on_arc]))
         errors = _Errors(on_arc=on_arc, density=variance * correlation, departure=spread)
-        values = _refine(local, values, (lean, lean_std), errors.whitened)
+        values = _refine(local, values, (tilt, tilt_std), errors.whitened)
     residuals, design = distances(values, local)
     white = errors.whitened(design)
     information = white.T @ white
-    information[4, 4] += 1 / lean_std**2
+    information[4, 4] += 1 / tilt_std**2
     inverse = np.linalg.pinv(information, hermitian=True)
     widening = student_widening(on_arc.sum() / correlation - values.size)
     unit = np.array([size, size, size, size, 1.0])
@@ -249,10 +249,10 @@ def turns_from(middle: float, points: FloatArray, values: Parameters | PlaneElli
     return (parametric_angles(points, values) - middle + math.pi) % (2 * math.pi) - math.pi
 
 
-def _start(points: FloatArray, lean: float) -> Parameters:
-    turn = rotation(lean)
+def _start(points: FloatArray, tilt: float) -> Parameters:
+    turn = rotation(tilt)
     x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse
-    return np.array([*(turn @ (x, y)), semi_x, semi_y, lean])
+    return np.array([*(turn @ (x, y)), semi_x, semi_y, tilt])
 
 
 def _in_frame(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
@@ -262,14 +262,14 @@ def _in_frame(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
 def _refine(
     points: FloatArray,
     start: Parameters,
-    lean: tuple[float, float],
+    tilt: tuple[float, float],
     whitened: Callable[[FloatArray], FloatArray],
 ) -> Parameters:
-    """Minimise the orthogonal distances, whitened, together with the distance from the known lean."""
-    prior = np.array([[0.0, 0.0, 0.0, 0.0, 1 / lean[1]]])
+    """Minimise the orthogonal distances, whitened, together with the distance from the known tilt."""
+    prior = np.array([[0.0, 0.0, 0.0, 0.0, 1 / tilt[1]]])
 
     def off(values: Parameters) -> FloatArray:
-        return np.append(whitened(distances(values, points)[0]), (values[4] - lean[0]) / lean[1])
+        return np.append(whitened(distances(values, points)[0]), (values[4] - tilt[0]) / tilt[1])
 
     def slopes(values: Parameters) -> FloatArray:
         return np.concatenate([whitened(distances(values, points)[1]), prior])

@@ -175,15 +175,15 @@ def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
 
 def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]:
     lines = [(label, INK)] if label else []
-    lean = f"lean {math.degrees(found.lean):.1f} deg"
+    tilt = f"tilt {math.degrees(found.tilt):.1f} deg"
     if len(found.points):
         lines += [
-            (f"{found.face} face, arc {found.arc_deg:.0f} deg, {lean}", INK),
+            (f"{found.face} face, arc {found.arc_deg:.0f} deg, {tilt}", INK),
             (f"{len(found.points)} points used", POINT_COLOUR),
             (f"{len(found.outliers)} left out ({found.outlier_fraction:.0%})", OUTLIER_COLOUR),
         ]
     else:
-        lines.append((f"{found.face} face, ellipse placed manually, {lean}", INK))
+        lines.append((f"{found.face} face, ellipse placed manually, {tilt}", INK))
     if found.flags:
         lines.append((", ".join(sorted(found.flags)), (200, 30, 30)))
     return lines

@@ -25,7 +25,7 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
     "touches_border": "the arc ends where the frame cuts the finger",
     "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
     "not_an_ellipse": "the outline is more pointed or blunter than an ellipse",
-    "leaning": "the finger leans by more than 10 degrees",
+    "tilted": "the finger is tilted by more than 10 degrees",
     "implausible_size": "a semi-axis lies outside 2–40 mm: check the scale",
     "fitted_manually": "the ellipse was placed manually, or points were added or left out",
 }
@@ -49,7 +49,7 @@ class PhotographFit(Displayed):
         Centre of the ellipse, (row, column), px.
     directions : ndarray, shape (2, 2)
         Unit steps (row, column) along the first and the second semi-axis.
-    lean, lean_std : float
+    tilt, tilt_std : float
         Turn of the ellipse from the face's x towards its y, and its standard uncertainty, radians.
     arc : (float, float)
         First and last parametric angle of the points used, radians.
@@ -82,8 +82,8 @@ class PhotographFit(Displayed):
     scale: Scale
     centre: tuple[float, float]
     directions: FloatArray
-    lean: float
-    lean_std: float
+    tilt: float
+    tilt_std: float
     arc: tuple[float, float]
     points: FloatArray
     outliers: FloatArray
@@ -207,7 +207,7 @@ class PhotographFit(Displayed):
         mm_per_px = self.scale.mm_per_px
         points = (self.outline - self.centre) @ self.directions.T
         across, along = map(float, self.semi_axes / mm_per_px)
-        radius, std = radius_of_outline(points, (across, along), angle, self.lean_std)
+        radius, std = radius_of_outline(points, (across, along), angle, self.tilt_std)
         return radius * mm_per_px, math.hypot(std * mm_per_px, radius * self.scale.mm_per_px_std)
 
     def ellipse_radius(self, angle: float) -> float:

@@ -230,7 +230,7 @@ def corrected_photograph(
             scale,
             centre=(row, column),
             semi_axes=(across, along),
-            lean=float(np.radians(wanted.ellipse_px.lean_deg)),
+            tilt=float(np.radians(wanted.ellipse_px.tilt_deg)),
             tip=tip,
             palmar=palmar,
         )

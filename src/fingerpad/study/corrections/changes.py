@@ -67,7 +67,7 @@ class ManualFaceEllipse(ManifestModel):
 
     centre: Point
     semi_axes: Pair
-    lean_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
+    tilt_deg: Annotated[float, Field(ge=-90, le=90)] = 0.0
 
 
 class PoolingCorrection(ManifestModel):

@@ -167,7 +167,7 @@ class FaceEllipse(Answer):
 
     centre: Point
     semi_axes: Point
-    lean_deg: float
+    tilt_deg: float
 
 
 class FaceHandles(Answer):
@@ -232,7 +232,7 @@ class PhotographMeasurement(FaceSemiAxes):
     exponent: float | None
     exponent_std: float | None
     radii: list[SideRadius]
-    lean_deg: float | None
+    tilt_deg: float | None
     flags: list[str]
     mm_per_px: float
     mm_per_px_std: float

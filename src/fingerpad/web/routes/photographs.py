@@ -116,7 +116,7 @@ def described(fit: PhotographFit) -> dict[str, Any]:
         "ellipse_px": {
             "centre": fit.centre,
             "semi_axes": fit.semi_axes / fit.scale.mm_per_px,
-            "lean_deg": math.degrees(fit.lean),
+            "tilt_deg": math.degrees(fit.tilt),
         },
         "handles": {"centre_px": centre, "across_end_px": across, "along_end_px": along},
         "points_px": fit.points.round(2),
@@ -125,7 +125,7 @@ def described(fit: PhotographFit) -> dict[str, Any]:
         "exponent": None if math.isnan(fit.exponent) else fit.exponent,
         "exponent_std": None if math.isnan(fit.exponent) else fit.exponent_std,
         "radii": fit.side_radii(),
-        "lean_deg": math.degrees(fit.lean),
+        "tilt_deg": math.degrees(fit.tilt),
         "flags": sorted(fit.flags),
         "mm_per_px": fit.scale.mm_per_px,
         "mm_per_px_std": fit.scale.mm_per_px_std,

@@ -191,7 +191,8 @@ export class ContactInspector extends Inspector {
     }
     const { numbers, automatic, model } = answer;
     const corrected = answer.by !== "automatic" && !this.view.blind;
-    const outOfDate = () => staleChip((this.view.sequence ?? this.view.entry).finger, "semi-axes out of date");
+    const outOfDate = () =>
+      staleChip((this.view.sequence ?? this.view.entry).finger, "semi-axes out of date");
     const line = ([key, label, words, mark]) =>
       quantityRow(label(), quantityText(numbers, key), {
         mark,

@@ -106,7 +106,7 @@ export class PhotographInspector extends Inspector {
             `${withStd(outline_mm, outline_mm_std)} mm (ellipse ${plain(ellipse_mm)} mm)`,
           ),
         ),
-        quantityRow("Tilt", answer.lean_deg === null ? "–" : `${plain(answer.lean_deg)}°`),
+        quantityRow("Tilt", answer.tilt_deg === null ? "–" : `${plain(answer.tilt_deg)}°`),
       ),
       flagNote(answer.flags),
     );
