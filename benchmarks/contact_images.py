@@ -175,10 +175,10 @@ def edge_calibration(count: int) -> None:
     from fingerpad.image.contact_image import _outline, _patch  # noqa: PLC0415
     from fingerpad.image.ellipse import polygon_moments  # noqa: PLC0415
 
-    kept: list[_outline.ContactOutline] = []
+    kept: list[_outline.ContactEdge] = []
     plain = _outline.edge_shift
 
-    def watched(edge: _outline.ContactOutline) -> Numbers:
+    def watched(edge: _outline.ContactEdge) -> Numbers:
         kept.append(edge)
         return plain(edge)
 

@@ -9,7 +9,7 @@ from fingerpad.cli.shared import AsJson, print_json
 from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
-    from fingerpad.study.compare import Comparison, Mean, Value, Verdict
+    from fingerpad.study.compare import Comparison, Mean, ValidityVerdict, Value
 
 
 def compare(
@@ -70,11 +70,11 @@ def _print_tables(found: "Comparison") -> None:
         typer.echo(f"note: {note}")
 
 
-def _who(value: "Value | Verdict") -> str:
+def _who(value: "Value | ValidityVerdict") -> str:
     return f"{value.person.name}, {value.finger}{'  (synthetic)' if value.synthetic else ''}"
 
 
-def _place(item: "Value | Mean | Verdict") -> str:
+def _place(item: "Value | Mean | ValidityVerdict") -> str:
     if item.wedge_angle_deg is None:
         return ""
     return f"{item.wedge_angle_deg:g}°" + (f", roll {item.roll_angle_deg:g}°" if item.roll_angle_deg else "")

@@ -221,7 +221,7 @@ class StudySession:
         except ImageError:
             return None
 
-    def place_of(self, item: str) -> ImageLocation:
+    def image_location(self, item: str) -> ImageLocation:
         """Return the location of an item's image; only files named by the manifest."""
         name, mark, number = item.rpartition("#")
         if item.startswith("file:"):
@@ -259,7 +259,7 @@ class StudySession:
             return None
         if "/" not in item and "#" not in item and self._named("observation", item, "file") is None:
             return None
-        place = self.place_of(item)
+        place = self.image_location(item)
         pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels
         return pixels.shape[0], pixels.shape[1]
 
@@ -276,7 +276,7 @@ class StudySession:
             if (sequence := sequence_of_phases(item)) is not None:
                 force = self._named("sequence", sequence, "force")
                 return "" if force is None else self.digest(self.file(force))
-            place = self.place_of(item)
+            place = self.image_location(item)
             if place.frame is None:
                 return self.digest(place.path)
             pixels = self.pictures.grey(place).pixels

@@ -9,7 +9,7 @@ import numpy as np
 from fingerpad._arrays import BoolArray, Float32Array
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image._masks import UInt8
-from fingerpad.image.contact_image._outline import ContactOutline
+from fingerpad.image.contact_image._outline import ContactEdge
 from fingerpad.image.contact_image._patch import measure_patch
 from fingerpad.image.contact_image._ridge_map import ridge_map
 from fingerpad.image.contact_image._ridges import Signal
@@ -48,7 +48,7 @@ class ContactRegion:
     """The contact, in px of the working copy."""
 
     patch: BoolArray
-    edge: ContactOutline
+    edge: ContactEdge
     several: bool
 
 

@@ -42,7 +42,7 @@ _MANUAL = math.sqrt(1 / 12 / 2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactOutline:
+class ContactEdge:
     """An outline with what is known at each of its points, all in px of the working copy.
 
     Attributes
@@ -107,7 +107,7 @@ def contact_outline(
     noise: float,
     softness: float,
     resolved: bool,
-) -> ContactOutline:
+) -> ContactEdge:
     """Find the outline of a patch where the closed ridge amount falls through half."""
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
     points = evenly_spaced(running_mean(contour, round(period / 2)))
@@ -124,7 +124,7 @@ def contact_outline(
     levels = as_float32(amount)
     outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
     along = running_mean((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
-    return ContactOutline(
+    return ContactEdge(
         points=points,
         normals=normals,
         steps=point_spacings(points),
@@ -138,7 +138,7 @@ def contact_outline(
     )
 
 
-def faded_outline(edge: ContactOutline, patch: BoolArray, contact: npt.NDArray[np.float32]) -> ContactOutline:
+def faded_outline(edge: ContactEdge, patch: BoolArray, contact: npt.NDArray[np.float32]) -> ContactEdge:
     """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
 
     `contact` is the contrast of each place with the ground.
@@ -223,7 +223,7 @@ def _sample(field: npt.NDArray[np.float32], points: FloatArray) -> FloatArray:
     return np.asarray(found.ravel(), dtype=np.float64)
 
 
-def edge_shift(edge: ContactOutline) -> FloatArray:
+def edge_shift(edge: ContactEdge) -> FloatArray:
     """Return how far the true edge lies beyond the closed ridges on average, at each point, px.
 
     A contact that fades towards its edge reaches further than its outline. Where the outline crosses ridges
@@ -236,7 +236,7 @@ def edge_shift(edge: ContactOutline) -> FloatArray:
     return _beyond_ridges(edge) - _NOISE * edge.noise * edge.period + edge.fade
 
 
-def _beyond_ridges(edge: ContactOutline) -> FloatArray:
+def _beyond_ridges(edge: ContactEdge) -> FloatArray:
     return (_ENDS + _FOLLOWING * edge.along) * edge.period
 
 
@@ -249,7 +249,7 @@ def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
     return np.stack([major * (plain + stretch), minor * (plain - stretch), np.ones(len(points))], axis=-1)
 
 
-def edge_offset_std(edge: ContactOutline) -> float:
+def edge_offset_std(edge: ContactEdge) -> float:
     """Return the standard uncertainty of the edge's place that all of the outline shares, px.
 
     It holds the definition of the edge of a contact that fades, a third of the correction for noise and,
@@ -263,7 +263,7 @@ def edge_offset_std(edge: ContactOutline) -> float:
     return math.hypot(_EDGE_STD * edge.period, _BY_FADE * edge.fade, rim, uneven, noise, unknown)
 
 
-def outline_noise(edge: ContactOutline, weights: FloatArray) -> FloatArray:
+def outline_noise(edge: ContactEdge, weights: FloatArray) -> FloatArray:
     """Return the covariance of (semi_major, semi_minor, area) from errors of one image's outline.
 
     Each stretch of outline has an independent error: where it follows a ridge, that of an edge at random on

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.image._masks import UInt8, filled_polygon
 from fingerpad.image.contact_image._outline import (
-    ContactOutline,
+    ContactEdge,
     axis_weights,
     contact_outline,
     edge_offset_std,
@@ -68,7 +68,7 @@ def trace_patch(
     noise: float,
     resolved: bool,
     by_threshold: bool,
-) -> ContactOutline:
+) -> ContactEdge:
     """Trace a patch of the view, given the amount of ridge as found and as closed over the valleys.
 
     `contact` is the contrast of each place with the ground, `resolved` whether the ridge period was found,
@@ -92,7 +92,7 @@ def trace_patch(
 
 
 def measure_patch(
-    view: WorkingImage, patch: BoolArray, edge: ContactOutline, amount: UInt8, ridges: RidgeMap
+    view: WorkingImage, patch: BoolArray, edge: ContactEdge, amount: UInt8, ridges: RidgeMap
 ) -> Patch:
     """Measure a patch of the view inside its traced edge."""
     side = math.sqrt(view.steps[0] * view.steps[1])

@@ -13,7 +13,7 @@ from fingerpad._arrays import BoolArray, FloatArray, as_float_array, positive_nu
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, to_fixed_point
 from fingerpad.image.contact_image._outline import (
-    ContactOutline,
+    ContactEdge,
     outward_normals,
     point_spacings,
     running_mean,
@@ -98,7 +98,7 @@ RegionEdit: TypeAlias = BrushStroke | RegionPolygon
 
 def outline_of_ellipse(
     ellipse: ImageEllipse, view: WorkingImage, *, noise: float
-) -> tuple[BoolArray, ContactOutline]:
+) -> tuple[BoolArray, ContactEdge]:
     """Return the patch and the edge of an ellipse placed manually.
 
     Raises
@@ -115,12 +115,12 @@ def outline_of_ellipse(
 
 
 def outline_after_strokes(
-    before: tuple[BoolArray, ContactOutline] | None,
+    before: tuple[BoolArray, ContactEdge] | None,
     strokes: Sequence[RegionEdit],
     view: WorkingImage,
     *,
     noise: float,
-) -> tuple[BoolArray, ContactOutline, float]:
+) -> tuple[BoolArray, ContactEdge, float]:
     """Return the patch and the edge after some strokes, and the next largest piece's share of the largest.
 
     Strokes and polygons are literal: their rim becomes the edge. Elsewhere the automatic edge is kept, unless
@@ -128,7 +128,7 @@ def outline_after_strokes(
 
     Parameters
     ----------
-    before : (ndarray of bool, ContactOutline) or None
+    before : (ndarray of bool, ContactEdge) or None
         The automatic patch.
     strokes : sequence of BrushStroke and RegionPolygon
         In order.
@@ -167,7 +167,7 @@ def outline_after_strokes(
     return (patch & _filled(rough, shape)) > 0, edge, other
 
 
-def _restore_edge(outline: FloatArray, edge: ContactOutline) -> ContactOutline:
+def _restore_edge(outline: FloatArray, edge: ContactEdge) -> ContactEdge:
     """Return an edited outline, on the automatic edge wherever it follows that."""
     nearest = cKDTree(edge.points).query(outline)[1]
     points, off = edge.points[nearest], np.full(len(outline), np.inf)
@@ -192,9 +192,9 @@ def _restore_edge(outline: FloatArray, edge: ContactOutline) -> ContactOutline:
     )
 
 
-def _manual_outline(points: FloatArray, view: WorkingImage, noise: float) -> ContactOutline:
+def _manual_outline(points: FloatArray, view: WorkingImage, noise: float) -> ContactEdge:
     """Return an edge that was drawn manually all round."""
-    return ContactOutline(
+    return ContactEdge(
         points=points,
         normals=outward_normals(points, view.period),
         steps=point_spacings(points),

@@ -3,7 +3,7 @@
 from fingerpad.study.compare.comparison import Comparison, compare_studies, write_comparison
 from fingerpad.study.compare.finished import FinishedStudy
 from fingerpad.study.compare.means import Mean
-from fingerpad.study.compare.values import QUANTITIES, Person, Value, Verdict
+from fingerpad.study.compare.values import QUANTITIES, Person, ValidityVerdict, Value
 
 __all__ = [
     "QUANTITIES",
@@ -11,8 +11,8 @@ __all__ = [
     "FinishedStudy",
     "Mean",
     "Person",
+    "ValidityVerdict",
     "Value",
-    "Verdict",
     "compare_studies",
     "write_comparison",
 ]

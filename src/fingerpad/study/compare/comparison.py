@@ -11,7 +11,7 @@ from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.compare.finished import FinishedStudy, read_finished
 from fingerpad.study.compare.means import Mean, means_of
-from fingerpad.study.compare.values import QUANTITIES, Value, Verdict, values_of, verdicts_of
+from fingerpad.study.compare.values import QUANTITIES, ValidityVerdict, Value, values_of, verdicts_of
 
 # Curves whose velocities differ by more are not of one kind: moduli grow with velocity.
 _SAME_VELOCITY: Final = 1.5
@@ -29,7 +29,7 @@ class Comparison:
         Every value of every finger.
     means : tuple of Mean
         Over people, for each quantity and placement, real and synthetic apart.
-    verdicts : tuple of Verdict
+    verdicts : tuple of ValidityVerdict
         Whether Hertz theory, and the layer where there is one, hold for each finger at each placement.
     notes : tuple of str
         What a reader must know.
@@ -38,7 +38,7 @@ class Comparison:
     studies: tuple[FinishedStudy, ...]
     values: tuple[Value, ...]
     means: tuple[Mean, ...]
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[ValidityVerdict, ...]
     notes: tuple[str, ...]
 
     def of(self, quantity: str) -> tuple[list[Value], list[Mean]]:

@@ -156,7 +156,7 @@ class Value:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class ValidityVerdict:
     """Whether a model holds for a finger at one placement, and which checks say so.
 
     Attributes
@@ -205,7 +205,7 @@ class Verdict:
         }
 
 
-def verdicts_of(study: FinishedStudy) -> list[Verdict]:
+def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
     """Return the verdicts of a study on Hertz theory and on its layers, in its own order.
 
     Raises
@@ -219,7 +219,7 @@ def verdicts_of(study: FinishedStudy) -> list[Verdict]:
         raise not_understood(study.folder, error) from error
 
 
-def _verdicts(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Verdict]:
+def _verdicts(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[ValidityVerdict]:
     for summary in study.summary["summaries"]:
         validity = summary.get("validity") or {}
         models = [("Hertz theory", validity)]
@@ -229,7 +229,7 @@ def _verdicts(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Ve
             )
         for model, found in models:
             checks = [one for one in found.get("checks", ()) if one["verdict"] == found["verdict"]]
-            yield Verdict(
+            yield ValidityVerdict(
                 study=study.title,
                 finger=summary["finger"],
                 person=owners[summary["finger"]],

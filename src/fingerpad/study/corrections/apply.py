@@ -92,7 +92,9 @@ class CorrectedContactImage:
     automatic: ContactImageResult | None
 
 
-def place_of(contact: Contact, folder: Path, correction: ContactCorrection = NOTHING) -> MeasurementRegion:
+def measurement_region_of(
+    contact: Contact, folder: Path, correction: ContactCorrection = NOTHING
+) -> MeasurementRegion:
     """Return where a contact's picture is looked at, as the manifest and a person say."""
     window = _first(correction.region_of_interest_px, contact.region_of_interest_px)
     seed = _first(correction.seed_px, contact.seed_px)
@@ -145,7 +147,7 @@ def prepared_contact(
     # The frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
     level = correction.threshold if settings is not None else _first(correction.threshold, contact.threshold)
     return prepare_contact_image(
-        pixels, scale, threshold=level, **reading, **place_of(contact, folder, correction)
+        pixels, scale, threshold=level, **reading, **measurement_region_of(contact, folder, correction)
     )
 
 

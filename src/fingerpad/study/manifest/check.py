@@ -16,7 +16,7 @@ from fingerpad.study.manifest.fingers import Finger
 from fingerpad.study.manifest.scales import OwnScale
 from fingerpad.study.manifest.study import Apparatus, Study, Uncertainty
 from fingerpad.study.manifest.tables import ManifestModel, Name
-from fingerpad.study.manifest.validation import Fault, checked, place_of
+from fingerpad.study.manifest.validation import Fault, checked, key_path
 
 Kind: TypeAlias = Literal[
     "study", "uncertainty", "apparatus", "scale", "finger", "photograph", "observation", "sequence", "curve"
@@ -149,7 +149,7 @@ def _scales_of(model: ManifestModel) -> Iterator[tuple[str, str]]:
     for loc, part in (((), model), *model.tables()):
         scale = getattr(part, "scale", None)
         if isinstance(scale, str):
-            yield place_of((*loc, "scale")), scale
+            yield key_path((*loc, "scale")), scale
 
 
 def _file_faults(model: ManifestModel, folder: Path) -> Iterator[Fault]:
@@ -158,4 +158,4 @@ def _file_faults(model: ManifestModel, folder: Path) -> Iterator[Fault]:
         try:
             file_inside(folder, name, may_be_folder=isinstance(model, ContactSequence) and loc == ("file",))
         except ManifestError as error:
-            yield Fault(place_of(loc), str(error))
+            yield Fault(key_path(loc), str(error))

@@ -80,15 +80,15 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
             words = f"{message}, found {repr(fault['input'])[:60]}"
         else:
             words = message
-        yield Fault(place_of(fault["loc"]), words)
+        yield Fault(key_path(fault["loc"]), words)
 
 
-def place_of(loc: Loc) -> str:
-    """Return a place in a table as the manifest would write it.
+def key_path(loc: Loc) -> str:
+    """Return the path of a key as the manifest would write it.
 
     Examples
     --------
-    >>> place_of(("photographs", 0, "scale", "coin"))
+    >>> key_path(("photographs", 0, "scale", "coin"))
     'photographs[0].scale.coin'
     """
     seen = (part for part in loc if part not in TAGS)

@@ -14,7 +14,7 @@ _MIN_ROWS: Final = 6
 _FITTED: Final = 0.5
 
 
-def contact_displacement(signal: ForceSignal) -> float:
+def first_contact_displacement(signal: ForceSignal) -> float:
     """Return the displacement at which the force begins to rise.
 
     A level and a Hertzian rise that stiffens, W = W₀ + a s + b s² with s = (x − x₀)^(3/2), are fitted to the
@@ -41,7 +41,7 @@ def contact_displacement(signal: ForceSignal) -> float:
     >>> time = np.linspace(0, 1, 101)
     >>> load = 2 * np.maximum(time - 0.2, 0) ** 1.5
     >>> signal = ForceSignal(time, load, displacement=5 + time)
-    >>> round(contact_displacement(signal), 2)
+    >>> round(first_contact_displacement(signal), 2)
     5.2
     """
     if signal.displacement is None:

@@ -24,7 +24,7 @@ from fingerpad.study.corrections.apply import (
     NOTHING,
     CorrectedContactImage,
     corrected_contact_image,
-    place_of,
+    measurement_region_of,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.task import Record
@@ -92,7 +92,7 @@ class SequenceImages:
     def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Look at the texture of a piece's frames."""
         frames = open_frames(folder / self.sequence.file).between(*piece)
-        scan = scan_texture(frames, self.found.scale, **place_of(self.sequence, folder))
+        scan = scan_texture(frames, self.found.scale, **measurement_region_of(self.sequence, folder))
         return {
             "index": scan.index.tolist(),
             "texture": scan.texture.tolist(),
@@ -107,7 +107,7 @@ class SequenceImages:
             scan=scan,
             dark_on_light=self.sequence.dark_on_light,
             threshold=self.sequence.threshold,
-            **place_of(self.sequence, folder),
+            **measurement_region_of(self.sequence, folder),
         )
         return {"settings": dict(settings.settings), "learnt_from": list(settings.learnt_from)}
 
@@ -128,7 +128,7 @@ class SequenceImages:
                 yield frame
 
         frames = seen(open_frames(folder / self.sequence.file).between(*piece))
-        place = place_of(self.sequence, folder)
+        place = measurement_region_of(self.sequence, folder)
         results = list(measure_frames(frames, self.found.scale, settings, watch=keep, **place))
         reasons = {result.index: result.reason for result in results}
         for index, one in corrected.items():

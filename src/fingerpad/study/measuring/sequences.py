@@ -36,7 +36,7 @@ from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Tas
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
-from fingerpad.study.measuring.indentation import contact_displacement
+from fingerpad.study.measuring.indentation import first_contact_displacement
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
@@ -245,7 +245,7 @@ class OpenedSequence:
     def _contact_displacement(self) -> float:
         """Return the displacement of first contact, mm, NaN where it is unknown."""
         try:
-            return contact_displacement(self.force)
+            return first_contact_displacement(self.force)
         except LoadingError:
             return math.nan
 
@@ -367,7 +367,7 @@ def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSi
     summary = sequence_summary(followed(), force)
     if force.displacement is not None:
         try:
-            contact_displacement(force)
+            first_contact_displacement(force)
         except LoadingError as error:
             summary = replace(summary, notes=(*summary.notes, f"{error}: frames have no indentation"))
     return FrameDigest(summary, chosen)

@@ -76,7 +76,7 @@ class AutomaticContact(ContactNumbers):
     outline_px: list[Point]
 
 
-class ContactEllipse(Answer):
+class ContactEllipsePx(Answer):
     """A contact ellipse; the angle is that of the major axis from straight up."""
 
     centre: Point
@@ -140,7 +140,7 @@ class ContactMeasurement(Answer):
     item: str
     by: MeasuredBy
     outline_px: list[Point]
-    ellipse_px: ContactEllipse
+    ellipse_px: ContactEllipsePx
     handles: ContactHandles
     numbers: ContactNumbers
     automatic: AutomaticContact | None

@@ -17,7 +17,12 @@ from fingerpad.image import (
     open_frames,
     scan_texture,
 )
-from fingerpad.study.corrections.apply import contact_correction, measured_under, place_of, prepared_contact
+from fingerpad.study.corrections.apply import (
+    contact_correction,
+    measured_under,
+    measurement_region_of,
+    prepared_contact,
+)
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
@@ -146,7 +151,7 @@ def _prepared(
     opened: StudySession, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
 ) -> PreparedContactImage:
     """Return a prepared contact image; strokes and a manual ellipse do not change it."""
-    place = opened.place_of(item)
+    place = opened.image_location(item)
     reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
     settings = sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
     background = None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
@@ -174,7 +179,7 @@ def sequence_settings(
         some = np.unique(
             np.linspace(0, frames.count - 1, min(frames.count, _SAMPLED_FRAMES)).round().astype(int)
         )
-        where = place_of(sequence, opened.folder)
+        where = measurement_region_of(sequence, opened.folder)
         try:
             return estimate_settings(
                 frames,

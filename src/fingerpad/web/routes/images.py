@@ -32,7 +32,7 @@ class PreviewParams(PictureParams):
 def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
     """Return the size of an image and the addresses of its previews."""
     opened = workspace.study
-    place = opened.place_of(params.item)
+    place = opened.image_location(params.item)
     is_frame = place.colour and is_sequence(place.path)
     picture = opened.pictures.grey(ImageLocation(place.path, frame=0) if is_frame else place)
     rows, columns = picture.pixels.shape
@@ -56,7 +56,7 @@ def version(place: ImageLocation) -> str:
 @endpoint("GET", "/api/picture/preview", "An image in 8 bits", media="image/png")
 def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
     """Return a preview of an image."""
-    place = workspace.study.place_of(params.item)
+    place = workspace.study.image_location(params.item)
     drawn, kind = workspace.study.pictures.preview(place, params.longest_px)
     return Response(drawn, media_type=kind, headers=IMMUTABLE if params.v else _NO_CACHE)
 
@@ -64,5 +64,5 @@ def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
 @endpoint("GET", "/api/picture/thumbnail", "A thumbnail", media="image/webp")
 def thumbnail(workspace: Workspace, params: PictureParams, _: Any) -> Response:
     """Return a thumbnail."""
-    drawn = workspace.study.pictures.thumbnail(workspace.study.place_of(params.item))
+    drawn = workspace.study.pictures.thumbnail(workspace.study.image_location(params.item))
     return Response(drawn, media_type="image/webp", headers=IMMUTABLE if params.v else _NO_CACHE)

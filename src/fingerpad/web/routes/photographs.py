@@ -147,7 +147,7 @@ def _automatic(opened: StudySession, item: str, photograph: Photograph) -> Photo
         except FingerpadError:
             return None
 
-    return _AUTOMATIC.get((opened.place_of(item).stamp, scale, photograph.model_dump_json()), find)
+    return _AUTOMATIC.get((opened.image_location(item).stamp, scale, photograph.model_dump_json()), find)
 
 
 def _fit(
@@ -172,7 +172,7 @@ def _fit(
         )
     if change.ellipse_px is not None:
         return corrected_photograph(_NO_PICTURE, photograph, scale, change)
-    place = opened.place_of(item)
+    place = opened.image_location(item)
     before = change.model_copy(update={"added_points_px": [], "erased": []})
     found = _FITS.get(
         (place.stamp, scale, photograph.model_dump_json(), before.model_dump_json()),

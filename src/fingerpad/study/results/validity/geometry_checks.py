@@ -88,7 +88,7 @@ def measured_shape(place: Place) -> Shape | None:
     )
 
 
-def shape_check(place: Place) -> ValidityCheck:
+def contact_shape_check(place: Place) -> ValidityCheck:
     """Compare the contact's length along the finger over that across with Hertz theory for the pad."""
     shape = measured_shape(place)
     if shape is None:

@@ -14,7 +14,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.validity.area_checks import GROWTH, area_checks
-from fingerpad.study.results.validity.geometry_checks import shape_check, size_checks
+from fingerpad.study.results.validity.geometry_checks import contact_shape_check, size_checks
 from fingerpad.study.results.validity.layer_checks import layer_checks
 from fingerpad.study.results.validity.loading_checks import loading_checks
 from fingerpad.study.results.validity.place import HEADLINES, MODULUS, RADIUS, ROUTES, Place
@@ -192,7 +192,7 @@ def validity_of(
 
 def _checks(place: Place) -> tuple[ValidityCheck, ...]:
     """Return all checks of Hertz theory at a place."""
-    found = (*loading_checks(place), shape_check(place), *area_checks(place), *size_checks(place))
+    found = (*loading_checks(place), contact_shape_check(place), *area_checks(place), *size_checks(place))
     # R_g alone makes one comparison of three.
     return _among_all(found, same=0 if place.fits else len(ROUTES) - 1)
 
