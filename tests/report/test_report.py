@@ -162,3 +162,16 @@ def test_where_the_first_order_does_not_hold_the_difference_and_the_way_out_are_
         assert (
             f'differ by up to <span class="number">{two_digits(check.interval_difference)} mm</span>' in text
         )
+
+
+def test_what_r_0g_of_a_finger_with_photographs_is_stands_at_the_number(
+    demo: tuple[StudyResult, str, Path],
+) -> None:
+    result, text, _ = demo
+    seen = [one.rows[0] for one in result.summaries if one.rows[0]["outline_radius_mm"]]
+    assert text.count("takes the weighted mean of both") == len(seen) > 0
+    for row in seen:
+        value = value_with_uncertainty(row["mean_curvature_radius_mm"], row["mean_curvature_radius_mm_std"])
+        assert f'R<sub>0g</sub>, <span class="number">{value} mm</span>, takes the weighted mean' in text
+        alone = 2 / (1 / row["in_plane_radius_mm"] + 1 / row["transverse_radius_mm"])
+        assert f'the ellipsoid alone has 1/H&nbsp;= <span class="number">{alone:.2f} mm</span>' in text

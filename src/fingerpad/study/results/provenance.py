@@ -11,7 +11,9 @@ from fingerpad.study.engine.versions import MEASUREMENT_VERSIONS, library_versio
 FORMULAS: Final = {
     "contact_edge": "where the pressure vanishes: the outline at half the ridges' local contrast, moved out "
     "by what the contrast within 1.33 ridge periods of it, over the interior's, tells of fading",
-    "mean_curvature_radius": "R₀g = 1/H, H from the ellipsoid's shape operator; equals ESM Eq. (1)",
+    "mean_curvature_radius": "R₀g = 1/H, H from the ellipsoid's shape operator, ESM Eq. (1); of fingers with "
+    "photographs the radius along the finger is the mean of the ellipsoid's and the outline's, weighted by "
+    "inverse variances, and the uncertainty contains that of the pad's shape",
     "geometric_mean_radius": "R_e = √(R′R″), Johnson (4.25)",
     "radius_from_indentation": "R₀g F₂⁻³, what ESM Eq. (2) means, with Johnson's F₂ (4.26c)",
     "radius_from_area": "R₀g F₁³, Johnson's F₁ (4.29)",
