@@ -13,6 +13,7 @@ from fingerpad.exceptions import LoadingError
 from fingerpad.loading import Estimate, LoadingCurve, Undetermined, fit_layer_thickness
 from fingerpad.loading._prepare import prepare
 from fingerpad.loading.joint import fit_joint
+from fingerpad.loading.layer_result import THICKER_THAN_FINGER
 
 PAD = Pad(radius=14.0, modulus=0.05)
 SPHERE = PadGap.paraboloid(14.0, 14.0)
@@ -40,6 +41,8 @@ def test_intervals_hold_thickness_modulus_contact_and_radius(on_6_mm) -> None:
     assert "mm thick" in on_6_mm.conclusion
     thin = Estimate(value=0.8, std=0.2, lower=0.5, upper=np.inf)
     assert replace(on_6_mm, thickness=thin).conclusion.startswith("tissue thicker than 0.5 mm")
+    beyond = replace(on_6_mm, notes={THICKER_THAN_FINGER: "…"}).conclusion
+    assert beyond.startswith("this curve tells no thickness of the tissue: the best fit, ")
     assert not on_6_mm.flags
 
 

@@ -3,12 +3,15 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Final, Self
 
 from fingerpad._json import plain
 from fingerpad._records import Recorded
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.units import KPA_PER_MPA
+
+# Flag of a thickness that no finger has.
+THICKER_THAN_FINGER: Final = "thicker_than_finger"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -80,7 +83,12 @@ class LayerThicknessFit(Recorded):
         t, modulus = self.thickness, self.youngs_modulus.times(KPA_PER_MPA)
         if isinstance(t, Undetermined):
             return f"thickness of the tissue undetermined: {t.reason}"
-        if t.upper < math.inf and t.lower > 0:
+        if THICKER_THAN_FINGER in self.notes:
+            said = (
+                f"this curve tells no thickness of the tissue: the best fit, {t.value:.3g} mm "
+                f"(95 %: {t.lower:.3g} to {t.upper:.3g} mm), is thicker than a finger"
+            )
+        elif t.upper < math.inf and t.lower > 0:
             said = f"tissue {t.value:.3g} mm thick (95 %: {t.lower:.3g} to {t.upper:.3g} mm)"
         elif t.lower > 0:
             said = f"tissue thicker than {t.lower:.3g} mm (95 %)"

@@ -21,7 +21,7 @@ from fingerpad.loading.alternatives import (
 )
 from fingerpad.loading.estimate import Estimate, Undetermined
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
-from fingerpad.loading.layer_result import LayerThicknessFit
+from fingerpad.loading.layer_result import THICKER_THAN_FINGER, LayerThicknessFit
 from fingerpad.loading.noise import Noise
 from fingerpad.loading.quantities import bounded
 from fingerpad.loading.shapes import PAD_FORM
@@ -313,7 +313,7 @@ def _notes(
     if inverse.upper * widest >= _THINNEST:
         notes["layer_too_thin"] = "the layer may be thinner than a third of the contact's radius"
     if inverse.lower > 0 and inverse.value * _THICKEST < 1:
-        notes["thicker_than_finger"] = (
+        notes[THICKER_THAN_FINGER] = (
             "a layer thicker than a finger hardly differs from a half-space: some other departure from the "
             "model can look like it"
         )
