@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.study.editing.example import write_example
 from fingerpad.study.editing.template import write_template
 from fingerpad.study.manifest import ResolutionScale, read_study
 
@@ -50,9 +51,18 @@ def test_template_is_a_valid_study(tmp_path: Path) -> None:
 
 def test_template_overwrites_nothing(tmp_path: Path) -> None:
     write(tmp_path, "title = 'mine'")
-    with pytest.raises(ManifestError, match="the folder is not empty"):
+    with pytest.raises(ManifestError, match=r"study\.toml: is there already"):
         write_template(tmp_path)
     assert (tmp_path / "study.toml").read_text() == "title = 'mine'"
+    assert [path.name for path in tmp_path.iterdir()] == ["study.toml"]
+    with pytest.raises(ManifestError, match="the folder is not empty"):
+        write_example(tmp_path)
+
+
+def test_template_goes_beside_pictures(tmp_path: Path) -> None:
+    (tmp_path / "IMG_1.jpg").write_bytes(b"mine")
+    assert read_study(write_template(tmp_path)).title
+    assert (tmp_path / "IMG_1.jpg").read_bytes() == b"mine"
 
 
 def test_every_commented_line_of_the_template_is_valid_too(tmp_path: Path) -> None:

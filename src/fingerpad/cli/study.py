@@ -21,7 +21,7 @@ Out: TypeAlias = Annotated[
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(help="Folder to make, or an empty one.", show_default=False)],
+    folder: Annotated[Path, typer.Argument(help="Folder of the study, made if missing.", show_default=False)],
     example: Annotated[
         bool, typer.Option("--example", help="Write a small synthetic study that runs as it is.")
     ] = False,

@@ -7,6 +7,7 @@ import numpy as np
 from PIL import Image
 
 from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
+from fingerpad.exceptions import ManifestError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, Face
 from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
@@ -51,6 +52,8 @@ def write_example(folder: Path) -> Path:
     ManifestError
         If the folder holds anything already, or cannot be written.
     """
+    if folder.is_dir() and any(folder.iterdir()):
+        raise ManifestError(f"{folder}: the folder is not empty; name a new one, so that nothing is lost")
     faces = "".join(
         f'    {{ face = "{face}", file = "photograph_{face}.jpg", scale = "camera", synthetic = true }},\n'
         for face in _FACES

@@ -12,27 +12,30 @@ SCHEMA_NAME = "study.schema.json"
 
 
 def write_template(folder: Path) -> Path:
-    """Write ``study.toml`` and its JSON schema into a new or empty folder and return the manifest's path.
+    """Write ``study.toml`` and its JSON schema into a folder and return the manifest's path.
 
     Editors that know TOML schemas complete keys and mark errors by the ``#:schema`` line.
 
     Raises
     ------
     ManifestError
-        If the folder holds anything already, or cannot be written.
+        If the folder holds one of the two already, or cannot be written.
     """
     template = files("fingerpad.study.editing").joinpath("template.toml").read_text(encoding="utf-8")
     return write_manifest(folder, template)
 
 
 def write_manifest(folder: Path, text: str) -> Path:
-    """Write a manifest and its schema into a new or empty folder; errors as for `write_template`."""
+    """Write a manifest and its schema into a folder, overwriting nothing; errors as for `write_template`."""
+    content = manifest_files(text)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        if any(folder.iterdir()):
-            raise ManifestError(f"{folder}: the folder is not empty; name a new one, so that nothing is lost")
-        for name, content in manifest_files(text).items():
-            (folder / name).write_text(content, encoding="utf-8")
+        for name in content:
+            if (folder / name).exists():
+                raise ManifestError(f"{folder / name}: is there already; name another folder")
+        for name, lines in content.items():
+            with (folder / name).open("x", encoding="utf-8") as file:
+                file.write(lines)
     except OSError as error:
         raise ManifestError(f"{folder}: cannot write a study there ({error.strerror})") from error
     return folder / STUDY_NAME
