@@ -86,6 +86,13 @@ def test_hertz_forwards_and_back() -> None:
     assert (circle["F1"], circle["F2"], circle["long_axis_along"]) == (1, 1, "either")
 
 
+def test_hertz_says_where_a_contact_is_too_large_for_it() -> None:
+    pad = ("hertz", "--radii-mm", 12.96, 14.33, "--load-n", 2, "--modulus-kpa")
+    assert "Hertz theory does not hold here" in run(*pad, 0.1365)[1]
+    assert "does not hold" not in run(*pad, 136.5)[1]
+    assert run_json(*pad, 0.1365)["semi_major_mm"] > 12.96
+
+
 def test_correct() -> None:
     record = run_json("correct", "--ellipse-mm", 7.4, 5.0, "--radius-mm", 18.7)
     expected = {

@@ -95,6 +95,7 @@ def hertz(
         contact = pair.under_load(load_n, reduced_modulus=modulus)
     else:
         contact = pair.at_indentation(indentation_mm or 0.0, reduced_modulus=modulus)
+    size = np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius
     record = {
         **pressed_record(contact),
         "semi_major_mm": contact.semi_major,
@@ -104,7 +105,7 @@ def hertz(
         "stiffness_N_per_mm": contact.stiffness,
         "F1": size_factor(pair.axis_ratio),
         "F2": indentation_factor(pair.axis_ratio),
-        "contact_size": np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius,
+        "contact_size": size,
         "long_axis_along": {0.0: "first", 1.0: "second"}.get(float(pair.long_axis), "either"),
     }
     if thickness_mm is not None:
@@ -120,6 +121,19 @@ def hertz(
             del on_layer["flag"]
         record["on_layer"] = on_layer
     print_record(record, as_json)
+    if not as_json:
+        _print_if_too_large(float(size))
+
+
+def _print_if_too_large(size: float) -> None:
+    """Say of a contact as wide as the bodies, by its a/R, that Hertz theory does not hold for it."""
+    from fingerpad.contact.fast_laws import WIDEST
+
+    if size > WIDEST:
+        typer.echo(
+            f"Hertz theory does not hold here: the contact's radius is {size:.2g} times that of curvature; "
+            f"beyond {WIDEST:.1f} not even the error is known: check load, modulus and units"
+        )
 
 
 def _on_layer(radii_mm: tuple[float, float], **press: Any) -> dict[str, Any]:
