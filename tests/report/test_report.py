@@ -175,3 +175,12 @@ def test_what_r_0g_of_a_finger_with_photographs_is_stands_at_the_number(
         assert f'R<sub>0g</sub>, <span class="number">{value} mm</span>, takes the weighted mean' in text
         alone = 2 / (1 / row["in_plane_radius_mm"] + 1 / row["transverse_radius_mm"])
         assert f'the ellipsoid alone has 1/H&nbsp;= <span class="number">{alone:.2f} mm</span>' in text
+
+
+def test_the_two_uncertainties_of_the_exponent_are_explained(demo: tuple[StudyResult, str, Path]) -> None:
+    _, text, _ = demo
+    table, figure = (
+        "; ± from the stated uncertainties of areas and loads",
+        "± of the exponent is from the scatter",
+    )
+    assert text.count(table) == text.count(figure) / 2 > 0  # a figure has its caption as label, too

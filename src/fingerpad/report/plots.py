@@ -76,7 +76,9 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         yield Plot(
             name=f"{name}_area",
             figure=_area(rows, area_exponent(summary.contacts or summary.rows)),
-            caption=f"Contact area against load, with the fitted exponent and that of Hertz ({where}).",
+            caption=f"Contact area against load, with the fitted exponent and that of Hertz ({where}). "
+            "± of the exponent is from the scatter about the line and the contact edge; the check of the "
+            "model takes in the stated uncertainties of areas and loads.",
         )
     if rows.known("long_axis").any():
         yield Plot(

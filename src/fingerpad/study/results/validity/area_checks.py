@@ -99,7 +99,9 @@ def _growth(seen: _Areas) -> ValidityCheck:
         (HERTZ_EXPONENT, 0.0),
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
         degrees_of_freedom=freedom if scatters else math.inf,
-        note=f"E over {_range(seen.load[0], seen.load[-1])}",
+        note=f"E over {_range(seen.load[0], seen.load[-1])}; ± from the "
+        + ("scatter about the line" if scatters else "stated uncertainties of areas and loads")
+        + (" and the contact edge" if np.any(seen.edges) else ""),
     )
 
 
