@@ -1,4 +1,4 @@
-"""Measuring with what people corrected, and the program's own result beside it."""
+"""Measuring with manual corrections, and the automatic result beside it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
