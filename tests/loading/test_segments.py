@@ -85,7 +85,7 @@ CURVE = simulate_loading_curve(points=300, **NOISE)
             FitError,
             "no contact in the record",
         ),
-        ({"area": -CURVE.area}, LoadingError, "contact area falls"),
+        ({"area": CURVE.area.max() - CURVE.area}, LoadingError, "contact area falls"),
     ],
 )
 def test_invalid_records(columns: dict, kind: type[FingerpadError], message: str) -> None:
