@@ -81,7 +81,10 @@ class LoadingCurve(Displayed):
             raise LoadingError("a loading curve needs one row or more, found none")
         if self.area is not None and (self.area < 0).any():
             row = int(np.flatnonzero(self.area < 0)[0])
-            raise LoadingError(f"area must not be negative, found {self.area[row]:g} mm² in row {row + 1}")
+            raise LoadingError(
+                f"area must not be negative, found {self.area[row]:g} mm² in row {row + 1}: is the sign of "
+                "the column reversed?"
+            )
         if self.time is not None and (np.diff(self.time) < 0).any():
             row = int(np.flatnonzero(np.diff(self.time) < 0)[0]) + 2
             raise LoadingError(

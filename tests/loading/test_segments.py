@@ -85,7 +85,8 @@ CURVE = simulate_loading_curve(points=300, **NOISE)
             FitError,
             "no contact in the record",
         ),
-        ({"area": CURVE.area.max() - CURVE.area}, LoadingError, "contact area falls"),
+        ({"area": -CURVE.area}, LoadingError, "area must not be negative.*sign of the column reversed"),
+        ({"area": np.zeros(300)}, LoadingError, "contact area does not grow"),
     ],
 )
 def test_invalid_records(columns: dict, kind: type[FingerpadError], message: str) -> None:
