@@ -1,6 +1,8 @@
 """Results in notebooks: a short repr, a summary, and a drawing."""
 
 import base64
+import dataclasses
+import importlib
 import io
 import re
 import sys
@@ -12,9 +14,26 @@ import pytest
 from PIL import Image
 
 import fingerpad as fp
+from fingerpad._display import Displayed
 from fingerpad._records import record_text
-from fingerpad.image import Picture, prepare_contact_image
-from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
+from fingerpad.contact import ContactField, Counterface, HertzPressure
+from fingerpad.image import (
+    BrushStroke,
+    Frame,
+    Picture,
+    RegionPolygon,
+    prepare_contact_image,
+    sequence_summary,
+)
+from fingerpad.loading import find_cycles, fit_contact_compliance
+from fingerpad.published import audit, dzidek2017
+from fingerpad.simulate import (
+    render_coin,
+    render_contact_image,
+    render_finger,
+    render_sequence,
+    simulate_loading_curve,
+)
 
 PAD = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 CURVE = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
@@ -41,13 +60,104 @@ def results() -> dict[str, object]:
     }
 
 
+MAX_REPR = 600
 DRAWN = ("contact image", "photograph", "fit", "contact", "placement")
 
 
 def test_reprs_are_short(results: dict[str, object]) -> None:
-    assert {name: len(repr(result)) for name, result in results.items() if len(repr(result)) > 1200} == {}
+    assert {name: len(repr(result)) for name, result in results.items() if len(repr(result)) > MAX_REPR} == {}
     assert repr(results["curve"]).startswith("LoadingCurve(load=<array (200,)>, indentation=<array (200,)>")
     assert "_view" not in repr(results["contact image"])
+
+
+# Small inputs of a few numbers keep the representation of a dataclass or tuple.
+PLAIN = {
+    "FinishedStudy",
+    "FrameRate",
+    "ImageEllipse",
+    "Person",
+    "PlaneEllipse",
+    "Printed",
+    "PronyTerm",
+    "SemiAxes",
+    "Undetermined",
+}
+PACKAGES = (
+    "geometry",
+    "contact",
+    "image",
+    "loading",
+    "published",
+    "simulate",
+    "study.compare",
+    "study.manifest",
+)
+
+
+def public_classes() -> dict[str, type]:
+    modules = [importlib.import_module(f"fingerpad.{name}") for name in PACKAGES]
+    members = {name: getattr(module, name) for module in modules for name in module.__all__}
+    return {
+        name: member
+        for name, member in members.items()
+        if isinstance(member, type) and (dataclasses.is_dataclass(member) or hasattr(member, "_fields"))
+    }
+
+
+def test_public_dataclasses_have_summaries() -> None:
+    classes = public_classes()
+    assert len(classes) > 60
+    assert {name for name, kind in classes.items() if not issubclass(kind, Displayed)} == PLAIN
+    assert [name for name in classes.keys() - PLAIN if "__repr__" in vars(classes[name])] == []
+
+
+@pytest.fixture(scope="module")
+def large() -> list[object]:
+    solved = fp.EllipsoidContact.of(PAD, wedge_angle=0.5, load=2.0, reduced_modulus=0.1, points=64)
+    fields = [ContactField.of_solution(solved.solution)]
+    fields += [ContactField.of_hertz(PAD, wedge_angle=0.5, load=2.0, reduced_modulus=0.1)]
+    frames = [Frame(index=k, pixels=contact().pixels) for k in range(3)]
+    measured = list(fp.measure_sequence(frames, 0.1))
+    stroke = [(row, 10.0) for row in range(1000)]
+    printed = dzidek2017()
+    return [
+        solved,
+        solved.solution,
+        *fields,
+        fields[0].section(points=11, levels=5),
+        fields[0].stress_on_axis([1.0, 2.0]),
+        HertzPressure.of_moments(solved.solution.grid, solved.solution.pressure),
+        Counterface.cylinder(5.0, axis_angle=0.1),
+        *measured,
+        sequence_summary(measured),
+        BrushStroke(action="add", points=stroke, radius=5),
+        RegionPolygon(action="add", points=stroke),
+        fp.measure_coin(render_coin(seed=1).pixels),
+        render_coin(seed=1),
+        render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1),
+        contact(),
+        render_sequence([0.0, 0.1]),
+        find_cycles(CURVE)[0],
+        fit_contact_compliance(CURVE),
+        printed,
+        *printed.wedges.values(),
+        *audit(),
+        fp.Scale.of_ppi(500),
+    ]
+
+
+def test_reprs_of_large_results_are_short(large: list[object]) -> None:
+    assert {type(one).__name__: len(repr(one)) for one in large if len(repr(one)) > MAX_REPR} == {}
+    assert [one for one in large if " at 0x" in repr(one)] == []
+    for one in large:
+        assert one.summary().startswith(type(one).__name__)
+        assert "<pre>" in one._repr_html_()
+
+
+def test_summary_shows_long_results_below(large: list[object]) -> None:
+    assert "solution=ContactSolution(…)" in repr(large[0])
+    assert f"\n\n{large[1].summary().splitlines()[0]}\n" in large[0].summary()
+    assert large[0].summary().endswith(large[0].hertz.summary())
 
 
 def test_uncertain_outputs_print_one_line_each() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerpad.exceptions import FingerpadError
 
-_MAX_ITEMS, _MAX_TEXT = 4, 60
+_MAX_ITEMS, _MAX_TEXT, _MAX_NESTED = 4, 60, 75
 
 
 class Displayed:
@@ -23,8 +23,11 @@ class Displayed:
         return f"{type(self).__name__}({shown})"
 
     def summary(self) -> str:
-        """Return the contents in words, one line each."""
-        return "\n".join([type(self).__name__, *aligned(_shown_fields(self))])
+        """Return the contents in words, one line each, and those of long results in them below."""
+        values = _shown_fields(self)
+        own = "\n".join([type(self).__name__, *aligned(values)])
+        long = (value for _, value in values if isinstance(value, Displayed) and _is_long(value))
+        return "\n\n".join([own, *(value.summary() for value in long)])
 
     def _repr_html_(self) -> str:
         """Return the summary for a notebook, with a drawing where there is one of its kind."""
@@ -50,7 +53,7 @@ def aligned(values: list[tuple[str, Any]]) -> list[str]:
 
 
 def short_text(value: Any) -> str:
-    """Return a value in few words: small arrays by their items, others by their shape.
+    """Return a value in few words: small arrays by their items, others by their shape, long results by name.
 
     Examples
     --------
@@ -64,8 +67,17 @@ def short_text(value: Any) -> str:
         return f"<{len(value)} items>" if len(value) > _MAX_ITEMS else _few_items(value)
     if isinstance(value, float | np.floating):
         return f"{value:.6g}"
+    if isinstance(value, Displayed):
+        return f"{type(value).__name__}(…)" if _is_long(value) else str(value)
     text = value if isinstance(value, str) else repr(value)
-    return text if isinstance(value, Displayed) or len(text) <= _MAX_TEXT else f"{text[:_MAX_TEXT]}…"
+    if callable(value):
+        return f"<{type(value).__name__}>"
+    return text if len(text) <= _MAX_TEXT else f"{text[:_MAX_TEXT]}…"
+
+
+def _is_long(value: Displayed) -> bool:
+    text = str(value)
+    return len(text) > _MAX_NESTED or "\n" in text
 
 
 def _few_items(values: Mapping[Any, Any] | list[Any] | tuple[Any, ...] | frozenset[Any]) -> str:

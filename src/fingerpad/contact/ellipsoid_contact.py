@@ -13,6 +13,7 @@ from typing import Self
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
 from fingerpad.contact.gap import Counterface, ellipsoid_gap, relative_curvature_tensor
 from fingerpad.contact.hertz import HertzContact, HertzGeometry
 from fingerpad.contact.influence import ElasticBody
@@ -21,8 +22,8 @@ from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Placement, principal_curvatures
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class EllipsoidContact:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class EllipsoidContact(Displayed):
     """The contact of a whole ellipsoid, and that of Hertz theory at the same load.
 
     Attributes

@@ -9,6 +9,7 @@ from typing import Self, TypeAlias
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all
+from fingerpad._display import Displayed
 from fingerpad.contact.contact_stress import contact_stress
 from fingerpad.contact.ellipsoid_contact import hertz_contact_at, hertz_geometry_of_pad, normal_of_one_pad
 from fingerpad.contact.gap import Counterface
@@ -30,8 +31,8 @@ Pressure: TypeAlias = Callable[[ArrayLike, ArrayLike], FloatArray]
 Stress: TypeAlias = Callable[[ArrayLike, ArrayLike, ArrayLike], StressField]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactSection:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ContactSection(Displayed):
     """The section through the place of first contact, along the finger and normal to the surface.
 
     Attributes
@@ -65,8 +66,8 @@ class ContactSection:
     thickness: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactField:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ContactField(Displayed):
     """Pressure, stress and strain of one contact, and the tissue below it.
 
     The axis is the normal at the place of first contact, where both coordinates in the surface are zero.

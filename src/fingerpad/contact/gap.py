@@ -7,13 +7,14 @@ from typing import Self
 import numpy as np
 
 from fingerpad._arrays import FloatArray, check_all, finite_angle, real_number, set_fields
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid
 from fingerpad.geometry.ellipsoid import tangents
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Counterface:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Counterface(Displayed):
     """The rigid body that the pad is pressed against: a plate, a sphere or a cylinder.
 
     Attributes

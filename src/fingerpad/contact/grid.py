@@ -8,13 +8,14 @@ import numpy as np
 from scipy.ndimage import map_coordinates
 
 from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
 from fingerpad.contact.outline import ContactOutline
 
 FILLED = 0.9  # of the grid's width, by the contact
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactGrid:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ContactGrid(Displayed):
     """A rectangular grid of cells in the tangent plane.
 
     Attributes

@@ -17,6 +17,7 @@ from fingerpad._arrays import (
     positive_number,
     set_fields,
 )
+from fingerpad._display import Displayed
 from fingerpad.contact.grid import ContactGrid
 from fingerpad.contact.hertz import HertzContact
 from fingerpad.contact.stress import StressField, hertz_stress
@@ -83,8 +84,8 @@ def hertz_displacement(
     return a * b / scale * p0 / (2 * modulus) * shape
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class HertzPressure:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class HertzPressure(Displayed):
     """A semi-ellipsoidal pressure over an ellipse that lies anywhere in the plane of contact.
 
     Attributes

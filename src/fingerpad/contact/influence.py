@@ -23,6 +23,7 @@ from fingerpad._arrays import (
     real_number,
     set_fields,
 )
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 
 if TYPE_CHECKING:
@@ -127,8 +128,8 @@ def layer_influence(
     return half_space_influence(spacing, shape) + difference * cell / (4 * np.pi * thickness)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ElasticBody:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ElasticBody(Displayed):
     """An elastic half-space, or a layer of it bonded to a rigid base.
 
     Attributes
@@ -148,7 +149,7 @@ class ElasticBody:
     Examples
     --------
     >>> ElasticBody(reduced_modulus=0.1, thickness=8.0)
-    ElasticBody(reduced_modulus=0.1, thickness=8.0, poisson_ratio=0.5)
+    ElasticBody(reduced_modulus=0.1, thickness=8, poisson_ratio=0.5)
     """
 
     reduced_modulus: float

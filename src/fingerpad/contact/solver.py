@@ -13,6 +13,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation
 
 from fingerpad._arrays import FloatArray, as_float_array, check_all, finite_angle
+from fingerpad._display import Displayed
 from fingerpad.contact.complementarity import solve_pressure
 from fingerpad.contact.grid import FILLED, ContactGrid
 from fingerpad.contact.influence import Convolution, ElasticBody
@@ -30,8 +31,8 @@ _EDGE_ERROR = 0.3  # of the area, with the cells along a semi-axis to the power 
 _THINNEST = 0.1  # thickness over the contact's mean radius
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactSolution:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ContactSolution(Displayed):
     """A solved contact.
 
     Attributes

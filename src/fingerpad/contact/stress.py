@@ -13,14 +13,15 @@ import numpy as np
 from scipy.special import elliprd
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
+from fingerpad._display import Displayed
 
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(24)
 _NODE, _WEIGHT = (_NODE + 1) / 2, _WEIGHT / 2
 _NEWTON_STEPS = 80
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class StressField:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class StressField(Displayed):
     """Stress at points of an isotropic elastic body.
 
     Attributes

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray, non_negative_number, positive_number, real_array, set_fields
+from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.inputs import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
@@ -24,8 +25,8 @@ _MIN_POINTS: Final = 3
 _STEP: Final = 1e-4
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Grid:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Grid(Displayed):
     """A flat grid of known spacing in a picture.
 
     Attributes

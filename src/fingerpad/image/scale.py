@@ -15,6 +15,7 @@ from fingerpad._arrays import (
     positive_number,
     set_fields,
 )
+from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image.read import Picture
 from fingerpad.units import MM_PER_INCH
@@ -27,8 +28,8 @@ _LEAST_BEND: Final = 1e-3
 _WHOLE_PPI_STD = 0.5 / math.sqrt(3)
 
 
-@dataclass(frozen=True, slots=True)
-class Scale:
+@dataclass(frozen=True, slots=True, repr=False)
+class Scale(Displayed):
     """Millimetres per pixel.
 
     Attributes

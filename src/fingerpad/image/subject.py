@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
+from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.geometry.faces import Direction, Face, opposite
 from fingerpad.image._levels import eight_bit
@@ -35,8 +36,8 @@ _SKIN_CR, _SKIN_CB = (133, 173), (77, 127)
 _BENT: Final = 0.005
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SubjectGuess:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class SubjectGuess(Displayed):
     """What a picture may show.
 
     Attributes

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingerpad._display import Displayed
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ContactCompliance:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ContactCompliance(Displayed):
     """The line A = R_g π ξ + A₀ through a loading curve.
 
     Attributes

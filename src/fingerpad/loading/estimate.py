@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 from scipy import special
 
 from fingerpad._display import Displayed
+from fingerpad.units import value_with_uncertainty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -32,6 +33,9 @@ class Estimate(Displayed):
     std: float
     lower: float
     upper: float
+
+    def __str__(self) -> str:
+        return value_with_uncertainty(self.value, self.std)
 
     @classmethod
     def symmetric(cls, value: float, std: float, degrees_of_freedom: float = math.inf) -> "Estimate":

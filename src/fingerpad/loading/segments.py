@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._display import Displayed
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
@@ -28,8 +29,8 @@ BOTH_REVERSED: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Segment:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Segment(Displayed):
     """A range of rows.
 
     Attributes
@@ -56,8 +57,8 @@ class Segment:
         return self.stop - self.start
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cycle:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Cycle(Displayed):
     """One press.
 
     Attributes
@@ -109,8 +110,8 @@ class Cycle:
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Hysteresis:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Hysteresis(Displayed):
     """Energy that a cycle lost.
 
     Attributes

@@ -18,6 +18,7 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_radians
+from fingerpad._display import Displayed
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.published.dzidek2017 import METHODS, Printed, PublishedWedge, SemiAxes, dzidek2017
@@ -46,8 +47,8 @@ class Verdict(StrEnum):
     FITTED = "fitted to printed numbers"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AuditItem:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class AuditItem(Displayed):
     """One printed number and what the equations give for it.
 
     Attributes

@@ -9,6 +9,7 @@ from importlib.resources import files
 from types import MappingProxyType
 from typing import Any, Final, Self
 
+from fingerpad._display import Displayed
 from fingerpad.geometry import Ellipsoid
 
 METHODS: Final = ("direct", "ellipse")
@@ -84,8 +85,8 @@ class SemiAxes:
         return Ellipsoid(self.palmar.value, self.distal.value, self.radial_ulnar.value)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedWedge:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class PublishedWedge(Displayed):
     """Numbers printed for one wedge angle: Tables 3 and 4 (at `load_N`), text, and pooled value.
 
     Attributes
@@ -126,8 +127,8 @@ class PublishedWedge:
     pooled_uncertainty_mm: Printed
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Dzidek2017:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Dzidek2017(Displayed):
     """The numbers of the supplement of Dzidek et al. (2017).
 
     Attributes

@@ -8,14 +8,15 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import Float32Array, FloatArray, as_float32, check_radians
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 
 _OVERSAMPLING = 3
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SyntheticCoin:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SyntheticCoin(Displayed):
     """A rendered coin and the truth about it.
 
     Attributes

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, check_radians
+from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.simulate._disturbances import creases as crease_lines
@@ -31,8 +32,8 @@ _LOOKS: dict[Look, tuple[float, float, float, bool]] = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SyntheticContactImage:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SyntheticContactImage(Displayed):
     """A rendered contact image and its truth.
 
     Attributes

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from scipy.spatial import cKDTree
 
 from fingerpad._arrays import Float32Array, FloatArray, as_float32
+from fingerpad._display import Displayed
 from fingerpad._srgb import linear_light, srgb_levels
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
@@ -37,8 +38,8 @@ _BAND_MM, _OUTER_BAND_MM = 3.5, 0.75
 _DISTANCE_MM = 250.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SyntheticFinger:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SyntheticFinger(Displayed):
     """A rendered photograph of a finger and the truth about it.
 
     Attributes

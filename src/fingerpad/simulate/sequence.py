@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all, positive_number
+from fingerpad._display import Displayed
 from fingerpad.contact import HertzGeometry
 from fingerpad.exceptions import GeometryError
 from fingerpad.simulate.contact_image import Look, render_contact_image
@@ -16,8 +17,8 @@ from fingerpad.units import MM_PER_INCH
 _MIN_SEMI_AXIS = 0.05
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SyntheticSequence:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SyntheticSequence(Displayed):
     """A sequence to be rendered frame by frame.
 
     Attributes

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import Float32Array
+from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
 from fingerpad.image._correlation import correlation_length
 from fingerpad.image.coin._circle_detection import (
@@ -37,8 +38,8 @@ _LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD, _BAND_STD = 0.08, 0.0045, 0.045, 0.006
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Coin:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Coin(Displayed):
     """A coin or disc found in a picture.
 
     Attributes

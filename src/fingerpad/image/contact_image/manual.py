@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array, positive_number, real_array, set_fields
+from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, to_fixed_point
 from fingerpad.image.contact_image._outline import (
@@ -31,8 +32,8 @@ _FAR: Final = 2e4
 _MAX_REACH: Final = 10
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class BrushStroke:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class BrushStroke(Displayed):
     """A stroke of a round brush.
 
     Attributes
@@ -64,8 +65,8 @@ class BrushStroke:
         set_fields(self, radius=positive_number(self.radius, "radius of a stroke", ImageError))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RegionPolygon:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class RegionPolygon(Displayed):
     """An area that a person drew around, as with a lasso or corner by corner.
 
     Attributes

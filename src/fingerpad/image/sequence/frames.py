@@ -61,8 +61,8 @@ class Frame(Displayed):
         return digest.hexdigest()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Frames:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Frames(Displayed):
     """A sequence of frames, iterable again and again; one frame at a time is in memory.
 
     Attributes

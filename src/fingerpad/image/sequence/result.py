@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from fingerpad._display import Displayed
 from fingerpad.image.sequence.force import ForceSignal
 from fingerpad.image.sequence.phases import Phase
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FrameResult:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class FrameResult(Displayed):
     """Measurement of one frame of a sequence.
 
     Attributes
@@ -69,8 +70,8 @@ class FrameResult:
         return {**place, **self.measures, "flags": self.flags}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SequenceSummary:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class SequenceSummary(Displayed):
     """Counts over the frames of a sequence.
 
     Attributes

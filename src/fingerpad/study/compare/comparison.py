@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from fingerpad._csv import write_csv
+from fingerpad._display import Displayed
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
@@ -17,8 +18,8 @@ from fingerpad.study.compare.values import QUANTITIES, ValidityVerdict, Value, v
 _SAME_VELOCITY: Final = 1.5
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Comparison(Displayed):
     """Several finished studies side by side.
 
     Attributes

@@ -10,7 +10,7 @@ from fingerpad.study.results.result_set import require_result_set
 from fingerpad.study.results.results_reader import read_summary
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FinishedStudy:
     """The results of one run.
 
@@ -37,6 +37,9 @@ class FinishedStudy:
     failures: int
     inputs: Mapping[str, str]
     summary: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        return f"FinishedStudy(folder={str(self.folder)!r}, title={self.title!r}, made={self.made!r})"
 
 
 def read_finished(paths: Sequence[Path]) -> list[FinishedStudy]:

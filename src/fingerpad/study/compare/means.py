@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fingerpad._display import Displayed
 from fingerpad.study.compare.values import QUANTITIES, Person, Value
 from fingerpad.uncertainty import RandomEffects, pool_random_effects, proportional_stds
 
@@ -31,8 +32,8 @@ class PersonMean:
     std: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mean:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Mean(Displayed):
     """The mean of a quantity over people, real ones or synthetic ones.
 
     Attributes

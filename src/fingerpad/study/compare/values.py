@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+from fingerpad._display import Displayed
 from fingerpad.study.compare.finished import FinishedStudy, not_understood
 from fingerpad.uncertainty import NOT_TESTED
 
@@ -88,8 +89,8 @@ class Person(NamedTuple):
     named: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Value:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Value(Displayed):
     """One value of one quantity of one finger.
 
     Attributes
@@ -155,8 +156,8 @@ class Value:
         }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ValidityVerdict:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ValidityVerdict(Displayed):
     """Whether a model holds for a finger at one placement, and which checks say so.
 
     Attributes

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final, Self
 
 from fingerpad._csv import write_csv
+from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.fiji.ellipse import MeasuredEllipse
 from fingerpad.study.manifest.tables import Load, ManifestModel, Name, RollAngle, WedgeAngle
@@ -98,8 +99,8 @@ def _group(name: str) -> str:
     return r"(?P<finger>\w[\w.+-]*?)" if name == "finger" else rf"(?P<{name}>{_NUMBER})"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ManualObservation:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ManualObservation(Displayed):
     """One row of the CSV: an observation whose ellipse a person measured.
 
     Attributes

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from fingerpad._display import Displayed
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.journal import recover
 from fingerpad.study.manifest.check import MODELS, SECTIONS, Kind, Table, TableChecks
@@ -31,8 +32,8 @@ LISTS: Final[Mapping[Kind, str]] = {
 TABLES: Final = frozenset((*LISTS.values(), "scales", *SECTIONS))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LoadedStudy:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class LoadedStudy(Displayed):
     """A study, complete or not.
 
     Attributes
