@@ -17,6 +17,19 @@ function wordsOf(key) {
 }
 
 /**
+ * The letters of a symbol, with subscripts and superscripts.
+ *
+ * @param {string} key
+ */
+export const symbolParts = (key) =>
+  key.split(/(?=[_^/])/).map((part) => {
+    if (part[0] === "_") return h("sub", part.slice(1));
+    if (part[0] === "^") return h("sup", part.slice(1));
+    if (part[0] === "/") return ["/", h("i", part.slice(1))];
+    return h("i", part);
+  });
+
+/**
  * A symbol as in the glossary: symbol("R_0g"), symbol("R_g^corr"), symbol("ℓ_d/ℓ_e"). In a control, which
  * has the focus itself, it takes none.
  *
@@ -24,12 +37,6 @@ function wordsOf(key) {
  * @param {{ inControl?: boolean, words?: any }} [options] words to show in place of the symbol
  */
 export function symbol(key, { inControl = false, words } = {}) {
-  const parts = key.split(/(?=[_^/])/).map((part) => {
-    if (part[0] === "_") return h("sub", part.slice(1));
-    if (part[0] === "^") return h("sup", part.slice(1));
-    if (part[0] === "/") return ["/", h("i", part.slice(1))];
-    return h("i", part);
-  });
   const known = meaningOf(key);
   return h(
     "abbr.symbol",
@@ -38,7 +45,7 @@ export function symbol(key, { inControl = false, words } = {}) {
       tabindex: known && !inControl ? 0 : undefined,
       "aria-description": known && wordsOf(key),
     },
-    words ?? parts,
+    words ?? symbolParts(key),
   );
 }
 

@@ -44,7 +44,7 @@ const known = ({ table, set, redraw }, words, key, options, more = {}) =>
   field(
     words,
     choose({
-      value: String(table[key] ?? ""),
+      value: options.map(([size]) => size).find((size) => size === String(table[key])) ?? "",
       options,
       onset: (value) => value && (set(key)(Number(value)), redraw()),
     }),

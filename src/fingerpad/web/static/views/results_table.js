@@ -2,7 +2,7 @@
 
 import { download, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
-import { symbol } from "../core/glossary.js";
+import { symbol, symbolParts } from "../core/glossary.js";
 import { plain, withStd } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
@@ -39,8 +39,8 @@ const SHORT = {
   status: "Status",
   wedge_angle_deg: "θ, °",
   load_N: "W, N",
-  semi_major_mm: "ℓd, mm",
-  semi_minor_mm: "ℓe, mm",
+  semi_major_mm: "ℓ_d, mm",
+  semi_minor_mm: "ℓ_e, mm",
   gross_area_mm2: "Gross area, mm²",
   ridge_area_mm2: "Ridge area, mm²",
   indentation_mm: "ξ, mm",
@@ -59,6 +59,12 @@ const SHORT = {
 // Symbols of the headers, by the column.
 const symbolOf = (key) =>
   Object.entries(workspace.session.glossary).find(([, { column }]) => column === key)?.[0];
+
+/** A label whose first word is a symbol, with its subscript. */
+function labelParts(label) {
+  const [first] = /^[^ ,]+/.exec(label) ?? [""];
+  return /^.$|_/.test(first) ? [symbolParts(first), label.slice(first.length)] : label;
+}
 
 const KIND = { measured: "good", failed: "bad", rejected: "bad" };
 
@@ -97,6 +103,9 @@ export class Table {
     this.count = h("span.soft.number", { role: "status" });
     this.table = h("div.table-wrap.results-table", { tabindex: 0, role: "region", "aria-label": "Rows" });
     this.pager = h("div.actions");
+    this.more = h("span.soft", { hidden: true }, "More columns to the right: scroll sideways.");
+    this.size = new ResizeObserver(() => this.#showMore());
+    this.size.observe(this.table);
     render(
       this.root,
       h(
@@ -131,7 +140,7 @@ export class Table {
         h("span.grow"),
         h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),
       ),
-      h("div.table-head", this.count, this.pager),
+      h("div.table-head", this.count, h("div.actions", this.more, this.pager)),
       this.table,
     );
     await this.#ask({});
@@ -217,6 +226,12 @@ export class Table {
         ),
       ),
     );
+    this.#showMore();
+  }
+
+  #showMore() {
+    const { scrollWidth, clientWidth } = this.table;
+    this.more.hidden = scrollWidth <= clientWidth;
   }
 
   /** @param {Answers["Rows"]["rows"][number]} row */
@@ -254,7 +269,7 @@ export class Table {
       },
       button(
         [
-          term ? symbol(term, { inControl: true, words: label }) : label,
+          term ? symbol(term, { inControl: true, words: labelParts(label) }) : labelParts(label),
           h("span", { "aria-hidden": "true" }, way === "ascending" ? " ↑" : way === "descending" ? " ↓" : ""),
         ],
         () => this.#ask({ sort: next, offset: 0 }),
@@ -284,5 +299,6 @@ export class Table {
 
   close() {
     clearTimeout(this.timer);
+    this.size?.disconnect();
   }
 }

@@ -49,11 +49,7 @@ class Scales {
       root,
       h(
         "header.head",
-        h(
-          "div",
-          h("h1", "Scale"),
-          h("p", "Every image needs a scale. Images that share a named scale share its uncertainty."),
-        ),
+        h("div", h("h1", "Scale"), h("p", "Images that share a named scale share its uncertainty.")),
         (this.actions = h("div.actions")),
       ),
       h(
