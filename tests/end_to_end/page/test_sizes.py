@@ -97,6 +97,13 @@ def test_words_are_whole_at_1366_pixels(tab: Tab) -> None:
     assert undo.evaluate("button => button.scrollWidth <= button.clientWidth")
 
 
+def test_the_dots_of_the_pad_say_of_which_angle_they_are(example_tab: Tab) -> None:
+    page = example_tab.open("pad")
+    numbers(page, "u")
+    page.get_by_text("u = 0°", exact=True).wait_for()
+    expect(page.locator(".pad-caption")).to_contain_text("parametric angle u")
+
+
 def test_a_saved_ruler_is_shown_as_it_was_entered(example_tab: Tab) -> None:
     page = example_tab.page
     page.set_viewport_size({"width": 1366, "height": 768})

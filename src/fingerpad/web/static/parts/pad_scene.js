@@ -318,11 +318,11 @@ export class PadScene {
         ];
       }),
       s("circle.contact", { cx: x, cy: y, r: 5 }),
-      scene.points?.map(({ u_deg: u, point_mm: point }) => {
+      scene.points?.map(({ u_deg: u, point_mm: point }, place) => {
         const [px, py] = project(point);
         return [
           s("circle.station", { cx: px, cy: py, r: 2.6 }),
-          s("text.station-name", { x: px + 6, y: py - 4 }, `${u}°`),
+          s("text.station-name", { x: px + 6, y: py - 4 }, `${place ? "" : "u = "}${u}°`),
         ];
       }),
     );

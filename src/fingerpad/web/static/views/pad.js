@@ -210,6 +210,7 @@ class PadView {
       h("span", h("i.key.along"), "principal direction along the finger"),
       h("span", h("i.key.across"), "across the finger"),
       h("span", h("i.key.contact"), "point of contact"),
+      h("span", h("i.key.place"), "parametric angle ", symbol("u")),
       h("span", h("i.key.platen"), "platen"),
       h("span", h("i.key.wedge"), "wedge"),
     );
