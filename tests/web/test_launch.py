@@ -110,6 +110,22 @@ def test_two_launches_stand_side_by_side_until_each_is_stopped(studies_folder):
             process.communicate()
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_the_token_is_removed_on_signals_that_end_the_program(studies_folder, number):
+    process = launched("demo", cwd=studies_folder)
+    try:
+        process.stdout.readline()
+        token_file = Path(process.stdout.readline().split()[-1])
+        assert token_file.exists()
+        process.send_signal(number)
+        _, errors = process.communicate(timeout=30)
+    finally:
+        process.kill()
+        process.communicate()
+    assert (process.returncode, errors) == (128 + signal.SIGTERM, "")
+    assert not token_file.parent.exists()
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

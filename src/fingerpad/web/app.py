@@ -4,12 +4,15 @@ import hashlib
 import logging
 import os
 import shutil
+import signal
 import socket
-from collections.abc import Callable
-from contextlib import suppress
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from importlib.metadata import distribution
 from pathlib import Path
 from tempfile import mkdtemp
+from types import FrameType
 from typing import Final, NamedTuple
 
 import uvicorn
@@ -155,7 +158,7 @@ class Launch(NamedTuple):
 
 
 def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]) -> None:
-    """Serve the page until it is interrupted.
+    """Serve the page until it is interrupted, or ended by SIGTERM or SIGHUP.
 
     Parameters
     ----------
@@ -196,13 +199,40 @@ def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]
         server_header=False,
         timeout_graceful_shutdown=1,
     )
-    with listener:
+    with listener, _exit_on_signals():
         try:
             with suppress(KeyboardInterrupt):  # the way to end it
                 Server(config).run(sockets=[listener])
         finally:
+            shutil.rmtree(folder, ignore_errors=True)  # first, as the end of a run may be interrupted too
             workspace.close()
-            shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def _exit_on_signals() -> Iterator[None]:
+    """Raise SystemExit on SIGTERM and SIGHUP, which would end the program without cleaning up.
+
+    While Uvicorn serves, it handles SIGTERM itself, shuts down, and raises the signal again.
+    """
+    if threading.current_thread() is not threading.main_thread():  # only there signals can be handled
+        yield
+        return
+
+    def leave(number: int, _: FrameType | None) -> None:
+        raise SystemExit(128 + number)
+
+    def hang_up(_: int, __: FrameType | None) -> None:
+        signal.raise_signal(signal.SIGTERM)
+
+    before = {signal.SIGTERM: signal.signal(signal.SIGTERM, leave)}
+    # Windows has no SIGHUP; nohup has it ignored.
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        before[signal.SIGHUP] = signal.signal(signal.SIGHUP, hang_up)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _private_folder() -> Path:
