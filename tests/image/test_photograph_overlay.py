@@ -1,5 +1,6 @@
 """The photograph's overlay: what is drawn lies where it was measured."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,6 +9,8 @@ from PIL import Image
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale, draw_photograph_overlay, measure_photograph, write_photograph_overlay
+from fingerpad.image._canvas import write_text
+from fingerpad.image.photograph import overlay
 from fingerpad.image.photograph.overlay import POINT_COLOUR
 from fingerpad.simulate import render_finger
 
@@ -54,6 +57,24 @@ def test_label_and_large_deep_pictures():
     changed = np.argwhere((plain != canvas).any(axis=-1))
     assert changed.size
     assert (changed.max(axis=0) < (200, 600)).all()
+
+
+def test_words_are_plain_and_as_large_as_the_report_needs(monkeypatch):
+    written = []
+
+    def write(canvas, text, corner, width, colour=overlay.INK):
+        written.append(text)
+        write_text(canvas, text, corner, width, colour)
+
+    monkeypatch.setattr(overlay, "write_text", write)
+    blank = np.zeros_like(truth().pixels)
+    canvas = draw_photograph_overlay(blank, replace(found(), flags=frozenset({"not_an_ellipse"})))
+    assert "not an ellipse" in written
+    assert not any("_" in text for text in written)
+    assert sum(" mm" in text and ("±" in text) == (not overlay._ASCII) for text in written) == 2
+    # Letters of the first line are at least 7 px high where the picture is 300 px wide.
+    rows = np.flatnonzero(near(canvas[: overlay._LINE_PX + 4], overlay.INK, 40).any(axis=1))
+    assert np.ptp(rows) * 300 / canvas.shape[1] >= 7
 
 
 def test_other_picture_refused():

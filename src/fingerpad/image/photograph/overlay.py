@@ -31,7 +31,11 @@ OUTLIER_COLOUR: Colour = (230, 60, 160)
 ELLIPSE_COLOUR: Colour = (240, 200, 20)
 
 _SIDE_PX = 1100
-_WIDTH = 2
+# The report shows the picture about 300 px wide: letters are as large as that needs.
+_WIDTH = 3
+_LINE_PX, _LETTER_PX = 40, 14
+# Before OpenCV 5, its fonts had ASCII only.
+_ASCII = {} if int(cv2.__version__.partition(".")[0]) >= 5 else {"±": "+/-", "°": " deg"}
 _AXIS_LABELS = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}
 
 
@@ -85,7 +89,7 @@ def draw_photograph_overlay(
     _draw_axes(canvas, found, zoom)
     draw_scale_bar(canvas, found.scale.mm_per_px / zoom, _WIDTH)
     for k, (text, text_colour) in enumerate(_legend(found, label)):
-        write_text(canvas, text, (14, 30 + 30 * k), _WIDTH, text_colour)
+        write_text(canvas, _drawable(text), (14, _LINE_PX * (k + 1)), _WIDTH, text_colour)
     return canvas
 
 
@@ -152,7 +156,7 @@ def _draw_points(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
 
 
 def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
-    """Draw the semi-axes, then their names, so that no line crosses them."""
+    """Draw the semi-axes, then their names over them."""
     middle, *sides = canvas_points(found.handles, zoom)
     ends = np.array(sides)
     for end in ends:
@@ -164,26 +168,32 @@ def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
     draw_dot(canvas, middle, 5, ELLIPSE_COLOUR)
     stds = found.semi_axes_mm_std
     for end, (name, length) in zip(ends, found.semi_axes_mm.items(), strict=True):
-        text = f"{_AXIS_LABELS[name]} {length:.2f} +/- {stds[name]:.2f} mm"
-        x, y = middle + 0.55 * (end - middle)
+        text = _drawable(f"{_AXIS_LABELS[name]} {length:.2f} ± {stds[name]:.2f} mm")
+        x, y = middle + 0.45 * (end - middle)
         level = abs(end[1] - middle[1]) < abs(end[0] - middle[0])
-        # Beside an upright axis, and below a level one, on the side away from the other.
-        below = 30 if ends[:, 1].sum() < 2 * middle[1] else -14
-        corner = round(x) + (-90 if level else 12), round(y) + (below if level else 0)
+        # Across an upright axis, so that the outline stays free; beside a level one, away from the other.
+        below = 44 if ends[:, 1].sum() < 2 * middle[1] else -20
+        corner = round(x) - _LETTER_PX * len(text) // 2, round(y) + (below if level else 0)
         write_text(canvas, text, corner, _WIDTH)
+
+
+def _drawable(text: str) -> str:
+    """Return text in the letters that OpenCV's font has."""
+    for sign, words in _ASCII.items():
+        text = text.replace(sign, words)
+    return text
 
 
 def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]:
     lines = [(label, INK)] if label else []
-    tilt = f"tilt {math.degrees(found.tilt):.1f} deg"
+    tilt = f"tilt {math.degrees(found.tilt):.1f}°"
     if len(found.points):
         lines += [
-            (f"{found.face} face, arc {found.arc_deg:.0f} deg, {tilt}", INK),
+            (f"{found.face} face, arc {found.arc_deg:.0f}°, {tilt}", INK),
             (f"{len(found.points)} points used", POINT_COLOUR),
             (f"{len(found.outliers)} left out ({found.outlier_fraction:.0%})", OUTLIER_COLOUR),
         ]
     else:
         lines.append((f"{found.face} face, ellipse placed manually, {tilt}", INK))
-    if found.flags:
-        lines.append((", ".join(sorted(found.flags)), (200, 30, 30)))
+    lines += [(flag.replace("_", " "), (200, 30, 30)) for flag in sorted(found.flags)]
     return lines
