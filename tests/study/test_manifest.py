@@ -355,7 +355,7 @@ def test_says_every_fault_at_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("uncertainty", "scale", "exact"),
     [
-        ("", 'scale = "reader"', ["the load", "Poisson's ratio", "the scale reader"]),
+        ("", 'scale = "reader"', ["the load", "Poisson's ratio", "the scale “reader”"]),
         (
             "wedge_angle_deg_std = 0\nroll_angle_deg_std = 0",
             "scale = { ppi = 500 }",

@@ -138,7 +138,9 @@ def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) ->
         label = rf"$E_\mathrm{{0g}}$ = {_in_kpa(initial)} kPa, β = {_in_kpa(growth)} kPa/N"
     fitted = (secant.load >= low) & (secant.load <= high)
     against: Literal["load", "indentation"]
+    outside = "" if fitted.all() else "; grey: not in the range of loads that was fitted"
     for against, abscissa in (("load", secant.load), ("indentation", secant.indentation)):
+        drawn = ", with the fitted line" if line is not None and against == "load" else ""
         yield Plot(
             name=f"{name}_secant_modulus_{against}",
             figure=panel(
@@ -151,7 +153,7 @@ def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) ->
                 label=label,
                 synthetic=synthetic,
             ),
-            caption=f"Secant modulus against {against}, with the loads of its fit ({where}).",
+            caption=f"Secant modulus against {against}{drawn}{outside} ({where}).",
         )
 
 

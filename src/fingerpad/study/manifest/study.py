@@ -131,10 +131,10 @@ class Study(ManifestModel):
                 if curve.loading_radius_mm is not None and not curve.loading_radius_mm_std
             ),
             *(
-                ["the stage of loading curves, as rigid"]
+                ["the stage of loading curves (rigid)"]
                 if any(curve.file and curve.stage_compliance_mm_per_N is None for curve in self.curves)
                 else []
             ),
-            *(f"the scale {name}" for name in used if is_exact(self.scales[name])),
+            *(f"the scale “{name}”" for name in used if is_exact(self.scales[name])),
             *(["scales of single pictures"] if any(map(is_exact, own)) else []),
         ]

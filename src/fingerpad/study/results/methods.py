@@ -55,13 +55,16 @@ def _fingers(result: StudyResult) -> Iterator[str]:
     fingers = result.fingers.values()
     persons = len({finger.person for finger in fingers} - {None})
     whose = f" of {counted(persons, 'person')}" if persons else ""
-    yield (
-        f"The pads of {counted(len(fingers), 'finger')}{whose} were modelled as ellipsoidal caps "
-        "(Dzidek et al., J. R. Soc. Interface 14:20160935, 2017)."
-    )
+    if len(fingers) == 1:
+        model = f"pad of 1 finger{whose} was modelled as an ellipsoidal cap"
+    else:
+        model = f"pads of {len(fingers)} fingers{whose} were modelled as ellipsoidal caps"
+    yield f"The {model} (Dzidek et al., J. R. Soc. Interface 14:20160935, 2017)."
     ways = Counter(_semi_axes_from(result, finger.name) for finger in result.study.fingers)
     listed = [f"{way} for {counted(count, 'finger')}" for way, count in ways.items()]
-    yield f"Their semi-axes were {_joined(listed)}."
+    if len(ways) == 1:
+        listed = list(ways)
+    yield f"{'Its' if len(fingers) == 1 else 'Their'} semi-axes were {_joined(listed)}."
     if rendered := sum(finger.synthetic for finger in fingers):
         yield f"All data of {counted(rendered, 'finger')} are synthetic, made from known truth."
 
@@ -82,19 +85,21 @@ def _contacts(result: StudyResult) -> Iterator[str]:
         return
     std = study.uncertainty
     wedge = _listed(one.wedge_angle_deg for one in placed)
+    alike = len({one.wedge_angle_deg for one in placed}) == 1
     roll = _listed(one.roll_angle_deg for one in placed)
     wedge_std, roll_std = _doubt(std.wedge_angle_deg_std, "°"), _doubt(std.roll_angle_deg_std, "°")
     yield (
-        f"The pads were pressed against {of.platen or 'a flat platen'} at wedge angles of {wedge}° "
+        f"{'The pad was' if len(result.fingers) == 1 else 'The pads were'} pressed against "
+        f"{of.platen or 'a flat platen'} at {'a wedge angle' if alike else 'wedge angles'} of {wedge}° "
         f"({wedge_std}) and a roll of {roll}° ({roll_std})."
     )
     counts = {"single contact": len(study.observations), "sequence": len(study.sequences)}
     contacts = _joined([counted(count, noun) for noun, count in counts.items() if count])
     loads = _range(result.rows.column("load_N"))
-    sensor = f", by {of.force_sensor}," if of.force_sensor else ""
+    sensor = f", measured by {of.force_sensor}" if of.force_sensor else ""
     yield (
-        f"Measured were {contacts} at normal loads of {loads} N{sensor} "
-        f"({_doubt(100 * std.load_relative_std, ' %')})."
+        f"Normal loads of {loads} N{sensor} ({_doubt(100 * std.load_relative_std, ' %')}) were applied "
+        f"in {contacts}."
     )
     if moved := " ".join(filter(None, (of.stage and f"by {of.stage}", _velocity(result)))):
         yield f"Finger and platen approached each other {moved}."
