@@ -184,3 +184,11 @@ def test_the_two_uncertainties_of_the_exponent_are_explained(demo: tuple[StudyRe
         "± of the exponent is from the scatter",
     )
     assert text.count(table) == text.count(figure) / 2 > 0  # a figure has its caption as label, too
+
+
+def test_formulas_and_minus_signs_are_set_as_such(demo: tuple[StudyResult, str, Path]) -> None:
+    _, text, _ = demo
+    words = re.sub(r"<[^>]*>", " ", re.sub("<(svg|style).*?</\\1>", "", text, flags=re.DOTALL))
+    assert not re.findall(r"R_\w+|R₀g|\^\(", words)
+    assert not re.findall(r"[ (]-\d", words)
+    assert "(ℓ<sub>d</sub> ℓ<sub>e</sub>)<sup>3/2</sup>" in text

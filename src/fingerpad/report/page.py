@@ -33,7 +33,7 @@ from fingerpad.report.plots import (
     wedge_plot,
 )
 from fingerpad.report.repeatability import repeatability_section
-from fingerpad.report.templates import templates
+from fingerpad.report.templates import signed_with_uncertainty, templates
 from fingerpad.report.text import (
     HEADLINE_WORDS,
     VERDICT_SYMBOLS,
@@ -56,7 +56,7 @@ from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
 from fingerpad.study.results.validity import Validity
-from fingerpad.units import two_digits, value_with_uncertainty
+from fingerpad.units import two_digits
 
 # Saves plots, and returns what the page shows of them.
 _Draw: TypeAlias = Callable[[Iterable[Plot]], list[dict[str, Any]]]
@@ -256,7 +256,7 @@ def _quantity(found: Quantity, factor: float = 1.0) -> Markup:
     """Return a quantity from loading data as a cell, or a dash with the reason."""
     if isinstance(found, Undetermined):
         return Markup('<span title="{}">–</span>').format(found.reason)
-    return Markup("{}").format(value_with_uncertainty(factor * found.value, factor * found.std))
+    return Markup("{}").format(signed_with_uncertainty(factor * found.value, factor * found.std))
 
 
 def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:

@@ -1,11 +1,12 @@
 """Template environment of all pages: numbers with uncertainty, and the style."""
 
+import re
 from importlib.resources import files
 from typing import Final
 
 from jinja2 import BytecodeCache, Environment, PackageLoader, StrictUndefined
 from jinja2.bccache import Bucket
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from fingerpad.units import value_with_uncertainty
 
@@ -27,6 +28,42 @@ class _Compiled(BytecodeCache):
 
 
 _COMPILED: Final = _Compiled()
+_NBSP: Final = "\N{NO-BREAK SPACE}"
+# What stands in texts for what a page shows by lower and raised signs, and where no line may end.
+_TYPESET: Final = (
+    (re.compile(r"\bR_(0g|g|e)\b"), r"R<sub>\1</sub>"),
+    (re.compile(r"R₀g"), "R<sub>0g</sub>"),
+    (re.compile(r"ℓ([abcde])\b"), r"ℓ<sub>\1</sub>"),
+    (re.compile(r"\^\(([^)]*)\)"), r"<sup>\1</sup>"),
+    (re.compile(r"(?<=\d) (?=(?:mm|µm|N|kPa|s|ppi|px)\b|%|±)"), _NBSP),
+    (re.compile(r"± (?=\d)"), f"±{_NBSP}"),
+    (re.compile(r"(?<=[= (])-(?=\d)"), "−"),
+)
+
+
+def typeset(text: str) -> Markup:
+    """Return text with subscripts and exponents, minus signs, and no line ending between number and unit.
+
+    Examples
+    --------
+    >>> print(typeset("R_g & 4 (ℓd ℓe)^(3/2)"))
+    R<sub>g</sub> &amp; 4 (ℓ<sub>d</sub> ℓ<sub>e</sub>)<sup>3/2</sup>
+    """
+    page = str(escape(text))
+    for found, shown in _TYPESET:
+        page = found.sub(shown, page)
+    return Markup(page)  # noqa: S704 (escaped above)
+
+
+def signed_with_uncertainty(value: float | None, std: float | None = None) -> str:
+    """Return `value_with_uncertainty` with a minus sign in place of a hyphen.
+
+    Examples
+    --------
+    >>> signed_with_uncertainty(-0.512, 0.034)
+    '−0.512 ± 0.034'
+    """
+    return value_with_uncertainty(value, std).replace("-", "−")
 
 
 def templates() -> Environment:
@@ -39,5 +76,6 @@ def templates() -> Environment:
         bytecode_cache=_COMPILED,
     )
     style = files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")
-    environment.globals |= {"pm": value_with_uncertainty, "style": Markup(style)}  # noqa: S704 (our own)
+    environment.filters["typeset"] = typeset
+    environment.globals |= {"pm": signed_with_uncertainty, "style": Markup(style)}  # noqa: S704 (our own)
     return environment
