@@ -128,9 +128,7 @@ def make_curve(condition: Condition, pad: Pad, place: float, rng: np.random.Gene
     return LoadingCurve(
         load=force,
         indentation=travel + place + rng.normal(0, 0.005, len(clock)),
-        area=np.maximum(
-            np.interp(travel - condition.lag * SPEED, platen, area) + rng.normal(0, 1, len(clock)), 0
-        ),
+        area=np.interp(travel - condition.lag * SPEED, platen, area) + rng.normal(0, 1, len(clock)),
         time=clock,
     )
 

@@ -196,10 +196,6 @@ INVALID = {
     ],
     LoadingError: [
         (lambda: LoadingCurve(load=[], indentation=[]), "needs one row or more, found none"),
-        (
-            lambda: LoadingCurve(load=[0, 1], indentation=[0, 1], area=[1, -1]),
-            "area must not be negative, .*row 2",
-        ),
         (lambda: LoadingCurve(load=["a"], indentation=[0]), r"load must be numeric, found \['a'\]"),
         (lambda: ForceSignal([0, 1], ["a", "b"]), "load must be numeric"),
         (lambda: FrameRate("a"), "frames_per_second must be numeric, found 'a'"),

@@ -27,15 +27,14 @@ class LoadingCurve(Displayed):
     indentation : array_like, shape (n,)
         Displacement of the platen ξ, mm, growing into the pad, from the instrument's own zero.
     area : array_like, shape (n,), or None
-        Contact area A, mm², where it was measured.
+        Contact area A, mm², where it was measured; noise may make it negative before contact.
     time : array_like, shape (n,), or None
         Times, s, where they were recorded; without them the samples are taken to be evenly spaced.
 
     Raises
     ------
     LoadingError
-        If there is no row, the columns differ in length, a value is not finite, an area is negative, or time
-        runs backwards.
+        If there is no row, the columns differ in length, a value is not finite, or time runs backwards.
 
     Examples
     --------
@@ -79,12 +78,6 @@ class LoadingCurve(Displayed):
                 raise LoadingError(f"{name} is not finite in row {bad[0] + 1}: leave such rows out")
         if not len(self.load):
             raise LoadingError("a loading curve needs one row or more, found none")
-        if self.area is not None and (self.area < 0).any():
-            row = int(np.flatnonzero(self.area < 0)[0])
-            raise LoadingError(
-                f"area must not be negative, found {self.area[row]:g} mm² in row {row + 1}: is the sign of "
-                "the column reversed?"
-            )
         if self.time is not None and (np.diff(self.time) < 0).any():
             row = int(np.flatnonzero(np.diff(self.time) < 0)[0]) + 2
             raise LoadingError(

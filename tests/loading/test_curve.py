@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import read_loading_curve
+from fingerpad.loading import LoadingCurve, read_loading_curve
 
 
 def write(folder: Path, text: str) -> Path:
@@ -25,6 +25,11 @@ def test_units_from_header(tmp_path: Path) -> None:
 
 def test_area_optional(tmp_path: Path) -> None:
     assert read_loading_curve(write(tmp_path, "force_N,displacement_mm\n1,2\n")).area is None
+
+
+def test_noise_may_make_areas_negative() -> None:
+    area = [-0.4, 0.3, 5.0]
+    assert LoadingCurve(load=[0, 0, 1], indentation=[0, 1, 2], area=area).area.tolist() == area
 
 
 def test_columns_can_be_named(tmp_path: Path) -> None:

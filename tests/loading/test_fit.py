@@ -67,7 +67,7 @@ def test_points_without_load_are_left_out() -> None:
             "displacement is the same",
         ),
         (
-            LoadingCurve(load=np.ones(5), indentation=np.arange(5.0), area=5 - np.arange(5.0)),
+            LoadingCurve(load=np.ones(5), indentation=np.arange(5.0), area=-np.arange(5.0)),
             "contact area falls",
         ),
         (LoadingCurve(load=np.ones(5), indentation=np.arange(5.0), area=np.ones(5)), "contact area falls"),

@@ -85,8 +85,7 @@ CURVE = simulate_loading_curve(points=300, **NOISE)
             FitError,
             "no contact in the record",
         ),
-        ({"area": -CURVE.area}, LoadingError, "area must not be negative.*sign of the column reversed"),
-        ({"area": np.zeros(300)}, LoadingError, "contact area does not grow"),
+        ({"area": -CURVE.area}, LoadingError, "contact area falls"),
     ],
 )
 def test_invalid_records(columns: dict, kind: type[FingerpadError], message: str) -> None:

@@ -110,7 +110,7 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
         depth = record.smooth_displacement[record.with_area] - place
         radius = float(record.area @ depth) / float(np.pi * depth @ depth)
         if not radius > 0:
-            raise LoadingError("contact area does not grow as the pad is pressed: check the column")
+            raise LoadingError("contact area falls as the pad is pressed: is the sign of a column reversed?")
     stiffness = hertz_stiffness(radius, record.poisson_ratio)
     start = {
         "contact_offset": place,

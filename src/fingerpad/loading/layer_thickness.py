@@ -99,7 +99,7 @@ def fit_layer_thickness(
     >>> curve = LoadingCurve(
     ...     load=contact.load + rng.normal(0, 0.005, 100),
     ...     indentation=travel,
-    ...     area=np.maximum(contact.area + rng.normal(0, 0.5, 100), 0),
+    ...     area=contact.area + rng.normal(0, 0.5, 100),
     ...     time=travel + 0.3,
     ... )
     >>> fit = fit_layer_thickness(curve, gap=gap, radius_std=0.4)

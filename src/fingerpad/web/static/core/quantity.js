@@ -2,7 +2,7 @@
 
 import { h } from "./dom.js";
 
-// Of a value at most so many significant digits are shown, and its uncertainty is rounded up to the last of them.
+// Of a value at most so many significant digits are shown; its uncertainty is rounded up to the last of them.
 const MOST_DIGITS = 5;
 const EN = "–";
 const SPACE = "\u00a0";

@@ -23,7 +23,7 @@ export function field(label, control, { unit, hint, wide } = {}) {
   );
 }
 
-/** A number as a field takes it: with a decimal point, and in the unit of the field where the cell says its own. */
+/** A number as a field takes it: with a decimal point, and in its unit where the cell says its own. */
 function plainNumber(cell, unit) {
   const found = /^([-+]?[\d.,]+(?:e[-+]?\d+)?)\s*(mN|N|°|deg)$/i.exec(cell);
   if (!found || !unit) return cell.replace(",", ".");

@@ -329,7 +329,7 @@ export class PadScene {
     this.#separateLabels();
   }
 
-  /** Move the name of a direction above another that it would cover; leave out angles that would be covered. */
+  /** Move the name of a direction above another that it would cover; leave out angles that it covers. */
   #separateLabels() {
     const kept = [];
     for (const text of this.marks.querySelectorAll("text")) {

@@ -80,8 +80,9 @@ const count = ({ table, set }, words, place) =>
   );
 
 /**
- * What each way is called, the keys that it needs and may have, what it starts with (the ends of a line are drawn to
- * about one pixel), what to do with its picture, what to say while something lacks, its fields, and it in short.
+ * What each way is called, the keys that it needs and may have, what it starts with (the ends of a line are
+ * drawn to about one pixel), what to do with its picture, what to say while something lacks, its fields, and
+ * it in short.
  *
  * @type {Record<string, {
  *   words: string, needs: string[], may: string[], defaults?: Record<string, any>, picture?: string,

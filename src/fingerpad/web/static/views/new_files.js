@@ -329,7 +329,7 @@ export class NewFiles {
     );
   }
 
-  /** Propose a scale where none is stated: the only one of the study, or what the file of a contact image says. */
+  /** Propose a scale where none is stated: the only one of the study, or that in a contact image's file. */
   #guessScale(file) {
     const draft = this.drafts.get(file);
     if (draft.scale !== undefined && draft.scale !== draft.scaleGuess) return;

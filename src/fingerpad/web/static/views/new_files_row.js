@@ -161,7 +161,11 @@ function coinChoice(files, file) {
   );
 }
 
-/** The choice of a file's scale, and whether it is a guess. @param {import("./new_files.js").NewFiles} files */
+/**
+ * The choice of a file's scale, and whether it is a guess.
+ *
+ * @param {import("./new_files.js").NewFiles} files
+ */
 export function scaleCell(files, file) {
   const draft = files.drafts.get(file);
   const ppi = files.info.get(file)?.resolution_ppi;

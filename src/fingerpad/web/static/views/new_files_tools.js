@@ -57,7 +57,8 @@ export class NewFileTools {
       h("summary", "Fill in from a spreadsheet"),
       h(
         "p.soft",
-        "Drop a CSV or XLSX file on the page, or paste its cells here. The first line names the columns: file, and any of person, finger, face, type, wedge, load, scale, session.",
+        "Drop a CSV or XLSX file on the page, or paste its cells here. The first line names the columns: " +
+          "file, and any of person, finger, face, type, wedge, load, scale, session.",
       ),
       area,
       h(
@@ -82,7 +83,8 @@ export class NewFileTools {
       h("summary", "Fill in from the file names"),
       h(
         "p.soft",
-        "Write the name of one file, with {person}, {finger}, {face}, {wedge}, {load} or {session} in place of what changes, and {} for anything else.",
+        "Write the name of one file, with {person}, {finger}, {face}, {wedge}, {load} or {session} in " +
+          "place of what changes, and {} for anything else.",
       ),
       h("div.actions", field, use),
       this.preview,
@@ -120,7 +122,9 @@ export class NewFileTools {
           found.rows_without_file.length > 0 &&
             h(
               "p",
-              `Rows without one file: ${some(found.rows_without_file.map(({ line, file }) => `${file || "no name"} (line ${line})`))}.`,
+              "Rows without one file: ",
+              some(found.rows_without_file.map(({ line, file }) => `${file || "no name"} (line ${line})`)),
+              ".",
             ),
           problems.length > 0 && h("p", `Not read: ${some(problems)}.`),
         ),

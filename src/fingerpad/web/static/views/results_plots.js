@@ -258,8 +258,10 @@ export class Plots {
         marker: square,
         hovertemplate: rows.item.map(
           (_, index) =>
-            `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ` +
-            `${withUnit(withStd(rows[layerKey][index], rows[`${layerKey}_std`][index]), unitOf(layerKey))}<extra></extra>`,
+            `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ${withUnit(
+              withStd(rows[layerKey][index], rows[`${layerKey}_std`][index]),
+              unitOf(layerKey),
+            )}<extra></extra>`,
         ),
         text: rows.item,
       },

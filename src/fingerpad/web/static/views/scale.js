@@ -319,7 +319,8 @@ class Scales {
       answer.coin &&
         h(
           "p.soft.number",
-          `${this.way === "circle" ? "circle" : "coin"}: radius ${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
+          `${this.way === "circle" ? "circle" : "coin"}: radius `,
+          `${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
         ),
       answer.grid && gridWords(answer.grid),
       answer.flags?.length > 0 &&

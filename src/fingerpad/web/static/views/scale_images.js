@@ -38,7 +38,7 @@ export class ScaleImages {
         .map((each) => ["observation", each.item, each.item, each.scale]),
       ...study.sequences.map((each) => ["sequence", each.name, `sequence ${each.name}`, each.scale]),
     ];
-    // Photographs and contact images rarely share a camera: select those of the first kind that lacks a scale.
+    // Photographs and contact images rarely share a camera: select the first kind that lacks a scale.
     const lacking = rows.find((row) => !row[3])?.[0];
     const boxes = rows.map(([kind, key, label, scale]) => {
       const mine = this.scale && scale === this.scale;

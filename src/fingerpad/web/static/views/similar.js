@@ -125,8 +125,8 @@ export async function applyToSimilar(item) {
         h("h2", "Apply to similar images"),
         h(
           "p.soft",
-          `The ${describeChange({ action: "change", change: settings })} of ${item} on the other images of this ` +
-            "finger with the same scale. Dashed: the outline now. Each is kept only once you accept it.",
+          `The ${describeChange({ action: "change", change: settings })} of ${item} on the other images of ` +
+            "this finger with the same scale. Dashed: the outline now. Each is kept only once you accept it.",
         ),
       ),
       done,

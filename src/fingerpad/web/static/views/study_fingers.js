@@ -176,9 +176,9 @@ export class FingerTable {
       "div.stack",
       h(
         "p",
-        "Effective thickness of the tissue over bone: that of a flat layer which acts like this finger's narrow and " +
-          "curved bone. Results then show the whole pad on that layer beside Hertz theory. Without an uncertainty it " +
-          "is taken as exact; empty fields remove it.",
+        "Effective thickness of the tissue over bone: that of a flat layer which acts like this finger's " +
+          "narrow and curved bone. Results then show the whole pad on that layer beside Hertz theory. " +
+          "Without an uncertainty it is taken as exact; empty fields remove it.",
       ),
       h(
         "div.fields.two",
