@@ -1,6 +1,6 @@
 """
 Image sequence
-============
+==============
 
 Area and semi-axes of every frame of a synthetic press, against time and against force.
 """
