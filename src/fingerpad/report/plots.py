@@ -62,14 +62,17 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         ),
     )
     loading = loading_radius(result.curves, summary.place)
+    level = ""
+    if loading is not None:
+        band = ", with one standard uncertainty (band)" if np.isfinite(loading.std) else ""
+        level = f" Dashed: loading data{band}."
     yield Plot(
         name=f"{name}_corrected_radius",
         figure=_corrected_radius(rows, loading),
         caption=(
             f"Corrected radius against load ({where}); thin bars: one standard uncertainty, of "
             "which contacts share the part from the pad's geometry; thick bars: with that held exact, "
-            "as Dzidek et al. do. Dotted: undeformed pad."
-            + ("" if loading is None else " Dashed: loading data, with one standard uncertainty (band).")
+            f"as Dzidek et al. do. Dotted: undeformed pad.{level}"
         ),
     )
     if np.ptp(rows.column("load_N")) > 0:

@@ -186,7 +186,7 @@ def _drawable(text: str) -> str:
 
 def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]:
     lines = [(label, INK)] if label else []
-    tilt = f"tilt {math.degrees(found.tilt):.1f}°"
+    tilt = f"tilt {math.degrees(found.tilt):z.1f}°"
     if len(found.points):
         lines += [
             (f"{found.face} face, arc {found.arc_deg:.0f}°, {tilt}", INK),
