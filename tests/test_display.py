@@ -89,6 +89,7 @@ PACKAGES = (
     "loading",
     "published",
     "simulate",
+    "uncertainty",
     "study.compare",
     "study.manifest",
 )

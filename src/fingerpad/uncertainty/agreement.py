@@ -8,6 +8,7 @@ import numpy as np
 from scipy import special
 
 from fingerpad._arrays import ArrayLike, as_float_array, check_all
+from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 
@@ -15,8 +16,8 @@ from fingerpad.uncertainty.propagate import NORMAL_97_5
 MIN_PAIRS: Final = 3
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Agreement:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Agreement(Displayed):
     """Relative differences of the second of two values from the first; NaN where there are too few pairs.
 
     Attributes

@@ -7,11 +7,12 @@ import numpy as np
 from scipy import optimize
 
 from fingerpad._arrays import ArrayLike, as_float_array, check_all
+from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModelDiscrepancy:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ModelDiscrepancy(Displayed):
     """By how much a model is wrong, as two ways through it to one quantity show.
 
     Attributes

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
 from fingerpad.uncertainty.propagate import Propagated
@@ -179,8 +180,8 @@ def _half_unit(std: FloatArray, digits: int) -> FloatArray:
     return np.where(std > 0, 0.5 * 10.0 ** (exponent + 1 - digits), 0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Validation:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Validation(Displayed):
     """The first-order 95 % interval of an output compared with the simulated one (GUM-S1, clause 8).
 
     Attributes

@@ -8,12 +8,13 @@ import numpy.typing as npt
 from scipy import optimize, special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
+from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pooled:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Pooled(Displayed):
     """A weighted mean of estimates.
 
     Attributes
@@ -45,11 +46,11 @@ class Pooled:
     total_std: float
     birge_ratio: float
     count: int
-    weights: FloatArray = field(repr=False, compare=False)
+    weights: FloatArray = field(compare=False)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SharedErrors:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SharedErrors(Displayed):
     """Errors that estimates share, as signed contributions: C = Σ p pᵀ without the matrix.
 
     Attributes
@@ -197,8 +198,8 @@ def pool(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> Pooled:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RandomEffects:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class RandomEffects(Displayed):
     """A weighted mean of estimates of a quantity that varies, as between loads or fingers.
 
     Attributes
@@ -232,7 +233,7 @@ class RandomEffects:
     interval: tuple[float, float]
     between_std: float
     count: int
-    weights: FloatArray = field(repr=False, compare=False)
+    weights: FloatArray = field(compare=False)
 
 
 def pool_random_effects(values: ArrayLike, stds: ArrayLike, shared: Shared = None) -> RandomEffects:
@@ -304,8 +305,8 @@ def _between_variance(values: FloatArray, stds: FloatArray) -> tuple[float, floa
     return float(between_variance), mean_and_excess(between_variance)[0]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class VarianceComponents:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class VarianceComponents(Displayed):
     """Standard deviations of values within groups, as of repeats at one load, and between groups.
 
     Attributes

@@ -9,6 +9,7 @@ import numpy.typing as npt
 from scipy import special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
+from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 
@@ -23,8 +24,8 @@ _LEVELS: Final = (0.025, 0.975)
 _DRAWS: Final = 5_000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScatterComponent:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ScatterComponent(Displayed):
     """The standard deviation that one level adds.
 
     Attributes
@@ -65,8 +66,8 @@ class ScatterComponent:
         return LIMIT_FACTOR * self.std
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NestedScatter:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class NestedScatter(Displayed):
     """Variance components of nested values.
 
     Attributes

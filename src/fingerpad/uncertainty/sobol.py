@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
 from fingerpad.uncertainty.monte_carlo import normal_points
@@ -13,8 +14,8 @@ from fingerpad.uncertainty.quantities import Inputs, Model, check_inputs, evalua
 _REPEATS = 8
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SobolIndices:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class SobolIndices(Displayed):
     """Sobol indices of one output, by source.
 
     Attributes

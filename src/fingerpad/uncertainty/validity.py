@@ -7,6 +7,7 @@ from typing import Final, Self
 
 from scipy import special
 
+from fingerpad._display import Displayed
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 
 HOLDS: Final = "holds"
@@ -21,8 +22,8 @@ STRAINED_BELOW_P, FAILS_BELOW_P = 0.05, 0.001
 STRAINED_ABOVE, FAILS_ABOVE = 0.05, 0.2
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ValidityCheck:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ValidityCheck(Displayed):
     """One check of a model.
 
     Attributes
