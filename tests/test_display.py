@@ -166,11 +166,11 @@ def test_uncertain_outputs_print_one_line_each() -> None:
     ellipse = {"semi_major": (7.4, 0.1), "semi_minor": (5.0, 0.1)}
     result = fp.pad_uncertainty(**quantities, **ellipse, wedge_angle=np.radians((30, 0.5)))
     assert str(result).splitlines()[0] == "Propagated"
-    assert re.search(r"\n  radius_from_indentation +13\.8 ± 0\.18\d*\n", str(result))
+    assert re.search(r"\n  radius_from_indentation +13\.80 ± 0\.18\n", str(result))
     assert len(str(result).splitlines()) == 1 + len(result.names)
     assert len(repr(result)) < 600
     assert "<pre>Propagated" in result._repr_html_()
-    assert str(result["radius_from_indentation"]).startswith("13.8 ± 0.18")
+    assert str(result["radius_from_indentation"]).startswith("13.80 ± 0.18")
     assert f"{result['radius_from_indentation']}" == str(result["radius_from_indentation"])
     loads = {**quantities, "load": ([1.0, 2.0], 0.02)}
     two = fp.pad_uncertainty(**loads, **ellipse, wedge_angle=0.5)

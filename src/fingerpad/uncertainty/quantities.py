@@ -1,6 +1,7 @@
 """Named quantities with their joint covariance: inputs of a model, and its outputs."""
 
 import inspect
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias
@@ -222,7 +223,7 @@ class Inputs(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Estimate(Displayed):
-    """One quantity with its uncertainty.
+    """One quantity with its uncertainty, which is printed with two digits.
 
     Attributes
     ----------
@@ -235,8 +236,8 @@ class Estimate(Displayed):
     --------
     >>> import numpy as np
     >>> radius = Estimate(value=np.float64(13.8), std=np.float64(0.3), interval=np.array([13.2, 14.4]))
-    >>> print(radius, f"{radius:.2f}", sep=", ")
-    13.8 ± 0.3, 13.80 ± 0.30
+    >>> print(radius, f"{radius:.1f}", sep=", ")
+    13.80 ± 0.30, 13.8 ± 0.3
     """
 
     value: FloatArray
@@ -247,7 +248,12 @@ class Estimate(Displayed):
         return f"{self.value:{spec}} ± {self.std:{spec}}" if spec else str(self)
 
     def __str__(self) -> str:
-        return repr(self) if np.ndim(self.value) else f"{self:.4g}"
+        if np.ndim(self.value):
+            return repr(self)
+        if not 0 < self.std < np.inf:
+            return f"{self:.4g}"
+        decimals = max(1 - math.floor(math.log10(self.std)), 0)
+        return f"{self:.{decimals}f}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
