@@ -375,7 +375,7 @@ class CorrectionsEvent(Answer):
     last_id: int
 
 
-# What the server sends by itself.
+# Server-sent events by their names.
 EVENTS: Final[dict[str, type[Answer]]] = {
     "study": StudyEvent,
     "corrections": CorrectionsEvent,
