@@ -6,6 +6,7 @@ import sys
 from _thread import interrupt_main
 from contextlib import suppress
 from threading import Timer
+from types import TracebackType
 from typing import Final, TextIO
 
 from fingerpad._threads import ONE_THREAD
@@ -31,7 +32,7 @@ _INTERRUPTED: Final = 130
 def main() -> None:
     """Run the command line; errors give an exit code and one line on stderr, no traceback."""
     code = 1
-    sys.unraisablehook = _raise_interrupt_again
+    sys.unraisablehook, sys.excepthook = _raise_interrupt_again, _show_unless_interrupt
     try:
         code = _run()
     except ModuleNotFoundError as error:
@@ -55,6 +56,14 @@ def main() -> None:
         # Compiled modules whose import was interrupted, as Matplotlib's for fonts, crash when Python closes.
         os._exit(code)
     sys.exit(code if all(flushed) else code or 1)
+
+
+def _show_unless_interrupt(
+    kind: type[BaseException], error: BaseException, trace: TracebackType | None
+) -> None:
+    """Show an error, but no traceback of an interrupt that comes as the program ends."""
+    if not issubclass(kind, KeyboardInterrupt):
+        sys.__excepthook__(kind, error, trace)
 
 
 def _raise_interrupt_again(fault: "sys.UnraisableHookArgs") -> None:

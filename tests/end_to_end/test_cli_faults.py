@@ -260,6 +260,16 @@ def test_wrapped_interrupt_is_interrupt(place: str, function: str) -> None:
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "fingerpad: interrupted\n")
 
 
+def test_interrupt_at_the_end_without_traceback() -> None:
+    script = (
+        "import sys, fingerpad.__main__ as program\n"
+        "def interrupted(*_): raise KeyboardInterrupt\n"
+        "sys.argv[1:] = ['--version']; program.signal.signal = interrupted; program.main()"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
+
+
 def test_interrupted_sequence_message() -> None:
     with subprocess.Popen(
         [*INTERRUPTIBLE, "measure", "sequence", str(SEQUENCE), "--ppi", "240", "--json"],
