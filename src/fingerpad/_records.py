@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from fingerpad._display import Displayed, short_text
-from fingerpad.units import value_with_uncertainty
+from fingerpad._rounding import value_with_uncertainty
 
 
 class Recorded(Displayed):

@@ -1,11 +1,9 @@
-"""Conversion of units, and formatting of numbers with uncertainty."""
+"""Conversion of units."""
 
-import math
 from typing import Final
 
 KPA_PER_MPA: Final = 1000.0
 MM_PER_INCH: Final = 25.4
-_MOST_DIGITS: Final = 5
 
 # Factor that turns a value in the unit into the library's.
 FACTORS: Final = {
@@ -15,75 +13,3 @@ FACTORS: Final = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "trigger": {"V": 1.0, "mV": 1e-3},
 }
-
-
-def value_with_uncertainty(value: float | None, std: float | None = None) -> str:
-    """Return ``value ± standard uncertainty``, the uncertainty with two digits (GUM 7.2.6).
-
-    Parameters
-    ----------
-    value : float or None
-        The value, in any unit; a dash is returned where it is unknown.
-    std : float, optional
-        Its standard uncertainty.
-
-    Returns
-    -------
-    str
-        Rounded to the digits of the uncertainty, to five significant ones at most: an uncertainty that would
-        ask for more is rounded up.
-
-    Examples
-    --------
-    >>> value_with_uncertainty(13.80484, 0.18442)
-    '13.80 ± 0.18'
-    >>> value_with_uncertainty(1234.5, 56.7)
-    '1234 ± 57'
-    >>> value_with_uncertainty(13.61796, 0.00025)
-    '13.618 ± 0.001'
-    >>> value_with_uncertainty(0.5)
-    '0.500'
-    """
-    if value is None or not math.isfinite(value):
-        return "–"
-    if std is None or not math.isfinite(std) or std <= 0:
-        return f"{value:.4g}" if abs(value) >= 1 else f"{value:.3f}"
-    decimals = min(_decimals(std), _finest(value))
-    return f"{round(value, decimals):.{max(decimals, 0)}f} ± {two_digits(std, value)}"
-
-
-def two_digits(std: float, value: float = 0.0) -> str:
-    """Return a standard uncertainty with two digits.
-
-    Parameters
-    ----------
-    std : float
-        Above zero.
-    value : float, optional
-        The value, beyond five significant digits of which there are none, and the uncertainty is rounded up.
-
-    Returns
-    -------
-    str
-        The digits.
-
-    Examples
-    --------
-    >>> two_digits(0.0996), two_digits(5678.0)
-    ('0.10', '5700')
-    """
-    decimals = _decimals(std)
-    if (finest := _finest(value)) < decimals:
-        decimals, std = finest, math.ceil(std * 10.0**finest) / 10.0**finest
-    return f"{round(std, decimals):.{max(decimals, 0)}f}"
-
-
-def _finest(value: float) -> int:
-    """Return the decimal place of the last of the digits that are shown of a value."""
-    return _MOST_DIGITS - 1 - math.floor(math.log10(abs(value))) if value else 99
-
-
-def _decimals(std: float) -> int:
-    """Return the decimal place of the second digit, after rounding: 0.0996 becomes 0.10."""
-    decimals = 1 - math.floor(math.log10(std))
-    return decimals - 1 if round(std, decimals) >= 10 ** (2 - decimals) else decimals

@@ -5,13 +5,13 @@ import re
 
 import pytest
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.contact.fast_laws import FLAGS
 from fingerpad.report import write_report
 from fingerpad.report.layer import comparisons
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.layer import LAYER_FLAGS, UNCERTAINTY_OUT_OF_RANGE
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.units import value_with_uncertainty
 
 FINGER = """
 [[fingers]]

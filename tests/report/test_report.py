@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.image import FLAG_WORDS, FLAGS
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.units import two_digits, value_with_uncertainty
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 VOID = {"meta", "img", "br", "link"}

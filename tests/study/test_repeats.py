@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from benchmarks import repeatability
 
+from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
 from fingerpad.study.manifest import ContactSequence, Observation, Study
@@ -25,7 +26,6 @@ from fingerpad.study.results.repeats import (
 )
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.summary import pool_contacts
-from fingerpad.units import two_digits, value_with_uncertainty
 
 AXES = np.array([7.9, 13.8, 11.8])
 STUDY = Study.model_validate(

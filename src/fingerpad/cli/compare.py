@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli.shared import AsJson, print_json
-from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.study.compare import Comparison, Mean, ValidityVerdict, Value

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli.shared import AsJson, WedgeAngle, checked_pad, print_folder, print_json, require_positive
 from fingerpad.exceptions import LoadingError
-from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.loading import Estimate

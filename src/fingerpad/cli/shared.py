@@ -12,8 +12,8 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from fingerpad._json import dumps, plain
+from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError, GeometryError, is_interrupt, reason_of
-from fingerpad.units import two_digits, value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.geometry import Ellipsoid

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
-from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.study.results.study_result import StudyResult

@@ -10,6 +10,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import (
     BLACK,
@@ -25,7 +26,7 @@ from fingerpad.figures.style import (
     mark_synthetic,
     plain_log_ticks,
 )
-from fingerpad.units import KPA_PER_MPA, value_with_uncertainty
+from fingerpad.units import KPA_PER_MPA
 
 Line: TypeAlias = tuple[ArrayLike, ArrayLike]
 

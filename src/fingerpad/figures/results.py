@@ -9,6 +9,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_radians
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import (
     BLACK,
@@ -24,7 +25,6 @@ from fingerpad.figures.style import (
     plain_log_ticks,
 )
 from fingerpad.published import PublishedWedge
-from fingerpad.units import value_with_uncertainty
 
 Side: TypeAlias = Literal["top", "center", "bottom"]
 _SHAPE_POINTS: Final = 13.0

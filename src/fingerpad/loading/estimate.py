@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 from scipy import special
 
 from fingerpad._display import Displayed
-from fingerpad.units import value_with_uncertainty
+from fingerpad._rounding import value_with_uncertainty
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)

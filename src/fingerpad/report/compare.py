@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 import fingerpad
 from fingerpad._files import make_folder
+from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import new_panels
 from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_forest
@@ -16,7 +17,7 @@ from fingerpad.report.plots import by_wedge_plot
 from fingerpad.report.templates import templates
 from fingerpad.report.text import VERDICT_SYMBOLS
 from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
-from fingerpad.units import MM_PER_INCH, two_digits, value_with_uncertainty
+from fingerpad.units import MM_PER_INCH
 
 _LONGEST_LABEL: Final = 38
 # More fingers than these make no readable figure: their people are drawn in their place.

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.exceptions import FitError
 from fingerpad.figures import (
     plot_contact_compliance,
@@ -17,7 +18,7 @@ from fingerpad.figures import (
 from fingerpad.figures.loading import FORCE_MODEL_NAMES
 from fingerpad.loading import Estimate, LoadingCurve, LoadingFit, Relaxation, fit_relaxation, shape_check
 from fingerpad.report.plot import Plot, panel
-from fingerpad.units import KPA_PER_MPA, value_with_uncertainty
+from fingerpad.units import KPA_PER_MPA
 
 
 def loading_plots(

@@ -14,6 +14,7 @@ from markupsafe import Markup
 from PIL import Image
 
 from fingerpad._arrays import FloatArray
+from fingerpad._rounding import two_digits
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS
 from fingerpad.loading import Quantity, Undetermined
@@ -56,7 +57,6 @@ from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
 from fingerpad.study.results.validity import Validity
-from fingerpad.units import two_digits
 
 # Saves plots, and returns what the page shows of them.
 _Draw: TypeAlias = Callable[[Iterable[Plot]], list[dict[str, Any]]]

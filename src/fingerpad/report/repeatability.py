@@ -3,6 +3,7 @@
 import math
 from typing import Any, Final
 
+from fingerpad._rounding import two_digits
 from fingerpad.study.results.repeats import (
     LEVELS,
     SAME_LOAD,
@@ -13,7 +14,6 @@ from fingerpad.study.results.repeats import (
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.uncertainty import ScatterComponent
 from fingerpad.uncertainty.repeatability import LIMIT_FACTOR, REPEAT
-from fingerpad.units import two_digits
 
 _MOST_LOADS: Final = 120
 _OUTWARDS: Final = tuple(LEVELS)[::-1]

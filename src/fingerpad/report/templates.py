@@ -8,7 +8,7 @@ from jinja2 import BytecodeCache, Environment, PackageLoader, StrictUndefined
 from jinja2.bccache import Bucket
 from markupsafe import Markup, escape
 
-from fingerpad.units import value_with_uncertainty
+from fingerpad._rounding import value_with_uncertainty
 
 
 class _Compiled(BytecodeCache):

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.image import FLAG_WORDS, OutlineSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.error_text import counted
@@ -16,7 +17,6 @@ from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED
-from fingerpad.units import value_with_uncertainty
 
 # They differ in shades of grey too.
 VERDICT_SYMBOLS: Final[Mapping[str, str]] = {

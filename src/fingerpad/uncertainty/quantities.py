@@ -1,7 +1,6 @@
 """Named quantities with their joint covariance: inputs of a model, and its outputs."""
 
 import inspect
-import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias
@@ -19,6 +18,7 @@ from fingerpad._arrays import (
     set_fields,
 )
 from fingerpad._display import Displayed, aligned
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.exceptions import UncertaintyError
 
 # Named arrays to named arrays, elementwise.
@@ -252,8 +252,7 @@ class Estimate(Displayed):
             return repr(self)
         if not 0 < self.std < np.inf:
             return f"{self:.4g}"
-        decimals = max(1 - math.floor(math.log10(self.std)), 0)
-        return f"{self:.{decimals}f}"
+        return value_with_uncertainty(float(self.value), float(self.std))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingerpad._files import make_folder
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli.measure.flags import (
     Background,
     DarkOnLight,
@@ -20,7 +21,6 @@ from fingerpad.cli.measure.records import print_if_exact, printed, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
 from fingerpad.cli.shared import AsJson, Exit, print_folder, require_positive
 from fingerpad.exceptions import CalibrationError, LoadingError
-from fingerpad.units import value_with_uncertainty
 
 if TYPE_CHECKING:
     from fingerpad.image import ForceSignal, FrameClock, FrameResult, Scale

@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.study.error_text import counted
 from fingerpad.study.manifest.scales import is_exact
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.units import two_digits, value_with_uncertainty
 
 _FACES: Final = ("palmar", "distal", "radial", "ulnar")
 _MOST_LISTED: Final = 4
