@@ -3,6 +3,7 @@
 from fingerpad.uncertainty.agreement import Agreement, agreement
 from fingerpad.uncertainty.correlated import correlated_values, inputs_from_ufloats
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
+from fingerpad.uncertainty.inputs import Inputs, Model
 from fingerpad.uncertainty.layer import (
     LAYER_OUTPUTS,
     LAYER_SOURCES,
@@ -18,6 +19,7 @@ from fingerpad.uncertainty.monte_carlo import (
     run_monte_carlo,
     validate_linear_approximation,
 )
+from fingerpad.uncertainty.outputs import Estimate, Outputs
 from fingerpad.uncertainty.pad import PAD_OUTPUTS, PAD_SOURCES, pad_inputs, pad_model, pad_uncertainty
 from fingerpad.uncertainty.pad_shape import ELLIPSOID_STD, HIDDEN_STD, radius_deviation
 from fingerpad.uncertainty.placement import placement_model
@@ -25,14 +27,11 @@ from fingerpad.uncertainty.pool import (
     Pooled,
     RandomEffects,
     SharedErrors,
-    VarianceComponents,
     pool,
     pool_random_effects,
     proportional_stds,
-    variance_components,
 )
 from fingerpad.uncertainty.propagate import Propagated, propagate
-from fingerpad.uncertainty.quantities import Estimate, Inputs, Model, Outputs
 from fingerpad.uncertainty.repeatability import (
     NestedScatter,
     ScatterComponent,
@@ -56,6 +55,7 @@ from fingerpad.uncertainty.validity import (
     verdict_of,
     verdict_of_error,
 )
+from fingerpad.uncertainty.variance_components import VarianceComponents, variance_components
 
 __all__ = [
     "ELLIPSOID_STD",

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from fingerpad.uncertainty.quantities import Inputs, Outputs
+from fingerpad.uncertainty.inputs import Inputs
+from fingerpad.uncertainty.outputs import Outputs
 
 
 def inputs_from_ufloats(**values: Any) -> Inputs:

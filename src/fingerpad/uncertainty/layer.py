@@ -11,8 +11,8 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
 from fingerpad.contact.layered import LayeredContact, layered_contact_kernel
 from fingerpad.contact.pad_gap import PadGap, pad_gap_kernel
 from fingerpad.geometry.placement import platen_normal_kernel
+from fingerpad.uncertainty.inputs import Groups, Inputs
 from fingerpad.uncertainty.pad import PAD_SOURCES, pad_model
-from fingerpad.uncertainty.quantities import Groups, Inputs
 
 # Sources of an uncertainty budget, by the names of their inputs.
 LAYER_SOURCES: Final[Groups] = {**PAD_SOURCES, "thickness": ("thickness",)}

@@ -9,8 +9,9 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
+from fingerpad.uncertainty.inputs import Inputs, Model, check_inputs, evaluate
+from fingerpad.uncertainty.outputs import Outputs
 from fingerpad.uncertainty.propagate import Propagated
-from fingerpad.uncertainty.quantities import Inputs, Model, Outputs, check_inputs, evaluate
 
 _BATCH = 8192  # a power of two, which balances the points; about the 10 000 of GUM-S1 7.9.4
 _TAIL = 0.025

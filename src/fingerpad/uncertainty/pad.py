@@ -12,8 +12,8 @@ from fingerpad.exceptions import GeometryError, UncertaintyError
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
 from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
 from fingerpad.uncertainty.covariance import covariance_root
+from fingerpad.uncertainty.inputs import Groups, Inputs, Quantity
 from fingerpad.uncertainty.propagate import Propagated, propagate
-from fingerpad.uncertainty.quantities import Groups, Inputs, Quantity
 
 # Sources of an uncertainty budget, by the names of their inputs.
 PAD_SOURCES: Final[Groups] = {

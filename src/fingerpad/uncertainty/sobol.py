@@ -8,8 +8,8 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.covariance import covariance_of, covariance_root
+from fingerpad.uncertainty.inputs import Inputs, Model, check_inputs, evaluate
 from fingerpad.uncertainty.monte_carlo import normal_points
-from fingerpad.uncertainty.quantities import Inputs, Model, check_inputs, evaluate
 
 _REPEATS = 8
 
