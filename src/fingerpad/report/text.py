@@ -18,6 +18,9 @@ from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED
 
+# Why a flag, or a range note, leaves a contact out.
+_EXCLUDING_WORDS: Final[Mapping[str, str]] = {**FLAG_WORDS, **RANGE_NOTES}
+
 # They differ in shades of grey too.
 VERDICT_SYMBOLS: Final[Mapping[str, str]] = {
     HOLDS: "●",
@@ -72,7 +75,7 @@ def pooling_words(row: Mapping[str, Any]) -> str:
     >>> pooling_words(row | {"pooled": True, "pooling_corrected_by": "Ada", "pooling_reason": "whole print"})
     'included by Ada: whole print (the contact has little contrast with the background)'
     """
-    flags = "; ".join(in_words(row["excluding_flags"] or "", {**FLAG_WORDS, **RANGE_NOTES}))
+    flags = "; ".join(in_words(row["excluding_flags"] or "", _EXCLUDING_WORDS))
     if row["pooling_corrected_by"]:
         done = "included" if row["pooled"] else "left out"
         words = f"{done} by {row['pooling_corrected_by']}: {row['pooling_reason']}"
@@ -122,6 +125,7 @@ def why_not_pooled(summary: Summary) -> str:
 def fingers_without_results(result: StudyResult) -> Iterator[str]:
     """Yield what was found of fingers without a measured contact: semi-axes, and radii from loading data."""
     with_contacts = {summary.finger for summary in result.summaries}
+    places = dict.fromkeys(one.manifest.place for one in result.curves)
     for finger in result.fingers.values():
         if finger.name in with_contacts or finger.reason is not None:
             continue
@@ -133,7 +137,7 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
         contacts = int(np.count_nonzero(result.rows.column("finger") == finger.name))
         why = f"none of {counted(contacts, 'contact')} was measured" if contacts else "no contact is given"
         yield f"{finger.name}: semi-axes {axes}{'  (synthetic)' if finger.synthetic else ''}; {why}"
-        for place in dict.fromkeys(one.manifest.place for one in result.curves):
+        for place in places:
             name, wedge_angle_deg, synthetic = place
             found = loading_radius(result.curves, place) if name == finger.name else None
             if found is not None:

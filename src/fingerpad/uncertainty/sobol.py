@@ -70,8 +70,10 @@ def sobol_indices(
     Raises
     ------
     UncertaintyError
-        If the covariance is not one, groups overlap, leave out an input with a variance or correlate, or
-        `draws` is not a power of two.
+        If the model takes other inputs, the covariance is not one, groups overlap, leave out an input with a
+        variance or correlate, or `draws` is not a power of two.
+    GeometryError
+        If an input whose name ends in ``_angle`` cannot be one in radians.
 
     Examples
     --------

@@ -151,6 +151,10 @@ class Results:
         columns = ("frame", "status", "flags", "pooled", *FRAME_COLUMNS)
         return {row["frame"]: row for row in frames.records(*columns)}
 
+    def finger(self, name: str) -> dict[str, Any] | None:
+        """Return the record of a finger, None where it has none."""
+        return next((one for one in self.summary["fingers"] if one["finger"] == name), None)
+
     def row(self, item: str) -> Row | None:
         """Return the row of an item, None where it has none."""
         places = np.flatnonzero(self.table.column("observation") == item)
@@ -201,7 +205,7 @@ def known_finger(opened: StudySession, name: str) -> FingerResult | None:
     if finger.semi_axes_mm is not None:
         return finger_result(finger, {}, opened.folder, {})  # nothing to measure
     found = last_results(opened)
-    record = found and next((one for one in found.summary["fingers"] if one["finger"] == name), None)
+    record = found.finger(name) if found else None
     if not record or record["palmar_mm"] is None:
         return None
     return FingerResult(

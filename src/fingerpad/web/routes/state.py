@@ -24,7 +24,7 @@ from fingerpad.study.corrections.history import (
 from fingerpad.study.corrections.items import frames_of
 from fingerpad.study.corrections.key_frames import InterpolatedCorrection, frame_corrections
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.manifest import LoadedStudy, Study
+from fingerpad.study.manifest import Finger, LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_items
@@ -57,6 +57,7 @@ def document(opened: StudySession) -> dict[str, Any]:
     states = _item_states(study, opened, active_corrections)
     found = last_results(opened)
     seen = found.contacts() if found else {}
+    fingers = {one.name: one for one in study.fingers}
     counts = Counter(states.values())
     return {
         "name": opened.name,
@@ -73,7 +74,14 @@ def document(opened: StudySession) -> dict[str, Any]:
         "missing": [asdict(one) for one in opened.missing()],
         "scales": _scales(loaded),
         "fingers": [
-            _finger(opened, *one, found=found, states=states, active_corrections=active_corrections)
+            _finger(
+                opened,
+                *one,
+                finger=fingers.get(one[0]),
+                record=found.finger(one[0]) if found else None,
+                states=states,
+                active_corrections=active_corrections,
+            )
             for one in _tables(loaded, "finger")
         ],
         "observations": [
@@ -181,13 +189,12 @@ def _finger(
     table: dict[str, Any],
     complete: bool,
     *,
-    found: Results | None,
+    finger: Finger | None,
+    record: Mapping[str, Any] | None,
     states: Mapping[str, str],
     active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
     known = known_finger(opened, name) if complete else None
-    finger = next((one for one in opened.study().fingers if one.name == name), None)
-    record = next((one for one in found.summary["fingers"] if one["finger"] == name), None) if found else None
     status = "left" if finger is None else semi_axes_state(finger, states, record)
     axes = ("palmar", "distal", "radial_ulnar")
     return {
