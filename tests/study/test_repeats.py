@@ -13,7 +13,8 @@ from benchmarks import repeatability
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
-from fingerpad.study.manifest import ContactSequence, Observation, Study
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.manifest import ContactSequence, Observation, Study, read_study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.pipeline import run_study
@@ -104,11 +105,44 @@ def test_nominal_loads(loads: list[float], expected: list[int]) -> None:
         ({"flags": ("touches_border",)}, False),
         ({"counts": False}, False),
         ({"reason": "no contact"}, False),
+        ({"pooling": False}, False),
+        ({"flags": ("touches_border",), "pooling": True}, True),
+        ({"rejected": "smeared", "pooling": True}, False),
     ],
 )
 def test_which_contacts_are_repeats(other: dict[str, Any], are_repeats: bool) -> None:
     seen = [contact(0), contact(1, **other)]
     assert contact_repeatability(STUDY, PADS, seen)[False].freedom == are_repeats
+
+
+def test_contacts_of_a_pad_of_no_fingers_size_are_no_repeats() -> None:
+    large = {"f": replace(PADS["f"], semi_axes=10 * AXES)}
+    assert contact_repeatability(STUDY, large, repeats(4))[False].count == 0
+
+
+def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path) -> None:
+    """All that is said of repeats speaks of the contacts that are pooled."""
+    out, path = tmp_path / "out", manifest(tmp_path, 6)
+    log, outlier = CorrectionLog(tmp_path), "c5_1"
+    sheet = path.with_name("o.csv")
+    lines = sheet.read_text().splitlines()
+    wrong = [",".join([*line.split(",")[:5], "9.0", "8.0", "0.05"]) for line in lines if outlier in line]
+    sheet.write_text("\n".join([line for line in lines if outlier not in line] + wrong) + "\n")
+    leave_out = {"pooling": {"include": False, "why": "slipped"}}
+    first = log.append(outlier, leave_out, who="Ada", expected=0, study=read_study(path))
+    result = run_study(path, out)
+    left_out = {row["observation"]: row["youngs_modulus_kpa_std"] for row in result.rows}
+    (found,) = json.loads((out / "summary.json").read_text())["repeatability"]["contact"]
+    with (out / "repeatability.csv").open() as file:
+        lines = [row for row in csv.DictReader(file) if row["quantity"] == "contact_area"]
+    (repeat,) = (row for row in lines if row["level"] == "repeat")
+    assert (found["count"], found["degrees_of_freedom"]) == (11, 9)
+    assert (int(repeat["count"]), int(repeat["degrees_of_freedom"])) == (11, 9)
+    log.append(outlier, {"rejected": "slipped"}, who="Ada", expected=first.id, study=read_study(path))
+    rejected = run_study(path, out)
+    for row in rejected.rows:
+        if row["observation"] != outlier:
+            assert left_out[row["observation"]] == pytest.approx(row["youngs_modulus_kpa_std"])
 
 
 def test_frames_of_a_sequence_are_no_repeats() -> None:

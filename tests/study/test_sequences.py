@@ -12,6 +12,7 @@ from PIL import Image
 from fingerpad.exceptions import StoreError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import write_report
+from fingerpad.report.text import fingers_without_results
 from fingerpad.simulate import SyntheticSequence, render_sequence
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
@@ -22,6 +23,7 @@ from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.sequences import sequence_key
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.output import summary_record
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
@@ -141,6 +143,26 @@ def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:
     assert len(result.failures) == 1
     assert "first frame 8: frames/f8.png" in result.sequences[0].summary.notes[0]
     assert result.failures[0].startswith("p: 2 frames; the first: 8: frames/f8.png")
+
+
+@pytest.mark.parametrize("torn", [False, True])
+def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir: Path, torn: bool) -> None:
+    """Its force begins after its last frame, or no frame can be read."""
+    if torn:
+        for frame in (study_dir / "frames").iterdir():
+            frame.write_bytes(b"torn")
+    out = study_dir / "out"
+    run(study_dir, ("p", CLOCK if torn else CLOCK + "\nstart_s = 100"))
+    result = run_study(study_dir / "study.toml", out, write_report=write_report)
+    (why,) = fingers_without_results(result)
+    assert why.endswith(
+        "was measured" if torn else "no frame of its sequences is a contact under a known force"
+    )
+    assert not result.summaries
+    text = " ".join(methods_section(result).paragraphs)
+    assert "in 1 sequence" in text
+    assert "nan" not in text
+    assert (out / "report.html").exists()
 
 
 @pytest.mark.parametrize(

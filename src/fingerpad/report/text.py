@@ -135,7 +135,14 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
             for words, axis, std in zip(_AXIS_WORDS.values(), finger.semi_axes, stds, strict=True)
         )
         contacts = int(np.count_nonzero(result.rows.column("finger") == finger.name))
-        why = f"none of {counted(contacts, 'contact')} was measured" if contacts else "no contact is given"
+        pressed = any(one.manifest.finger == finger.name for one in result.sequences)
+        why = (
+            f"none of {counted(contacts, 'contact')} was measured"
+            if contacts
+            else "no frame of its sequences is a contact under a known force"
+            if pressed
+            else "no contact is given"
+        )
         yield f"{finger.name}: semi-axes {axes}{'  (synthetic)' if finger.synthetic else ''}; {why}"
         for place in places:
             name, wedge_angle_deg, synthetic = place

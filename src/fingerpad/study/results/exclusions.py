@@ -1,4 +1,4 @@
-"""Which flags of a contact keep it out of pooled results."""
+"""Which contacts count in pooled results, and which flags keep one out of them."""
 
 from typing import Final
 
@@ -45,3 +45,24 @@ def excluding_flags(contact: Contact, measured: Measurement, *, plausible: bool 
         chosen = any((contact.seed_px, contact.mask_px, contact.region_of_interest_px))
         excluding |= POOLED_IF_REVIEWED - ({"several_regions"} if chosen else set())
     return excluding.intersection(measured.flags) | (set() if plausible else {IMPLAUSIBLE_SIZE})
+
+
+def is_pooled(measured: Measurement, excluding: frozenset[str]) -> bool:
+    """Return whether a contact counts in pooled results: as corrected manually, or else by its flags.
+
+    Parameters
+    ----------
+    measured : Measurement
+        What was measured of it, and its manual correction. A failed or rejected one never counts.
+    excluding : frozenset of str
+        Its `excluding_flags`.
+
+    Examples
+    --------
+    >>> faint = frozenset({"low_contrast"})
+    >>> is_pooled(Measurement(), faint), is_pooled(Measurement(pooling=True), faint)
+    (False, True)
+    """
+    if measured.reason is not None or measured.rejected is not None:
+        return False
+    return measured.counts and not excluding if measured.pooling is None else measured.pooling

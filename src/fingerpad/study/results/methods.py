@@ -95,10 +95,11 @@ def _contacts(result: StudyResult) -> Iterator[str]:
     )
     counts = {"single contact": len(study.observations), "sequence": len(study.sequences)}
     contacts = _joined([counted(count, noun) for noun, count in counts.items() if count])
-    loads = _range(result.rows.column("load_N"))
+    load = result.rows.column("load_N")
+    loads = f" of {_range(load)} N" if np.isfinite(load).any() else ""
     sensor = f", measured by {of.force_sensor}" if of.force_sensor else ""
     yield (
-        f"Normal loads of {loads} N{sensor} ({_doubt(100 * std.load_relative_std, ' %')}) were applied "
+        f"Normal loads{loads}{sensor} ({_doubt(100 * std.load_relative_std, ' %')}) were applied "
         f"in {contacts}."
     )
     if moved := " ".join(filter(None, (of.stage and f"by {of.stage}", _velocity(result)))):

@@ -8,11 +8,12 @@ from typing import Any, Final, Self
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad.image import implausible_size
 from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
-from fingerpad.study.results.exclusions import RIDGES_MERGE, excluding_flags
+from fingerpad.study.results.exclusions import RIDGES_MERGE, excluding_flags, is_pooled
 from fingerpad.study.results.model import contact_inputs
 from fingerpad.study.results.table import Places, ResultsTable, numbered
 from fingerpad.uncertainty import (
@@ -153,7 +154,7 @@ def contact_repeatability(
     fingers: Mapping[str, FingerResult],
     seen: Iterable[tuple[Contact, Measurement]],
 ) -> dict[bool, ContactRepeatability]:
-    """Return how the repeats of a study scatter: of its real contacts (False) and of synthetic ones (True).
+    """Return how the pooled repeats of a study scatter: of real contacts (False), of synthetic ones (True).
 
     Parameters
     ----------
@@ -165,9 +166,12 @@ def contact_repeatability(
         What was measured of each contact, observations first.
     """
     known: dict[bool, list[tuple[Any, ...]]] = {False: [], True: []}
+    plausible = {name: not implausible_size(finger.semi_axes).any() for name, finger in fingers.items()}
     for contact, measured in _repeated(study, seen):
-        if measured.reason is None and measured.counts and not excluding_flags(contact, measured):
-            synthetic = contact.synthetic or fingers[contact.finger].synthetic
+        finger = fingers[contact.finger]
+        excluding = excluding_flags(contact, measured, plausible=plausible[contact.finger])
+        if finger.reason is None and is_pooled(measured, excluding):
+            synthetic = contact.synthetic or finger.synthetic
             placed = contact.wedge_angle_deg, contact.roll_angle_deg
             unit = contact.finger, contact.session
             known[synthetic].append((contact, measured, placed, unit))

@@ -16,7 +16,7 @@ from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.columns import COLUMNS, ColumnArray
-from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags
+from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags, is_pooled
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.repeats import ContactRepeatability
@@ -242,7 +242,7 @@ def _described(
         "flags": (" ".join(one.flags) for one in measured),
         "measured_by": (one.measured_by or _measured_by(contact) for contact, one in seen),
         "pooled": (
-            reason is None and (one.counts and not flags if one.pooling is None else one.pooling)
+            reason is None and is_pooled(one, flags)
             for reason, one, flags in zip(reasons, measured, excluding, strict=True)
         ),
         "excluding_flags": (

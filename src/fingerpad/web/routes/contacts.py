@@ -28,7 +28,7 @@ from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
-from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags
+from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags, is_pooled
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, endpoint
@@ -273,11 +273,10 @@ def _pooling(
         return None
     active_correction = opened.corrections.active_correction(item)
     seen = reviewed(measured, active_correction)
-    excluding = sorted(excluding_flags(contact, seen, plausible=plausible))
-    pooled = not excluding if seen.pooling is None else seen.pooling
+    excluding = excluding_flags(contact, seen, plausible=plausible)
     return {
-        "pooled": pooled and seen.rejected is None,
-        "excluding_flags": excluding,
+        "pooled": is_pooled(seen, excluding),
+        "excluding_flags": sorted(excluding),
         "correction": pooling_correction(active_correction),
     }
 
