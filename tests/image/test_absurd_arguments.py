@@ -1,18 +1,24 @@
 """Pictures and arguments that nothing can be measured on: an error that names them, no traceback."""
 
+from contextlib import suppress
 from functools import cache
 
 import numpy as np
 import pytest
 
-from fingerpad.exceptions import FingerpadError, ImageError
+from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, LoadingError
 from fingerpad.image import (
     Frame,
     Scale,
     draw_overlay,
+    guess_subject,
+    measure_coin,
     measure_contact_image,
+    measure_grid,
     measure_photograph,
     measure_sequence,
+    phase_intervals,
+    phases_of,
 )
 from fingerpad.simulate import render_contact_image, render_finger
 
@@ -55,6 +61,11 @@ def contact():
 
 
 @cache
+def whole_contact():
+    return measure_contact_image(contact(), SCALE)
+
+
+@cache
 def finger():
     return render_finger("palmar", semi_axes=(8.0, 9.0), mm_per_px=0.05, seed=1).pixels
 
@@ -64,6 +75,43 @@ def finger():
 def test_pictures_without_a_contact(name, dark_on_light):
     with pytest.raises(ImageError):
         measure_contact_image(PICTURES[name], SCALE, dark_on_light=dark_on_light)
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_pictures_of_nothing(name):
+    for measure in (
+        guess_subject,
+        measure_coin,
+        lambda picture: measure_grid(picture, (3, 3), 1.0),
+        lambda picture: draw_overlay(picture, whole_contact()),
+    ):
+        with suppress(FingerpadError):  # a guess may be made of any picture, but no other error raised
+            measure(PICTURES[name])
+
+
+def test_pictures_of_any_number_type():
+    levels = np.kron(RNG.integers(0, 2, (15, 15)), np.ones((100, 100), int)) * 200
+    for kind in (bool, np.int64, np.uint32, np.float64):
+        assert guess_subject(levels.astype(kind)).subjects.keys() == guess_subject(levels).subjects.keys()
+
+
+@pytest.mark.parametrize("points", [(3.5, 3), (3, np.nan), (3,), 3, "ab", (2, 3)])
+def test_invalid_counts_of_grid_points(points):
+    with pytest.raises(CalibrationError, match="points must be"):
+        measure_grid(contact(), points, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("time", "values"), [([0, 1], [1]), ([1, 0], [0, 1]), ([0, 1], [0, np.nan]), ("ab", [0, 1]), (0, 1)]
+)
+def test_invalid_records_of_phases(time, values):
+    with pytest.raises(LoadingError, match="time|values"):
+        phases_of(time, values)
+
+
+def test_no_record_has_no_phases():
+    assert phases_of([], []).size == 0
+    assert phase_intervals([], []).phase == ()
 
 
 @pytest.mark.parametrize("name", PICTURES)

@@ -1,6 +1,7 @@
 """A person's edits of a contact region, against rendered contacts whose truth is known."""
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import cv2
@@ -280,3 +281,14 @@ def test_invalid_edits(case):
     strokes, ellipse, words = BAD[case]
     with pytest.raises(ImageError, match=words):
         PREPARED.with_corrections(strokes, ellipse)
+
+
+def test_the_edge_and_a_manual_threshold_are_independent():
+    prepared = prepare_contact_image(TRUTH.pixels, PPI_500, threshold=90.0)
+    edge_alone = replace(prepared, _nearby=()).with_corrections()
+    low, high = (
+        measure_contact_image(TRUTH.pixels, PPI_500, threshold=level).values for level in (0.8 * 90, 1.2 * 90)
+    )
+    expected = edge_alone.covariance + np.outer(low - high, low - high) / 4
+    assert prepared.contact_image.covariance == pytest.approx(expected, rel=1e-9)
+    assert prepared.contact_image.edge_offset_std > edge_alone.edge_offset_std

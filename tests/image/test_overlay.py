@@ -88,3 +88,9 @@ def test_other_picture_refused():
 def test_unwritable_path(tmp_path, name):
     with pytest.raises(ImageError, match="cannot be written"):
         write_overlay(tmp_path / name, truth().pixels, found())
+
+
+def test_scale_of_a_small_contact():
+    small = render_contact_image(semi_major=1.2, semi_minor=1.0, ppi=300, seed=2)
+    # The pixels inside the outline differ from its area by as much as their number is small.
+    assert measure_contact_image(small.pixels, Scale.of_ppi(300)).mm_per_px == Scale.of_ppi(300).mm_per_px

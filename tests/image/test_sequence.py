@@ -20,6 +20,7 @@ from fingerpad.image import (
     measure_contact_image,
     measure_sequence,
     open_frames,
+    scan_texture,
     sequence_summary,
 )
 from fingerpad.image.sequence import measure as room
@@ -291,3 +292,30 @@ def test_rendered_area_is_hertz_area(press):
 def test_generator_refused(frames):
     with pytest.raises(ImageError, match="give a list"):
         next(measure_sequence((frame for frame in frames), 25.4 / 300))
+
+
+def test_texture_beside_the_mask_and_of_the_background_is_no_contact():
+    time = np.arange(30) / 10
+    press = render_sequence(np.interp(time, [0, 0.5, 1, 2, 2.5, 3], [0, 0, 2, 2, 0, 0]), seed=4)
+    rows, columns = press.pixels(0).shape
+    label = np.kron(np.indices((rows // 8, 5)).sum(axis=0) % 2, np.ones((8, 8)))[:rows] * 200
+    dirt = 255 - 120 * (np.random.default_rng(1).random((rows, columns)) > 0.7)
+    mask = np.ones((rows, columns + 40), bool)
+    mask[:, :40] = False
+    bare = [press.pixels(k) for k in range(time.size)]
+    flickering, soiled = [], []
+    for k, pixels in enumerate(bare):
+        beside = np.full((rows, 40), 255.0)
+        beside[: len(label)] -= label * (k % 3 == 0)
+        flickering.append(np.hstack([beside, pixels]).astype(np.uint8))
+        soiled.append((pixels * (dirt / 255)).astype(np.float32))
+    truth = textures(bare)
+    assert textures(flickering, mask=mask) == pytest.approx(truth, rel=0.02, abs=1e-3 * truth.max())
+    # Where there is no contact, what is left is noise: dirt that the background shows is divided out.
+    soiled = textures(soiled, background=dirt)
+    assert soiled == pytest.approx(truth, rel=0.2, abs=0.02 * truth.max())
+
+
+def textures(pictures, **place):
+    frames = [Frame(index=k, pixels=pixels) for k, pixels in enumerate(pictures)]
+    return scan_texture(frames, SCALE, **place).texture

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray, non_negative_number, positive_number, real_array, set_fields
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError
+from fingerpad.image._arguments import picture_levels
 from fingerpad.image.inputs import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
 
@@ -273,14 +274,17 @@ def measure_grid(
     >>> print(f"{grid.scale.mm_per_px:.4f} mm/px, residual {grid.residual:.2f} px, flags {grid.flags}")
     0.0500 mm/px, residual 0.00 px, flags ()
     """
-    rows, columns = points
-    if not min(points) >= _MIN_POINTS:
-        raise CalibrationError(f"points must be {_MIN_POINTS} or more each way, found {points}")
+    counts = real_array(points, "points", CalibrationError)
+    if counts.shape != (2,) or not (counts >= _MIN_POINTS).all() or (counts != np.rint(counts)).any():
+        raise CalibrationError(
+            f"points must be two whole numbers, {_MIN_POINTS} or more each way, found {points}"
+        )
+    rows, columns = points = (int(counts[0]), int(counts[1]))
     positive_number(spacing_mm, "spacing_mm", CalibrationError)  # before the picture is read
     non_negative_number(spacing_mm_std, "spacing_mm_std", CalibrationError)
-    grey = np.asarray(grey_levels(image), dtype=np.float32)
-    if grey.ndim != 2 or not grey.size or not np.isfinite(grey).all():
-        raise CalibrationError(f"the picture must be grey and finite, found shape {grey.shape}")
+    grey = picture_levels(grey_levels(image), "image", CalibrationError).astype(np.float32)
+    if grey.ndim != 2 or not grey.size:
+        raise CalibrationError(f"the picture must be grey, (rows, columns), found shape {grey.shape}")
     low, high = float(grey.min()), float(grey.max())
     levels = np.rint((grey - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)
     places = _corners(levels, points) if pattern == "checkerboard" else _dots(levels, points)

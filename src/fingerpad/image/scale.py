@@ -22,9 +22,9 @@ from fingerpad.units import MM_PER_INCH
 
 # What cameras, editors and screens write without measuring.
 PLACEHOLDER_PPI = (72.0, 96.0)
-# Files keep whole dots per inch: half a dot either way, rectangular.
 # Three points less bent than this lie on a line.
 _LEAST_BEND: Final = 1e-3
+# Files keep whole dots per inch: half a dot either way, rectangular.
 _WHOLE_PPI_STD = 0.5 / math.sqrt(3)
 
 

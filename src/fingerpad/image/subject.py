@@ -13,6 +13,7 @@ from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.geometry.faces import Direction, Face, opposite
+from fingerpad.image._arguments import picture_levels
 from fingerpad.image._levels import eight_bit
 from fingerpad.image.coin.measure import measure_coin
 from fingerpad.image.contact_image._texture import LineTexture, line_texture
@@ -93,7 +94,7 @@ def guess_subject(image: ImageLike) -> SubjectGuess:
     >>> next(iter(guess.subjects)), next(iter(guess.faces))
     ('finger', 'distal')
     """
-    levels = np.asarray(colour_levels(image))
+    levels = picture_levels(colour_levels(image), "image")
     if levels.ndim not in {2, 3} or min(levels.shape[:2]) < 2 or (levels.ndim == 3 and levels.shape[2] < 3):
         raise ImageError(f"a picture is (rows, columns) or (rows, columns, 3), found shape {levels.shape}")
     pixels = eight_bit(_reduced(levels[..., :3] if levels.ndim == 3 else levels, _LINES_PX))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from fingerpad._arrays import Float32Array
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
+from fingerpad.image._arguments import picture_levels
 from fingerpad.image._correlation import correlation_length
 from fingerpad.image.coin._circle_detection import (
     Outline,
@@ -186,16 +187,13 @@ def measure_coin(image: ImageLike) -> Coin:
 
 
 def _grey_levels(pixels: npt.ArrayLike) -> Float32Array:
-    array = np.asarray(pixels)
-    if array.ndim != 2 or array.dtype.kind not in "buif" or min(array.shape) < _MIN_SIDE_PX:
+    levels = picture_levels(pixels, "pixels", CalibrationError)
+    if levels.ndim != 2 or min(levels.shape) < _MIN_SIDE_PX:
         raise CalibrationError(
             f"pixels must be a grey (rows, columns) image of {_MIN_SIDE_PX} px or more, "
-            f"found shape {array.shape}"
+            f"found shape {levels.shape}"
         )
-    values = array.astype(np.float32)
-    if not np.isfinite(values).all():
-        raise CalibrationError("pixels hold NaN or infinite values: fill them first")
-    return values
+    return levels.astype(np.float32)
 
 
 def _smooth(image: Float32Array) -> Float32Array:

@@ -88,6 +88,7 @@ def assemble_result(
         overlap=contact.overlap,
         noise_covariance=contact.noise_covariance * np.outer(units, units),
         edge_effect=contact.edge_effect * units,
+        mm_per_px=scale.mm_per_px,
         scale_effect=powers * scale.relative_std * values,
         threshold=_median_level(ridged.level, patch),
         contrast=signal.contrast,

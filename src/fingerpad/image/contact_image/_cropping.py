@@ -50,7 +50,7 @@ def crop_image(
     mask: npt.ArrayLike | None,
     region_of_interest: tuple[int, int, int, int] | None,
 ) -> CroppedImage:
-    """Check the picture and what limits it, and crop it.
+    """Check the picture and what limits it, and crop it; it may be blank.
 
     Raises
     ------
@@ -70,22 +70,20 @@ def crop_image(
         if ground.shape != shape:
             raise ImageError(f"background must have the picture's shape {shape}, found {ground.shape}")
         part = _divide_by_background(part, _finite(ground[box], "background"))
-    low, high, _, _ = cv2.minMaxLoc(part)
-    if not high - low > _MIN_RANGE:
-        raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
     return CroppedImage(pixels=part, inside=inside, corner=(box[0].start, box[1].start), shape=shape)
 
 
-def crop_grey(pixels: npt.ArrayLike, region_of_interest: tuple[int, int, int, int] | None) -> Pixels:
-    """Check a picture and crop it to the region of interest.
+def check_not_blank(pixels: Pixels) -> None:
+    """Refuse a picture of one level.
 
     Raises
     ------
     ImageError
-        If it is not as `measure_contact_image` requires.
+        If it is blank.
     """
-    values = _grey(pixels, "pixels")
-    return _finite(values[_box(region_of_interest, (values.shape[0], values.shape[1]))], "pixels")
+    low, high, _, _ = cv2.minMaxLoc(pixels)
+    if not high - low > _MIN_RANGE:
+        raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
 
 
 def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:

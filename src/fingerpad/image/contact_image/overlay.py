@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import as_float_array
 from fingerpad.exceptions import ImageError
+from fingerpad.image._arguments import picture_levels
 from fingerpad.image._canvas import (
     PAPER,
     Canvas,
@@ -86,7 +87,7 @@ def draw_overlay(
     width = max(2, round(max(canvas.shape) / 600))
     _draw_region(canvas, contact_image, zoom, width)
     _draw_ellipse(canvas, contact_image, zoom, width)
-    draw_scale_bar(canvas, _mm_per_px(contact_image) / zoom, width)
+    draw_scale_bar(canvas, contact_image.mm_per_px / zoom, width)
     if label:
         write_text(canvas, label, (3 * width, 0), width)
     return canvas
@@ -134,17 +135,13 @@ def write_overlay(
 
 
 def _stretch_levels(pixels: npt.ArrayLike) -> Canvas:
-    values = np.asarray(pixels)
+    values = picture_levels(pixels, "pixels")
     if values.ndim != 2 or not values.size:
         raise ImageError(f"pixels must be a grey (rows, columns) array, found shape {values.shape}")
     if values.dtype == np.uint8:
         return values
     low, high = float(values.min()), float(values.max())
     return np.rint((values - low) * (255 / max(high - low, 1e-30))).astype(np.uint8)
-
-
-def _mm_per_px(contact_image: ContactImageResult) -> float:
-    return math.sqrt(contact_image.gross_area / np.count_nonzero(contact_image.region))
 
 
 def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float, strength: float) -> Canvas:
@@ -173,7 +170,7 @@ def _draw_region(canvas: Canvas, contact_image: ContactImageResult, zoom: float,
 
 
 def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
-    mm_per_px = _mm_per_px(contact_image)
+    mm_per_px = contact_image.mm_per_px
     ellipse = ImageEllipse(
         centre=contact_image.centroid,
         semi_axes=(

@@ -14,7 +14,7 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import longest_contour
 from fingerpad.image.contact_image._assemble import LOW_CONTRAST, ContactRegion, RidgeImage, assemble_result
-from fingerpad.image.contact_image._cropping import crop_image
+from fingerpad.image.contact_image._cropping import check_not_blank, crop_image
 from fingerpad.image.contact_image._patch import trace_patch
 from fingerpad.image.contact_image._period import ridge_period_px
 from fingerpad.image.contact_image._region import (
@@ -156,7 +156,7 @@ class PreparedContactImage(Displayed):
             with suppress(ImageError):
                 other = self._measure(nearby, strokes, ellipse)
                 row[:] = other.values
-        return replace(result, edge_effect=np.hypot(result.edge_effect, (values[0] - values[1]) / 2))
+        return _with_shared_effect(result, (values[0] - values[1]) / 2)
 
     def _measure(
         self, found: Detection, strokes: Sequence[RegionEdit], ellipse: ImageEllipse | None
@@ -232,6 +232,7 @@ def prepare_contact_image(
         ):
             raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
     frame = crop_image(pixels, background=background, mask=mask, region_of_interest=region_of_interest)
+    check_not_blank(frame.pixels)
     expected = (ridge_period or _NOMINAL_RIDGE_PERIOD_MM) / scale.mm_per_px
     found = expected if ridge_period else ridge_period_px(frame.pixels, frame.inside, expected)
     resolved = math.isfinite(found)
@@ -251,6 +252,22 @@ def prepare_contact_image(
     levels = [threshold] if threshold is None else [threshold, *_nearby_levels(threshold)]
     first, *nearby = (_detect(view, signal, found, level, seed=seed, reason=reason) for level in levels)
     return PreparedContactImage(scale=scale, reason=first.reason, _found=first, _nearby=tuple(nearby))
+
+
+def _with_shared_effect(result: ContactImageResult, effect: FloatArray) -> ContactImageResult:
+    """Add a second, independent effect that images of one device share to that of the edge.
+
+    One vector cannot hold both exactly: it gets the direction in which most of their sum lies, relative to
+    the values, and what is left counts as the image's own, so that the covariance is that of the sum.
+    """
+    size = np.where(result.values > 0, result.values, 1.0)
+    both = np.array([result.edge_effect, effect]) / size
+    _, strength, directions = np.linalg.svd(both, full_matrices=False)
+    shared, rest = strength[:, None] * directions * size
+    shared = shared if shared[0] >= 0 else -shared
+    return replace(
+        result, edge_effect=shared, noise_covariance=result.noise_covariance + np.outer(rest, rest)
+    )
 
 
 def _nearby_levels(threshold: float) -> tuple[float, float]:

@@ -89,6 +89,8 @@ class ContactImageResult(Recorded):
     edge_effect : ndarray, shape (4,)
         Change of the same by one standard uncertainty of the edge's place, which images of one device share:
         a wider edge displaces both semi-axes by as much.
+    mm_per_px : float
+        Length of a pixel's side in the picture, mm.
     scale_effect : ndarray, shape (4,)
         Change of the same by one standard uncertainty of the scale.
     threshold : float
@@ -126,6 +128,7 @@ class ContactImageResult(Recorded):
     overlap: float
     noise_covariance: FloatArray
     edge_effect: FloatArray
+    mm_per_px: float
     scale_effect: FloatArray
     threshold: float
     contrast: float

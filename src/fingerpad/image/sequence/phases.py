@@ -42,6 +42,11 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
     ndarray of int8, shape (n,)
         Indices into `PHASES`.
 
+    Raises
+    ------
+    LoadingError
+        If the record is not as described.
+
     Examples
     --------
     >>> time = np.linspace(0, 5, 101)
@@ -49,7 +54,16 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
     >>> [PHASES[k] for k in phases_of(time, load)][10::20]
     ['before', 'loading', 'hold', 'unloading', 'after']
     """
-    time, values = as_float_array(time), as_float_array(values)
+    time = real_array(time, "time", LoadingError)
+    values = real_array(values, "values", LoadingError)
+    if time.ndim != 1 or time.shape != values.shape:
+        raise LoadingError(
+            f"time and values must have one entry a sample, found shapes {time.shape} and {values.shape}"
+        )
+    if not (np.isfinite(time).all() and np.isfinite(values).all() and (np.diff(time) > 0).all()):
+        raise LoadingError("time must be finite and strictly increasing, and values finite")
+    if not time.size:
+        return np.empty(0, dtype=np.int8)
     labels = np.full(time.size, _BEFORE, dtype=np.int8)
     values = _moving_average(values, _window(values.size, _SMOOTHING / 2))
     low, high = float(values.min()), float(values.max())
@@ -152,7 +166,7 @@ def phase_intervals(time: ArrayLike, values: ArrayLike) -> PhaseIntervals:
     changes = np.flatnonzero(np.diff(labels, prepend=np.int8(_BEFORE)))
     earlier = np.concatenate([[-np.inf], time])[changes]
     # A record that begins in contact has no time before.
-    start = np.where(np.isfinite(earlier), earlier, np.nextafter(time[0], -np.inf))
+    start = np.where(np.isfinite(earlier), earlier, np.nextafter(time[:1], -np.inf))
     return PhaseIntervals(start, [PHASES[label] for label in labels[changes]])
 
 

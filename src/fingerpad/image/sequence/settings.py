@@ -14,7 +14,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import Pixels
-from fingerpad.image.contact_image._cropping import crop_grey
+from fingerpad.image.contact_image._cropping import crop_image
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
@@ -249,10 +249,22 @@ def texture_of(pixels: Pixels, scale: Scale, place: MeasurementRegion) -> float:
     Raises
     ------
     ImageError
-        If it is not a grey picture, or the region of interest misses it.
+        If it is not a grey picture, or what limits it does not fit it.
     """
-    values = crop_grey(pixels, place.get("region_of_interest")).astype(np.float32)
+    part = crop_image(
+        pixels,
+        background=place.get("background"),
+        mask=place.get("mask"),
+        region_of_interest=place.get("region_of_interest"),
+    )
+    values = part.pixels.astype(np.float32)
     # In a picture narrower than the window all that differs from its mean is texture.
     side = 2 * round(min(_TEXTURE_WINDOW_MM / scale.mm_per_px, 2 * max(values.shape)) / 2) + 1
-    fine = values - cv2.blur(values, (side, side))
+    if part.inside is None:
+        fine = values - cv2.blur(values, (side, side))
+        return float(np.mean(fine * fine))
+    # The mean of each window is that of its pixels inside the mask, whatever flickers beside it.
+    inside = part.inside.astype(np.float32)
+    near = cv2.blur(values * inside, (side, side)) / np.maximum(cv2.blur(inside, (side, side)), 1e-9)
+    fine = (values - near)[part.inside]
     return float(np.mean(fine * fine))
