@@ -120,10 +120,14 @@ def test_workers_end_with_a_killed_run(manifest: Path, tmp_path: Path) -> None:
 
 
 def workers_of(parent: int) -> list[str]:
-    found = subprocess.run(
-        ["pgrep", "-P", str(parent), "-f", "engine.worker"], capture_output=True, text=True
-    )
-    return found.stdout.split()
+    """Return the process numbers of the workers that a process started."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # it may end at any moment
+            after_name = (process / "stat").read_text().rpartition(")")[2].split()
+            if int(after_name[1]) == parent and b"engine.worker" in (process / "cmdline").read_bytes():
+                found.append(process.name)
+    return found
 
 
 def stored(out: Path) -> int:
