@@ -33,7 +33,7 @@ _BLIND = 'mount -t tmpfs none "$0" && exec "$@"'
 
 @pytest.fixture(autouse=True)
 def patience(small_pieces: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "_WAIT_S", 15)
+    monkeypatch.setattr(cluster, "_WAIT_S", 120)
 
 
 @pytest.fixture(scope="module")
