@@ -139,9 +139,9 @@ def _stretch_levels(pixels: npt.ArrayLike) -> Canvas:
     if values.ndim != 2 or not values.size:
         raise ImageError(f"pixels must be a grey (rows, columns) array, found shape {values.shape}")
     if values.dtype == np.uint8:
-        return values
+        return np.asarray(values, dtype=np.uint8)
     low, high = float(values.min()), float(values.max())
-    return np.rint((values - low) * (255 / max(high - low, 1e-30))).astype(np.uint8)
+    return np.asarray(np.rint((values - low) * (255 / max(high - low, 1e-30))), dtype=np.uint8)
 
 
 def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float, strength: float) -> Canvas:
