@@ -146,7 +146,13 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         (
             'title = "T"\n[[fingers]]\nname = "f"\n'
             'photographs = [{ face = "palmar", outline = "a.csv", tip = "up", scale = { ppi = 500 } }]',
-            "beside an outline there is no use for scale, tip",
+            "beside an outline there is no use for tip",
+        ),
+        (
+            'title = "T"\n[[fingers]]\nname = "f"\n'
+            'photographs = [{ face = "palmar", outline = "a.csv", outline_relative_std = 0.01, '
+            "scale = { ppi = 500 } }]",
+            "beside an outline there is no use for outline_relative_std",
         ),
         (
             VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30',

@@ -48,11 +48,11 @@ class Photograph(ManifestModel):
     outline: str | None = None
     """CSV file of outline points, `x_mm,y_mm`, in place of a photograph."""
     outline_relative_std: RelativeStd = 0.0
-    """Relative standard uncertainty of the outline's scale."""
+    """Relative standard uncertainty of the outline's scale, where `scale` does not name it."""
     file: str | None = None
     """The photograph."""
     scale: ScaleKey | None = None
-    """Name of a scale, or a table of its own."""
+    """Name of a scale, or a table of its own; of an outline, the one that its millimetres were made with."""
     tip: Side = "up"
     """Where the fingertip points in the photograph."""
     palmar_side: Side | None = None
@@ -68,7 +68,7 @@ class Photograph(ManifestModel):
             raise ValueError("give either outline or file, one of the two")
         if self.file is not None and self.scale is None:
             raise ValueError("an image needs its scale, as in scale = { ppi = 500 }")
-        ours = {"face", "synthetic", "outline", "outline_relative_std"}
+        ours = {"face", "synthetic", "outline", "scale" if self.scale else "outline_relative_std"}
         idle = (
             self.model_fields_set - ours if self.outline else self.model_fields_set & {"outline_relative_std"}
         )

@@ -123,7 +123,10 @@ class Study(ManifestModel):
             *(
                 f"the scale of the outlines of {finger.name}"
                 for finger in self.fingers
-                if any(one.outline and not one.outline_relative_std for one in finger.photographs)
+                if any(
+                    one.outline and one.scale is None and not one.outline_relative_std
+                    for one in finger.photographs
+                )
             ),
             *(
                 f"R_g of {curve.finger} at {curve.wedge_angle_deg:g}°"

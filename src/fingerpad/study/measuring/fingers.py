@@ -318,6 +318,20 @@ def outline_radii(found: PhotographFit) -> tuple[tuple[float, float, float], ...
     return tuple(one for one in radii if math.isfinite(one[1]))
 
 
+def outline_face(photograph: Photograph, scale: FoundScale | None, folder: Path) -> FaceSemiAxes:
+    """Return the semi-axes of a face from points of its outline, and the scale that they were made with.
+
+    Raises
+    ------
+    FingerpadError
+        If the file or its points cannot be used.
+    """
+    assert photograph.outline is not None
+    relative_std = photograph.outline_relative_std if scale is None else scale.scale.relative_std
+    face = face_from_outline(photograph.face, read_outline(folder / photograph.outline), relative_std)
+    return face if scale is None else replace(face, scale=scale.name)
+
+
 def _face(
     photograph: Photograph,
     scales: Scales,
@@ -326,8 +340,8 @@ def _face(
 ) -> tuple[FaceSemiAxes, PhotographResult | None]:
     """Return what is known of one face."""
     if photograph.outline is not None:
-        points = read_outline(folder / photograph.outline)
-        return face_from_outline(photograph.face, points, photograph.outline_relative_std), None
+        own = None if photograph.scale is None else require_scale(scales[scale_key(photograph.scale)])
+        return outline_face(photograph, own, folder), None
     assert record is not None  # each photograph was measured
     assert photograph.scale is not None
     if record.get("reason") is not None:

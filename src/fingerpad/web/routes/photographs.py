@@ -15,16 +15,20 @@ from fingerpad.image import (
     OutlineSemiAxes,
     PhotographFit,
     combine_faces,
-    face_from_outline,
     photograph_from_handles,
-    read_outline,
     with_marked_points,
 )
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.history import is_rejected
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
-from fingerpad.study.measuring.fingers import FingerResult, finger_from_faces, outline_radii, photograph_item
+from fingerpad.study.measuring.fingers import (
+    FingerResult,
+    finger_from_faces,
+    outline_face,
+    outline_radii,
+    photograph_item,
+)
 from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, Point, endpoint
 from fingerpad.web.errors import RequestError
@@ -218,8 +222,8 @@ def _faces(
         elif is_rejected(opened.corrections.active_correction(own)):
             continue
         elif one.outline is not None:
-            points = read_outline(opened.folder / one.outline)
-            faces[own] = face_from_outline(one.face, points, one.outline_relative_std)
+            known = None if one.scale is None else scale_of(opened, one.scale)
+            faces[own] = outline_face(one, known, opened.folder)
         else:
             faces[own] = replace(_stored_fit(opened, own, one).face_semi_axes, scale=scale)
     return faces
