@@ -1,6 +1,7 @@
 """Measuring by the workers of a Dask scheduler: a real one, and worker processes that it reaches over TCP."""
 
 import os
+import re
 import shutil
 import signal
 import socket
@@ -180,13 +181,30 @@ def test_a_killed_scheduler_costs_only_what_was_in_hand(
     assert again[0].pictures >= reported[-1].pictures > reported[0].pictures
 
 
-def test_workers_that_do_not_see_the_study_are_sent_its_bytes(
-    small_run: Path, undisturbed: list[dict], tmp_path: Path, workers: Workers
+def test_a_worker_that_does_not_see_the_study_is_refused_by_its_name(
+    small_study: Path, tmp_path: Path, workers: Workers
 ) -> None:
-    manifest = copy_unfinished(small_run, tmp_path / "study", "o0", "g/palmar.jpg", "p")
-    out = Path(shutil.move(manifest.parent / "out", tmp_path / "out"))
+    manifest = copy(small_study, tmp_path / "study")
     workers.start_alone(blind_to=manifest.parent)
-    assert run(manifest, out, workers.address) == undisturbed
+    words = refusal(manifest, tmp_path / "out", workers.address)
+    assert re.search(
+        rf"worker tcp://\S+ on {socket.gethostname()} does not see {manifest}: put the study", words
+    )
+    assert "or stop that worker" in words
+
+
+def test_a_worker_that_comes_later_and_does_not_see_the_study_is_refused_too(
+    small_study: Path, tmp_path: Path, workers: Workers, scheduler: Scheduler
+) -> None:
+    manifest = copy(small_study, tmp_path / "study")
+    workers.start_alone(path=str(Path(__file__).parents[2]))
+    task = Task(name="a", item="a", file="o0.png", key="k", work=crash, inputs=())
+    with cluster.cluster_executor(manifest, 1, workers.address, Limits()) as executor:
+        workers.start_alone(path=str(Path(__file__).parents[2]), blind_to=manifest.parent)
+        assert wait_until(lambda: scheduler.workers() == 2)
+        end(workers.started[0])
+        with pytest.raises(ClusterError, match=r"worker tcp://\S+ on \S+ does not see"):
+            executor.submit(task).result(60)
 
 
 def test_a_worker_of_another_version_is_refused_by_its_name(
@@ -239,14 +257,11 @@ def test_a_task_that_crashes_is_named_and_costs_no_worker(
     assert result.record["reason"].startswith("a.png: the process that measured it crashed twice")
 
 
-@pytest.mark.parametrize("inputs", [(), ("study.toml",)])
-def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(
-    made: Path, workers: Workers, inputs: tuple[str, ...]
-) -> None:
+def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(made: Path, workers: Workers) -> None:
     workers.start_alone()
-    task = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=inputs)
+    task = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=())
     with Client(workers.address, set_as_default=False) as client:
-        executor = cluster.ClusterExecutor(client, made.parent, Limits(), sends=True)
+        executor = cluster.ClusterExecutor(client, made, Limits())
         client.close()
         assert executor.capacity == 2
         with pytest.raises(ClusterError, match="the scheduler is gone.*run again"):

@@ -16,6 +16,7 @@ from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.study.engine.runner import records_of, run_plans
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.engine.worker import Worker
 
 
 def process(_folder: Path, _out: Path) -> Record:
@@ -52,6 +53,11 @@ def endless(_folder: Path, _out: Path) -> Record:
         time.sleep(1)
 
 
+def lasting(_folder: Path, _out: Path) -> Record:
+    time.sleep(1)
+    return {"process": os.getpid()}
+
+
 def greedy(_folder: Path, _out: Path) -> Record:
     return {"sum": float(np.ones((1 << 30,)).sum())}  # 8 GB
 
@@ -68,11 +74,12 @@ def drawing(_folder: Path, out: Path) -> Record:
 
 
 def task(number: int, work=process) -> Task:
-    return Task(name=str(number), item="", file=f"file {number}", key="", work=work, inputs=())
+    return Task(name=str(number), item="", file=f"file {number}", key="k", work=work, inputs=())
 
 
 def records(folder: Path, *works, workers: int = 1, limits: Limits = DEFAULT_LIMITS) -> list[Record]:
     tasks = [task(number, work) for number, work in enumerate(works)]
+    folder.mkdir(exist_ok=True)
     with (
         Store.writing(folder / STORE_NAME) as store,
         local_executor(folder, workers, limits) as executor,
@@ -138,6 +145,32 @@ def test_a_task_that_takes_too_much_memory_fails_by_name(tmp_path: Path) -> None
     found = records(tmp_path, greedy, process, limits=Limits(memory_gb=0.5))
     assert found[0]["reason"].startswith("file 0: measuring it takes more than 0.5 GB of memory")
     assert "reason" not in found[1]
+
+
+def test_a_time_limit_that_runs_out_just_after_the_answer_costs_no_later_task(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ran_out = threading.Event()
+    ask, end_late = Worker._ask, Worker._end_late
+
+    def answered_in_time(worker: Worker, question: object) -> object:
+        answer = ask(worker, question)
+        assert ran_out.wait(60)
+        return answer
+
+    def end_after_a_moment(worker: Worker) -> None:
+        ran_out.set()
+        time.sleep(0.3)
+        end_late(worker)
+
+    monkeypatch.setattr(Worker, "_ask", answered_in_time)
+    monkeypatch.setattr(Worker, "_end_late", end_after_a_moment)
+    (first,) = records(tmp_path / "first", process, limits=Limits(seconds=0.1))
+    monkeypatch.undo()
+    (second,) = records(tmp_path / "second", lasting)
+    assert "reason" not in first
+    assert "reason" not in second
+    assert second["process"] != first["process"]
 
 
 def test_a_full_disk_ends_the_run(tmp_path: Path) -> None:

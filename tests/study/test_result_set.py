@@ -1,5 +1,6 @@
 """The files of a run are put in place as one, and reading them detects files that do not belong."""
 
+import hashlib
 import os
 import shutil
 import signal
@@ -10,12 +11,15 @@ from typing import Any
 
 import pytest
 from filelock import FileLock
+from PIL import Image
 from tests.study.small_study import PICTURES, copy
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.report import write_report
+from fingerpad.simulate import render_finger
+from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
@@ -219,6 +223,13 @@ def test_a_damaged_list_is_named(study: Path, damage: bytes) -> None:
     assert result_set_faults(study / "out")[0].startswith("SHA256SUMS: is damaged")
 
 
+def test_a_list_that_names_a_file_twice_is_damaged(study: Path) -> None:
+    path = study / "out" / "SHA256SUMS"
+    first, *lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join([first.replace(first.split()[1], lines[0].split()[1]), *lines]))
+    assert result_set_faults(study / "out") == ["SHA256SUMS: is damaged"]
+
+
 def test_results_without_a_list_are_no_results(study: Path) -> None:
     (study / "out" / "SHA256SUMS").unlink()
     result = CliRunner().invoke(app, ["export", str(study / "out"), str(study / "r.mat")])
@@ -278,3 +289,57 @@ def test_files_of_the_results_never_share_a_name(small_study: Path, tmp_path: Pa
     shown += [one.file for sequence in result.sequences for one in sequence.overlays]
     assert len(set(shown)) == len(shown) >= PICTURES + 2 + 3
     assert set(shown) <= set(result_files(tmp_path / "out"))
+
+
+TWO_FACES = """title = "T"
+[[fingers]]
+name = "f"
+synthetic = true
+photographs = [
+    {{ face = "palmar", file = "{0}", scale = {{ mm_per_px = 0.1 }}, synthetic = true }},
+    {{ face = "distal", file = "distal.jpg", scale = {{ mm_per_px = 0.1 }}, synthetic = true }},
+    {{ face = "palmar", file = "{1}", scale = {{ mm_per_px = 0.1 }}, synthetic = true }},
+]
+"""
+
+
+def test_each_photograph_keeps_an_overlay_of_its_own(small_study: Path, tmp_path: Path) -> None:
+    """Whatever its place in the list; what a second run draws changes no file of the first."""
+    shutil.copy(small_study.parent / "distal.jpg", tmp_path)
+    for number, name in enumerate(("a.png", "b.png", "c.png")):
+        Image.fromarray(render_finger("palmar", mm_per_px=0.1, seed=number).pixels).save(tmp_path / name)
+    manifest, out = tmp_path / "study.toml", tmp_path / "out"
+
+    def run(*files: str) -> tuple[dict[str, str], list[str]]:
+        """Run the study of these palmar photographs; return each one's overlay, and what was measured."""
+        manifest.write_text(TWO_FACES.format(*files))
+        reported: list[Progress] = []
+        result = run_study(manifest, out, on_progress=reported.append)
+        photographs = result.fingers["f"].photographs
+        overlays = {str(one.manifest.file): one.overlay for one in photographs}
+        return overlays, [one.item for one in reported if one.status == "done"]
+
+    first, _ = run("a.png", "b.png")
+    shown = {name: (out / overlay).read_bytes() for name, overlay in first.items()}
+    os.link(out / first["b.png"], tmp_path / "kept.png")  # as a copy of the results made of links
+    second, measured = run("b.png", "c.png")
+    assert measured == ["f/c.png"]
+    assert (out / second["b.png"]).read_bytes() == shown["b.png"] == (tmp_path / "kept.png").read_bytes()
+    assert (out / second["c.png"]).read_bytes() != shown["b.png"]
+    assert run("b.png", "c.png")[1] == []
+    assert result_set_faults(out) == []
+
+
+def test_no_file_of_a_result_set_is_written_over_another(study: Path) -> None:
+    out = study / "out"
+    before = contents(out)
+    digests = {name: hashlib.sha256(content).hexdigest() for name, content in before.items()}
+
+    def add_twice() -> None:
+        with Store.writing(out / STORE_NAME) as store, new_result_set(store) as new:
+            for name in ("results.csv", "summary.json"):
+                new.add("a.csv", out / name, digests[name])
+
+    with pytest.raises(FingerpadError, match="results before it are kept"):
+        add_twice()
+    assert contents(out) == before

@@ -2,6 +2,7 @@
 
 import shutil
 import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
@@ -80,10 +82,15 @@ def study_dir(untouched: Path, plain: StudyResult, tmp_path: Path) -> Path:
     return Path(shutil.copytree(untouched, tmp_path / "study"))
 
 
-def run(folder: Path, *sequences: tuple[str, str], more: str = "") -> StudyResult:
+def run(
+    folder: Path,
+    *sequences: tuple[str, str],
+    more: str = "",
+    on_progress: Callable[[Progress], None] = lambda _: None,
+) -> StudyResult:
     text = MANIFEST + "".join(SEQUENCE % sequence for sequence in sequences) + more
     (folder / "study.toml").write_text(text)
-    return run_study(folder / "study.toml", folder / "out")
+    return run_study(folder / "study.toml", folder / "out", on_progress=on_progress)
 
 
 def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticSequence) -> None:
@@ -191,8 +198,10 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(
         '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 1\n'
         "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }\n"
     )
-    result = run(study_dir, ("p", keys), more=ellipse)
+    reported: list[Progress] = []
+    result = run(study_dir, ("p", keys), more=ellipse, on_progress=reported.append)
     assert [row["status"] for row in result.rows] == ["measured", "failed"]
+    assert (reported[-1].pictures, reported[-1].failed) == (reported[-1].total, 1)
     assert reason in result.rows[1]["reason"]
     assert "#" not in result.rows[1]["observation"]
     if not keys:

@@ -1,19 +1,17 @@
 """Measuring on many machines: the workers of a Dask scheduler.
 
-Workers that see the study folder under the path that it has here read it themselves; the files of each task
-are sent to others. A worker must run the very code that this process runs. It performs each task in a child
-process, within the same limits as on one machine.
+Workers read the study folder themselves, under the path that it has here, and run the very code that this
+process runs. Each performs a task in a child process, within the same limits as on one machine.
 """
 
 import logging
 import math
 import re
-from collections import OrderedDict
+import socket
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from threading import Thread
 from time import monotonic
 from typing import Any, Final
@@ -27,18 +25,15 @@ from fingerpad.study.engine.worker import IsolatedRunner
 _ADDRESS: Final = re.compile(r"((tcp|tls|ws|wss|ucx)://)?([\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1,5}")
 _WAIT_S: Final = 30
 _COUNT_AGAIN_S: Final = 5
-# Files of so many tasks stay with the workers: the pieces of a sequence follow one another.
-_KEPT: Final = 4
 _GONE: Final = "the scheduler is gone: what was measured is kept; start it again and run again to go on"
 
 
 class ClusterExecutor:
     """The workers of a Dask scheduler."""
 
-    def __init__(self, client: Any, folder: Path, limits: Limits, *, sends: bool) -> None:
+    def __init__(self, client: Any, manifest: Path, limits: Limits) -> None:
         self.limits = limits
-        self._client, self._folder, self._sends = client, folder, sends
-        self._sent: OrderedDict[tuple[str, ...], Any] = OrderedDict()
+        self._client, self._manifest = client, manifest
         self._counted, self._threads = -math.inf, 1
         self._last_seen = monotonic()
 
@@ -67,28 +62,14 @@ class ClusterExecutor:
 
     def submit(self, task: Task) -> Future[TaskResult]:
         """Hand a task to the scheduler."""
-        files = self._files(task) if self._sends else None
         with _connected(self._client):
             remote = self._client.submit(
-                _perform_there, task, str(self._folder), self.limits, working_code(), files, pure=False
+                _perform_there, task, str(self._manifest), self.limits, working_code(), pure=False
             )
         future: Future[TaskResult] = Future()
         future.set_running_or_notify_cancel()  # an interrupt waits for what is at work
         when_done(remote, lambda done: _pass_on(done, future, task.file, self.limits))
         return future
-
-    def _files(self, task: Task) -> Any:
-        """Return the files of a task, sent to the workers once for all tasks that share them."""
-        if not task.inputs:
-            return {}
-        if task.inputs not in self._sent:
-            content = {name: _read(self._folder / name) for name in task.inputs}
-            with _connected(self._client):
-                self._sent[task.inputs] = self._client.scatter(content, hash=False)
-            while len(self._sent) > _KEPT:
-                self._sent.popitem(last=False)
-        self._sent.move_to_end(task.inputs)
-        return self._sent[task.inputs]
 
 
 @contextmanager
@@ -116,7 +97,7 @@ def cluster_executor(
     Parameters
     ----------
     manifest : Path
-        The study's manifest; workers that can read it here are taken to see the whole study folder.
+        The study's manifest, whose folder each worker sees under the same path.
     workers : int
         Number of worker processes of a scheduler that is started here.
     scheduler : str
@@ -128,7 +109,7 @@ def cluster_executor(
     ------
     ClusterError
         If Dask is not installed, the address is none, the scheduler does not answer, it has no worker, or a
-        worker lacks this version of fingerpad.
+        worker lacks this version of fingerpad or does not see the study folder.
     """
     if scheduler != "local" and not _ADDRESS.fullmatch(scheduler):
         raise ClusterError(
@@ -170,8 +151,9 @@ def cluster_executor(
             raise ClusterError(
                 f"{scheduler}: has no worker: start some with `dask worker {scheduler} --nthreads 1`"
             ) from error
-        folder = manifest.absolute().parent
-        yield ClusterExecutor(client, folder, limits, sends=not _all_see(client, manifest.absolute()))
+        manifest = manifest.absolute()
+        _require_fit(client, manifest)
+        yield ClusterExecutor(client, manifest, limits)
 
 
 @contextmanager
@@ -210,64 +192,48 @@ def _pass_on(remote: Any, future: Future[TaskResult], file: str, limits: Limits)
             future.set_exception(error)
 
 
-def _all_see(client: Any, manifest: Path) -> bool:
-    """Tell whether all workers see the study folder, once all are known to run this code."""
+def _require_fit(client: Any, manifest: Path) -> None:
+    """Raise `ClusterError` if a worker has another fingerpad, or does not see the study folder."""
     ours = fingerpad.__version__
 
     # Defined here so that it travels as it stands, to workers that may not have fingerpad at all.
-    def look(path: str) -> tuple[str | None, bool]:
+    def look(path: str) -> tuple[str | None, str, bool]:
+        import socket
         from importlib import metadata
         from pathlib import Path
 
         try:
             version = metadata.version("fingerpad")
         except metadata.PackageNotFoundError:
-            return None, False
-        return version, Path(path).is_file()
+            version = None
+        return version, socket.gethostname(), Path(path).is_file()
 
-    found = client.run(look, str(manifest))
-    wrong = {address: version for address, (version, _) in found.items() if version != ours}
-    if wrong:
-        address, version = next(iter(wrong.items()))
-        what = "no fingerpad" if version is None else f"fingerpad {version}"
-        raise ClusterError(f"worker {address} has {what}, this is {ours}: install {ours} there")
-    return all(sees for _, sees in found.values())
+    for address, (version, host, sees) in client.run(look, str(manifest)).items():
+        if version != ours:
+            what = "no fingerpad" if version is None else f"fingerpad {version}"
+            raise ClusterError(f"worker {address} has {what}, this is {ours}: install {ours} there")
+        if not sees:
+            raise ClusterError(_not_seen(address, host, manifest))
 
 
-def _perform_there(
-    task: Task, folder: str, limits: Limits, code: str, files: dict[str, Any] | None
-) -> TaskResult:
-    """Perform a task on a worker."""
+def _not_seen(address: str, host: str, manifest: Path) -> str:
+    return (
+        f"worker {address} on {host} does not see {manifest}: put the study on a drive that {host} has under "
+        "the same path, or stop that worker"
+    )
+
+
+def _perform_there(task: Task, manifest: str, limits: Limits, code: str) -> TaskResult:
+    """Perform a task on a worker, which may have come after the run began."""
     from distributed import get_worker
 
-    worker = get_worker()
+    address = get_worker().address
     if working_code() != code:
         raise ClusterError(
-            f"worker {worker.address} has another fingerpad than this ({fingerpad.__version__} there, with "
+            f"worker {address} has another fingerpad than this ({fingerpad.__version__} there, with "
             "other code): install the same there"
         )
-    if files is None:
-        if not Path(folder).is_dir():
-            raise ClusterError(f"worker {worker.address} does not see {folder}: share it, or stop the worker")
-        return IsolatedRunner(Path(folder), limits).perform(task)
-    with TemporaryDirectory(prefix="study-", dir=worker.local_directory) as here:
-        for name, content in files.items():
-            _write(Path(here) / name, content)
-        return IsolatedRunner(Path(here), limits).perform(task)
-
-
-def _read(path: Path) -> Any:
-    """Return the bytes of a file, or those of a folder's files by their names."""
-    if path.is_dir():
-        return {item.name: item.read_bytes() for item in path.iterdir() if item.is_file()}
-    return path.read_bytes()
-
-
-def _write(path: Path, content: Any) -> None:
-    if isinstance(content, dict):
-        path.mkdir(parents=True, exist_ok=True)
-        for name, inner in content.items():
-            (path / name).write_bytes(inner)
-    else:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+    path = Path(manifest)
+    if not path.is_file():
+        raise ClusterError(_not_seen(address, socket.gethostname(), path))
+    return IsolatedRunner(path.parent, limits).perform(task)

@@ -264,11 +264,11 @@ class Store:
         status : TaskStatus
             What is known of it.
         key : str
-            Digest of what it depends on now.
+            Digest of what it depends on now; empty for what never holds.
         limits : Limits
             Those of this run: what stricter ones stopped is tried again.
         """
-        if status.key != key or (status.limits is not None and limits.exceed(status.limits)):
+        if not key or status.key != key or (status.limits is not None and limits.exceed(status.limits)):
             return False
         return all(self.drawn_file(name, digest) is not None for name, digest in status.drawn.items())
 
@@ -299,8 +299,21 @@ class Store:
     def _waiting(self, name: str, digest: str) -> Path:
         return self.folder / DRAWN_NAME / f"{digest}{Path(name).suffix}"
 
-    def discard_drawn(self) -> None:
-        """Remove drawn files that wait: those that belong to the results are in place."""
+    def keep_drawn(self, placed: Mapping[str, str]) -> None:
+        """Keep of all drawn files those that are in place, and no result whose files are not among them.
+
+        Parameters
+        ----------
+        placed : mapping of str to str
+            Digests of the files of the results, by name.
+        """
+        self.discard(
+            [
+                task
+                for task, status in self.statuses().items()
+                if any(placed.get(name) != digest for name, digest in status.drawn.items())
+            ]
+        )
         shutil.rmtree(self.folder / DRAWN_NAME, ignore_errors=True)
 
     def digest(self, path: Path) -> str:

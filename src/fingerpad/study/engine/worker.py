@@ -85,14 +85,18 @@ class Worker:
         try:
             self._wait_until_ready()
             timer.start()
-            answer = self._ask((task.work, task.file, folder, limits))
+            try:
+                answer = self._ask((task.work, task.file, folder, limits))
+            finally:
+                timer.cancel()
+                timer.join()  # it may have run out just now: from here on it does nothing more
         except (EOFError, OSError):
             self.kill()
             if self._late:
                 raise TimeoutError from None
             raise WorkerDied(self._process.wait()) from None
-        finally:
-            timer.cancel()
+        if self._late:  # the answer came first, and holds; no further task may get this process
+            self.kill()
         if isinstance(answer, Exception):
             raise answer
         assert isinstance(answer, TaskResult)

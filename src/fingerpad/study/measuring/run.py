@@ -213,7 +213,7 @@ class _Tally:
         now = self.now()
         if task is not None:
             self.pictures += task.pictures
-            self.failed += failed
+            self.failed += failed and task.name == task.item  # a piece fails with its sequence
             status: Literal["done", "failed"] = "failed" if failed else "done"
             now = replace(self.now(), item=task.item, file=task.file, status=status, seconds=seconds)
         self._on_progress(now)

@@ -32,7 +32,7 @@ from fingerpad.study.corrections.apply import ManualPhases, contact_correction, 
 from fingerpad.study.corrections.history import ActiveCorrection, phases_item
 from fingerpad.study.corrections.items import frames_of
 from fingerpad.study.corrections.key_frames import frame_corrections, frame_edits
-from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, TaskResult, Work
+from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
@@ -40,7 +40,7 @@ from fingerpad.study.measuring.indentation import first_contact_displacement
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
-from fingerpad.study.measuring.sequence_header import TIMING, header_task
+from fingerpad.study.measuring.sequence_header import TIMING, frame_count, header_task
 from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.measuring.sequence_tasks import FrameDigest, SequenceImages, survey_from
 
@@ -297,9 +297,11 @@ def sequence_plan(sequence: ContactSequence, context: RunContext) -> Iterator[li
     context : RunContext
         What the run knows; the results of a stage must be in its store before the next is asked for.
     """
-    key = sequence_key(sequence, context)
+    key, left = sequence_key(sequence, context), frame_count(sequence, context)
     try:
-        yield from OpenedSequence.open(sequence, context).stages()
+        for stage in OpenedSequence.open(sequence, context).stages():
+            left -= sum(task.pictures for task in stage)
+            yield stage
     except ChangedError:
         key, reason = "", CHANGED.format(sequence.file)  # never up to date: the next run measures it again
     except StoreError:
@@ -308,8 +310,21 @@ def sequence_plan(sequence: ContactSequence, context: RunContext) -> Iterator[li
         reason = in_study(reason_of(error, f"{sequence.file}: cannot be measured"), context.folder)
     else:
         return
-    assert context.store is not None  # a run has one
-    context.store.put(sequence.name, key, TaskResult({"reason": reason}, {}, 0.0), count=0)
+    yield [
+        Task(
+            name=sequence.name,
+            item=sequence.name,
+            file=sequence.file,
+            key=key,
+            work=partial(_failed, reason),
+            inputs=context.inputs_of(sequence),
+            pictures=left,
+        )
+    ]
+
+
+def _failed(reason: str, _folder: Path, _out: Path) -> Record:
+    return {"reason": reason}
 
 
 def corrected_frames(sequences: Iterable[SequenceResult], context: RunContext) -> dict[str, str]:

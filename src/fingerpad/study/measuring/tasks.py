@@ -1,8 +1,10 @@
 """What there is to measure in a study, each task keyed by all that its result depends on."""
 
+import hashlib
+import re
 from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from fingerpad._files import file_stem
 from fingerpad.study.corrections.apply import contact_correction, photograph_correction
@@ -69,7 +71,7 @@ def _observed(
 
 def photograph_tasks(finger: Finger, context: RunContext) -> Iterator[Task]:
     """Yield a task for each photograph of a finger that is not rejected."""
-    for number, photograph in enumerate(pictures_of(finger), start=1):
+    for photograph in pictures_of(finger):
         item = photograph_item(finger, photograph)
         if photograph.file is None or context.is_rejected(item):
             continue
@@ -83,11 +85,18 @@ def photograph_tasks(finger: Finger, context: RunContext) -> Iterator[Task]:
                 face_record,
                 photograph=photograph,
                 correction=photograph_correction(context.active_corrections.get(item)),
-                overlay=f"overlays/photographs/{file_stem(f'{finger.name}_{photograph.face}_{number}')}.png",
+                overlay=_overlay(finger.name, photograph.face, photograph.file),
                 scale=context.scale(photograph.scale),
             ),
             inputs=context.inputs_of(photograph),
         )
+
+
+def _overlay(finger: str, face: str, file: str) -> str:
+    """Return the name of a photograph's overlay, which no other photograph has, now or in another run."""
+    name = re.sub(r"[^\w-]+", "-", PurePosixPath(file).stem)  # folders, blanks and # are for the digest
+    stem = file_stem(f"{finger}_{face}_{name}_{hashlib.sha256(file.encode()).hexdigest()[:8]}")
+    return f"overlays/photographs/{stem}.png"
 
 
 def pictures_of(finger: Finger) -> list[Photograph]:

@@ -77,14 +77,16 @@ class NewResultSet:
         Raises
         ------
         OSError
-            If it cannot be written.
+            If it cannot be written, or is there already.
         """
         target = self.folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         try:
             os.link(source, target)
         except OSError:
-            shutil.copyfile(source, target)
+            # Never onto what is there: that may be a link to a file of the old result set.
+            with source.open("rb") as drawn, target.open("xb") as copy:
+                shutil.copyfileobj(drawn, copy)
         self._digests[name] = digest
 
     def write_sums(self) -> None:
@@ -153,7 +155,8 @@ def put_in_place(store: Store) -> None:
                 (out / name).parent.mkdir(parents=True, exist_ok=True)
                 (complete / name).replace(out / name)
         shutil.rmtree(complete)
-        for name, digest in _listed(out)[0].items():
+        listed = _listed(out)[0]
+        for name, digest in listed.items():
             store.remember(out / name, digest)
         for folder in _FOLDERS:
             with suppress(OSError):  # not empty
@@ -162,7 +165,7 @@ def put_in_place(store: Store) -> None:
         raise FingerpadError(
             f"{error.filename}: cannot be put in place ({error.strerror}): run again to go on"
         ) from error
-    store.discard_drawn()
+    store.keep_drawn(listed)
 
 
 def result_files(out: Path) -> list[str]:
@@ -246,7 +249,8 @@ def _listed(folder: Path) -> tuple[dict[str, str], list[str]]:
         return {}, []
     except (OSError, UnicodeDecodeError):
         return {}, [_DAMAGED]
-    lines = [_LINE.fullmatch(line) for line in text.splitlines()]
+    # No other line break counts: sha256sum knows none.
+    lines = [_LINE.fullmatch(line) for line in text.removesuffix("\n").split("\n")]
     listed = {line[2]: line[1] for line in lines if line is not None}
-    is_whole = text.endswith("\n") and None not in lines and listed.keys() >= _TABLES
+    is_whole = text.endswith("\n") and len(listed) == len(lines) and listed.keys() >= _TABLES
     return listed, [] if is_whole else [_DAMAGED]
