@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from fingerpad._arrays import as_float_array
-from fingerpad.contact import hertz_contact
+from fingerpad.contact import HertzGeometry, PadGap, hertz_contact
 from fingerpad.exceptions import GeometryError, LoadingError, UncertaintyError
-from fingerpad.geometry import Ellipsoid, relative_curvature
+from fingerpad.geometry import Ellipsoid, Placement, relative_curvature
 from fingerpad.loading import LoadingCurve
-from fingerpad.uncertainty import pool, pool_random_effects
+from fingerpad.uncertainty import Inputs, pool, pool_random_effects
 
 MASKED = np.ma.masked_array([10.0, 999.0, 12.0], mask=[False, True, False])
 
@@ -40,3 +40,24 @@ def test_masked_values_refused() -> None:
         relative_curvature(MASKED[:2])
     with pytest.raises(LoadingError, match="load is not finite in row 2"):
         LoadingCurve(load=MASKED, indentation=np.arange(3.0))
+
+
+@pytest.mark.parametrize(
+    ("make", "of"),
+    [
+        (lambda a: HertzGeometry(a, 14.0), "first_radius"),
+        (lambda a: Ellipsoid(a, 13.8, 11.8), "palmar"),
+        (lambda a: Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=a / 100), "wedge_angle"),
+        (lambda a: PadGap.paraboloid(a, 14.0), "first_radius"),
+        (lambda a: LoadingCurve(load=a, indentation=a), "load"),
+        (lambda a: Inputs(names=("a", "b"), mean=a, covariance=np.eye(2), groups={}), "mean"),
+    ],
+)
+def test_frozen_objects_keep_their_own_values(make, of: str) -> None:
+    given = np.array([12.0, 13.0])
+    kept = make(given)
+    before = getattr(kept, of).copy()
+    given[:] = 1.0
+    np.testing.assert_array_equal(getattr(kept, of), before)
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(kept, of)[:] = 1.0

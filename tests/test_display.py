@@ -77,6 +77,7 @@ PLAIN = {
     "ImageEllipse",
     "Person",
     "PlaneEllipse",
+    "PrincipalRadii",
     "Printed",
     "PronyTerm",
     "SemiAxes",
@@ -164,7 +165,7 @@ def test_summary_shows_long_results_below(large: list[object]) -> None:
 def test_uncertain_outputs_print_one_line_each() -> None:
     quantities = {"palmar": (7.9, 0.1), "distal": (13.8, 0.1), "radial_ulnar": (11.8, 0.1), "load": (2, 0.02)}
     ellipse = {"semi_major": (7.4, 0.1), "semi_minor": (5.0, 0.1)}
-    result = fp.pad_uncertainty(**quantities, **ellipse, wedge_angle=np.radians((30, 0.5)))
+    result = fp.pad_uncertainty(**quantities, **ellipse, wedge_angle=(np.radians(30), np.radians(0.5)))
     assert str(result).splitlines()[0] == "Propagated"
     assert re.search(r"\n  radius_from_indentation +13\.80 ± 0\.18\n", str(result))
     assert len(str(result).splitlines()) == 1 + len(result.names)

@@ -158,9 +158,16 @@ def finite_angle(name: str, angle: ArrayLike) -> float:
 
 
 def set_fields(frozen: object, **values: object) -> None:
-    """Set the fields of a frozen dataclass from its own ``__init__``; arrays without axes become numbers."""
+    """Set the fields of a frozen dataclass from its own ``__init__``.
+
+    Arrays are copied, and cannot be written to; those without axes become numbers.
+    """
     for name, value in values.items():
-        object.__setattr__(frozen, name, value[()] if isinstance(value, np.ndarray) else value)
+        if isinstance(value, np.ndarray):
+            value = np.array(value)[()]  # noqa: PLW2901
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+        object.__setattr__(frozen, name, value)
 
 
 # Small enough that a kernel's temporaries stay in cache, large enough to hide the cost of each call.

@@ -31,7 +31,7 @@ def test_gap_ends_on_ellipsoid(wedge: float, roll: float, along: float, across: 
     first, second = PAD.curvature_at_normal(normal).principal_directions
     small = ellipsoid_gap(PAD, normal, np.array([1e-3, 0.0]), np.array([0.0, 1e-3]))
     tilted = np.stack([first, second]) @ np.stack(tangents(normal)).T  # the plate's axes are not principal
-    curvatures = 1 / PAD.principal_radii_at_normal(normal)
+    curvatures = 1 / np.array(PAD.principal_radii_at_normal(normal))
     assert_allclose(small, 0.5e-6 * curvatures @ tilted**2, rtol=2e-3)
 
 
@@ -67,7 +67,7 @@ def test_small_contacts_with_curved_bodies_equal_hertz(counterface: Counterface)
         PAD, wedge_angle=0.5, counterface=counterface, load=1e-4, reduced_modulus=0.1, points=128
     )
     found, hertz = contact.solution, contact.hertz
-    curvature = np.diag(1 / PAD.principal_radii_at_normal(platen_normal(0.5)))
+    curvature = np.diag(1 / np.array(PAD.principal_radii_at_normal(platen_normal(0.5))))
     angle = counterface.axis_angle
     across = np.eye(2) if angle is None else np.outer(*2 * [[-math.sin(angle), math.cos(angle)]])
     values, vectors = np.linalg.eigh(curvature + across / counterface.radius)

@@ -66,6 +66,47 @@ def test_paraboloids_on_deep_tissue_are_hertzian(name: str) -> None:
         assert_allclose(getattr(found, each), getattr(hertz, each), rtol=1e-13)
 
 
+@pytest.mark.parametrize("thickness", [None, 8.0])
+def test_a_paraboloid_among_ellipsoids_is_as_alone(thickness: float | None) -> None:
+    # The third is too slender for the laws of an ellipsoid; Hertz theory of a paraboloid has no such limit.
+    first, second, zero = np.array([10.0, 12.0, 3.0]), np.array([11.0, 14.0, 60.0]), np.zeros(3)
+    gap = PadGap(
+        first_radius=first,
+        second_radius=second,
+        first_skewness=zero,
+        second_skewness=zero,
+        flatness=np.array([0.0, 0.07, 0.0]),
+    )
+    press = {"thickness": thickness, "load": 0.5, "reduced_modulus": 0.1}
+    alone = fast_contact(PadGap.paraboloid(first, second), **press)
+    among = fast_contact(gap, **press)
+    assert among.flag.tolist() == alone.flag.tolist()
+    assert_allclose(among.area[::2], alone.area[::2], rtol=1e-12)
+    assert among.flag.tolist()[:2] == ["", ""]
+    assert not np.isclose(among.area[1], alone.area[1], rtol=1e-3)
+    form, plain = (
+        fast_ellipse(each, area=20.0, thickness=thickness) for each in (gap, PadGap.paraboloid(first, second))
+    )
+    assert_allclose(form.semi_major[::2], plain.semi_major[::2], rtol=1e-12)
+
+
+@pytest.mark.parametrize("poisson_ratio", [-0.5, 0.0, 0.25, 0.5])
+def test_poisson_ratio_does_not_matter_to_a_half_space(poisson_ratio: float) -> None:
+    gap = PadGap.of(PAD, wedge_angle=0.5)
+    thickness, nu = np.array([np.inf, 8.0]), np.array([poisson_ratio, 0.5])
+    press = {"load": 1.0, "reduced_modulus": 0.1}
+    deep = fast_contact(gap, **press)
+    for found in (
+        fast_contact(gap, **press, thickness=np.inf, poisson_ratio=poisson_ratio),
+        fast_contact(gap, **press, thickness=thickness, poisson_ratio=nu),
+        fast_contact(gap, **press, thickness=[np.inf, 8.0], poisson_ratio=poisson_ratio),
+    ):
+        assert found.flag.ravel()[0] == ""
+        assert_allclose(found.area.ravel()[0], deep.area, rtol=1e-12)
+        assert_allclose(found.indentation.ravel()[0], deep.indentation, rtol=1e-12)
+    assert found.flag[1] == ("" if poisson_ratio == 0.5 else "poisson_ratio_out_of_range")
+
+
 @pytest.mark.parametrize("name", GIVEN)
 def test_spheres_are_sneddons(name: str) -> None:
     # Sneddon (1965): ξ = (a/2) ln((R + a)/(R − a)), W = E*/2 · ((R² + a²) ln((R + a)/(R − a)) − 2aR).

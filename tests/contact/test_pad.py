@@ -1,11 +1,12 @@
 """From an observed ellipse to radii, indentation and modulus."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import HertzGeometry, pad_contact, youngs_modulus
+from fingerpad.contact import HertzGeometry, hertz_contact, pad_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -14,7 +15,7 @@ PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 @given(st.floats(0, 1.5), st.floats(-1, 1), st.floats(0.1, 5), st.floats(0.02, 0.5))
 def test_hertzian_pad_round_trip(wedge: float, roll: float, load: float, modulus: float) -> None:
     radii = Placement(PAD, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
-    geometry = HertzGeometry(radii[0], radii[1])
+    geometry = HertzGeometry(*radii)
     truth = geometry.under_load(load, reduced_modulus=modulus)
     seen = pad_contact(
         PAD,
@@ -34,6 +35,28 @@ def test_hertzian_pad_round_trip(wedge: float, roll: float, load: float, modulus
     assert_allclose(
         seen.geometric_radius_from_compliance, truth.area / (np.pi * truth.indentation), rtol=1e-12
     )
+
+
+@pytest.mark.parametrize(
+    "wedges", [30.0, [30.0], [30.0, 45.0], [10.0, 20.0, 30.0], [[0.0, 30.0], [45.0, 60.0]], np.zeros((3, 0))]
+)
+def test_contacts_of_many_placements_are_those_of_each(wedges) -> None:
+    """Principal radii unpack into two arguments, whatever the shape of the angles: two are the trap."""
+    angles = np.radians(wedges)
+    radii = Placement(PAD, wedge_angle=angles).curvature.principal_radii
+    area = hertz_contact(*radii, 2.0, reduced_modulus=0.1365).area
+    each = [
+        hertz_contact(*Placement(PAD, wedge_angle=one).curvature.principal_radii, 2.0, reduced_modulus=0.1365)
+        for one in np.ravel(angles)
+    ]
+    assert np.shape(area) == np.shape(angles)
+    assert_allclose(np.ravel(area), [one.area for one in each], rtol=1e-14)
+
+
+def test_areas_of_the_published_pad_at_two_angles() -> None:
+    radii = Placement(PAD, wedge_angle=np.radians([30, 45])).curvature.principal_radii
+    area = hertz_contact(*radii, 2.0, reduced_modulus=0.1365).area
+    assert_allclose(area, [88.56, 72.61], atol=0.01)
 
 
 def test_published_values_at_2_N() -> None:

@@ -235,6 +235,31 @@ def test_invalid_bodies(body: dict[str, float], message: str) -> None:
         ElasticBody(**body)
 
 
+@pytest.mark.parametrize("given", [{"indentation": 1.0}, {"area": 31.4159}, {"load": 0.42164}])
+@pytest.mark.parametrize("offset", [2.0, 10.0, -60.0])
+def test_the_lowest_point_need_not_lie_on_the_first_grid(given: dict[str, float], offset: float) -> None:
+    def gap(x: FloatArray, y: FloatArray) -> FloatArray:
+        return ((x - offset) ** 2 + y**2) / (2 * RADIUS)
+
+    found = solve_contact(gap, HALF_SPACE, half_widths=(3, 3), points=64, **given)
+    assert found.area_over_pi_indentation == pytest.approx(RADIUS, rel=3e-3)
+    assert found.area == pytest.approx(31.4159, rel=3e-3)
+    assert_allclose(found.centre, [offset, 0], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("gap", "given"),
+    [
+        (lambda x, y: 5 + x**2 + y**2, {"indentation": 1.0}),
+        *((lambda x, y: x - y, given) for given in ({"indentation": 1.0}, {"area": 30.0}, {"load": 0.4})),
+        (lambda x, y: np.full_like(x + y, np.nan), {"load": 0.4}),
+    ],
+)
+def test_a_gap_that_does_not_close_is_refused(gap, given: dict[str, float]) -> None:
+    with pytest.raises((GeometryError, ConvergenceError), match="gap"):
+        solve_contact(gap, HALF_SPACE, half_widths=(3, 3), points=64, **given)
+
+
 def test_no_convergence_without_edge() -> None:
     with pytest.raises(ConvergenceError, match="did not settle on the contact"):
         solve_contact(lambda x, y: 0 * x * y, HALF_SPACE, half_widths=(1, 1), load=1.0, points=64)

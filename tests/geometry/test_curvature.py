@@ -22,7 +22,7 @@ def test_flat_plate() -> None:
 def test_sphere_on_pad() -> None:
     for turn in (0.0, 0.4, 2.0):
         gap = relative_curvature((10.0, 20.0), (5.0, 5.0), angle=turn)
-        assert_allclose(1 / gap.principal_radii, [0.1 + 0.2, 0.05 + 0.2], rtol=1e-14)
+        assert_allclose(1 / np.array(gap.principal_radii), [0.1 + 0.2, 0.05 + 0.2], rtol=1e-14)
 
 
 def test_two_spheres() -> None:
@@ -38,9 +38,9 @@ def test_sum_of_tensors(first_1, first_2, second_1, second_2, turn) -> None:
     total = (
         np.diag([1 / first_1, 1 / first_2]) + rotation @ np.diag([1 / second_1, 1 / second_2]) @ rotation.T
     )
-    assert_allclose(np.sort(1 / gap.principal_radii), np.linalg.eigvalsh(total), rtol=1e-7)
+    assert_allclose(np.sort(1 / np.array(gap.principal_radii)), np.linalg.eigvalsh(total), rtol=1e-7)
     direction = np.array([np.cos(gap.angle), np.sin(gap.angle)])
-    assert_allclose(direction @ total @ direction, 1 / gap.principal_radii[0], rtol=1e-7)
+    assert_allclose(direction @ total @ direction, 1 / gap.principal_radii.first, rtol=1e-7)
     assert abs(gap.angle) <= np.pi / 4 + 1e-12
 
 
@@ -53,7 +53,7 @@ def test_order_of_bodies(first_1, first_2, second_1, second_2, turn) -> None:
 
 def test_cylinder_across_a_pad() -> None:
     gap = relative_curvature((12.0, 14.0), (8.0, np.inf), angle=np.pi / 2)
-    assert_allclose(1 / gap.principal_radii, [1 / 12, 1 / 14 + 1 / 8], rtol=1e-14)
+    assert_allclose(1 / np.array(gap.principal_radii), [1 / 12, 1 / 14 + 1 / 8], rtol=1e-14)
 
 
 def test_slender_gap_precision() -> None:
@@ -89,15 +89,23 @@ def test_gap_that_does_not_open() -> None:
 
 def test_gaps_are_judged_one_by_one() -> None:
     # A sphere on a plate; a cylinder, which touches along a line; a ball in too narrow a hollow.
-    first, second = [(10.0, 10.0), (10.0, np.inf), (10.0, 10.0)], [(np.inf, np.inf)] * 2 + [(-9.0, -9.0)]
+    first, second = (10.0, [10.0, np.inf, 10.0]), ([np.inf, np.inf, -9.0], [np.inf, np.inf, -9.0])
     with np.errstate(divide="raise", invalid="raise"):
         radii = relative_curvature(first, second).principal_radii
-    assert_allclose(radii, [[10.0, 10.0], [np.nan, np.nan], [np.nan, np.nan]])
+    assert_allclose(radii, [[10.0, np.nan, np.nan], [10.0, np.nan, np.nan]])
 
 
 def test_broadcasting() -> None:
-    gap = relative_curvature((10.0, 12.0), np.full((4, 1, 2), 7.0), angle=np.zeros(3))
-    assert gap.principal_radii.shape == (4, 3, 2)
+    gap = relative_curvature((10.0, 12.0), (np.full((4, 1), 7.0), 7.0), angle=np.zeros(3))
+    assert [radius.shape for radius in gap.principal_radii] == [(4, 3), (4, 3)]
+
+
+@pytest.mark.parametrize("radii", [np.full((2, 2), 9.0), [[9.0, 9.0], [9.0, 9.0]], (9.0,), (9.0, 9.0, 9.0)])
+def test_radii_that_are_not_two_are_refused(radii) -> None:
+    with pytest.raises(
+        GeometryError, match=r"second must be two principal radii, arrays as \(first, second\)"
+    ):
+        relative_curvature((10.0, 12.0), radii)
 
 
 @pytest.mark.parametrize("bad", [0.0, np.nan])

@@ -11,9 +11,9 @@ from fingerpad.uncertainty import Inputs, SharedErrors, placement_model, propaga
 
 
 def test_numbers_are_exact_pairs_uncertain() -> None:
-    inputs = Inputs.of(a=1, b=(2.0, 0.1), c=np.array([3.0, 0.2]), d=np.radians((30, 0.5)), e=np.array(4.0))
-    assert_allclose(inputs.mean, [1, 2, 3, np.radians(30), 4])
-    assert_allclose(inputs.std, [0, 0.1, 0.2, np.radians(0.5), 0])
+    inputs = Inputs.of(a=1, b=(2.0, 0.1), c=(np.radians(30), np.radians(0.5)), d=np.array(4.0))
+    assert_allclose(inputs.mean, [1, 2, np.radians(30), 4])
+    assert_allclose(inputs.std, [0, 0.1, np.radians(0.5), 0])
 
 
 def test_broadcasting() -> None:
@@ -40,7 +40,7 @@ def test_covariance_in_order_of_names() -> None:
     [
         ({}, None, "no inputs"),
         ({"load": (2, -0.1)}, None, "standard uncertainty of load must be positive or zero, found -0.1"),
-        ({"load": (1, 2, 3)}, None, "load: give a number or .*; found 3 items"),
+        ({"load": (1, 2, 3)}, None, "load: give a number or .*; found a tuple of 3"),
         ({"a": (1, 2)}, {("a", "b"): 0.5}, "no input 'b'; there are a"),
         ({"a": (1, 2)}, {("a", "a"): 0.5}, "found a with itself"),
         ({"a": (1, 2), "b": (1, 2)}, {("a", "b"): 1.5}, r"correlation of a and b must be within \[-1, 1\]"),
@@ -81,8 +81,15 @@ SCALE = {"sources": ("scale",), "parts": np.ones((3, 1)), "groups": [[0], [0], [
             lambda: Inputs(names=("a", "a"), mean=[1, 2], covariance=np.eye(2), groups={}),
             "a name of its own, found a, a",
         ),
-        (lambda: Inputs.of(load=[1, 2]), r"load: .* exact arrays as \(values, 0\); found a list"),
-        (lambda: Inputs.of(load=(1, 2, 3)), "found 3 items"),
+        (lambda: Inputs.of(load=[1, 2]), r"load: .* exact arrays as \(values, 0\); found a list of 2"),
+        # Two loads, or a load and its uncertainty?
+        (
+            lambda: Inputs.of(load=np.array([1, 2])),
+            r"load: .* exact arrays as \(values, 0\); found an array of 2",
+        ),
+        (lambda: Inputs.of(wedge_angle=np.radians((30, 3))), "wedge_angle: .* found an array of 2"),
+        (lambda: Inputs.of(load=np.array([[1, 2], [3, 4]])), "found an array of 2"),
+        (lambda: Inputs.of(load=(1, 2, 3)), "found a tuple of 3"),
         (
             lambda: SharedErrors(**SCALE | {"parts": np.ones((3, 2))}),
             "parts of 1 sources must have the shape",

@@ -20,7 +20,7 @@ PAD = {
     "palmar": (7.9, 0.1),
     "distal": (13.8, 0.12),
     "radial_ulnar": (11.8, 0.08),
-    "wedge_angle": np.radians((30, 0.5)),
+    "wedge_angle": (np.radians(30), np.radians(0.5)),
     "roll_angle": (0.05, np.radians(1)),
     "poisson_ratio": (0.5, 0.01),
     "image_scale": (1.0, 0.01),

@@ -24,8 +24,8 @@ def test_first_order_agrees_with_monte_carlo():
         palmar=(7.9, 0.1),
         distal=(13.8, 0.1),
         radial_ulnar=(11.8, 0.1),
-        wedge_angle=np.radians((30, 0.5)),
-        roll_angle=np.radians((0, 0.5)),
+        wedge_angle=(np.radians(30), np.radians(0.5)),
+        roll_angle=(np.radians(0), np.radians(0.5)),
     )
     first, simulated = propagate(placement_model, inputs), run_monte_carlo(placement_model, inputs)
     np.testing.assert_allclose(first.std, simulated.std, rtol=0.02)

@@ -17,7 +17,7 @@ PAD: dict[str, Any] = {
     "palmar": (7.9, 0.1),
     "distal": (13.8, 0.12),
     "radial_ulnar": (11.8, 0.08),
-    "wedge_angle": np.radians((30, 0.5)),
+    "wedge_angle": (np.radians(30), np.radians(0.5)),
     "roll_angle": (0.05, np.radians(1)),
     "poisson_ratio": (0.5, 0.01),
     "image_scale": (1.0, 0.01),
@@ -138,7 +138,11 @@ def test_elongation_alone_keeps_area() -> None:
 
 
 def test_upright_finger_second_order_in_wedge_angle() -> None:
-    given = {**EXACT, "wedge_angle": np.radians((0, 2)), "roll_angle": np.radians((0, 2))}
+    given = {
+        **EXACT,
+        "wedge_angle": (np.radians(0), np.radians(2)),
+        "roll_angle": (np.radians(0), np.radians(2)),
+    }
     wedge, roll = np.random.default_rng(4).normal(0, np.radians(2), (2, 100_000))
     contact = observed(**{**EXACT, "wedge_angle": wedge, "roll_angle": roll})
     found = pad_uncertainty(**given)["mean_curvature_radius"].std

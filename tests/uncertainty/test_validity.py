@@ -100,6 +100,12 @@ def test_exact_values_differ_for_certain_or_not_at_all() -> None:
     assert ratio(10.0, 0.0, 10.0, 0.0).verdict == HOLDS
 
 
+@pytest.mark.parametrize(("value", "verdict"), [(0.4, FAILS), (2 / 3, HOLDS)])
+def test_exact_exponents_differ_for_certain_or_not_at_all(value: float, verdict: str) -> None:
+    check = compare_difference("n", "n", ["E"], (value, 0.0), (2 / 3, 0.0), effect=-2.0)
+    assert (check.verdict, check.p_value) == (verdict, 0.0 if verdict == FAILS else 1.0)
+
+
 def test_small_samples_are_judged_by_t() -> None:
     assert p_value_of(12.706, 1) == pytest.approx(0.05, abs=1e-4)
     one = compare_difference("n", "n", ["n"], (0.4, 0.05), (2 / 3, 0.0), effect=-3.0)

@@ -18,7 +18,7 @@ roll_deg = np.linspace(-60, 60, 121)
 figure, (left, right) = new_figure(width_mm=170, columns=2)
 for wedge_deg in (15, 30, 45):
     place = fp.Placement(pad, wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg))
-    larger, smaller = np.sort(place.curvature.principal_radii, axis=-1).T[::-1]
+    smaller, larger = np.sort(place.curvature.principal_radii, axis=0)
     (line,) = left.plot(roll_deg, larger, label=f"wedge {wedge_deg}°")
     left.plot(roll_deg, smaller, "--", color=line.get_color())
     contact = fp.hertz_contact(larger, smaller, 1.0, reduced_modulus=0.1)

@@ -61,7 +61,7 @@ def geometry(
     }
     if roll_deg is not None:
         record |= {
-            "principal_radii_mm": curvature.principal_radii,
+            "principal_radii_mm": np.array(curvature.principal_radii),
             "principal_directions": curvature.principal_directions,
         }
     print_record(record, as_json)

@@ -39,7 +39,7 @@ def solve_pressure(
     Raises
     ------
     ConvergenceError
-        If the residual stays above the tolerance.
+        If the residual stays above the tolerance, or the gap exceeds the indentation everywhere.
     """
     pressure = _scaled(start, convolution, gap, total, indentation)
     search: FloatArray | None = None
@@ -98,5 +98,7 @@ def _scaled(
     if not work > 0:  # the guess is far too wide
         start = np.maximum(indentation - gap, 0)
         work = float(np.sum(start * (indentation - gap)))
+    if not work > 0:
+        raise ConvergenceError(f"the gap exceeds the indentation of {indentation:g} on the whole grid")
     scale = work / float(np.sum(start * convolution.apply(start)))
     return start * scale

@@ -8,7 +8,7 @@ from typing import Final, Self
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, apply_blockwise, as_float_array
 from fingerpad._display import Displayed
 from fingerpad.contact.hertz_polynomials import hertz_units
 from fingerpad.contact.law_factors import LayerFactors, PadFactors
@@ -270,6 +270,12 @@ def _form(
     return tuple(np.where(inside, each, np.nan) for each in results)
 
 
+def _has_law(poisson_ratio: FloatArray) -> BoolArray:
+    """Return whether ν is one for which a layer has laws."""
+    within: BoolArray = (poisson_ratio.real >= LOWEST_POISSON_RATIO) & (poisson_ratio.real <= 0.5)
+    return within
+
+
 _POWERS: Final = {"load": 3, "indentation": 2, "area": 2}  # of the mean radius, in Hertz theory
 
 
@@ -305,6 +311,9 @@ class _Laws:
             rest = rest[3:]
         if rest:
             nu = rest[1] if poisson_ratio is None else poisson_ratio
+            ignored = np.isinf(rest[0]) & ~_has_law(nu)  # ν matters to a layer alone
+            if ignored.any():
+                nu = np.where(ignored, 0.5, nu)
             layer = LayerFactors(rest[0], nu, (1 - k) * (1 - k) / k)
         return cls(elongation=elongation, layer=layer, pad=pad)
 
@@ -379,18 +388,19 @@ class _Laws:
         found = np.isfinite(radius) & (np.abs(miss) < _LARGEST_MISS)
         ranges = []
         if self.layer is not None:
-            nu, ratio = self.layer.poisson_ratio.real, self.layer.ratio(radius).real
+            ratio = self.layer.ratio(radius).real
             ranges += [
                 ("layer_too_thin", found & (ratio >= 0) & (ratio <= THINNEST)),
-                ("contact_too_slender", k.real >= MOST_SLENDER_ON_LAYER),
-                ("poisson_ratio_out_of_range", (nu >= LOWEST_POISSON_RATIO) & (nu <= 0.5)),
+                ("contact_too_slender", (k.real >= MOST_SLENDER_ON_LAYER) | self.layer.is_half_space),
             ]
         if self.pad is not None:
             ranges += [
-                ("contact_too_slender", k.real >= MOST_SLENDER),
+                ("contact_too_slender", (k.real >= MOST_SLENDER) | ~self.pad.whole),
                 ("contact_too_skew", self.pad.skewness(radius).real <= MOST_SKEW),
                 ("contact_too_wide", found & (self.pad.width(radius).real <= WIDEST)),
             ]
+        if self.layer is not None:  # the reason for what the other ranges miss
+            ranges.append(("poisson_ratio_out_of_range", _has_law(self.layer.poisson_ratio)))
         ranges.append(("no_contact", (value.real > 0) & np.isfinite(value) & np.isfinite(k)))
         for name, inside in ranges:
             if not inside.all():

@@ -182,5 +182,5 @@ def relative_curvature_tensor(pad: Ellipsoid, normal: FloatArray, counterface: C
     plane = np.stack(tangents(normal))
     surface = pad.curvature_at_normal(normal)
     directions = plane @ surface.principal_directions.T  # columns: the principal directions in the plane
-    own: FloatArray = directions @ np.diag(1 / surface.principal_radii) @ directions.T
+    own: FloatArray = directions @ np.diag(1 / np.array(surface.principal_radii)) @ directions.T
     return own + counterface.curvature_tensor()

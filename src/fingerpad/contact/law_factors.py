@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.contact import law_coefficients as law
 from fingerpad.contact.elliptic import polynomial
 
@@ -82,6 +82,12 @@ class LayerFactors:
         # At which the thin layer's values, and u, are known.
         self._radius: FloatArray | None = None
         self._sized: FloatArray | None = None
+
+    @property
+    def is_half_space(self) -> BoolArray:
+        """Whether there is no base."""
+        half_space: BoolArray = np.isinf(self._thickness)
+        return half_space
 
     def ratio(self, radius: FloatArray) -> FloatArray:
         """Return a/t."""
@@ -169,6 +175,11 @@ class PadFactors:
         a1/a2 in Hertz theory.
     elongation : ndarray
         (a1/a2 − a2/a1)/2.
+
+    Attributes
+    ----------
+    whole : ndarray
+        Whether each is a whole ellipsoid; the others are paraboloids, whose factors are 1.
     """
 
     def __init__(
@@ -183,8 +194,10 @@ class PadFactors:
         elongation: FloatArray,
     ) -> None:
         first, second = first_skewness * first_skewness, second_skewness * second_skewness
+        skew = first * first_radius + second * second_radius
         self._w = flatness / np.sqrt(first_radius * second_radius)
-        self._oblique = 1 - (first * first_radius + second * second_radius) / flatness
+        self._oblique = 1 - np.where(skew == 0, 0, skew / flatness)  # a paraboloid has neither
+        self.whole: BoolArray = (flatness != 0) | (skew != 0)
         first, second = first * stretch, second / stretch
         self._p, self._m, self._cross = first + second, first - second, 2 * first_skewness * second_skewness
         self._e = elongation

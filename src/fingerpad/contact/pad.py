@@ -122,7 +122,7 @@ def pad_contact(
     normal = platen_normal_kernel(*checked_placement(wedge_angle, roll_angle, margin=_ANGLE_MARGIN))
     major, minor, load, nu = broadcast(semi_major, semi_minor, load, poisson_ratio)
     return pad_contact_kernel(
-        pad.principal_radii_at_normal(normal),
+        *pad.principal_radii_at_normal(normal),
         load=np.where(load.real >= 0, load, np.nan),
         semi_major=np.where(major.real > 0, major, np.nan),
         semi_minor=np.where(minor.real > 0, minor, np.nan),
@@ -132,16 +132,16 @@ def pad_contact(
 
 @np.errstate(all="ignore")
 def pad_contact_kernel(
-    principal_radii: FloatArray,
+    in_plane: FloatArray,
+    transverse: FloatArray,
     *,
     load: ArrayLike,
     semi_major: ArrayLike,
     semi_minor: ArrayLike,
     poisson_ratio: ArrayLike,
 ) -> PadContact:
-    """Return `pad_contact` from the pad's principal radii at the place of contact, shape (..., 2)."""
+    """Return `pad_contact` from the pad's principal radii at the place of contact."""
     major, minor, load = broadcast(semi_major, semi_minor, load)
-    in_plane, transverse = np.moveaxis(principal_radii, -1, 0)
     axis_ratio = np.minimum(major, minor) / np.maximum(major, minor)
     base, exact = 2 / (1 / in_plane + 1 / transverse), np.sqrt(in_plane * transverse)
     size, area = np.sqrt(major * minor), np.pi * major * minor

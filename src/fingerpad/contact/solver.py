@@ -226,8 +226,7 @@ class _Problem:
         widths = np.asarray(half_widths, dtype=float) / FILLED
         grid = ContactGrid(centre=np.zeros(2), half_widths=widths, angle=angle, points=points)
         side = ((2 * np.arange(points) + 1) / points - 1) / FILLED
-        while self._is_too_wide(grid):
-            grid = replace(grid, half_widths=grid.half_widths / 2)
+        grid = self._over_contact(grid)
         start, guess = np.sqrt(np.maximum(1 - side[:, None] ** 2 - side**2, 0)), None
         for _ in range(_MOVES):
             found = self._pressed(grid, start, guess)
@@ -241,10 +240,31 @@ class _Problem:
             "the grid did not settle on the contact: check the gap and the guess of its size"
         )
 
-    def _is_too_wide(self, grid: ContactGrid) -> bool:
-        """Return whether the contact would be a few cells of a grid at most; under a load it may."""
+    def _over_contact(self, grid: ContactGrid) -> ContactGrid:
+        """Return a grid that holds the gap's lowest point, and more than a few cells of the contact.
+
+        Under a load they may be fewer.
+        """
+        for _ in range(2 * _MOVES):
+            gap = self._gap(*grid.coordinates)
+            gap = np.where(np.isnan(gap), np.inf, gap)
+            if not np.isfinite(gap.min()):
+                break
+            if gap.min() < gap[1:-1, 1:-1].min():
+                grid = replace(grid, centre=grid.cells[np.unravel_index(np.argmin(gap), gap.shape)])
+            elif self._is_too_wide(grid, gap):
+                grid = replace(grid, half_widths=grid.half_widths / 2)
+            else:
+                return grid
+        raise GeometryError(
+            f"no contact was found at this {self._given}: the gap must be zero at its lowest point, and this "
+            "lie near the origin, within some half_widths"
+        )
+
+    def _is_too_wide(self, grid: ContactGrid, gap: FloatArray) -> bool:
+        """Return whether the contact would be a few cells of a grid at most."""
         if self._given == "indentation":
-            return int(np.sum(self._gap(*grid.coordinates) < self._target)) < _FEWEST
+            return int(np.sum(gap < self._target)) < _FEWEST
         return self._given == "area" and self._target / grid.cell_area < _FEWEST
 
     def finer(self, before: _Pressed, points: int) -> _Pressed:

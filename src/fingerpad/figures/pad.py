@@ -27,7 +27,7 @@ from fingerpad.figures.style import (
     mark_synthetic,
     pair,
 )
-from fingerpad.geometry import Ellipse, Ellipsoid, Placement
+from fingerpad.geometry import Ellipse, Ellipsoid, Placement, PrincipalRadii
 
 # The caption of Fig. 4 of Dzidek et al. (2017).
 POINT_COLOURS: Final = {0: YELLOW, 30: GREEN, 45: BLUE, 60: ORANGE, 90: VERMILLION}
@@ -273,7 +273,7 @@ def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArra
 
 
 def _draw_directions(
-    axes: AnyAxes, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: FloatArray
+    axes: AnyAxes, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: PrincipalRadii
 ) -> None:
     """Draw the principal directions through the place of contact, named inside the outline; set limits."""
     ends: list[FloatArray] = []

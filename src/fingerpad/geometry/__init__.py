@@ -1,6 +1,7 @@
 """The finger pad as a surface: ellipsoid, curvature, placement on a wedge, and the plane ellipse."""
 
 from fingerpad.geometry.curvature import (
+    PrincipalRadii,
     RelativeCurvature,
     SurfaceCurvature,
     principal_curvatures,
@@ -14,6 +15,7 @@ __all__ = [
     "Ellipse",
     "Ellipsoid",
     "Placement",
+    "PrincipalRadii",
     "RelativeCurvature",
     "SurfaceCurvature",
     "platen_normal",

@@ -1,13 +1,14 @@
 """Principal curvatures of one surface at a point, and the relative curvature of two that touch there."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from fingerpad._arrays import (
     ArrayLike,
     FloatArray,
-    as_float_array,
     broadcast,
     check_all,
     check_radians,
@@ -16,6 +17,37 @@ from fingerpad._arrays import (
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 
+# Two radii, either of which may be an array: a tuple, or two numbers.
+RadiusPair: TypeAlias = tuple[ArrayLike, ArrayLike] | Sequence[float] | FloatArray
+
+
+class PrincipalRadii(NamedTuple):
+    """Two principal radii of curvature, each a number or an array over points.
+
+    Attributes
+    ----------
+    first, second : ndarray or float
+        In the order of the principal directions, not sorted.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> first, second = Placement(pad, wedge_angle=np.radians([30, 45])).curvature.principal_radii
+    >>> first.round(2), second.round(2)
+    (array([12.95, 10.37]), array([14.33, 13.31]))
+    """
+
+    first: FloatArray
+    second: FloatArray
+
+
+def inverse_of(curvatures: FloatArray) -> PrincipalRadii:
+    """Return the radii of principal curvatures of shape (..., 2)."""
+    radii = 1 / curvatures
+    return PrincipalRadii(radii[..., 0][()], radii[..., 1][()])
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SurfaceCurvature(Displayed):
@@ -23,7 +55,7 @@ class SurfaceCurvature(Displayed):
 
     Attributes
     ----------
-    principal_radii : ndarray, shape (..., 2)
+    principal_radii : PrincipalRadii
         Radii of curvature, positive where the surface is convex. They keep their identity and are not
         sorted: on a finger pad the first is the one whose direction lies nearer to the finger's long axis
         (in-plane), the second the one across it (transverse).
@@ -36,24 +68,24 @@ class SurfaceCurvature(Displayed):
     >>> from fingerpad.geometry import Ellipsoid
     >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     >>> curvature = pad.curvature(u=np.pi / 4, v=np.pi / 2)
-    >>> curvature.principal_radii.round(2)
+    >>> np.round(curvature.principal_radii, 2)
     array([13.04, 14.36])
     >>> round(float(curvature.mean_curvature_radius), 2)
     13.67
     """
 
-    principal_radii: FloatArray
+    principal_radii: PrincipalRadii
     principal_directions: FloatArray
 
     @property
     def in_plane_radius(self) -> FloatArray:
         """Principal radius along the finger."""
-        return self.principal_radii[..., 0][()]
+        return self.principal_radii.first
 
     @property
     def transverse_radius(self) -> FloatArray:
         """Principal radius across the finger."""
-        return self.principal_radii[..., 1][()]
+        return self.principal_radii.second
 
     @property
     def mean_curvature(self) -> FloatArray:
@@ -84,7 +116,7 @@ class RelativeCurvature(Displayed):
 
     Attributes
     ----------
-    principal_radii : ndarray, shape (..., 2)
+    principal_radii : PrincipalRadii
         Relative principal radii, not sorted: the direction of the first lies nearer to the first body's
         first principal direction. NaN where the gap does not open in all directions.
     angle : ndarray
@@ -95,30 +127,29 @@ class RelativeCurvature(Displayed):
     --------
     A pad of radii 13 and 14.3 mm against a sphere of 10 mm, and against a plate:
 
-    >>> relative_curvature((13.0, 14.3), (10.0, 10.0)).principal_radii.round(2)
+    >>> np.round(relative_curvature((13.0, 14.3), (10.0, 10.0)).principal_radii, 2)
     array([5.65, 5.88])
     >>> round(float(relative_curvature((13.0, 14.3)).geometric_mean_radius), 3)
     13.635
     """
 
-    principal_radii: FloatArray
+    principal_radii: PrincipalRadii
     angle: FloatArray
 
     @property
     def mean_curvature_radius(self) -> FloatArray:
         """Radius 1/H of the gap, H = (1/R' + 1/R'')/2."""
-        twice_mean_curvature: FloatArray = (1 / self.principal_radii).sum(axis=-1)
-        return 2 / twice_mean_curvature
+        return 2 / (1 / self.principal_radii.first + 1 / self.principal_radii.second)
 
     @property
     def geometric_mean_radius(self) -> FloatArray:
         """Johnson's R_e = √(R'R'')."""
-        return np.sqrt(self.principal_radii[..., 0] * self.principal_radii[..., 1])
+        return np.sqrt(self.principal_radii.first * self.principal_radii.second)
 
 
 def relative_curvature(
-    first: ArrayLike,
-    second: ArrayLike = (np.inf, np.inf),
+    first: RadiusPair,
+    second: RadiusPair = (np.inf, np.inf),
     *,
     angle: ArrayLike = 0.0,
 ) -> RelativeCurvature:
@@ -128,8 +159,8 @@ def relative_curvature(
 
     Parameters
     ----------
-    first, second : array_like, shape (..., 2)
-        Principal radii of each body: both equal for a sphere, (R, inf) for a cylinder, (inf, inf) for a
+    first, second : tuple of array_like
+        Two principal radii of each body: both equal for a sphere, (R, inf) for a cylinder, (inf, inf) for a
         flat plate (the default second body), negative for a hollow.
     angle : array_like
         Angle from the first body's first principal direction to the second body's, in radians.
@@ -142,20 +173,18 @@ def relative_curvature(
     Raises
     ------
     GeometryError
-        If a radius is zero or NaN, or the angle is not finite or beyond a full turn.
+        If a body has not two radii, one is zero or NaN, or the angle is not finite or beyond a full turn.
 
     Examples
     --------
     Two equal cylinders crossed at a right angle touch as a sphere does on a plate:
 
     >>> import numpy as np
-    >>> relative_curvature((10, np.inf), (10, np.inf), angle=np.pi / 2).principal_radii
+    >>> np.round(relative_curvature((10, np.inf), (10, np.inf), angle=np.pi / 2).principal_radii, 2)
     array([10., 10.])
     """
     first_1, first_2, second_1, second_2, turn = broadcast(
-        *np.moveaxis(as_float_array(first), -1, 0),
-        *np.moveaxis(as_float_array(second), -1, 0),
-        angle,
+        *_two_radii("first", first), *_two_radii("second", second), angle
     )
     for name, radius in (
         ("first", first_1),
@@ -178,7 +207,16 @@ def relative_curvature(
         cosine * sine * (1 / second_1 - 1 / second_2),
     )
     curvatures = np.where((curvatures > 0).all(axis=-1, keepdims=True), curvatures, np.nan)
-    return RelativeCurvature(principal_radii=1 / curvatures, angle=angle_[()])
+    return RelativeCurvature(principal_radii=inverse_of(curvatures), angle=angle_[()])
+
+
+def _two_radii(name: str, radii: RadiusPair) -> tuple[ArrayLike, ArrayLike]:
+    """Return the radii of one body; an array of several pairs is refused, since two pairs unpack wrongly."""
+    if len(radii) != 2 or not (isinstance(radii, tuple) or np.ndim(radii) == 1):
+        raise GeometryError(
+            f"{name} must be two principal radii, arrays as (first, second), found {radii!r:.100}"
+        )
+    return radii[0], radii[1]
 
 
 def principal_curvatures(

@@ -17,7 +17,13 @@ from fingerpad._arrays import (
 )
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry.curvature import SurfaceCurvature, curvatures_of, principal_curvatures
+from fingerpad.geometry.curvature import (
+    PrincipalRadii,
+    SurfaceCurvature,
+    curvatures_of,
+    inverse_of,
+    principal_curvatures,
+)
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -173,9 +179,9 @@ class Ellipsoid(Displayed):
         along, across = tangents(normal)
         cosine, sine = np.cos(angle)[..., None], np.sin(angle)[..., None]
         directions = np.stack([cosine * along + sine * across, cosine * across - sine * along], axis=-2)
-        return SurfaceCurvature(principal_radii=1 / curvatures, principal_directions=directions)
+        return SurfaceCurvature(principal_radii=inverse_of(curvatures), principal_directions=directions)
 
-    def principal_radii_at_normal(self, normal: ArrayLike) -> FloatArray:
+    def principal_radii_at_normal(self, normal: ArrayLike) -> PrincipalRadii:
         """Return the radii of `curvature_at_normal` alone, at a third of the cost.
 
         Parameters
@@ -185,8 +191,8 @@ class Ellipsoid(Displayed):
 
         Returns
         -------
-        ndarray, shape (..., 2)
-            Principal radii, along and across the finger.
+        PrincipalRadii
+            Along and across the finger.
         """
         return principal_radii_kernel(
             self.palmar, self.distal, self.radial_ulnar, normal=as_float_array(normal)
@@ -201,12 +207,12 @@ class Ellipsoid(Displayed):
 
 def principal_radii_kernel(
     palmar: FloatArray, distal: FloatArray, radial_ulnar: FloatArray, *, normal: FloatArray
-) -> FloatArray:
+) -> PrincipalRadii:
     """Return `Ellipsoid.principal_radii_at_normal` for semi-axes that nothing has checked.
 
     Random draws and complex steps of an uncertainty need it: no single draw may stop the others.
     """
-    return 1 / curvatures_of(*_curvature_tensor(palmar, distal, radial_ulnar, normal))
+    return inverse_of(curvatures_of(*_curvature_tensor(palmar, distal, radial_ulnar, normal)))
 
 
 def _curvature_tensor(

@@ -87,7 +87,8 @@ class Picture(Displayed):
         resolution = self.dots_per_inch
         if resolution is not None:
             resolution = positive_number(resolution, "dots_per_inch", CalibrationError)
-        set_fields(self, pixels=pixels, dots_per_inch=resolution)
+        set_fields(self, dots_per_inch=resolution)
+        object.__setattr__(self, "pixels", pixels)  # no copy: a picture may take much of the memory allowed
 
 
 def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Picture:

@@ -280,7 +280,7 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:
     wedge, roll = np.radians([summary.wedge_angle_deg, summary.roll_angle_deg])
     radii = Placement(pad, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
     area = np.pi * row["semi_major_mm"] * row["semi_minor_mm"]
-    predicted = HertzGeometry(radii[0], radii[1]).at_area(area, reduced_modulus=1.0).ellipse
+    predicted = HertzGeometry(*radii).at_area(area, reduced_modulus=1.0).ellipse
     measured = Ellipse(row["semi_major_mm"], row["semi_minor_mm"]) if row["long_axis"] else None
     angle = (
         row["orientation_deg"]

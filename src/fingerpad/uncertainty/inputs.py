@@ -23,8 +23,8 @@ from fingerpad.exceptions import UncertaintyError
 # Named arrays to named arrays, elementwise.
 Model: TypeAlias = Callable[..., Mapping[str, FloatArray]]
 
-# An exact number, or a value with its standard uncertainty; arrays only in such pairs.
-Quantity: TypeAlias = float | tuple[ArrayLike, ArrayLike] | FloatArray
+# An exact number, or a tuple of a value and its standard uncertainty; arrays only in such tuples.
+Quantity: TypeAlias = float | tuple[ArrayLike, ArrayLike]
 
 Groups: TypeAlias = Mapping[str, tuple[str, ...]]
 
@@ -85,9 +85,10 @@ class Inputs(Displayed):
         ----------
         correlations : mapping, optional
             From pairs of names to correlation coefficients; other pairs are uncorrelated.
-        **quantities : float, or pair of array_like
-            An exact number, or a value and its standard uncertainty, either of which may be an array. A list
-            is refused, since it could be several values.
+        **quantities : float, or tuple of array_like
+            An exact number, or a tuple of a value and its standard uncertainty, either of which may be an
+            array. Arrays and lists are refused, since they could be several values, or a value and its
+            uncertainty.
 
         Returns
         -------
@@ -96,8 +97,8 @@ class Inputs(Displayed):
         Raises
         ------
         UncertaintyError
-            If a standard uncertainty is negative, a correlation lies outside [−1, 1] or is not that of two
-            of the inputs, or nothing is given.
+            If a quantity is an array or a list, a standard uncertainty is negative, a correlation lies
+            outside [−1, 1] or is not that of two of the inputs, or nothing is given.
 
         Examples
         --------
@@ -114,23 +115,20 @@ class Inputs(Displayed):
         arrays = np.broadcast_arrays(*(array for pair in pairs for array in pair))
         mean, std = np.stack(arrays[::2], axis=-1), np.stack(arrays[1::2], axis=-1)
         names = tuple(quantities)
-        inputs = cls(
-            names=names,
-            mean=mean,
-            covariance=std[..., :, None] ** 2 * np.eye(len(names)),
-            groups={name: (name,) for name in names},
+        covariance = std[..., :, None] ** 2 * np.eye(len(names))
+        uncorrelated = cls(
+            names=names, mean=mean, covariance=covariance, groups={name: (name,) for name in names}
         )
         for pair, given in (correlations or {}).items():
-            one, other = inputs.places(pair)
+            one, other = uncorrelated.places(pair)
             value = as_float_array(given)
             if one == other:
                 raise UncertaintyError(f"a correlation is that of two inputs, found {pair[0]} with itself")
             what = f"correlation of {pair[0]} and {pair[1]}"
             check_all(np.abs(value) <= 1, what, value, "within [-1, 1]", UncertaintyError)
-            inputs.covariance[..., [one, other], [other, one]] = (value * std[..., one] * std[..., other])[
-                ..., None
-            ]
-        return inputs
+            product = value * std[..., one] * std[..., other]
+            covariance[..., [one, other], [other, one]] = product[..., None]
+        return replace(uncorrelated, covariance=covariance)
 
     @property
     def std(self) -> FloatArray:
@@ -297,13 +295,14 @@ def check_inputs(model: Model, inputs: Inputs) -> None:
 
 def _value_and_std(name: str, quantity: Any) -> tuple[FloatArray, FloatArray]:
     """Return a quantity as its value and standard uncertainty, zero where it is exact."""
-    if not isinstance(quantity, tuple) and np.ndim(quantity) == 0:
+    pair = isinstance(quantity, tuple)
+    if not pair and np.ndim(quantity) == 0:
         return as_float_array(quantity), np.zeros(())
-    if isinstance(quantity, list) or len(quantity) != 2:
-        found = "a list" if isinstance(quantity, list) else f"{len(quantity)} items"
+    if not pair or len(quantity) != 2:
+        kind = "list" if isinstance(quantity, list) else "tuple" if pair else "array"
         raise UncertaintyError(
-            f"{name}: give a number or (value, standard uncertainty), exact arrays as (values, 0); "
-            f"found {found}"
+            f"{name}: give a number or a tuple (value, standard uncertainty), exact arrays as (values, 0); "
+            f"found {'an' if kind == 'array' else 'a'} {kind} of {len(quantity)}"
         )
     value, std = map(as_float_array, quantity)
     # NaN is refused with the covariance, where that is propagated.

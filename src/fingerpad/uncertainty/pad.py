@@ -111,10 +111,10 @@ def pad_model(
     half = np.exp(0.5 * (elongation + elongation_deviation))
     radius = image_scale * contact_radius * np.exp(radius_deviation)
     normal = platen_normal_kernel(wedge_angle, roll_angle)
-    deviations = np.broadcast_arrays(in_plane_deviation, transverse_deviation)
+    radii = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
     contact = pad_contact_kernel(
-        principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
-        * np.exp(np.stack(deviations, axis=-1)),
+        radii.first * np.exp(in_plane_deviation),
+        radii.second * np.exp(transverse_deviation),
         load=load,
         semi_major=radius * half + edge_offset,
         semi_minor=radius / half + edge_offset,
@@ -289,7 +289,7 @@ def pad_uncertainty(
     ...     palmar=(7.9, 0.1),
     ...     distal=(13.8, 0.1),
     ...     radial_ulnar=(11.8, 0.1),
-    ...     wedge_angle=np.radians((30, 0.5)),
+    ...     wedge_angle=(np.radians(30), np.radians(0.5)),
     ...     load=(2, 0.02),
     ...     semi_major=(7.4, 0.1),
     ...     semi_minor=(5.0, 0.1),

@@ -37,15 +37,14 @@ def placement_model(
     ...     palmar=(7.9, 0.1),
     ...     distal=(13.8, 0.1),
     ...     radial_ulnar=(11.8, 0.1),
-    ...     wedge_angle=np.radians((30, 0.5)),
+    ...     wedge_angle=(np.radians(30), np.radians(0.5)),
     ...     roll_angle=0.0,
     ... )
     >>> print(f"{propagate(placement_model, inputs)['mean_curvature_radius']:.2f}")
     13.61 ± 0.18
     """
     normal = platen_normal_kernel(wedge_angle, roll_angle)
-    radii = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
-    in_plane, transverse = np.moveaxis(radii, -1, 0)
+    in_plane, transverse = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
     x, y = palmar * normal[..., 0], distal * normal[..., 1]
     return {
         "in_plane_radius": in_plane,

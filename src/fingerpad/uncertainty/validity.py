@@ -238,7 +238,7 @@ def compare_ratio(
     (of, std), (other, other_std) = value, reference
     spread = math.hypot(std / of, other_std / other) if log_std is None else log_std
     ratio = math.log(of / other)
-    deviations = ratio / spread if spread > 0 else math.copysign(math.inf, ratio) if ratio else 0.0
+    deviations = _deviations(ratio, spread)
     return ValidityCheck(
         name=name,
         compared=compared,
@@ -296,7 +296,7 @@ def compare_difference(
     """
     spread = math.hypot(value[1], reference[1])
     difference = value[0] - reference[0]
-    deviations = difference / spread if spread > 0 else math.nan
+    deviations = _deviations(difference, spread)
     return ValidityCheck(
         name=name,
         compared=compared,
@@ -353,3 +353,10 @@ def known_error(
         relative_difference=error,
         note=note,
     )
+
+
+def _deviations(difference: float, spread: float) -> float:
+    """Return a difference in its standard uncertainties: infinite where it is exact, and not zero."""
+    if spread > 0:
+        return difference / spread
+    return math.copysign(math.inf, difference) if difference else 0.0
