@@ -28,7 +28,7 @@ from fingerpad.simulate import (
 from fingerpad.study.engine.progress import Progress
 
 FIELDS = ["fields", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "30"]
-FIELDS += ["--modulus-kpa", "70", "--grid", "64"]
+FIELDS += ["--youngs-modulus-kpa", "70", "--grid", "64"]
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
 
@@ -69,25 +69,25 @@ def test_geometry_with_roll() -> None:
 
 
 def test_hertz_forwards_and_back() -> None:
-    forward = run_json("hertz", "--radii-mm", 12.955, 14.330, "--load-n", 2, "--modulus-kpa", 136.5)
+    forward = run_json("hertz", "--radii-mm", 12.955, 14.330, "--load-n", 2, "--reduced-modulus-kpa", 136.5)
     assert forward["long_axis_along"] == "second"
     assert forward["area_mm2"] == pytest.approx(np.pi * forward["semi_major_mm"] * forward["semi_minor_mm"])
     assert forward["mean_pressure_kpa"] == pytest.approx(2e3 / forward["area_mm2"])
     assert forward["peak_pressure_kpa"] == pytest.approx(1.5 * forward["mean_pressure_kpa"])
     back = run_json(
         "hertz",
-        *("--radii-mm", 12.955, 14.330, "--modulus-kpa", 136.5),
+        *("--radii-mm", 12.955, 14.330, "--reduced-modulus-kpa", 136.5),
         *("--indentation-mm", forward["indentation_mm"]),
     )
     assert back["load_N"] == pytest.approx(2, rel=1e-12)
-    swapped = run_json("hertz", "--radii-mm", 14.330, 12.955, "--load-n", 2, "--modulus-kpa", 136.5)
+    swapped = run_json("hertz", "--radii-mm", 14.330, 12.955, "--load-n", 2, "--reduced-modulus-kpa", 136.5)
     assert swapped["long_axis_along"] == "first"
-    circle = run_json("hertz", "--radii-mm", 14, 14, "--load-n", 2, "--modulus-kpa", 136.5)
+    circle = run_json("hertz", "--radii-mm", 14, 14, "--load-n", 2, "--reduced-modulus-kpa", 136.5)
     assert (circle["F1"], circle["F2"], circle["long_axis_along"]) == (1, 1, "either")
 
 
 def test_hertz_says_where_a_contact_is_too_large_for_it() -> None:
-    pad = ("hertz", "--radii-mm", 12.96, 14.33, "--load-n", 2, "--modulus-kpa")
+    pad = ("hertz", "--radii-mm", 12.96, 14.33, "--load-n", 2, "--reduced-modulus-kpa")
     assert "Hertz theory does not hold here" in run(*pad, 0.1365)[1]
     assert "does not hold" not in run(*pad, 136.5)[1]
     assert run_json(*pad, 0.1365)["semi_major_mm"] > 12.96
@@ -186,31 +186,31 @@ def test_text_output_with_units() -> None:
             "--wedge-deg.*should be",
         ),
         (
-            ["hertz", "--radii-mm", "-1", "14", "--load-n", "2", "--modulus-kpa", "9"],
+            ["hertz", "--radii-mm", "-1", "14", "--load-n", "2", "--reduced-modulus-kpa", "9"],
             "--radii-mm .* found -1",
         ),
         (
-            ["hertz", "--radii-mm", "12", "14", "--load-n", "0", "--modulus-kpa", "9"],
+            ["hertz", "--radii-mm", "12", "14", "--load-n", "0", "--reduced-modulus-kpa", "9"],
             "--load-n must be positive .* found 0",
         ),
         (
-            ["hertz", "--radii-mm", "12", "14", "--load-n", "nan", "--modulus-kpa", "9"],
+            ["hertz", "--radii-mm", "12", "14", "--load-n", "nan", "--reduced-modulus-kpa", "9"],
             "--load-n .* found nan",
         ),
         (
-            ["hertz", "--radii-mm", "12", "14", "--load-n", "2", "--modulus-kpa", "-9"],
-            "--modulus-kpa .* found -9",
+            ["hertz", "--radii-mm", "12", "14", "--load-n", "2", "--reduced-modulus-kpa", "-9"],
+            "--reduced-modulus-kpa .* found -9",
         ),
         (
-            ["hertz", "--radii-mm", "12", "14", "--load-n", "2", "--modulus-kpa", "inf"],
-            "--modulus-kpa .* found inf",
+            ["hertz", "--radii-mm", "12", "14", "--load-n", "2", "--reduced-modulus-kpa", "inf"],
+            "--reduced-modulus-kpa .* found inf",
         ),
         (
-            ["hertz", "--radii-mm", "12", "14", "--indentation-mm", "0", "--modulus-kpa", "9"],
+            ["hertz", "--radii-mm", "12", "14", "--indentation-mm", "0", "--reduced-modulus-kpa", "9"],
             "--indentation-mm must be positive",
         ),
         (
-            ["hertz", "--radii-mm", "12", "14", "--modulus-kpa", "9"],
+            ["hertz", "--radii-mm", "12", "14", "--reduced-modulus-kpa", "9"],
             "give exactly one of --load-n and --indentation-mm",
         ),
         (
@@ -368,7 +368,7 @@ def test_help_shows_options_and_commands_in_full() -> None:
     [(("12.9,14.3",), "12.9,14.3 --load-n"), (("12.9",), "12.9 --load-n"), (("a", "b"), "a b")],
 )
 def test_numbers_of_one_flag_are_separated_by_spaces(given: tuple[str, ...], found: str) -> None:
-    code, _, err = run("hertz", "--radii-mm", *given, "--load-n", 2, "--modulus-kpa", 100)
+    code, _, err = run("hertz", "--radii-mm", *given, "--load-n", 2, "--reduced-modulus-kpa", 100)
     assert code == 2
     assert f"--radii-mm takes 2 numbers separated by spaces, found {found}\n" in err
 
@@ -788,7 +788,7 @@ def test_module_and_version() -> None:
 def test_linear_algebra_threads() -> None:
     script = (
         "import atexit, os, sys; "
-        "sys.argv[1:] = 'hertz --radii-mm 12 14 --load-n 2 --modulus-kpa 100'.split(); "
+        "sys.argv[1:] = 'hertz --radii-mm 12 14 --load-n 2 --reduced-modulus-kpa 100'.split(); "
         "threads = lambda: os.listdir('/proc/self/task'); "
         "much = lambda: __import__('numpy').ones((900, 900)) @ __import__('numpy').ones((900, 900)); "
         "atexit.register(lambda: (much(), print(len(threads())))); "

@@ -20,7 +20,7 @@ from fingerpad.simulate import render_contact_image
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 SEQUENCE = EXAMPLE / "synthetic" / "synthetic_press_30deg.tif"
-HERTZ = ("hertz", "--radii-mm", "12", "14", "--load-n", "2", "--modulus-kpa", "100")
+HERTZ = ("hertz", "--radii-mm", "12", "14", "--load-n", "2", "--reduced-modulus-kpa", "100")
 PROGRAM = (sys.executable, "-m", "fingerpad")
 # The same, with interrupts, which processes started in the background ignore.
 INTERRUPTIBLE = (

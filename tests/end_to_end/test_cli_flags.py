@@ -53,10 +53,10 @@ STUDY = (
 )
 VALID = {
     "geometry": "--semi-axes-mm 8 14 12 --wedge-deg 30",
-    "hertz": "--radii-mm 12 14 --modulus-kpa 100 --load-n 2",
+    "hertz": "--radii-mm 12 14 --reduced-modulus-kpa 100 --load-n 2",
     "modulus": "--semi-axes-mm 8 14 12 --wedge-deg 30 --load-n 2 --area-mm2 90",
-    "solve": "--semi-axes-mm 8 14 12 --wedge-deg 30 --modulus-kpa 100 --load-n 2 --grid 64",
-    "fields": "--semi-axes-mm 8 14 12 --wedge-deg 30 --modulus-kpa 70 --load-n 1 --depth-mm 1 --grid 64",
+    "solve": "--semi-axes-mm 8 14 12 --wedge-deg 30 --youngs-modulus-kpa 100 --load-n 2 --grid 64",
+    "fields": "--semi-axes-mm 8 14 12 --wedge-deg 9 --youngs-modulus-kpa 9 --load-n 1 --depth-mm 1 --grid 64",
     "correct": "--ellipse-mm 7 5 --radius-mm 18",
     "fit": "curve.csv",
     "figure": "figure.json --out figure.svg",
@@ -112,6 +112,15 @@ def flags() -> Iterator[tuple[str, str, int]]:
                 kinds = {kind, *typing.get_args(kind)}
                 if flag in OF_TEXT or kinds & {int, float}:
                     yield name, flag, len(typing.get_args(kind)) if typing.get_origin(kind) is tuple else 1
+
+
+def test_a_flag_of_a_modulus_says_which() -> None:
+    moduli = {(name, flag) for name, flag, _ in flags() if "modulus" in flag}
+    assert moduli == {
+        ("hertz", "--reduced-modulus-kpa"),
+        ("solve", "--youngs-modulus-kpa"),
+        ("fields", "--youngs-modulus-kpa"),
+    }
 
 
 def small_print(seed: int) -> np.ndarray:

@@ -85,7 +85,7 @@ def test_refusals(given: tuple[object, ...], words: str) -> None:
 
 
 def test_hertz_has_a_layer_beside_it() -> None:
-    press = ("hertz", "--radii-mm", 12.9, 14.3, "--load-n", 1, "--modulus-kpa", 90)
+    press = ("hertz", "--radii-mm", 12.9, 14.3, "--load-n", 1, "--reduced-modulus-kpa", 90)
     record, plain = run_json(*press, "--thickness-mm", 6, "--poisson-ratio", 0.48), run_json(*press)
     found = fast_contact(
         PadGap.paraboloid(12.9, 14.3), load=1.0, reduced_modulus=0.09, thickness=6.0, poisson_ratio=0.48

@@ -12,7 +12,7 @@ from fingerpad.cli import app
 from fingerpad.contact import EllipsoidContact
 from fingerpad.geometry import Ellipsoid
 
-PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--modulus-kpa", 102.375)
+PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--youngs-modulus-kpa", 102.375)
 KEYS = {
     "load_N",
     "area_mm2",
@@ -81,7 +81,18 @@ def test_a_layer_is_what_the_library_solves() -> None:
 
 @pytest.mark.parametrize("thickness", [(), ("--thickness-mm", 8), ("--thickness-mm", 4)])
 def test_fast_laws_keep_the_error_they_state(thickness: tuple[object, ...]) -> None:
-    rolled = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 45, "--roll-deg", 20, "--modulus-kpa", 100)
+    rolled = (
+        "--semi-axes-mm",
+        7.9,
+        13.8,
+        11.8,
+        "--wedge-deg",
+        45,
+        "--roll-deg",
+        20,
+        "--youngs-modulus-kpa",
+        100,
+    )
     record = run_json(*rolled, "--load-n", 1.5, *thickness, "--grid", 128)
     fast = record["fast"]
     assert fast["flag"] is None
@@ -105,7 +116,7 @@ def test_fast_laws_say_nothing_beyond_their_range() -> None:
     ("ratio", "expected"), [(0.3, (1.264, 1.44, 1.01)), (1.0, (1.80, 3.36, 1.39)), (2.0, (2.20, 8.3, 2.55))]
 )
 def test_layer_table(ratio: float, expected: tuple[float, ...]) -> None:
-    ball = ("--semi-axes-mm", 100, 100, 100, "--wedge-deg", 0, "--modulus-kpa", 75, "--grid", 128)
+    ball = ("--semi-axes-mm", 100, 100, 100, "--wedge-deg", 0, "--youngs-modulus-kpa", 75, "--grid", 128)
     record = run_json(*ball, "--thickness-mm", 2 / ratio, "--area-mm2", 4 * math.pi)
     assert record["area_mm2"] == pytest.approx(4 * math.pi, rel=1e-4)
     hertz = 4 / 3 * 0.1
@@ -136,7 +147,7 @@ def test_long_axis(semi_axes: tuple[float, ...], wedge: float, along: str) -> No
         *semi_axes,
         "--wedge-deg",
         wedge,
-        "--modulus-kpa",
+        "--youngs-modulus-kpa",
         100,
         "--load-n",
         0.5,

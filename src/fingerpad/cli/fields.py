@@ -51,7 +51,7 @@ _COLUMNS: Final = (
 def fields(
     semi_axes_mm: SemiAxes,
     wedge_deg: WedgeAngle,
-    modulus_kpa: YoungsModulus,
+    youngs_modulus_kpa: YoungsModulus,
     roll_deg: RollAngle = 0.0,
     poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio, 0 to 0.5.")] = 0.5,
     thickness_mm: Thickness = None,
@@ -81,7 +81,7 @@ def fields(
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
     only_one(given)
-    for flag, value in (("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
+    for flag, value in (("--youngs-modulus-kpa", youngs_modulus_kpa), ("--thickness-mm", thickness_mm)):
         require_positive(flag, value)
     pad = checked_pad(semi_axes_mm)
     if not 0 <= poisson_ratio <= 0.5:
@@ -90,7 +90,7 @@ def fields(
     press = {
         "wedge_angle": np.radians(wedge_deg),
         "roll_angle": np.radians(roll_deg),
-        "reduced_modulus": float(reduced_modulus(modulus_kpa / KPA_PER_MPA, poisson_ratio)),
+        "reduced_modulus": float(reduced_modulus(youngs_modulus_kpa / KPA_PER_MPA, poisson_ratio)),
         "poisson_ratio": poisson_ratio,
         "load": load_n,
         "area": area_mm2,

@@ -69,7 +69,7 @@ def geometry(
 
 def hertz(
     radii_mm: Annotated[tuple[float, float], typer.Option(help="Relative principal radii of curvature, mm.")],
-    modulus_kpa: Annotated[float, typer.Option(help="Reduced modulus E*, kPa.")],
+    reduced_modulus_kpa: Annotated[float, typer.Option(help="Reduced modulus E*, kPa.")],
     load_n: Load = None,
     indentation_mm: Indentation = None,
     thickness_mm: Thickness = None,
@@ -85,12 +85,12 @@ def hertz(
     from fingerpad.contact import HertzGeometry, indentation_factor, size_factor
 
     only_one({"--load-n": load_n, "--indentation-mm": indentation_mm})
-    for flag, value in (("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
+    for flag, value in (("--reduced-modulus-kpa", reduced_modulus_kpa), ("--thickness-mm", thickness_mm)):
         require_positive(flag, value)
     for radius in radii_mm:
         require_positive("--radii-mm", radius)
     pair = HertzGeometry(*radii_mm)
-    modulus = modulus_kpa / KPA_PER_MPA
+    modulus = reduced_modulus_kpa / KPA_PER_MPA
     if load_n is not None:
         contact = pair.under_load(load_n, reduced_modulus=modulus)
     else:

@@ -40,7 +40,7 @@ _ROUND = 0.999  # axis ratio above which an ellipse has no direction
 def solve(
     semi_axes_mm: SemiAxes,
     wedge_deg: WedgeAngle,
-    modulus_kpa: YoungsModulus,
+    youngs_modulus_kpa: YoungsModulus,
     roll_deg: RollAngle = 0.0,
     poisson_ratio: Annotated[
         float, typer.Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")
@@ -64,12 +64,12 @@ def solve(
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
     flag = only_one(given)
-    for name, value in (("--modulus-kpa", modulus_kpa), ("--thickness-mm", thickness_mm)):
+    for name, value in (("--youngs-modulus-kpa", youngs_modulus_kpa), ("--thickness-mm", thickness_mm)):
         require_positive(name, value)
     placement = Placement(
         checked_pad(semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)
     )
-    modulus = float(reduced_modulus(modulus_kpa / KPA_PER_MPA, poisson_ratio))
+    modulus = float(reduced_modulus(youngs_modulus_kpa / KPA_PER_MPA, poisson_ratio))
     body = {"thickness": thickness_mm, "poisson_ratio": poisson_ratio}
     wanted = _only_given({"load": load_n, "area": area_mm2, "indentation": indentation_mm})
     try:
