@@ -60,7 +60,7 @@ def results() -> dict[str, object]:
     }
 
 
-MAX_REPR = 600
+MAX_REPR = 650
 DRAWN = ("contact image", "photograph", "fit", "contact", "placement")
 
 

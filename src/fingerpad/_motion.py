@@ -15,9 +15,9 @@ FALL: Final = -1
 _REST_RATE: Final = 0.2
 
 
-def usual_rate(rate: FloatArray) -> float:
-    """Return the mean of non-negative rates, weighted with the change that each stands for."""
-    return float(np.average(rate, weights=rate)) if rate.any() else 0.0
+def usual_rate(rate: FloatArray, step: FloatArray | float = 1.0) -> float:
+    """Return the mean of non-negative rates, weighted with the change that each makes in its step of time."""
+    return float(np.average(rate, weights=rate * step)) if rate.any() else 0.0
 
 
 def find_motion(rate: FloatArray, *, rising: float, falling: float, min_samples: int) -> npt.NDArray[np.int8]:

@@ -59,3 +59,13 @@ def test_exact_models_are_averaged() -> None:
     found = average_models([Estimate.symmetric(2.0, 0.0), Estimate.symmetric(4.0, 0.0)], [0.5, 0.5])
     assert (found.value, found.std) == (3.0, 1.0)
     assert (found.lower, found.upper) == pytest.approx((2.0, 4.0))
+
+
+def test_an_error_is_added_and_a_width_stretched_on_either_side() -> None:
+    skew = Estimate(value=10.0, std=3.0, lower=7.0, upper=20.0)
+    wider = skew.with_error(4.0)
+    assert (wider.value, wider.std) == (10.0, 5.0)
+    assert wider.lower == pytest.approx(10 - math.hypot(3, 1.96 * 4))
+    assert wider.upper == pytest.approx(10 + math.hypot(10, 1.96 * 4))
+    twice = skew.stretched(2.0)
+    assert (twice.std, twice.lower, twice.upper) == (6.0, 4.0, 30.0)

@@ -5,8 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
-from fingerpad.exceptions import FitError
-from fingerpad.loading import LoadingCurve, fit_contact_compliance
+from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.loading import LoadingCurve, find_cycles, fit_contact_compliance
+from fingerpad.simulate import simulate_loading_curve
 
 GEOMETRY = HertzGeometry(12.955, 14.330)
 TRUE_RADIUS = float(equivalent_radius_from_compliance(GEOMETRY.geometric_mean_radius, GEOMETRY.axis_ratio))
@@ -45,53 +46,69 @@ def test_std_coverage() -> None:
     assert 0.92 <= hits / 400 <= 0.98
 
 
-def test_points_without_load_are_left_out() -> None:
-    curve = simulated(np.random.default_rng(0))
-    padded = LoadingCurve(
-        load=np.append(curve.load, [0.0, -0.1]),
-        indentation=np.append(curve.indentation, [50.0, 60.0]),
-        area=np.append(curve.area, [0.0, 0.0]),
+@pytest.mark.parametrize("approach", [0.1, 0.6, 6.0])
+@pytest.mark.parametrize("force_offset", [0.0, 0.05])
+def test_rows_before_contact_do_not_count(approach: float, force_offset: float) -> None:
+    """Their force is noise, above or below zero, and their area is none."""
+    found = [
+        fit_contact_compliance(
+            simulate_loading_curve(
+                points=200,
+                approach=approach,
+                force_offset=force_offset,
+                force_std=0.005,
+                area_std=0.5,
+                seed=seed,
+            )
+        )
+        for seed in range(10)
+    ]
+    errors = np.array([(one.loading_radius - 15) / one.loading_radius_std for one in found])
+    assert abs(errors.mean()) < 1
+    assert np.sqrt(np.mean(errors**2)) < 1.6
+
+
+def test_the_way_out_and_other_presses_do_not_count() -> None:
+    curve = simulate_loading_curve(points=900, cycles=3, hold=0.5, unloading=True, area_std=0.5, seed=3)
+    third = np.arange(900) // 300
+    spoiled = LoadingCurve(
+        load=curve.load,
+        indentation=curve.indentation,
+        time=curve.time,
+        area=np.where(third == 1, curve.area, 2 * curve.area),
     )
-    fit = fit_contact_compliance(padded)
-    assert fit.count == curve.load.size
-    assert_allclose(fit.loading_radius, TRUE_RADIUS, rtol=1e-12)
+    assert abs(fit_contact_compliance(spoiled, cycle=1).loading_radius - 15) < 0.2
+    assert abs(fit_contact_compliance(spoiled, cycle=2).loading_radius - 30) < 0.4
+    with pytest.raises(LoadingError, match="the record has 3 cycles, numbered from 0; there is no 3"):
+        fit_contact_compliance(spoiled, cycle=3)
 
 
 @pytest.mark.parametrize(
-    ("curve", "message"),
-    [
-        (LoadingCurve(load=np.ones(5), indentation=np.arange(5.0), area=None), "no contact area"),
-        (LoadingCurve(load=np.zeros(5), indentation=np.arange(5.0), area=np.ones(5)), "0 points under load"),
-        (
-            LoadingCurve(load=np.ones(5), indentation=np.ones(5), area=np.arange(5.0)),
-            "displacement is the same",
-        ),
-        (
-            LoadingCurve(load=np.ones(5), indentation=np.arange(5.0), area=-np.arange(5.0)),
-            "contact area falls",
-        ),
-        (LoadingCurve(load=np.ones(5), indentation=np.arange(5.0), area=np.ones(5)), "contact area falls"),
-    ],
+    ("area", "message"),
+    [(None, "no contact area"), (-np.arange(9.0), "contact area falls"), (np.ones(9), "contact area falls")],
 )
-def test_insufficient_curves_refused(curve: LoadingCurve, message: str) -> None:
+def test_insufficient_curves_refused(area: np.ndarray | None, message: str) -> None:
+    depth = np.arange(9.0)
     with pytest.raises(FitError, match=message):
-        fit_contact_compliance(curve)
+        fit_contact_compliance(LoadingCurve(load=depth**1.5, indentation=depth, area=area))
 
 
 def test_the_line_is_that_of_least_squares() -> None:
     curve = simulated(np.random.default_rng(3), count=12, noise=0.02)
-    design = np.stack([np.pi * curve.indentation, np.ones(12)], axis=-1)
-    parts, (squares,), *_ = np.linalg.lstsq(design, curve.area)
-    covariance = squares / (12 - 2) * np.linalg.inv(design.T @ design)
     fit = fit_contact_compliance(curve)
+    last = find_cycles(curve)[0].loading.stop
+    rows = slice(last - fit.count, last)
+    design = np.stack([np.pi * curve.indentation[rows], np.ones(fit.count)], axis=-1)
+    parts, (squares,), *_ = np.linalg.lstsq(design, curve.area[rows])
+    covariance = squares / (fit.count - 2) * np.linalg.inv(design.T @ design)
     assert_allclose([fit.loading_radius, fit.area_at_zero], parts)
     assert_allclose(fit.loading_radius_std, np.sqrt(covariance[0, 0]))
-    assert_allclose(fit.residual_std, np.sqrt(squares / 10))
-    assert fit.count == 12
+    assert_allclose(fit.residual_std, np.sqrt(squares / (fit.count - 2)))
+    assert fit.count >= 8
 
 
-def test_three_points_are_the_fewest_for_a_line() -> None:
-    values = np.array([1.0, 2.0, 3.0])
-    assert fit_contact_compliance(LoadingCurve(load=values, indentation=values, area=values)).count == 3
-    with pytest.raises(FitError, match="2 points under load"):
-        fit_contact_compliance(LoadingCurve(load=values - 1, indentation=values, area=values))
+def test_three_rows_in_contact_are_the_fewest_for_a_line() -> None:
+    depth = np.array([-3.0, -2, -1, 0, 1.2, 2])
+    curve = LoadingCurve(load=np.maximum(depth, 0) ** 1.5, indentation=depth, area=np.maximum(depth, 0))
+    with pytest.raises(FitError, match="[12] rows in contact while the load grows; at least 3"):
+        fit_contact_compliance(curve)

@@ -182,3 +182,60 @@ def test_a_sensor_at_its_limit_is_told_from_a_platen_at_rest() -> None:
     assert saturated_rows(flat, segment).tolist() == 3 * [False] + 4 * [True]
     assert not saturated_rows(replace(flat, load=np.where(depth == 3, 2.9, load)), segment).any()
     assert not saturated_rows(replace(flat, indentation=np.minimum(depth, 3)), segment).any()
+
+
+def pressed(
+    way: list[tuple[float, float]], *, contact: float, sticks: float = 0.0, rows: int = 1500, seed: int = 1
+):
+    """Return a record of a sphere on a way of (mm, mm/s), or (nan, s) at rest, that sticks (N) coming out."""
+    times, places = [0.0], [0.0]
+    for target, speed in way:
+        rests = np.isnan(target)
+        times.append(times[-1] + (speed if rests else abs(target - places[-1]) / speed))
+        places.append(places[-1] if rests else target)
+    rng = np.random.default_rng(seed)
+    clock = np.sort(rng.uniform(0, times[-1], rows))
+    travel = np.interp(clock, times, places)
+    out = clock > times[int(np.argmax(places))]
+    load = 0.2 * np.maximum(travel - contact, 0) ** 1.5 * np.where(out, 0.8, 1.0)
+    load = load - out * sticks * np.exp(-(((travel - contact) / 0.3) ** 2)) + 0.002 * clock
+    return LoadingCurve(
+        load=load + rng.normal(0, 0.005, rows), indentation=travel + rng.normal(0, 0.002, rows), time=clock
+    )
+
+
+@pytest.mark.parametrize(
+    ("way", "contact"),
+    [
+        ([(12, 1), (0, 10)], 10),
+        ([(12, 1), (0, 50)], 10),
+        ([(12, 1), (-20, 10)], 10),
+        ([(32, 1), (0, 1)], 30),
+        ([(62, 1), (0, 5)], 60),
+        ([(12, 1), (11, 10)], 10),
+        ([(9.5, 10), (12, 0.5), (0, 10)], 10),
+        ([(9.5, 10), (np.nan, 2), (12, 0.5), (0, 10)], 10),
+        ([(np.nan, 5), (12, 1), (np.nan, 5), (0, 5)], 10),
+    ],
+    ids=[
+        "fast way out",
+        "very fast way out",
+        "ends in mid-air",
+        "long approach",
+        "very long approach",
+        "ends soon after the top",
+        "fast approach",
+        "fast approach and rest",
+        "rests before and in contact",
+    ],
+)
+@pytest.mark.parametrize("sticks", [0.0, 0.3])
+def test_the_press_of_ordinary_records_is_found(way, contact: float, sticks: float) -> None:
+    curve = pressed(way, contact=contact, sticks=sticks)
+    (cycle,) = find_cycles(curve)
+    top = np.nanmax([target for target, _ in way])
+    loading = curve.indentation[cycle.loading.rows]
+    assert abs(loading[0] - contact) < 0.3
+    assert abs(loading[-1] - top) < 0.3
+    assert cycle.unloading is not None
+    assert (cycle.hold is not None) == bool(np.isnan(way[-2][0]))

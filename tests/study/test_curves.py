@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fingerpad._json import dumps
+from fingerpad.exceptions import ManifestError
 from fingerpad.loading import Estimate, Undetermined
 from fingerpad.report import write_report
 from fingerpad.simulate import simulate_loading_curve
@@ -93,6 +94,35 @@ def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
     assert plain.loading_radius < 14.6
 
 
+def test_a_curve_says_that_it_pressed_a_half_space(tmp_path: Path) -> None:
+    """What has no layer leaves the force alone to tell its modulus."""
+    write_curve(tmp_path / "a.csv", points=200, loading_radius=15.0, initial_modulus=0.04, area=False)
+    known = 'file = "a.csv"\nloading_radius_mm = 15\nstage_compliance_mm_per_N = 0\n'
+    deep, layer, unknown = study(
+        tmp_path, f"{known}thickness_mm = inf\n", f"{known}thickness_mm = 8\nthickness_mm_std = 1\n", known
+    ).curves
+    assert "hertz_inverse_thickness" in unknown.fit.alternatives
+    assert not deep.fit.alternatives
+    assert not layer.fit.alternatives
+    assert "untested_without_area" in unknown.fit.flags
+    assert "untested_without_area" not in deep.fit.flags
+    assert layer.fit.initial_modulus.value < 0.8 * deep.fit.initial_modulus.value
+    assert layer.fit.initial_modulus.std > deep.fit.initial_modulus.std
+
+
+@pytest.mark.parametrize(
+    ("stated", "words"),
+    [
+        ("thickness_mm = 0", "thickness_mm"),
+        ("thickness_mm = inf\nthickness_mm_std = 1", "no use for thickness_mm_std"),
+    ],
+)
+def test_a_thickness_that_cannot_be_is_refused(tmp_path: Path, stated: str, words: str) -> None:
+    write_curve(tmp_path / "a.csv")
+    with pytest.raises(ManifestError, match=words):
+        study(tmp_path, f'file = "a.csv"\n{stated}\n')
+
+
 def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
     for name, rate in (("a", 1.0), ("b", 3.0)):
         write_curve(tmp_path / f"{name}.csv", loading_radius=15.0, initial_modulus=0.04, rate=rate)
@@ -152,7 +182,8 @@ def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> No
     alone = study(tmp_path, 'file = "a.csv"\n').curves[0]
     assert isinstance(alone.fit.initial_modulus, Undetermined)
     assert "no contact area" in alone.reason
-    given = 'file = "a.csv"\nloading_radius_mm = 15\nloading_radius_mm_std = 1.5\n'
+    known = "thickness_mm = inf\nstage_compliance_mm_per_N = 0\n"
+    given = f'file = "a.csv"\nloading_radius_mm = 15\nloading_radius_mm_std = 1.5\n{known}'
     helped = study(tmp_path, given).curves[0]
     assert helped.loading_radius == 15
     assert isinstance(helped.fit.initial_modulus, Estimate)

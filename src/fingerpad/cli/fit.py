@@ -50,6 +50,15 @@ def fit(
         float | None, typer.Option(help="By how much the areas are late, s.", show_default=False)
     ] = None,
     area_delay_s_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, s.")] = 0.0,
+    thickness_mm: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MM",
+            help="Thickness of the layer that is pressed, mm; inf for a half-space, which has none.",
+            show_default=False,
+        ),
+    ] = None,
+    thickness_mm_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, mm.")] = 0.0,
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
@@ -96,6 +105,7 @@ def fit(
         fit_load_range=None if load_range_n is None else _loads(load_range_n),
         stage_compliance=compliance,
         area_delay=delay,
+        thickness=_given("--thickness-mm", _thickness(thickness_mm), thickness_mm_std),
     )
     if constraint is not None:
         found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
@@ -143,6 +153,14 @@ def _columns(texts: list[str]) -> dict[str, str]:
             raise LoadingError(f"--column takes QUANTITY=NAME:UNIT with {', '.join(known)}, found {text!r}")
         columns[quantity] = column
     return columns
+
+
+def _thickness(text: str | None) -> float | None:
+    """Return a thickness; as text, since numbers on the command line are finite."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        raise LoadingError(f"--thickness-mm takes a thickness in mm or inf, found {text!r}") from None
 
 
 def _loads(text: str) -> tuple[float, float]:

@@ -1,7 +1,7 @@
 """Preparation of one press for the fit: rows, flags, and initial values."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -16,17 +16,16 @@ from fingerpad.loading.segments import (
     BOTH_REVERSED,
     Cycle,
     both_reversed,
+    choose_cycle,
     contact_rise,
-    find_cycles,
     fit_contact_start,
     moving_average,
+    rows_in_contact,
     saturated_rows,
 )
 
 # Rows before contact from which a drift, or a zero, can be estimated.
 _TILT_ROWS, _ZERO_ROWS = 4, 2
-# An area this near to contact, as a share of the depth, may be cut off at zero by its noise.
-_NEAR_CONTACT = 0.1
 _CONTACT_DEVIATIONS = 5.0
 _MIN_LOADING = 5
 
@@ -55,25 +54,14 @@ def determined(what: str, hint: str = "") -> Iterator[None]:
 
 def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
     """Choose the rows of one press. Raise LoadingError or FitError where there is nothing to fit."""
-    cycles = find_cycles(curve)
-    if not 0 <= cycle < len(cycles):
-        raise LoadingError(f"the record has {len(cycles)} cycles, numbered from 0; there is no {cycle}")
-    chosen = cycles[cycle]
+    cycles, chosen = choose_cycle(curve, cycle)
     begin = chosen.baseline.start if chosen.baseline else chosen.loading.start
     before = chosen.loading.start - begin
     rows = np.arange(begin, chosen.loading.stop)
     full = saturated_rows(curve, chosen.loading)
     rows = rows[np.append(np.zeros(before, dtype=bool), full) == 0]
-    if rows.size - before < _MIN_LOADING:
-        raise FitError(
-            f"{rows.size - before} rows in contact while the load grows (saturated ones left out); at least "
-            f"{_MIN_LOADING} are needed"
-        )
     smooth = moving_average(curve.indentation[begin : chosen.loading.stop])[rows - begin]
-    with_area = np.zeros(rows.size, dtype=bool)
-    if curve.area is not None:
-        contact = smooth[before]
-        with_area = smooth > contact + _NEAR_CONTACT * (smooth.max() - contact)
+    with_area = np.isin(rows, rows_in_contact(curve, chosen)) & (curve.area is not None)
     record = FitData(
         clock=curve.clock[rows] - curve.clock[rows[0]],
         load=np.asarray(curve.load, dtype=np.float64)[rows],
@@ -84,6 +72,11 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
         poisson_ratio=poisson_ratio,
     )
     _require_contact(record)
+    if rows.size - before < _MIN_LOADING:
+        raise FitError(
+            f"{rows.size - before} rows in contact while the load grows (saturated ones left out); at least "
+            f"{_MIN_LOADING} are needed"
+        )
     doubts = {
         "no_baseline": before < _ZERO_ROWS,
         "tilt_unknown": _ZERO_ROWS <= before < _TILT_ROWS,
@@ -136,20 +129,34 @@ def fixed_quantities(press: Press, loading_radius: float | Estimate | None) -> d
     return {"loading_radius": radius}
 
 
-def instrument_quantities(
-    curve: LoadingCurve, given: Mapping[str, float | Estimate | None]
+def known_quantities(
+    curve: LoadingCurve,
+    *,
+    stage_compliance: float | Estimate | None = None,
+    area_delay: float | Estimate | None = None,
+    thickness: float | Estimate | None = None,
 ) -> dict[str, Estimate]:
-    """Return what is known of the instrument that recorded a curve."""
-    found = {}
-    for name, value in given.items():
-        if value is not None:
-            found[name] = value if isinstance(value, Estimate) else Estimate.symmetric(value, 0.0)
-            if not (math.isfinite(found[name].value) and found[name].std >= 0):
-                raise LoadingError(f"{name} must be finite, found {found[name].value} ± {found[name].std}")
+    """Return what is known of the instrument that recorded a curve, and of the layer that it pressed."""
+    given = {"stage_compliance": stage_compliance, "area_delay": area_delay, "thickness": thickness}
+    found = {
+        name: value if isinstance(value, Estimate) else Estimate.symmetric(value, 0.0)
+        for name, value in given.items()
+        if value is not None
+    }
+    for name, one in found.items():
+        endless = name == "thickness" and one.value == math.inf and one.std == 0
+        if not (endless or (math.isfinite(one.value) and 0 <= one.std < math.inf)):
+            raise LoadingError(f"{name} must be finite, found {one.value} ± {one.std}")
     if "stage_compliance" in found and found["stage_compliance"].value < 0:
         raise LoadingError(f"stage_compliance must not be negative, found {found['stage_compliance'].value}")
     if "area_delay" in found and curve.time is None:
         raise LoadingError("area_delay is a time, and the curve has none: add its column of time")
+    if "thickness" in found:
+        layer = found.pop("thickness")
+        if not layer.value > 0:
+            raise LoadingError(f"thickness must be above zero, found {layer.value} mm; inf for no layer")
+        inverse = 1 / layer.value
+        found["inverse_thickness"] = Estimate.symmetric(inverse, layer.std * inverse**2 if layer.std else 0.0)
     return found
 
 

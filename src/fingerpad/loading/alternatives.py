@@ -1,6 +1,6 @@
-"""Other explanations of a loading curve, compared with the model by AICc.
+"""Other explanations of a loading curve, averaged with the model by Akaike weights.
 
-None of them replaces the model. Where one fits better, the stated intervals are widened to hold its values.
+None of them replaces the model: its value stays, and the uncertainty is that of all of them.
 """
 
 import math
@@ -9,21 +9,23 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from scipy import special
 
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
-from fingerpad.loading.estimate import Estimate, Quantity
+from fingerpad.loading.estimate import Estimate, Quantity, akaike_weights, average_models
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
+from fingerpad.loading.least_squares import effective_count
 
-# AICc by which an explanation must be ahead to count, to be named in a flag, and to exclude others.
+# AICc by which an explanation must be ahead to be named in a flag.
 COUNTS, FLAGGED, EXCLUDES = 2.0, 5.0, 6.0
-# Every stage yields and every finger has a bone: these count unless the curve speaks against them.
-_EVERYWHERE_COUNTS: Final = -0.5
-# So is every camera late: for the place of contact an offset of the areas counts beyond its uncertainty.
-_LATE_COUNTS: Final = -1.0
 # Deviations by which residuals of one sign follow each other too often.
 TOO_FEW_RUNS = -3.5
+# Minimum number of residuals before contact and under load to compare, and unexplained share for a flag.
+_MIN_COMPARED, _MOSTLY = 10, 0.5
+# Areas that are smoothed make R_g so many times as uncertain.
+_CORRELATED: Final = 2.0
 _MIN_AREAS = 20
 FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
 
@@ -39,9 +41,13 @@ EXPLANATIONS: Final = {
 }
 # Of a pad of one modulus, β = 0, which makes room for what looks like a growing one.
 _ONE_MODULUS: Final = "hertz_"
-# Below zero these say something else in disguise.
-_POSITIVE: Final = {"stage_compliance", "inverse_thickness"}
-_WITHOUT_AREAS: Final = tuple(name for name in EXPLANATIONS if name.removeprefix(_ONE_MODULUS) in _POSITIVE)
+_WITHOUT_AREAS: Final = tuple(
+    name
+    for name in EXPLANATIONS
+    if name.removeprefix(_ONE_MODULUS) in {"stage_compliance", "inverse_thickness"}
+)
+# Tissue of a finger, mm; beyond that it is as good as a half-space. A press goes no deeper than half of it.
+_THICKNESS, _DEEPEST = (3.0, 25.0), 0.5
 # A zero of the force that drifts does so in no straight line: standard deviation of its bend over the press,
 # as a share of the drift.
 _BENT: Final = 0.4
@@ -57,22 +63,28 @@ class Comparison(Displayed):
         The model, with an offset of the areas where they have one.
     rivals : mapping of str to JointFit
         Other explanations under the same noise, by key of `EXPLANATIONS`.
-    best : JointFit
-        That of the least AICc, with noise of its own where it is far ahead.
+    best, best_name : JointFit, str
+        That of the least AICc, with noise of its own where it is far ahead, and its key; empty for the model.
+    weights : mapping of str to float
+        Akaike weights of the rivals; what is left to one is the model's.
+    unexplained : float
+        Share of the force's residuals under load that noise does not explain; 0 where areas show it.
     doubts : mapping of str to str
         Flags, and what they mean here in plain words.
-    reference : float
-        AICc that explanations must be ahead of: that of the model, or of a pad of one modulus if less.
     """
 
     main: JointFit
     rivals: Mapping[str, JointFit]
     best: JointFit
+    best_name: str
+    weights: Mapping[str, float]
+    unexplained: float
     doubts: Mapping[str, str]
-    reference: float
 
-    def widened(self, name: str, estimate: Quantity, gradient: Mapping[str, float]) -> tuple[Quantity, float]:
-        """Return a quantity whose interval holds the values of better explanations, and by how much it moved.
+    def widened(
+        self, name: str, estimate: Quantity, gradient: Mapping[str, float], spread: float = 0.0
+    ) -> tuple[Quantity, float]:
+        """Return a quantity with the uncertainty of all explanations, and what they add to the model's.
 
         Parameters
         ----------
@@ -82,49 +94,32 @@ class Comparison(Displayed):
             From the main fit.
         gradient : mapping of str to float
             Weights of the parameters whose sum it is.
+        spread : float
+            By how much laws of the force differ in it, as a standard deviation.
         """
         if not isinstance(estimate, Estimate):
             return estimate, 0.0
-        others = []
-        for rival in self.others + (self._late if name == "contact_offset" else []):
-            value = sum(rival.values.get(key, 0.0) * weight for key, weight in gradient.items())
-            try:
-                others.append(rival.combined(value, gradient))
-            except FAILURES:  # its own uncertainty is lost in rounding
-                others.append(Estimate.symmetric(value, 0.0))
+        found = {
+            key: _sum_of(self.best if key == self.best_name else rival, gradient)
+            for key, rival in self.rivals.items()
+        }
+        own = estimate.with_error(spread * math.sqrt(self.unexplained))
         if "correlated_area" in self.doubts and name == "loading_radius":
-            half = 2 * (estimate.upper - estimate.value)
-            others += [
-                replace(estimate, value=estimate.value + estimate.std, upper=estimate.value + half),
-                replace(estimate, value=estimate.value - estimate.std, lower=estimate.value - half),
-            ]
-        whole = estimate.including(*others)
+            own = own.stretched(_CORRELATED)
+        weights = [self.weights[key] for key in found]
+        whole = average_models([own, *found.values()], [1 - sum(weights), *weights], value=own.value)
+        # The value stays the model's, however little weight it has, and so does its own uncertainty.
+        whole = replace(whole, lower=min(whole.lower, own.lower), upper=max(whole.upper, own.upper))
         return whole, math.sqrt(max(whole.std**2 - estimate.std**2, 0.0))
 
-    @property
-    def _late(self) -> list[JointFit]:
-        """Areas with an offset at contact, unless the delay is given or the curve speaks against them."""
-        late = self.rivals.get("area_offset")
-        if late is None or "area_delay" in self.main.held:
-            return []
-        return [late] if late.aicc < self.main.aicc - _LATE_COUNTS else []
 
-    def _limit(self, name: str) -> float:
-        """Return the AICc below which an explanation counts."""
-        if name.removeprefix(_ONE_MODULUS) in _POSITIVE:
-            return self.reference - _EVERYWHERE_COUNTS
-        return self.main.aicc - (0.0 if name == "area_offset" else COUNTS)
-
-    @property
-    def others(self) -> list[JointFit]:
-        """The explanations that count beside the model and are not excluded by the best."""
-        least = min([self.reference, *(rival.aicc for rival in self.rivals.values())])
-        ahead = [
-            rival
-            for name, rival in self.rivals.items()
-            if rival.aicc < self._limit(name) and rival.aicc < least + EXCLUDES
-        ]
-        return ahead if self.best is self.main else [self.best, *ahead]
+def _sum_of(fit: JointFit, gradient: Mapping[str, float]) -> Estimate:
+    """Return a weighted sum of parameters."""
+    value = sum(fit.values.get(key, 0.0) * weight for key, weight in gradient.items())
+    try:
+        return fit.combined(value, gradient)
+    except FAILURES:  # its own uncertainty is lost in rounding
+        return Estimate.symmetric(value, 0.0)
 
 
 def fit_growing(record: FitData, start: Mapping[str, float], held: Mapping[str, Estimate]) -> JointFit:
@@ -168,7 +163,7 @@ def compare(main: JointFit) -> Comparison:
     if gains.get("area_offset", 0.0) > FLAGGED:
         doubts["area_offset"] = _offset_note(main, rivals["area_offset"])
     name = max(gains, key=gains.__getitem__, default="")
-    best = main
+    best, best_name = main, ""
     if name == "area_offset" and gains[name] > FLAGGED:
         main = best = rivals.pop(name)
         reference = main.aicc
@@ -179,33 +174,88 @@ def compare(main: JointFit) -> Comparison:
             name, gains = "area_growth", {"area_growth": main.aicc - both["area_growth"].aicc}
     if name != "area_offset" and name and gains[name] > FLAGGED:
         doubts["misfit"] = (
-            f"the curve fits {EXPLANATIONS[name]} better, by {gains[name]:.0f} in AICc: intervals are "
-            "widened to hold what follows from it"
+            f"the curve fits {EXPLANATIONS[name]} better, by {gains[name]:.0f} in AICc: the "
+            "uncertainty holds what follows from it"
         )
-        best = _refitted(rivals[name])
+        best, best_name = _refitted(rivals[name]), name
     runs = runs_deviation(best.residuals()[1])
     if runs < TOO_FEW_RUNS:
         doubts["correlated_area"] = (
             f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
             "deviations): the areas are smoothed, or none of the models has their shape"
         )
-    return Comparison(main=main, rivals=rivals, best=best, doubts=doubts, reference=reference)
+    return Comparison(
+        main=main,
+        rivals=rivals,
+        best=best,
+        best_name=best_name,
+        weights=_weights(reference, rivals, main.held, EXPLANATIONS),
+        unexplained=0.0,
+        doubts=doubts,
+    )
+
+
+def _weights(
+    reference: float, rivals: Mapping[str, JointFit], held: Mapping[str, Estimate], names: Iterable[str]
+) -> dict[str, float]:
+    """Return the Akaike weights of rivals beside the model, whose AICc with β or without is `reference`.
+
+    Before the curve is seen, late areas are as likely as the model, if their delay is not known, and so are
+    all other explanations of these names together.
+    """
+    late = set() if "area_delay" in held else {"area_offset"}
+    share = math.log(len(set(names) - late))
+    criteria = [rival.aicc + (0.0 if name in late else 2 * share) for name, rival in rivals.items()]
+    _, *weights = akaike_weights([reference, *criteria])
+    return dict(zip(rivals, weights, strict=True))
+
+
+def unexplained_share(main: JointFit) -> float:
+    """Return the share of the force's residuals in contact that noise does not explain.
+
+    Their spectral density at zero frequency, the variance over the effective number, is compared with that
+    before contact; up to the 95 % point of Fisher's F it may be chance.
+    """
+    force = main.fit.residuals[: main.record.load.size]
+    contact = main.record.smooth_displacement > main.values["contact_offset"]
+    before, under = force[~contact], force[contact]
+    if min(before.size, under.size) < _MIN_COMPARED:
+        return 0.0
+    freedom = [effective_count(part) for part in (under, before)]
+    density, usual = (
+        float(part @ part) / count for part, count in zip((under, before), freedom, strict=True)
+    )
+    return max(0.0, 1 - float(special.fdtri(*freedom, 0.95)) * usual / density) if density > 0 else 0.0
 
 
 def _compare_without_areas(main: JointFit) -> Comparison:
     """Compare by the force alone, which a layer and a yielding stage shape as a changing modulus does."""
     rivals = dict(_rivals(main, _WITHOUT_AREAS))
     doubts = {}
-    if "loading_radius" in main.held:
+    if "loading_radius" in main.held and not {"stage_compliance", "inverse_thickness"} <= set(main.held):
         doubts["untested_without_area"] = (
             "without areas a layer on bone, or a stage that yields, looks like a modulus that changes with "
-            "load: where they explain the force as well, intervals are widened to hold what follows"
+            "load: the uncertainty holds what follows from them, by how well they explain the force"
         )
-    return Comparison(main=main, rivals=rivals, best=main, doubts=doubts, reference=main.aicc)
+    unexplained = unexplained_share(main)
+    if unexplained > _MOSTLY and "loading_radius" in main.held:
+        doubts["misfit"] = (
+            "under load the force departs from the model by more than its noise before contact: the "
+            "uncertainty holds by how much Hertz's law, a growing modulus and a power law differ"
+        )
+    return Comparison(
+        main=main,
+        rivals=rivals,
+        best=main,
+        best_name="",
+        weights=_weights(main.aicc, rivals, main.held, _WITHOUT_AREAS),
+        unexplained=unexplained,
+        doubts=doubts,
+    )
 
 
 def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[str, JointFit]]:
-    """Return those explanations that can be fitted, under the noise of the model."""
+    """Return those explanations that can be fitted and are possible, under the noise of the model."""
     found = []
     for name in names:
         added = name.removeprefix(_ONE_MODULUS)
@@ -214,16 +264,50 @@ def _rivals(main: JointFit, names: Iterable[str] = EXPLANATIONS) -> list[tuple[s
         sphere, held = name == "exact_sphere", main.held
         if added != name:
             held = {**held, "load_coefficient": Estimate.symmetric(0.0, 0.0)}
-        start = {key: value for key, value in main.values.items() if key not in held}
-        if added and not sphere:
-            start[added] = 0.0
         try:
-            rival = fit_joint(main.record, name if sphere else main.law, start, held, main.noise)
+            rival = _fit_added(main, "" if sphere else added, name if sphere else main.law, held)
+            if (possible := _possible(rival, added)) is not None:
+                found.append((name, possible))
         except FAILURES:
             continue
-        if added not in _POSITIVE or rival.values[added] > 0:
-            found.append((name, rival))
     return found
+
+
+def _fit_added(main: JointFit, added: str, law: str, held: Mapping[str, Estimate]) -> JointFit:
+    """Fit what is added to the model from none of it, and where no minimum is found, from some of it."""
+    start = {key: value for key, value in main.values.items() if key not in held}
+    if not added:
+        return fit_joint(main.record, law, start, held, main.noise)
+    try:
+        return fit_joint(main.record, law, {**start, added: 0.0}, held, main.noise)
+    except FAILURES:
+        travel, load = _pressed(main)
+        some = {"stage_compliance": 0.1 * travel / load, "inverse_thickness": 0.1, "area_growth": 0.1}
+        start["initial_modulus"] += main.values["load_coefficient"] * load / 2
+        return fit_joint(main.record, law, {**start, added: some.get(added, 0.0)}, held, main.noise)
+
+
+def _possible(rival: JointFit, added: str) -> JointFit | None:
+    """Return an explanation with what is added to the model in bounds; None where there is none of it."""
+    travel, load = _pressed(rival)
+    value = rival.values.get(added, 0.0)
+    if added == "stage_compliance":
+        return rival if 0 < value * load < travel else None
+    if added == "inverse_thickness":
+        thinnest = max(_THICKNESS[0], travel / _DEEPEST)
+        if value * _THICKNESS[1] < 1:
+            return None
+        if value * thinnest > 1:
+            held = {**rival.held, added: Estimate.symmetric(1 / thinnest, 0.0)}
+            start = {key: each for key, each in rival.values.items() if key not in held}
+            return fit_joint(rival.record, rival.law, start, held, rival.noise)
+    return rival
+
+
+def _pressed(fit: JointFit) -> tuple[float, float]:
+    """Return how far the platen went from contact on (mm), and the load (N) there."""
+    last = float(fit.record.smooth_displacement.max())
+    return last - fit.values["contact_offset"], float(fit.load(np.array([last]))[0])
 
 
 def _refitted(rival: JointFit) -> JointFit:

@@ -90,6 +90,51 @@ class Estimate(Displayed):
             upper=max(other.upper for other in (self, *others)),
         )
 
+    def with_error(self, std: float) -> "Estimate":
+        """Return the same value with one more independent uncertainty, combined in quadrature.
+
+        Parameters
+        ----------
+        std : float
+            Standard uncertainty, of a normal distribution.
+
+        Returns
+        -------
+        Estimate
+            Standard uncertainty and both sides of the interval widened.
+
+        Examples
+        --------
+        >>> print(Estimate.symmetric(20.0, 3.0).with_error(4.0))
+        20.0 ± 5.0
+        """
+        return Estimate(
+            value=self.value,
+            std=math.hypot(self.std, std),
+            lower=self.value - math.hypot(self.value - self.lower, 1.96 * std),
+            upper=self.value + math.hypot(self.upper - self.value, 1.96 * std),
+        )
+
+    def stretched(self, factor: float) -> "Estimate":
+        """Return the same value with an uncertainty so many times as large.
+
+        Parameters
+        ----------
+        factor : float
+            Above zero.
+
+        Returns
+        -------
+        Estimate
+            Standard uncertainty and both sides of the interval multiplied.
+        """
+        return Estimate(
+            value=self.value,
+            std=factor * self.std,
+            lower=self.value - factor * (self.value - self.lower),
+            upper=self.value + factor * (self.upper - self.value),
+        )
+
     def times(self, factor: float) -> "Estimate":
         """Return the estimate multiplied by an exact number, as for another unit.
 

@@ -14,7 +14,7 @@ from fingerpad.loading._prepare import (
     Press,
     determined,
     fixed_quantities,
-    instrument_quantities,
+    known_quantities,
     prepare,
     start_values,
 )
@@ -23,7 +23,7 @@ from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.force_models import FittedForceModel
 from fingerpad.loading.joint import JointFit, fit_joint
-from fingerpad.loading.modulus_range import Secant, modulus_range, secant_of
+from fingerpad.loading.modulus_range import Secant, increasing_range, modulus_range, secant_of
 from fingerpad.loading.quantities import implausible, quantities, top_load
 from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
 from fingerpad.units import KPA_PER_MPA
@@ -188,6 +188,7 @@ def fit_loading_curve(
     fit_load_range: tuple[float, float] | None = None,
     stage_compliance: float | Estimate | None = None,
     area_delay: float | Estimate | None = None,
+    thickness: float | Estimate | None = None,
 ) -> LoadingFit:
     """Fit radius, modulus and its growth with load, place of contact and exponents to one press.
 
@@ -213,6 +214,10 @@ def fit_loading_curve(
         By how much stage and support yield under load, mm/N; the indentation is corrected for it.
     area_delay : float or Estimate, optional
         By how much the areas are late, s; the curve needs its times.
+    thickness : float or Estimate, optional
+        Of the layer on a rigid base that is pressed, mm; infinite for a half-space. R_g and the moduli are
+        then those on this layer. Without it tissue of a finger on bone, 3 to 25 mm thick and at least twice
+        as thick as it is indented, is one of the explanations.
 
     Returns
     -------
@@ -242,11 +247,11 @@ def fit_loading_curve(
         )
     _require_options(poisson_ratio, contact_point)
     with determined("the model", ": is it rounded, repeated, or of the wrong sign?"):
-        instrument = instrument_quantities(
-            curve, {"stage_compliance": stage_compliance, "area_delay": area_delay}
+        known_parts = known_quantities(
+            curve, stage_compliance=stage_compliance, area_delay=area_delay, thickness=thickness
         )
         press = prepare(curve, poisson_ratio, cycle)
-        held = fixed_quantities(press, loading_radius) | instrument
+        held = fixed_quantities(press, loading_radius) | known_parts
         main, limits, doubts = _main_fit(press, held, contact_point, fit_load_range)
         compared = compare(allow_for_bend(main))
         main = compared.main
@@ -332,7 +337,11 @@ def _require_options(poisson_ratio: float, contact_point: str) -> None:
 def _growing_fit(press: Press, held: Mapping[str, Estimate]) -> JointFit:
     """Return the fit of the growing modulus over the whole press."""
     radius = held["loading_radius"].value if "loading_radius" in held else None
-    return fit_growing(press.record, start_values(press, radius), held)
+    start = start_values(press, radius)
+    if "inverse_thickness" in held and held["inverse_thickness"].value > 0:
+        # The layer explains part of the load, and of its growth.
+        start |= {"initial_modulus": start["initial_modulus"] / 2, "load_coefficient": 0.0}
+    return fit_growing(press.record, start, held)
 
 
 def _main_fit(
@@ -352,8 +361,17 @@ def _main_fit(
     doubts = []
     limits, record = modulus_range(main, fit_load_range)
     if record.load.size < press.record.load.size:
-        doubts.append("modulus_partly_decreases" if fit_load_range is None else "region_given")
-        main = fit_growing(record, main.values, held)
+        part = fit_growing(record, main.values, held)
+        # Without the place of contact that the other rows gave, E_g may not fall at all.
+        whole = (0.0, float(part.load(press.record.smooth_displacement).max()))
+        if fit_load_range is not None:
+            doubts.append("region_given")
+            main = part
+        elif increasing_range(part, press.record) != whole:
+            doubts.append("modulus_partly_decreases")
+            main = part
+        else:
+            limits = (0.0, top_load(main))
     before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
     if before < 2 and "no_baseline" not in press.flags:
         doubts.append("no_baseline")

@@ -114,7 +114,7 @@ class JointFit(Displayed):
     @property
     def aicc(self) -> float:
         """Corrected Akaike criterion, as `FittedForceModel` has it."""
-        n = self.record.load.size / self.noise.inflation + self.record.area.size + len(self.prior)
+        n = self.record.load.size + self.record.area.size + len(self.prior)
         k = self.fit.values.size
         return self.fit.sum_of_squares + 2 * k + 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
 
@@ -161,7 +161,7 @@ class JointFit(Displayed):
             (gradient.get(key, 0.0) + float(slope @ change)) * self.held[key].std
             for key, change in self.response.items()
         ]
-        return _widened(own, math.hypot(*shifts))
+        return own.with_error(math.hypot(*shifts))
 
 
 def fit_joint(
@@ -358,12 +358,3 @@ def _jacobians(record: FitData, law: str, names: list[str], values: Values) -> t
         force.append((up[0] - down[0]) / (2 * step))
         area.append((up[1] - down[1]) / (2 * step))
     return np.stack(force, -1), np.stack(area, -1)
-
-
-def _widened(own: Estimate, shift: float) -> Estimate:
-    return Estimate(
-        value=own.value,
-        std=math.hypot(own.std, shift),
-        lower=own.value - math.hypot(own.value - own.lower, 1.96 * shift),
-        upper=own.value + math.hypot(own.upper - own.value, 1.96 * shift),
-    )

@@ -10,7 +10,7 @@ import numpy as np
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad.contact import PadGap
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading._prepare import Press, determined, instrument_quantities, prepare, start_values
+from fingerpad.loading._prepare import Press, determined, known_quantities, prepare, start_values
 from fingerpad.loading.alternatives import (
     COUNTS,
     EXCLUDES,
@@ -110,7 +110,7 @@ def fit_layer_thickness(
     held, prior = _geometry(gap, radius_std, radius_ratio_std)
     if not 0.3 <= poisson_ratio <= 0.5:
         raise LoadingError(f"poisson_ratio must be 0.3 to 0.5 on a layer, found {poisson_ratio}")
-    held |= instrument_quantities(curve, {"stage_compliance": stage_compliance, "area_delay": area_delay})
+    held |= known_quantities(curve, stage_compliance=stage_compliance, area_delay=area_delay)
     press = prepare(curve, poisson_ratio, cycle)
     if press.record.area.size < _FEWEST_AREAS:
         found = press.record.area.size

@@ -71,8 +71,7 @@ def modulus_range(
     """
     record = fit.record
     load = fit.load(record.smooth_displacement)
-    whole = (0.0, float(load.max()))
-    low, high = given if given is not None else _find_range(fit, load, whole)
+    low, high = given if given is not None else increasing_range(fit, record)
     keep = (load <= 0) | ((load >= low) & (load <= high))
     if not (low < high and np.count_nonzero(keep & (load > 0)) >= _MIN_ROWS):
         raise LoadingError(
@@ -92,8 +91,10 @@ def modulus_range(
     )
 
 
-def _find_range(fit: JointFit, load: FloatArray, whole: tuple[float, float]) -> tuple[float, float]:
-    record, values = fit.record, fit.values
+def increasing_range(fit: JointFit, record: FitData) -> tuple[float, float]:
+    """Return the loads (N) between which E_g of a record increases, with the place of contact of a fit."""
+    load, values = fit.load(record.smooth_displacement), fit.values
+    whole = (0.0, float(load.max()))
     depth = record.smooth_displacement - values["contact_offset"]
     rows = np.flatnonzero(depth > _NEAR_CONTACT * depth.max())
     if rows.size < 3 * _MIN_ROWS:

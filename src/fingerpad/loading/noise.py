@@ -99,11 +99,6 @@ class Noise(Displayed):
         drift = self.drift
         return drift.slow_variance if drift else 0.0
 
-    @property
-    def inflation(self) -> float:
-        """Number of rows of the force before contact that carry as much information as one without drift."""
-        return (self.force_std**2 + self.slow_variance) / (self.force_std**2 + self.drift_std**2)
-
     def parameter_covariance(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return the covariance of the weighed fit's parameters, from derivatives of the residuals."""
         return self.covariance_of(*self.estimator(force, area))

@@ -8,7 +8,7 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.loading.alternatives import Comparison
-from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
+from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, akaike_weights, average_models
 from fingerpad.loading.joint import JointFit
 from fingerpad.loading.least_squares import fit_least_squares
 
@@ -38,7 +38,9 @@ def quantities(
     added = {}
     for name in found:
         gradient = whole if name == "youngs_modulus" else {name: 1.0}
-        found[name], added[name] = compared.widened(name, found[name], gradient)
+        own = value if name == "youngs_modulus" else main.values[name]
+        spread = _spread_of_laws(name, own, models, compared.unexplained)
+        found[name], added[name] = compared.widened(name, found[name], gradient, spread)
     if not known:
         unknown = set(found) - {"contact_offset"}
         found |= dict.fromkeys(unknown, Undetermined(_NO_RADIUS))
@@ -56,6 +58,31 @@ def quantities(
     return found, {**added, "reduced_modulus": reduction * added["youngs_modulus"]}
 
 
+def _spread_of_laws(name: str, value: float, models: Mapping[str, JointFit], unexplained: float) -> float:
+    """Return the root mean square difference of laws of the force from the model in one quantity.
+
+    They are weighed as AICc says for residuals of which noise explains that much less (Burnham and Anderson
+    2002, 2.5).
+    """
+    found = []
+    for law, model in models.items():
+        values = model.values
+        if law == "hertz":
+            values |= {"initial_modulus": values["youngs_modulus"], "load_coefficient": 0.0}
+        elif law == "free_exponent":
+            values["youngs_modulus"] *= _depth(model) ** (values["load_exponent"] - 1.5)
+        elif name == "youngs_modulus":
+            values[name] = value
+        if name in values:
+            found.append(((1 - unexplained) * model.aicc, values[name] - value))
+    criteria, apart = zip(*found, strict=True)
+    return math.sqrt(sum(w * one**2 for w, one in zip(akaike_weights(criteria), apart, strict=True)))
+
+
+def _depth(model: JointFit) -> float:
+    return float(model.record.smooth_displacement.max()) - model.values["contact_offset"]
+
+
 def top_load(main: JointFit) -> float:
     """Return the fitted load at the largest displacement, N."""
     return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
@@ -69,17 +96,21 @@ def bounded(estimate: Estimate) -> Quantity:
 
 
 def _area_exponent(compared: Comparison) -> Quantity:
-    """Return n by the best explanation; where one that counts moves the areas, with n by both."""
-    best = compared.best
+    """Return n by the best explanation, with the uncertainty of where the areas begin."""
+    best, name = compared.best, "area_offset"
     found = _exponent(best, best.areas(), zeroed=True)
     if not isinstance(found, Estimate):
         return found
-    others = [
-        _exponent(one, one.areas(), zeroed=True) for one in compared.others if "area_offset" in one.values
-    ]
-    if "area_offset" in best.values:
-        others.append(_exponent(best, best.record.area, zeroed=False))
-    return found.including(*(one for one in others if isinstance(one, Estimate)))
+    if name in best.values:
+        other, weight = _exponent(best, best.record.area, zeroed=False), 0.5
+    elif name in compared.rivals:
+        late = compared.rivals[name]
+        other, weight = _exponent(late, late.areas(), zeroed=True), compared.weights[name]
+    else:
+        return found
+    if not isinstance(other, Estimate):
+        return found
+    return average_models([found, other], [1 - weight, weight], value=found.value)
 
 
 def _exponent(main: JointFit, areas: FloatArray, *, zeroed: bool) -> Quantity:

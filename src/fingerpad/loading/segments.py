@@ -13,14 +13,20 @@ from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading.estimate import Estimate
 
-# Shortest phase, as a share of the record.
-_MIN_DURATION = 0.02
+# Shortest phase, and shortest way back or forth, as shares of the record.
+_MIN_DURATION, _MIN_WAY = 0.02, 0.03
+# Rise of the force, as a share of all, by which the pad is surely touched.
+_TOUCHED = 0.1
 # Rows at the sensor's very maximum, while the platen still moves, that show it was saturated.
 _SATURATED_ROWS = 4
 _SMOOTHING = 50
+# An area this near to contact, as a share of the depth, may be cut off at zero by its noise.
+_NEAR_CONTACT = 0.1
 # A press is taken to last so many times as long as its way in.
 _PRESS = 4
-_START_GRID, _START_ROWS = 30, 300
+_START_GRID, _START_ROWS, _ZOOMS = 30, 300, 3
+# Shortest press, as a share of the way in, and the approach, in presses, that says where contact begins.
+_SHORTEST_PRESS, _APPROACH = 0.02, 3.0
 # A record is upside down where, turned about, it leaves less than this share of its sum of squares.
 _UPSIDE_DOWN = 0.2
 BOTH_REVERSED: Final = (
@@ -73,7 +79,7 @@ class Cycle(Displayed):
     >>> from fingerpad.simulate import simulate_loading_curve
     >>> (cycle,) = find_cycles(simulate_loading_curve(points=200))
     >>> cycle.loading, cycle.unloading
-    (Segment(start=40, stop=200), None)
+    (Segment(start=41, stop=200), None)
     """
 
     baseline: Segment | None
@@ -202,6 +208,14 @@ def find_cycles(curve: LoadingCurve) -> tuple[Cycle, ...]:
     return tuple(cycles)
 
 
+def choose_cycle(curve: LoadingCurve, cycle: int) -> tuple[tuple[Cycle, ...], Cycle]:
+    """Return all cycles of a record and one of them, counted from zero. Raise LoadingError without it."""
+    cycles = find_cycles(curve)
+    if not 0 <= cycle < len(cycles):
+        raise LoadingError(f"the record has {len(cycles)} cycles, numbered from 0; there is no {cycle}")
+    return cycles, cycles[cycle]
+
+
 def hysteresis(curve: LoadingCurve, cycle: Cycle) -> Hysteresis | None:
     """Return the energy lost between loading and unloading.
 
@@ -240,6 +254,15 @@ def hysteresis(curve: LoadingCurve, cycle: Cycle) -> Hysteresis | None:
     return Hysteresis(energy=energy, fraction=energy / work) if work > 0 else None
 
 
+def rows_in_contact(curve: LoadingCurve, cycle: Cycle) -> npt.NDArray[np.intp]:
+    """Return the rows of a loading in which an area is far enough above zero not to be cut off there."""
+    begin = (cycle.baseline or cycle.loading).start
+    before = cycle.loading.start - begin
+    smooth = moving_average(curve.indentation[begin : cycle.loading.stop])
+    contact = smooth[before]
+    return begin + np.flatnonzero(smooth > contact + _NEAR_CONTACT * (smooth.max() - contact))
+
+
 def saturated_rows(curve: LoadingCurve, segment: Segment) -> BoolArray:
     """Return which rows of a loading lie at the sensor's limit: the very same maximum in several rows."""
     load = curve.load[segment.rows]
@@ -255,11 +278,11 @@ def fit_contact_start(
 
     The law whose modulus grows with load begins like that; for a given place of contact it is linear.
     """
-    some = np.unique(np.linspace(0, load.size - 1, min(load.size, _START_ROWS)).astype(int))
-    t, y, x = clock[some], load[some], displacement[some]
-    basis = [np.ones_like(y), t] if tilt else [np.ones_like(y)]
 
-    def best(places: FloatArray) -> tuple[float, FloatArray]:
+    def best(places: FloatArray, rows: npt.NDArray[np.intp]) -> tuple[float, FloatArray]:
+        some = rows[np.unique(np.linspace(0, rows.size - 1, min(rows.size, _START_ROWS)).astype(int))]
+        t, y, x = clock[some], load[some], displacement[some]
+        basis = [np.ones_like(y), t] if tilt else [np.ones_like(y)]
         found = []
         for place in places:
             s = np.maximum(x - place, 0) ** 1.5
@@ -268,9 +291,18 @@ def fit_contact_start(
             found.append((float(np.sum((y - columns @ parts) ** 2)), float(place), parts))
         return min(found, key=lambda each: each[0])[1:]
 
-    grid = np.linspace(x.min(), x.min() + 0.8 * np.ptp(x), _START_GRID)
-    place, _ = best(grid)
-    return best(place + (grid[1] - grid[0]) * np.linspace(-1, 1, 11))
+    end, rows = float(displacement.max()), np.arange(load.size)
+    for _ in range(_ZOOMS):
+        start = float(displacement[rows].min())
+        grid = np.linspace(start, end - (end - start) * _SHORTEST_PRESS, _START_GRID)
+        place, _ = best(grid, rows)
+        # After a long approach few of all rows are in contact.
+        near = np.flatnonzero(displacement >= place - _APPROACH * (end - place))
+        if near.size == rows.size:
+            break
+        rows = near
+    step = float(grid[1] - grid[0])
+    return best(np.minimum(place + step * np.linspace(-1, 1, 11), grid[-1]), rows)
 
 
 def contact_rise(
@@ -315,11 +347,41 @@ def _phases(curve: LoadingCurve) -> npt.NDArray[np.int8]:
 
 def _phases_over(curve: LoadingCurve, rows: int) -> npt.NDArray[np.int8]:
     smooth = moving_average(curve.indentation, rows)
-    rate = np.gradient(smooth)
-    # One rate for both directions: in a record of one direction the other is noise.
-    usual = usual_rate(np.abs(rate))
+    # Times are smoothed alike, for clocks that jitter.
+    step = np.gradient(moving_average(curve.clock, rows))
+    rate = np.gradient(smooth) / step
     least = max(2, round(_MIN_DURATION * smooth.size))
-    return find_motion(rate, rising=usual, falling=usual, min_samples=least)
+    level = float(np.mean(curve.load[:least]))
+    touched = curve.load > level + _TOUCHED * np.ptp(curve.load)
+
+    def usual(sign: int, counted: BoolArray) -> float:
+        return usual_rate(np.maximum(sign * rate, 0)[counted], step[counted])
+
+    whole = np.ones_like(touched)
+    # An approach may be faster than the press, and a way out than either.
+    rising, falling = usual(RISE, touched) or usual(RISE, whole), usual(FALL, whole)
+    out = np.maximum.accumulate(smooth) - smooth
+    into = smooth - np.minimum.accumulate(smooth)
+    # In a record of one direction the other is noise.
+    shortest = _MIN_WAY * float(np.ptp(smooth))
+    falling = falling if out.max() > shortest else max(rising, falling)
+    rising = rising if into.max() > shortest else max(rising, falling)
+    labels = find_motion(rate, rising=rising, falling=falling, min_samples=least)
+    # Until the pad is touched the platen may go in at any speed, and rest.
+    for start, end in zip(*runs((labels == FALL).astype(np.int8)), strict=True):
+        if labels[start] != FALL and touched[start:end].any():
+            labels[start : start + int(np.argmax(touched[start:end]))] = RISE
+    # Smoothing moves the top, and hides a way out of a few rows.
+    starts, ends = runs(labels)
+    for k, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        turns = k + 1 < starts.size and labels[end] == FALL
+        stop = ends[k + 1] if turns else end
+        if labels[start] == RISE:
+            way = curve.indentation[start:stop]
+            last = int(np.argmax(way)) + 1
+            if turns or way[last - 1] - way[-1] > shortest:
+                labels[start : start + last], labels[start + last : stop] = RISE, FALL
+    return labels
 
 
 def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:

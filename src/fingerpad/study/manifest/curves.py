@@ -1,17 +1,18 @@
 """Loading data: curves to fit, or the radius found from one elsewhere."""
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from fingerpad.study.manifest.tables import Length, LengthStd, Load, ManifestModel, WedgeAngle
 
-_INSTRUMENT = ("stage_compliance_mm_per_N", "area_delay_s")
+_KNOWN = ("stage_compliance_mm_per_N", "area_delay_s", "thickness_mm")
 _FILE_KEYS = frozenset(
     (
         *("file_columns", "contact_point", "cycle", "fit_load_range_N"),
-        *_INSTRUMENT,
-        *(f"{key}_std" for key in _INSTRUMENT),
+        *_KNOWN,
+        *(f"{key}_std" for key in _KNOWN),
     )
 )
 
@@ -41,6 +42,10 @@ class Curve(ManifestModel):
     """By how much areas are late, s."""
     area_delay_s_std: Annotated[float, Field(gt=0, le=60)] | None = None
     """Its standard uncertainty, s."""
+    thickness_mm: Annotated[float, Field(ge=0.001, allow_inf_nan=True)] | None = None
+    """Thickness of the layer that is pressed, mm; `inf` for a half-space."""
+    thickness_mm_std: LengthStd | None = None
+    """Its standard uncertainty, mm."""
     loading_radius_mm: Length | None = None
     """R_g found elsewhere, mm."""
     loading_radius_mm_std: LengthStd | None = None
@@ -64,7 +69,9 @@ class Curve(ManifestModel):
             raise ValueError(
                 f"fit_load_range_N must rise, found {self.fit_load_range_N}; give the smaller load first"
             )
-        idle |= {f"{key}_std" for key in _INSTRUMENT if getattr(self, key) is None}
+        idle |= {f"{key}_std" for key in _KNOWN if getattr(self, key) is None}
+        if self.thickness_mm == math.inf:
+            idle |= {"thickness_mm_std"}
         if found := sorted(idle & self.model_fields_set):
             raise ValueError(f"there is no use for {found[0]} here; remove it")
         return self

@@ -267,6 +267,7 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
             if curve.fit_load_range_N is None
             else (curve.fit_load_range_N[0], curve.fit_load_range_N[1]),
             **_instrument(curve),
+            **_stated("thickness", curve.thickness_mm, curve.thickness_mm_std),
         )
     except FitError as error:
         return _slope_alone(curve, data, _named(error, curve.file, folder))
@@ -308,15 +309,14 @@ def _layer(
 
 def _instrument(curve: Curve) -> dict[str, Estimate]:
     """Return what the manifest states of the instrument, as the fits take it."""
-    stated = {
-        "stage_compliance": (curve.stage_compliance_mm_per_N, curve.stage_compliance_mm_per_N_std),
-        "area_delay": (curve.area_delay_s, curve.area_delay_s_std),
-    }
     return {
-        name: Estimate.symmetric(value, std or 0.0)
-        for name, (value, std) in stated.items()
-        if value is not None
+        **_stated("stage_compliance", curve.stage_compliance_mm_per_N, curve.stage_compliance_mm_per_N_std),
+        **_stated("area_delay", curve.area_delay_s, curve.area_delay_s_std),
     }
+
+
+def _stated(name: str, value: float | None, std: float | None) -> dict[str, Estimate]:
+    return {} if value is None else {name: Estimate.symmetric(value, std or 0.0)}
 
 
 def _slope_alone(curve: Curve, data: LoadingCurve | None, reason: str) -> CurveResult:
@@ -324,7 +324,7 @@ def _slope_alone(curve: Curve, data: LoadingCurve | None, reason: str) -> CurveR
     if data is None or curve.loading_radius_mm is not None:
         return CurveResult(manifest=curve, curve=data, reason=reason)
     try:
-        line = fit_contact_compliance(data)
+        line = fit_contact_compliance(data, cycle=curve.cycle)
     except FingerpadError:
         return CurveResult(manifest=curve, curve=data, reason=reason)
     return CurveResult(

@@ -1,0 +1,79 @@
+"""Real records of soft matter pressed by a sphere, and what others find in them (data/README.md)."""
+
+import math
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from fingerpad.cli import app
+from fingerpad.loading import LoadingCurve, LoadingFit, find_cycles, fit_loading_curve, read_loading_curve
+
+DATA = Path(__file__).with_name("data")
+# Radius of the sphere, mm, E*, kPa, and where the platen turns back, mm.
+RECORDS = {"chiaro_gel.csv": (27.5, 0.1560, 85.7), "afm_cell.csv": (5.0, 480.3, 26.6)}
+
+
+def record(name: str, every: int = 1) -> LoadingCurve:
+    whole = read_loading_curve(DATA / name)
+    rows = slice(None, None, every)
+    return LoadingCurve(load=whole.load[rows], indentation=whole.indentation[rows], time=whole.time[rows])
+
+
+def fitted(name: str, every: int = 1) -> LoadingFit:
+    """Return a fit that knows what was pressed and by what."""
+    return fit_loading_curve(
+        record(name, every), loading_radius=RECORDS[name][0], thickness=math.inf, stage_compliance=0.0
+    )
+
+
+@pytest.mark.parametrize("name", RECORDS)
+@pytest.mark.parametrize("every", [1, 8])
+def test_the_press_is_found_after_a_long_approach_and_before_a_fast_retreat(name: str, every: int) -> None:
+    curve = record(name, every)
+    (cycle,) = find_cycles(curve)
+    assert curve.indentation[cycle.loading.stop - 1] == pytest.approx(RECORDS[name][2], rel=0.02)
+    assert len(cycle.baseline) > 2 * len(cycle.loading)
+    assert len(cycle.unloading) > 10
+
+
+@pytest.mark.parametrize("name", RECORDS)
+@pytest.mark.parametrize("every", [1, 2, 8])
+def test_modulus_and_its_uncertainty_hold_the_reference(name: str, every: int) -> None:
+    found, true = fitted(name, every).reduced_modulus, RECORDS[name][1] / 1000
+    assert found.lower < true < found.upper or abs(found.value / true - 1) < 0.03
+    assert found.std < 0.15 * found.value
+
+
+def test_a_slip_does_not_end_the_range_in_which_the_modulus_grows() -> None:
+    fit = fitted("chiaro_gel.csv")
+    assert "modulus_partly_decreases" not in fit.flags
+    assert fit.modulus_load > 0.04
+
+
+def test_a_force_that_no_law_has_the_shape_of_is_flagged() -> None:
+    fit = fitted("afm_cell.csv")
+    assert "under load the force departs from the model" in fit.notes["misfit"]
+    assert fit.misfit_std["reduced_modulus"] > 3 * math.sqrt(
+        fit.reduced_modulus.std**2 - fit.misfit_std["reduced_modulus"] ** 2
+    )
+
+
+def test_a_layer_that_no_finger_has_is_no_explanation() -> None:
+    """The best layer under the cell would be thinner than the indentation."""
+    fit = fit_loading_curve(record("afm_cell.csv"), loading_radius=5.0, stage_compliance=0.0)
+    inverse = [law.values["inverse_thickness"] for law in fit.alternatives.values()]
+    assert inverse
+    assert all(1 / 25 <= one <= 1 / 3 for one in inverse)
+    depth = record("afm_cell.csv").indentation.max() - fit.contact_offset.value
+    assert all(1 / one > 1.9 * depth for one in inverse)
+    assert "untested_without_area" in fit.flags
+    assert fit.reduced_modulus.lower > 0.1
+
+
+def test_the_command_line_takes_what_is_known() -> None:
+    known = ["--thickness-mm", "inf", "--stage-compliance-mm-per-n", "0"]
+    done = CliRunner().invoke(app, ["fit", str(DATA / "chiaro_gel.csv"), "--radius-mm", "27.5", *known])
+    assert done.exit_code == 0, done.output
+    (line,) = [one for one in done.output.splitlines() if one.startswith("reduced_modulus_kpa")]
+    assert abs(float(line.split()[1]) - 0.156) < 0.01
