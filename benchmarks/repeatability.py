@@ -143,7 +143,7 @@ def mean_coverage(
                 truths[finger, load] = drawn.of_finger[place] + 0.25 * np.log(load)
         repeatability = contact_repeatability(study, pads, seen)
         rows = model_contacts(study, pads, seen, repeatability)
-        for at in pool_by_load(rows.table, repeatability, study_scatter(study, rows.table)):
+        for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
             for name, one, truth in _pairs(at, truths[at.finger, at.load]):
                 hits, count = held[name]
                 held[name] = hits + (one.interval[0] <= truth <= one.interval[1]), count + 1

@@ -41,6 +41,41 @@ def value_with_uncertainty(value: float | None, std: float | None = None) -> str
     return f"{round(value, decimals):.{max(decimals, 0)}f} ± {two_digits(std, value)}"
 
 
+def positive_with_uncertainty(value: float | None, std: float | None = None) -> str:
+    """Return `value_with_uncertainty` of a positive quantity, or ``value ×/÷ factor`` if it is known badly.
+
+    That is where two standard uncertainties would reach below zero.
+
+    Examples
+    --------
+    >>> positive_with_uncertainty(39.3, 4.1), positive_with_uncertainty(39.3, 94.0)
+    ('39.3 ± 4.1', '39 ×/÷ 3.4')
+    """
+    if value is not None and std is not None and _is_factor(value, std):
+        return f"{two_digits(value)} {uncertainty_of_positive(value, std)}"
+    return value_with_uncertainty(value, std)
+
+
+def uncertainty_of_positive(value: float, std: float) -> str:
+    """Return the second part of `positive_with_uncertainty`; a dash where it is unknown.
+
+    Examples
+    --------
+    >>> uncertainty_of_positive(39.3, 4.1), uncertainty_of_positive(39.3, 94.0)
+    ('± 4.1', '×/÷ 3.4')
+    """
+    if not math.isfinite(std):
+        return "–"
+    if _is_factor(value, std):
+        return f"×/÷ {two_digits(1 + std / value)}"
+    return f"± {two_digits(std, value)}" if std > 0 else "± 0"
+
+
+def _is_factor(value: float, std: float) -> bool:
+    """Return whether two standard uncertainties of a positive value reach below zero."""
+    return math.isfinite(std) and 2 * std > value > 0
+
+
 def two_digits(std: float, value: float = 0.0) -> str:
     """Return a standard uncertainty with two digits.
 

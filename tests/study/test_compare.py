@@ -424,9 +424,19 @@ def test_verdicts_name_the_checks_that_say_so(runs: list[Path], tmp_path: Path) 
         assert one.compared[0].split(",")[0].replace("R_g", "R<sub>g</sub>") in page
 
 
+def test_the_discrepancy_of_the_model_does_not_average_away() -> None:
+    people = [value(14.0, math.hypot(0.2, 3.0), person=f"P{n}", model_std=3.0) for n in range(12)]
+    (mean,) = means_of(people)
+    assert 3.0 < mean.std < 3.1
+    (known,) = means_of([value(14.0, 0.2, person=f"P{n}") for n in range(12)])
+    assert mean.between_people_std == pytest.approx(known.between_people_std)
+
+
 def test_the_modulus_on_the_layer_stands_beside_that_of_hertz_theory() -> None:
     layer = {"highest_load": {"youngs_modulus_on_layer_kpa": 49.2, "youngs_modulus_on_layer_kpa_std": 5.0}}
-    headline = {"youngs_modulus_kpa": {"verdict": "fails", "value": 66.9, "value_std": 3.7}}
+    headline = {
+        "youngs_modulus_kpa": {"verdict": "fails", "value": 66.9, "value_std": 3.7, "model_std": 20.0}
+    }
     checks = [
         {"check": "shape_on_layer", "verdict": "holds", "compared": "length over width"},
         {"check": "modulus_on_layer", "verdict": "not tested", "compared": "E"},
@@ -453,7 +463,9 @@ def test_the_modulus_on_the_layer_stands_beside_that_of_hertz_theory() -> None:
     )
     owners = {"index": Person("P01", True)}
     values = {one.quantity: one for one in _of_placements(study, owners)}
-    assert (values["youngs_modulus_kpa"].value, values["youngs_modulus_kpa"].verdict) == (66.9, "fails")
+    modulus = values["youngs_modulus_kpa"]
+    assert (modulus.value, modulus.verdict) == (66.9, "fails")
+    assert modulus.std == pytest.approx(math.hypot(3.7, 20.0))
     on_layer = values["youngs_modulus_on_layer_kpa"]
     assert (on_layer.value, on_layer.std, on_layer.verdict) == (49.2, 5.0, "holds")
     hertz, layered = _verdicts(study, owners)

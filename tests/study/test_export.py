@@ -130,7 +130,7 @@ def test_every_column_has_the_unit_that_its_name_says() -> None:
     for name, column in COLUMNS.items():
         assert (column.unit == "") == (column.dtype in {"text", "bool"}), name
         unit = re.search(
-            r"_(mm_per_px|mm2|mm|kpa|deg|N|s|px)(_fixed_geometry|_noise|_edge|_repeatability|_model)?(_std)?$",
+            r"_(mm_per_px|mm2|mm|kpa|deg|N|s|px)(_fixed_geometry|_noise|_edge|_repeatability|_model|_total)?(_std)?$",
             f"_{name}",
         )
         said = {"kpa": "kPa", "mm_per_px": "mm/px"}.get(unit[1], unit[1]) if unit else "1"

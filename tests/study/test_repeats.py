@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from benchmarks import repeatability
 
-from fingerpad._rounding import two_digits, value_with_uncertainty
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
 from fingerpad.study.corrections.log import CorrectionLog
@@ -155,7 +155,7 @@ def test_frames_of_a_sequence_are_no_repeats() -> None:
     ]
     assert contact_repeatability(STUDY, PADS, [contact(9), *frames])[False].count == 0
     rows = model_contacts(STUDY, PADS, frames, BOTH)
-    assert pool_by_load(rows.table, BOTH) == []
+    assert pool_by_load(rows, BOTH) == []
 
 
 def test_noise_is_not_counted_twice() -> None:
@@ -226,7 +226,7 @@ def test_scatter_between_contacts_is_in_the_weights() -> None:
 
 def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
     rows = model_contacts(STUDY, PADS, repeats(4), BOTH)
-    (at,) = pool_by_load(rows.table, BOTH)
+    (at,) = pool_by_load(rows, BOTH)
     areas = rows.table.column("gross_area_mm2")
     assert (at.count, at.sessions, at.load) == (4, 1, 1.0)
     assert at.area.value == pytest.approx(np.exp(np.log(areas).mean()))
@@ -236,7 +236,7 @@ def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
     assert at.area.other_std == pytest.approx(0, abs=1e-6)
     parts = at.modulus.noise_std, at.modulus.repeatability_std, at.modulus.edge_std, at.modulus.other_std
     assert at.modulus.std == pytest.approx(np.linalg.norm(parts))
-    (at,) = pool_by_load(rows.table, {False: NONE, True: NONE})
+    (at,) = pool_by_load(rows, {False: NONE, True: NONE})
     assert np.isnan(at.area.repeatability_std)
 
 
@@ -282,7 +282,6 @@ def test_a_run_tables_repeatability_or_says_that_it_is_missing(
     assert all((row["contact_area_mm2_repeatability_std"] != "") == known for row in at_loads)
     assert {row["session"] for row in result.rows} == {"monday"}
     environment = templates()
-    environment.globals["two"] = two_digits
     section = environment.get_template("repeatability.html.jinja").render(
         repeats=repeatability_section(result)
     )

@@ -1,5 +1,6 @@
 """Verdicts on the model in simulated studies: where it holds, and where it fails in known ways."""
 
+import csv
 import json
 import math
 from pathlib import Path
@@ -8,7 +9,11 @@ import numpy as np
 import pytest
 from benchmarks.validity import CASES, Truth, press, principal_radii, scores, simulated
 from scipy.special import ellipe, ellipk
+from typer.testing import CliRunner
 
+from fingerpad._rounding import positive_with_uncertainty
+from fingerpad.cli import app
+from fingerpad.study.compare import compare_studies
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
@@ -177,6 +182,51 @@ def test_files_have_what_the_verdict_is_from(tmp_path: Path) -> None:
     untested = next(one for one in record["checks"] if one["check"] == "area_falls")
     assert (untested["value"], untested["p_value"]) == (None, None)
     assert untested["note"]
+
+
+def test_every_place_shows_the_same_total_and_verdict(tmp_path: Path) -> None:
+    """Terminal, tables, summary, comparison and report, of tissue over bone whose thickness is stated."""
+    keys = "effective_thickness_mm = 7\neffective_thickness_mm_std = 0.7"
+    run(tmp_path, finger("f", radius=20.0, keys=keys))
+    out = tmp_path / "out"
+    printed = CliRunner().invoke(app, ["run", str(tmp_path / "study.toml"), "--out", str(out)]).output
+    (summary,) = json.loads((out / "summary.json").read_text())["summaries"]
+    radius, modulus = (summary["validity"]["headlines"][name] for name in (RADIUS, MODULUS))
+    shown = positive_with_uncertainty(radius["value"], radius["total_std"])
+    assert radius["total_std"] > 2 * radius["value_std"]
+    assert f"corrected radius {shown} mm ({radius['verdict']})" in printed
+    assert f"{shown}</strong>" in (out / "report.html").read_text()
+    assert summary["radius_from_indentation_mm_total_std"] == radius["total_std"]
+    with (out / "results.csv").open() as file:
+        (row,) = csv.DictReader(file)
+    assert float(row["youngs_modulus_kpa_total_std"]) == pytest.approx(modulus["total_std"])
+    with (out / "by_load.csv").open() as file:
+        (at_load,) = csv.DictReader(file)
+    assert float(at_load["youngs_modulus_kpa_std"]) == pytest.approx(modulus["total_std"])
+    assert float(at_load["youngs_modulus_kpa_model_std"]) == pytest.approx(modulus["model_std"])
+    assert at_load["youngs_modulus_kpa_verdict"] == modulus["verdict"]
+    for key in ("youngs_modulus_on_layer_kpa", "youngs_modulus_on_layer_kpa_std"):
+        assert float(at_load[key]) == pytest.approx(float(row[key]))
+    assert at_load["youngs_modulus_on_layer_kpa_verdict"] == summary["validity"]["on_layer"]["verdict"]
+    values = {one.quantity: one for one in compare_studies([out]).values}
+    for name, one in ((RADIUS, radius), (MODULUS, modulus)):
+        assert values[name].std == pytest.approx(one["total_std"])
+        assert values[name].verdict == one["verdict"]
+
+
+def test_a_mean_over_repeats_keeps_the_models_part(tmp_path: Path) -> None:
+    """On bone the truth at a load lies within the interval of E, however many repeats there are."""
+    text = HEAD + finger("f", radius=20.0)
+    again = text[text.index("[[observations]]") : text.index("[[curves]]")]
+    (tmp_path / "study.toml").write_text(text + "".join(again.replace("of_f", f"c{k}") for k in range(8)))
+    result = run_study(tmp_path / "study.toml", tmp_path / "out")
+    (at_load,), (validity,) = result.by_load, result.validities
+    relative = validity.relative_stds[MODULUS]
+    assert relative > 0.2
+    assert at_load.modulus.model_std == pytest.approx(relative * at_load.modulus.value)
+    low, high = at_load.modulus.interval
+    assert high / at_load.modulus.value > (1 + relative) ** 1.9
+    assert at_load.modulus.value / low > (1 + relative) ** 1.9
 
 
 def test_sizes_are_judged_by_the_error_of_hertz_theory(tmp_path: Path) -> None:

@@ -430,7 +430,7 @@ def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_
     assert state["missing"] == []
     one = measured(client, "a")
     assert one["model"]["radius_from_indentation_mm"] == pytest.approx(13.8, rel=0.1)
-    assert one["model"]["radius_from_indentation_mm_std"] > 0
+    assert one["model"]["radius_from_indentation_mm_total_std"] > 0
     answer = client.post(
         "/api/study/edits",
         json={

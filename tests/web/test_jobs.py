@@ -264,7 +264,7 @@ def test_live_results_equal_those_of_the_run(client):
         assert live["numbers"][key] == pytest.approx(row[key])
     for key in (
         "radius_from_indentation_mm",
-        "radius_from_indentation_mm_std",
+        "radius_from_indentation_mm_total_std",
         "youngs_modulus_kpa",
         "u_deg",
     ):
@@ -419,7 +419,7 @@ def test_rows_are_filtered_sorted_and_paged(done):
     assert rows(done, sequence="synthetic_press_30deg")["matching"] > 10
     column = {one["key"]: one for one in every["columns"]}["radius_from_indentation_mm"]
     assert column["unit"] == "mm"
-    assert column["std"] == "radius_from_indentation_mm_std"
+    assert column["std"] == "radius_from_indentation_mm_total_std"
     units = {one["key"]: one["unit"] for one in every["columns"]}
     assert [units[name] for name in ("mm_per_px", "youngs_modulus_kpa", "aspect_ratio", "finger")] == [
         "mm/px",

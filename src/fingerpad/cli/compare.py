@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fingerpad._rounding import value_with_uncertainty
+from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.cli.shared import AsJson, print_json
 
 if TYPE_CHECKING:
@@ -52,9 +52,7 @@ def _print_tables(found: "Comparison") -> None:
         if not values:
             continue
         typer.echo(f"{name}: {kind.words}")
-        rows = [
-            (_who(value), _place(value), value_with_uncertainty(value.value, value.std)) for value in values
-        ]
+        rows = [(_who(value), _place(value), _value_text(value)) for value in values]
         rows += [(_mean_of(mean), _place(mean), _mean_text(mean)) for mean in means if len(mean.people) > 1]
         width, place = (max(len(row[column]) for row in rows) for column in (0, 1))
         for who, where, text in rows:
@@ -84,9 +82,14 @@ def _mean_of(mean: "Mean") -> str:
     return f"mean of {len(mean.people)} people{'  (synthetic)' if mean.synthetic else ''}"
 
 
+def _value_text(value: "Value") -> str:
+    text = positive_with_uncertainty(value.value, value.std)
+    return f"{text} ({value.verdict})" if value.verdict else text
+
+
 def _mean_text(mean: "Mean") -> str:
     low, high = mean.interval or (float("nan"), float("nan"))
     return (
-        f"{value_with_uncertainty(mean.value, mean.std)}  95 %: {low:.4g} to {high:.4g}, "
+        f"{positive_with_uncertainty(mean.value, mean.std)}  95 %: {low:.4g} to {high:.4g}, "
         f"between people {mean.between_people_std:.2g}"
     )

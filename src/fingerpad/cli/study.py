@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from fingerpad._rounding import value_with_uncertainty
+from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 
@@ -166,6 +166,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         placement_words,
         why_not_pooled,
     )
+    from fingerpad.study.results.validity import MODULUS, RADIUS
     from fingerpad.uncertainty.validity import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
     for summary, validity in zip(result.summaries, result.validities, strict=True):
@@ -174,10 +175,12 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         if pooled is None:
             typer.echo(f"{placement_words(summary)}: {why_not_pooled(summary)}{label}")
             continue
+        radius, modulus = validity.headlines[RADIUS], validity.headlines[MODULUS]
         typer.echo(
             f"{placement_words(summary)}: corrected radius "
-            f"{value_with_uncertainty(pooled.value, pooled.std)} mm from {summary.pooled_from}{label}; "
-            f"Hertz theory: {validity.verdict}"
+            f"{positive_with_uncertainty(radius.value, radius.total_std)} mm ({radius.verdict}), E at "
+            f"{validity.load:.3g} N {positive_with_uncertainty(modulus.value, modulus.total_std)} kPa "
+            f"({modulus.verdict}), from {summary.pooled_from}{label}; Hertz theory: {validity.verdict}"
         )
     for line in fingers_without_results(result):
         typer.echo(line)

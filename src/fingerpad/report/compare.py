@@ -48,7 +48,7 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
     """
     make_folder(out / "figures")
     environment = templates()
-    environment.globals |= {"interval": _interval, "two": _two_digits, "symbols": VERDICT_SYMBOLS}
+    environment.globals |= {"interval": _interval, "two": _two_digits}
     path = out / "compare.html"
     try:
         page = environment.get_template("compare.html.jinja").render(

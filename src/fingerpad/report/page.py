@@ -37,7 +37,6 @@ from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import signed_with_uncertainty, templates
 from fingerpad.report.text import (
     HEADLINE_WORDS,
-    VERDICT_SYMBOLS,
     doubtful_frames,
     face_differences,
     implausible_values,
@@ -111,10 +110,8 @@ def write_page(
     }
     environment.filters |= filters
     environment.globals |= {
-        "two": two_digits,
         "quantity": _quantity,
         "headlines": HEADLINE_WORDS,
-        "symbols": VERDICT_SYMBOLS,
     }
     path, draw = out / name, partial(_drawn, out, on_drawn)
     try:

@@ -32,6 +32,7 @@ from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Exponent, Summary, area_exponent
 from fingerpad.study.results.table import ResultsTable, Row
+from fingerpad.study.results.validity import RADIUS, Headline
 
 # More than these only make a page heavy.
 _MOST_FRAMES: Final = 150
@@ -71,8 +72,8 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         figure=_corrected_radius(rows, loading),
         caption=(
             f"Corrected radius against load ({where}); thin bars: one standard uncertainty, of "
-            "which contacts share the part from the pad's geometry; thick bars: with that held exact, "
-            f"as Dzidek et al. do. Dotted: undeformed pad.{level}"
+            "which contacts share the parts from the pad's geometry and the model; thick bars: without these "
+            f"parts, as Dzidek et al. do. Dotted: undeformed pad.{level}"
         ),
     )
     if np.ptp(rows.column("load_N")) > 0:
@@ -115,12 +116,16 @@ def agreement_plots(result: StudyResult) -> Iterator[Plot]:
 
 def wedge_plot(result: StudyResult) -> Iterator[Plot]:
     """Draw the corrected radius of every finger against the wedge angle, where angles differ."""
-    found = [one for one in result.summaries if one.corrected_radius and not one.roll_angle_deg]
-    if len({one.wedge_angle_deg for one in found}) < 2:
+    found = [
+        (one, validity.headlines[RADIUS])
+        for one, validity in zip(result.summaries, result.validities, strict=True)
+        if one.corrected_radius and not one.roll_angle_deg
+    ]
+    if len({one.wedge_angle_deg for one, _ in found}) < 2:
         return
-    lines: dict[tuple[str, bool], list[Summary]] = {}
-    for one in sorted(found, key=lambda one: one.wedge_angle_deg):
-        lines.setdefault((one.finger, one.synthetic), []).append(one)
+    lines: dict[tuple[str, bool], list[tuple[float, Headline]]] = {}
+    for one, radius in sorted(found, key=lambda each: each[0].wedge_angle_deg):
+        lines.setdefault((one.finger, one.synthetic), []).append((one.wedge_angle_deg, radius))
     colours = colours_of(list(result.fingers))
     yield by_wedge_plot(
         "corrected_radius_by_wedge",
@@ -128,9 +133,9 @@ def wedge_plot(result: StudyResult) -> Iterator[Plot]:
             FingerLine(
                 person=finger,
                 colour=colours[finger],
-                wedge_angle_deg=[one.wedge_angle_deg for one in points],
-                value=[one.corrected_radius.value for one in points if one.corrected_radius],
-                std=[one.corrected_radius.std for one in points if one.corrected_radius],
+                wedge_angle_deg=[angle for angle, _ in points],
+                value=[radius.value for _, radius in points],
+                std=[radius.total_std for _, radius in points],
                 synthetic=synthetic,
             )
             for (finger, synthetic), points in lines.items()
@@ -306,7 +311,7 @@ def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> Pane
         plot_corrected_radius,
         rows.column("load_N"),
         rows.column("radius_from_indentation_mm"),
-        corrected_radius_std=rows.column("radius_from_indentation_mm_std"),
+        corrected_radius_std=rows.column("radius_from_indentation_mm_total_std"),
         fixed_geometry_std=rows.column("radius_from_indentation_mm_fixed_geometry_std"),
         compliance_radius=rows.column("radius_from_compliance_mm"),
         measured_radius=None if loading is None else loading.value,

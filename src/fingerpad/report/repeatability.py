@@ -30,6 +30,7 @@ def repeatability_section(result: StudyResult, *, with_loads: bool = True) -> di
         "more_loads": max(0, len(loads) - _MOST_LOADS),
         "by_session": any(math.isfinite(one.area.session_std) for one in result.by_load),
         "sessions": any(one.sessions > 1 for one in result.by_load),
+        "on_layer": any(one.modulus_on_layer is not None for one in result.by_load),
     }
 
 

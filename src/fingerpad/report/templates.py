@@ -8,7 +8,13 @@ from jinja2 import BytecodeCache, Environment, PackageLoader, StrictUndefined
 from jinja2.bccache import Bucket
 from markupsafe import Markup, escape
 
-from fingerpad._rounding import value_with_uncertainty
+from fingerpad._rounding import (
+    positive_with_uncertainty,
+    two_digits,
+    uncertainty_of_positive,
+    value_with_uncertainty,
+)
+from fingerpad.report.text import VERDICT_SYMBOLS
 
 
 class _Compiled(BytecodeCache):
@@ -77,5 +83,12 @@ def templates() -> Environment:
     )
     style = files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")
     environment.filters["typeset"] = typeset
-    environment.globals |= {"pm": signed_with_uncertainty, "style": Markup(style)}  # noqa: S704 (our own)
+    environment.globals |= {
+        "pm": signed_with_uncertainty,
+        "positive": positive_with_uncertainty,
+        "std_of_positive": uncertainty_of_positive,
+        "symbols": VERDICT_SYMBOLS,
+        "two": two_digits,
+        "style": Markup(style),  # noqa: S704 (our own)
+    }
     return environment

@@ -12,6 +12,7 @@ from fingerpad.study.manifest.tables import Length
 from fingerpad.study.measuring.fingers import FingerResult, finger_result, stated
 from fingerpad.study.results.result_set import RERUN, quick_faults
 from fingerpad.study.results.results_reader import read_summary, read_table
+from fingerpad.study.results.rows import PLACEMENT, PlacementKey
 from fingerpad.study.results.table import ResultsTable, Row
 from fingerpad.web.answers.results import BudgetCheck, ModelCheck, ModelHeadline
 from fingerpad.web.study_session import StudySession
@@ -54,7 +55,7 @@ class _Check(BudgetCheck, _Record):
 
 
 class _ModelHeadline(ModelHeadline, _Record):
-    pass
+    model_relative_std: float | None
 
 
 class _ModelCheck(ModelCheck, _Record):
@@ -73,7 +74,6 @@ class _Placement(_Record):
     roll_angle_deg: float
     synthetic: bool
     radius_from_indentation_mm: float | None
-    radius_from_indentation_mm_std: float | None = None
     radius_from_indentation_variance_shares: dict[str, float | None] | None = None
     mean_curvature_radius_mm: float | None
     mean_curvature_radius_mm_std: float | None
@@ -170,6 +170,15 @@ def last_results(opened: StudySession) -> Results | None:
     """Return the tables of the last run, None if there are none or they are damaged."""
     found = _read(opened.out)
     return found if isinstance(found, Results) and not results_faults(opened) else None
+
+
+def last_headlines(opened: StudySession, placement: PlacementKey) -> dict[str, dict[str, Any]]:
+    """Return results with a verdict of the last run, by column; none where it has no such placement."""
+    found = last_results(opened)
+    for one in found.summary["summaries"] if found else ():
+        if tuple(one[name] for name in PLACEMENT) == placement:
+            return dict(one["validity"]["headlines"])
+    return {}
 
 
 def results_faults(opened: StudySession) -> list[str]:

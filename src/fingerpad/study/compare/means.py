@@ -47,7 +47,7 @@ class Mean(Displayed):
     people : tuple of PersonMean
         What it is made of.
     value, std : float
-        The mean and its standard uncertainty, with what fingers of a study share.
+        The mean and its standard uncertainty, with what fingers of a study share, and values from a model.
     interval : (float, float) or None
         95 % interval of the mean; None for one person.
     between_people_std : float
@@ -92,7 +92,7 @@ class Mean(Displayed):
 
 
 class _Level(NamedTuple):
-    """A value with its own standard uncertainty, and what each study's wedge adds to it."""
+    """A value with its own standard uncertainty, and what each study's wedge and the model add to it."""
 
     value: float
     own_std: float
@@ -122,8 +122,12 @@ def _mean(values: Sequence[Value]) -> Mean:
     proportional = QUANTITIES[quantity].proportional
     people: dict[Person, dict[str, list[_Level]]] = {}
     for value in values:
-        own = math.sqrt(max(0.0, value.std**2 - value.shared_std**2))
-        level = _Level(value.value, own, {(value.study, value.wedge_angle_deg): value.shared_std})
+        own = math.sqrt(max(0.0, value.std**2 - value.shared_std**2 - value.model_std**2))
+        shared: dict[Hashable, float] = {
+            (value.study, value.wedge_angle_deg): value.shared_std,
+            "model": value.model_std,
+        }
+        level = _Level(value.value, own, shared)
         people.setdefault(value.person, {}).setdefault(value.finger, []).append(level)
     persons, scatters = [], []
     for fingers in people.values():

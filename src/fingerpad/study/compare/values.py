@@ -106,10 +106,13 @@ class Value(Displayed):
     synthetic : bool
         Whether anything of it was rendered or simulated.
     value, std : float
-        Value and standard uncertainty, in the unit that the quantity's name says; the latter NaN where not
-        known.
+        Value and standard uncertainty with the model's part, in the unit that the quantity's name says; the
+        latter NaN where not known.
     shared_std : float
         What the wedge's angle, which fingers of a study share, does to it.
+    model_std : float
+        What the model's discrepancy does to it, which all values from that model share; zero where nothing
+        tells it.
     source : str
         Loading curve that it comes from, if one.
     velocity_mm_per_s : float
@@ -128,6 +131,7 @@ class Value(Displayed):
     wedge_angle_deg: float | None = None
     roll_angle_deg: float | None = None
     shared_std: float = 0.0
+    model_std: float = 0.0
     source: str = ""
     velocity_mm_per_s: float = math.nan
     verdict: str = ""
@@ -150,6 +154,7 @@ class Value(Displayed):
             "synthetic": self.synthetic,
             "value": self.value,
             "std": self.std,
+            "model_std": self.model_std,
             "curve": self.source or None,
             "velocity_mm_per_s": self.velocity_mm_per_s,
             "verdict": self.verdict or None,
@@ -308,6 +313,8 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
         verdicts[on_layer] = (validity.get("on_layer") or {}).get("verdict", "")
         for quantity, (value, each_std) in found.items():
             std = _number(each_std)
+            model_std = _number((headlines.get(quantity) or {}).get("model_std"))
+            model_std = 0.0 if math.isnan(model_std) else model_std
             yield Value(
                 quantity=quantity,
                 study=study.title,
@@ -317,8 +324,9 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
                 wedge_angle_deg=summary["wedge_angle_deg"],
                 roll_angle_deg=summary["roll_angle_deg"],
                 value=_number(value),
-                std=std,
+                std=math.hypot(std, model_std),
                 shared_std=std * math.sqrt(shared.get(quantity, 0.0)),
+                model_std=model_std,
                 verdict=verdicts.get(quantity, ""),
             )
 

@@ -1,26 +1,32 @@
-"""Contact area and Young's modulus of a finger at each load, pooled over repeats."""
+"""Contact area and Young's modulus of a finger at each load, pooled over repeats, with its verdict."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Final, Self
 
 import numpy as np
 from scipy import special
 
 from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
+from fingerpad.study.results.model import STATED_APART
 from fingerpad.study.results.repeats import (
     ContactRepeatability,
     StudyScatter,
     contact_quantity,
     nominal_loads,
 )
-from fingerpad.study.results.rows import PLACEMENT
+from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
 from fingerpad.study.results.table import ResultsTable
-from fingerpad.uncertainty import ScatterComponent
+from fingerpad.study.results.validity import MODULUS, Validity
+from fingerpad.uncertainty import NOT_TESTED, ScatterComponent
+from fingerpad.units import KPA_PER_MPA
 
 _NORMAL_97_5: Final = 1.959963984540054
 _ROUNDING: Final = 1e-9
+_ON_LAYER: Final = "youngs_modulus_on_layer"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,7 +36,7 @@ class LoadMean:
     Attributes
     ----------
     value, std : float
-        The mean and its standard uncertainty.
+        The mean and its standard uncertainty from all parts together.
     interval : (float, float)
         95 % interval, with Student's t for noise, repeatability and sessions where these are known.
     noise_std, repeatability_std : float
@@ -42,6 +48,8 @@ class LoadMean:
         From the place of the contact's edge, which all contacts share.
     other_std : float
         From what else they share: scale, and in a modulus geometry and Poisson's ratio.
+    model_std : float
+        From the model's discrepancy, which they share too; NaN where nothing tells it.
     """
 
     value: float
@@ -52,6 +60,7 @@ class LoadMean:
     session_std: float
     edge_std: float
     other_std: float
+    model_std: float
 
     @classmethod
     def of(
@@ -61,6 +70,8 @@ class LoadMean:
         total: FloatArray,
         freedom: float,
         sessions: tuple[int, ScatterComponent | None],
+        *,
+        model: float = math.nan,
     ) -> Self:
         """Pool values.
 
@@ -71,11 +82,13 @@ class LoadMean:
         parts : mapping of str to ndarray
             Standard uncertainty of each from noise, repeatability and edge.
         total : ndarray, shape (n,)
-            Standard uncertainty of each from all.
+            Standard uncertainty of each from all that was measured.
         freedom : float
             Degrees of freedom of the repeatability; infinite where it is not known.
         sessions : (int, ScatterComponent or None)
             Number of sessions, and how they scatter.
+        model : float, optional
+            What the model adds, relative to the values; NaN where nothing tells it.
         """
         count = values.size
         relative = {part: np.nan_to_num(std) / values for part, std in parts.items()}
@@ -95,16 +108,18 @@ class LoadMean:
             _quantile(freedom) * own,
             _quantile(scatter.freedom if scatter is not None else math.inf) * between,
             _quantile(math.inf) * shared,
+            _quantile(math.inf) * math.log1p(np.nan_to_num(model)),
         )
         return cls(
             value=mean,
-            std=mean * math.hypot(own, between, shared),
+            std=mean * math.hypot(own, between, shared, np.nan_to_num(model)),
             interval=(mean * math.exp(-half), mean * math.exp(half)),
             noise_std=mean * noise,
             repeatability_std=math.nan if math.isinf(freedom) else mean * repeat,
             session_std=mean * session,
             edge_std=mean * edge,
             other_std=mean * other,
+            model_std=mean * model,
         )
 
     def as_record(self, name: str, unit: str) -> dict[str, float]:
@@ -137,7 +152,14 @@ class AtLoad:
     area : LoadMean
         Contact area, mm².
     modulus : LoadMean
-        Young's modulus from load and area, kPa.
+        Young's modulus from load and area by Hertz theory, kPa.
+    verdict : str
+        Whether Hertz theory holds for it.
+    modulus_on_layer : LoadMean or None
+        Young's modulus on the finger's layer of tissue, over the contacts in the range of its laws, kPa; None
+        without any.
+    layer_verdict : str
+        Whether the layer holds; empty without one.
     """
 
     finger: str
@@ -149,9 +171,15 @@ class AtLoad:
     sessions: int
     area: LoadMean
     modulus: LoadMean
+    verdict: str
+    modulus_on_layer: LoadMean | None
+    layer_verdict: str
 
     def as_record(self) -> dict[str, Any]:
         """Return it by names that end in units."""
+        on_layer = (self.modulus_on_layer or self.modulus).as_record(_ON_LAYER, "kpa")
+        if self.modulus_on_layer is None:
+            on_layer = dict.fromkeys(on_layer, math.nan)
         return {
             "finger": self.finger,
             "wedge_angle_deg": self.wedge_angle_deg,
@@ -162,6 +190,10 @@ class AtLoad:
             "sessions": self.sessions,
             **self.area.as_record("contact_area", "mm2"),
             **self.modulus.as_record("youngs_modulus", "kpa"),
+            "youngs_modulus_kpa_model_std": self.modulus.model_std,
+            "youngs_modulus_kpa_verdict": self.verdict,
+            **on_layer,
+            f"{_ON_LAYER}_kpa_verdict": self.layer_verdict,
         }
 
 
@@ -171,39 +203,52 @@ def _quantile(freedom: float) -> float:
 
 
 def pool_by_load(
-    table: ResultsTable,
+    rows: Rows,
     repeatability: Mapping[bool, ContactRepeatability],
     scatter: Sequence[StudyScatter] = (),
+    validities: Mapping[PlacementKey, Validity] = MappingProxyType({}),
 ) -> list[AtLoad]:
     """Pool the contacts that count, for each finger, placement and nominal load.
 
     Parameters
     ----------
-    table : ResultsTable
+    rows : Rows
         All rows. Frames of sequences are left out.
     repeatability : mapping of bool to ContactRepeatability
         That of the study, for real (False) and synthetic contacts (True).
     scatter : sequence of StudyScatter
         How quantities scatter between sessions.
+    validities : mapping, optional
+        Whether the model holds, by the values of `PLACEMENT`; not tested where it is missing.
     """
     between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
-    rows = table.at(table.column("pooled") & ~table.known("frame"))
-    rows = rows.at((rows.column("load_N") > 0) & (contact_quantity(rows, "youngs_modulus") > 0))
+    table = rows.table.at(rows.table.column("pooled") & ~rows.table.known("frame"))
+    table = table.at((table.column("load_N") > 0) & (contact_quantity(table, "youngs_modulus") > 0))
     found = []
-    for key, unsorted in rows.by(*PLACEMENT).items():
+    for key, unsorted in table.by(*PLACEMENT).items():
         group = unsorted.sorted_by("load_N")
         load = nominal_loads(group.column("load_N"))
         found += [
-            _at_load(key, group.at(load == one), repeatability[bool(key[-1])], between)
+            _at_load(
+                rows,
+                key,
+                group.at(load == one),
+                repeatability=repeatability[bool(key[-1])],
+                validity=validities.get(key),
+                between=between,
+            )
             for one in np.unique(load)
         ]
     return found
 
 
 def _at_load(
-    key: Sequence[Any],
+    of: Rows,
+    key: PlacementKey,
     rows: ResultsTable,
+    *,
     repeatability: ContactRepeatability,
+    validity: Validity | None,
     between: Mapping[tuple[str, bool], ScatterComponent],
 ) -> AtLoad:
     finger, wedge, roll, synthetic = key
@@ -243,7 +288,34 @@ def _at_load(
             rows.column("youngs_modulus_kpa_std"),
             freedom,
             sessions("youngs_modulus"),
+            model=validity.relative_stds[MODULUS] if validity else math.nan,
         ),
+        verdict=validity.headlines[MODULUS].verdict if validity else NOT_TESTED,
+        modulus_on_layer=_on_layer(of, rows, freedom, sessions("youngs_modulus")),
+        layer_verdict=validity.layer_verdict if validity and validity.layer_checks else "",
+    )
+
+
+def _on_layer(
+    of: Rows, rows: ResultsTable, freedom: float, sessions: tuple[int, ScatterComponent | None]
+) -> LoadMean | None:
+    """Pool Young's modulus on the layer over the rows in the range of its laws; None without any."""
+    if not of.layer_parts.size:
+        return None
+    places, output = np.searchsorted(of.pooled, rows.places), POOLED_ON_LAYER.index(_ON_LAYER)
+    variances = (KPA_PER_MPA * of.layer_parts[places, output]) ** 2
+    known = np.isfinite(variances).all(axis=-1)
+    if not known.any():
+        return None
+    return LoadMean.of(
+        rows.at(known).column(f"{_ON_LAYER}_kpa"),
+        {
+            part: np.sqrt(variances[known][:, np.isin(LAYER_PART_SOURCES, sources)].sum(axis=-1))
+            for part, sources in STATED_APART.items()
+        },
+        np.sqrt(variances[known].sum(axis=-1)),
+        freedom,
+        sessions,
     )
 
 

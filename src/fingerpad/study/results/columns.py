@@ -92,6 +92,12 @@ def _with_std(name: str, unit: str, meaning: str) -> tuple[Column, Column]:
     return _number(name, unit, meaning), _number(f"{name}_std", unit, f"standard uncertainty of {name}")
 
 
+# Quantities with a verdict on the model.
+_JUDGED: Final = (
+    ("radius_from_indentation_mm", "mm"),
+    ("youngs_modulus_kpa", "kPa"),
+    ("indentation_mm", "mm"),
+)
 _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     "observation": (
         _text("observation", "name of the observation; of a frame sequence#number"),
@@ -242,11 +248,11 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
                 unit,
                 f"what the model's discrepancy adds to {name}_std; empty where no loading data tell it",
             )
-            for name, unit in (
-                ("radius_from_indentation_mm", "mm"),
-                ("youngs_modulus_kpa", "kPa"),
-                ("indentation_mm", "mm"),
-            )
+            for name, unit in _JUDGED
+        ),
+        *(
+            _number(f"{name}_total_std", unit, f"standard uncertainty of {name}, with {name}_model_std")
+            for name, unit in _JUDGED
         ),
     ),
     "output": (_text("overlay", "image of the measurement"),),

@@ -21,6 +21,7 @@ from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary, area_exponent
 from fingerpad.study.results.table import ResultsTable
+from fingerpad.study.results.validity import RADIUS, Validity
 
 
 def write_tables(result: StudyResult, out: Path) -> None:
@@ -129,6 +130,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                 check,
                 loading_radius(result.curves, summary.place),
             )
+            | _headline(validity)
             | {"validity": validity.as_record()}
             for summary, check, validity in zip(
                 result.summaries, result.checks, result.validities, strict=True
@@ -214,6 +216,16 @@ def _summary(
         "loading_radius_mm_std": loading and loading.std,
         **_exponent(contacts or summary.rows),
         "uncertainty_check": check and asdict(check),
+    }
+
+
+def _headline(validity: Validity) -> dict[str, Any]:
+    """Return what stands beside the pooled corrected radius: its total uncertainty, and the verdict on it."""
+    radius = validity.headlines[RADIUS]
+    return {
+        f"{RADIUS}_model_std": radius.model_std,
+        f"{RADIUS}_total_std": radius.total_std,
+        f"{RADIUS}_verdict": radius.verdict,
     }
 
 

@@ -222,7 +222,12 @@ def result_of(
         ),
         repeatability=repeatability,
         scatter=scatter,
-        by_load=pool_by_load(rows.table, repeatability, scatter),
+        by_load=pool_by_load(
+            rows,
+            repeatability,
+            scatter,
+            {summary.key: validity for summary, validity in zip(found, validities, strict=True)},
+        ),
         validities=validities,
         curves=measured.curves,
         provenance=origin,

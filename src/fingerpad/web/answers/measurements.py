@@ -100,20 +100,23 @@ class ContactSettings(Answer):
 
 
 class ContactModel(Answer):
-    """What the contact model gives for a contact: keys as in ``results.csv``."""
+    """What the contact model gives for a contact: keys as in ``results.csv``.
+
+    Of the last run are `verdicts`, by key, and the model's part of a ``_total_std``.
+    """
 
     load_N: float  # noqa: N815
     u_deg: float | None
     mean_curvature_radius_mm: float | None
     mean_curvature_radius_mm_std: float | None
     radius_from_indentation_mm: float | None
-    radius_from_indentation_mm_std: float | None
+    radius_from_indentation_mm_total_std: float | None
     radius_from_compliance_mm: float | None
     radius_from_compliance_mm_std: float | None
     indentation_mm: float | None
-    indentation_mm_std: float | None
+    indentation_mm_total_std: float | None
     youngs_modulus_kpa: float | None
-    youngs_modulus_kpa_std: float | None
+    youngs_modulus_kpa_total_std: float | None
     effective_thickness_mm: float | None
     effective_thickness_mm_std: float | None
     youngs_modulus_on_layer_kpa: float | None
@@ -124,6 +127,7 @@ class ContactModel(Answer):
     loading_radius_on_layer_mm_std: float | None
     layer_flag: str | None
     range_notes: list[str]
+    verdicts: dict[str, str]
 
 
 class ContactPooling(Answer):

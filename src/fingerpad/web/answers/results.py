@@ -7,7 +7,7 @@ from fingerpad.web.answers.study import SemiAxes
 
 
 class Column(Answer):
-    """A column of the results; `std` is the column of its standard uncertainty."""
+    """A column of the results; `std` is that of its standard uncertainty, the model's part in it."""
 
     key: str
     words: str
@@ -48,16 +48,16 @@ class PlottedRows(Answer):
     item: list[str]
     load_N: list[float | None]  # noqa: N815
     radius_from_indentation_mm: list[float | None]
-    radius_from_indentation_mm_std: list[float | None]
+    radius_from_indentation_mm_total_std: list[float | None]
     radius_from_indentation_mm_fixed_geometry_std: list[float | None]
     radius_from_compliance_mm: list[float | None]
     gross_area_mm2: list[float | None]
     gross_area_mm2_std: list[float | None]
     aspect_ratio: list[float | None]
     indentation_mm: list[float | None]
-    indentation_mm_std: list[float | None]
+    indentation_mm_total_std: list[float | None]
     youngs_modulus_kpa: list[float | None]
-    youngs_modulus_kpa_std: list[float | None]
+    youngs_modulus_kpa_total_std: list[float | None]
     indentation_on_layer_mm: list[float | None]
     indentation_on_layer_mm_std: list[float | None]
     youngs_modulus_on_layer_kpa: list[float | None]
@@ -122,7 +122,6 @@ class PlottedGroup(Group):
     """A finger at one placement: pooled values, and the rows to plot."""
 
     radius_from_indentation_mm: float | None
-    radius_from_indentation_mm_std: float | None
     mean_curvature_radius_mm: float | None
     mean_curvature_radius_mm_std: float | None
     loading_radius_mm: float | None

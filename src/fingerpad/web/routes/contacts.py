@@ -1,5 +1,6 @@
 """Contact images measured under corrections: prepared once, then measured in milliseconds."""
 
+import math
 import time
 from dataclasses import replace
 from typing import Any, Final
@@ -29,11 +30,12 @@ from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Obse
 from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags, is_pooled
-from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.rows import PLACEMENT, model_contacts
+from fingerpad.study.results.validity import HEADLINES
 from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, endpoint
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import last_results
+from fingerpad.web.last_results import last_headlines, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.routes.corrections import pooling_correction
 from fingerpad.web.routes.photographs import measured_finger
@@ -261,8 +263,14 @@ def _model(
     seen = from_contact_image(contact_image, contact, found)
     measured = replace(seen, observation=item, load_N=load)
     row = model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
-    found_model = {name: row[name] for name in answers.ContactModel.model_fields}
-    return found_model | {"range_notes": (row["range_notes"] or "").split()}
+    headlines = last_headlines(opened, tuple(row[name] for name in PLACEMENT))
+    for name in HEADLINES:
+        if (std := row[f"{name}_std"]) is not None:
+            relative = headlines.get(name, {}).get("model_relative_std") or 0.0
+            row[f"{name}_total_std"] = math.hypot(std, relative * row[name])
+    row["range_notes"] = (row["range_notes"] or "").split()
+    row["verdicts"] = {name: one["verdict"] for name, one in headlines.items()}
+    return {name: row[name] for name in answers.ContactModel.model_fields}
 
 
 def _pooling(

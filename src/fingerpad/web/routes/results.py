@@ -96,12 +96,12 @@ def _chosen(table: ResultsTable, params: RowsParams) -> BoolArray:
 
 
 def _column(column: Column) -> dict[str, Any]:
-    std = f"{column.name}_std"
+    stds = [f"{column.name}_total_std", f"{column.name}_std"]
     return {
         "key": column.name,
         "words": column.meaning,
         "unit": column.unit if column.unit not in {"", "1"} else None,
-        "std": std if std in COLUMNS else None,
+        "std": next((std for std in stds if std in COLUMNS), None),
     }
 
 

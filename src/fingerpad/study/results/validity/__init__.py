@@ -1,12 +1,14 @@
 """Whether Hertz theory holds for a finger at an angle, and what the model adds to the uncertainty."""
 
-from fingerpad.study.results.validity.place import INDENTATION, MODULUS, RADIUS
-from fingerpad.study.results.validity.verdict import Validity, fill_columns, validity_of
+from fingerpad.study.results.validity.place import HEADLINES, INDENTATION, MODULUS, RADIUS
+from fingerpad.study.results.validity.verdict import Headline, Validity, fill_columns, validity_of
 
 __all__ = [
+    "HEADLINES",
     "INDENTATION",
     "MODULUS",
     "RADIUS",
+    "Headline",
     "Validity",
     "fill_columns",
     "validity_of",

@@ -261,9 +261,11 @@ def _change_over_loads(place: Place, checks: Iterable[ValidityCheck]) -> float:
 
 
 def fill_columns(summaries: Iterable[Summary], validities: Iterable[Validity]) -> None:
-    """Fill the columns of the verdict and of what the model adds, in the rows of each summary."""
+    """Fill the columns of the verdict, what the model adds, and the total, in the rows of each summary."""
     for summary, validity in zip(summaries, validities, strict=True):
         rows = summary.rows
         rows.fill("model_verdict", validity.verdict)
         for name in HEADLINES:
-            rows.fill(f"{name}_model_std", validity.relative_stds[name] * rows.column(name))
+            model_std = validity.relative_stds[name] * rows.column(name)
+            rows.fill(f"{name}_model_std", model_std)
+            rows.fill(f"{name}_total_std", np.hypot(rows.column(f"{name}_std"), np.nan_to_num(model_std)))

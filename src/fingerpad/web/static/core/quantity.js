@@ -56,9 +56,20 @@ export function unitOf(key) {
 
 export const withUnit = (text, unit) => (unit ? (unit === "°" ? `${text}°` : `${text} ${unit}`) : text);
 
-/** A quantity by its key, with its standard uncertainty. */
+/** A positive value with its standard uncertainty; with a factor where two of them reach below zero. */
+export function withTotal(value, std) {
+  if (!(2 * std > value && value > 0) || !Number.isFinite(std)) return withStd(value, std);
+  return `${twoDigits(value)}${SPACE}×/÷${SPACE}${twoDigits(1 + std / value)}`;
+}
+
+const twoDigits = (value) => fixed(value, decimalsOf(value));
+
+/** A quantity by its key, with its standard uncertainty, in which the model's part is where it has one. */
 export function quantityText(numbers, key) {
-  return withUnit(withStd(numbers?.[key], numbers?.[`${key}_std`]), unitOf(key));
+  const total = numbers?.[`${key}_total_std`];
+  const text =
+    total === undefined ? withStd(numbers?.[key], numbers?.[`${key}_std`]) : withTotal(numbers[key], total);
+  return withUnit(text, unitOf(key));
 }
 
 /**

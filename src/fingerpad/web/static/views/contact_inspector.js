@@ -8,6 +8,7 @@ import { button, check, chip, choose, field, list, number, segments, synthetic }
 import { Histogram } from "../parts/histogram.js";
 import { poolingOf } from "../parts/pooling.js";
 import { staleChip } from "../parts/stale_axes.js";
+import { verdictChip } from "../parts/verdict.js";
 import { agreementOf } from "./agreement.js";
 import { flagNote, Inspector } from "./inspector.js";
 import { SHARED } from "./similar.js";
@@ -19,6 +20,10 @@ const QUANTITIES_SHOWN = [
   ["gross_area_mm2", () => "Gross area", "area inside the outline of the contact", "region"],
   ["ridge_area_mm2", () => "Ridge area", "area of the ridges in contact", "ridges"],
 ];
+
+/** Whether Hertz theory held for a quantity in the last run. */
+const verdictOf = ({ verdicts }, key) =>
+  key in verdicts && verdictChip({ verdict: verdicts[key], checks: [] });
 
 /** @type {[key: string, label: () => any, title: string][]} */
 const MODEL = [
@@ -210,6 +215,7 @@ export class ContactInspector extends Inspector {
             { "data-live": "radius" },
             quantityText(model, "radius_from_indentation_mm"),
           ),
+          verdictOf(model, "radius_from_indentation_mm"),
           outOfDate(),
         ),
       h("div.headline", h("h3", "Contact"), chip(answer.by, corrected ? "accent" : "")),
@@ -231,7 +237,7 @@ export class ContactInspector extends Inspector {
         h(
           "dl.readings",
           MODEL.map(([key, label, words]) =>
-            quantityRow(label(), quantityText(model, key), { title: words }),
+            quantityRow(label(), [quantityText(model, key), " ", verdictOf(model, key)], { title: words }),
           ),
         ),
       ],

@@ -3,7 +3,7 @@
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
-import { plain, unitOf, withStd, withUnit } from "../core/quantity.js";
+import { plain, unitOf, withStd, withTotal, withUnit } from "../core/quantity.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, list } from "../parts/forms.js";
 import { groupHeader } from "../parts/group_header.js";
@@ -155,8 +155,7 @@ export class Plots {
   #card(group) {
     const node = h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
-    const { model_std, total_std } = group.validity.headlines.radius_from_indentation_mm;
-    const model = model_std === null ? null : total_std;
+    const { model_std, total_std, verdict } = group.validity.headlines.radius_from_indentation_mm;
     const fact = (label, value, std, mark) =>
       value !== null &&
       value !== undefined &&
@@ -173,16 +172,13 @@ export class Plots {
             h("dt", symbol("R_g^corr"), ", pooled"),
             h(
               "dd.number",
-              withStd(group.radius_from_indentation_mm, group.radius_from_indentation_mm_std),
+              {
+                title: model_std === null ? "" : "standard uncertainty with what the model leaves uncertain",
+              },
+              withTotal(group.radius_from_indentation_mm, total_std),
               " mm ",
-              verdictChip(group.validity),
+              verdictChip({ ...group.validity, verdict }),
             ),
-            model !== null &&
-              h(
-                "dd.soft.number",
-                { title: "standard uncertainty with what the model leaves uncertain" },
-                `${withStd(group.radius_from_indentation_mm, model).replace(/^.*±/, "±")} mm with the model`,
-              ),
           ),
         fact(symbol("R_0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
         fact(symbol("R_g"), group.loading_radius_mm, group.loading_radius_mm_std),
@@ -226,7 +222,9 @@ export class Plots {
     const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
     const radius = this.quantity === QUANTITIES[0][0];
     const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
-    const std = rows[radius && this.bars === "given" ? `${key}_fixed_geometry_std` : `${key}_std`];
+    const std =
+      rows[radius && this.bars === "given" ? `${key}_fixed_geometry_std` : `${key}_total_std`] ??
+      rows[`${key}_std`];
     const layerKey = ON_LAYER[key];
     const onLayer = layerKey && rows[layerKey].some((value) => value !== null);
     const crowded = rows.item.length > 80;
@@ -280,7 +278,7 @@ export class Plots {
         hovertemplate: rows.item.map(
           (_, index) =>
             `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ` +
-            `${withUnit(withStd(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`,
+            `${withUnit(withTotal(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`,
         ),
         text: rows.item,
       },

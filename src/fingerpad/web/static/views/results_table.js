@@ -3,7 +3,7 @@
 import { download, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol, symbolParts } from "../core/glossary.js";
-import { plain, withStd } from "../core/quantity.js";
+import { plain, withStd, withTotal } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
 import { tableOf } from "../parts/tables.js";
@@ -290,7 +290,10 @@ export class Table {
         chip(value, KIND[value] ?? "", row.reason || undefined),
         row.reason && h("div.soft.reason", row.reason),
       );
-    if (typeof value === "number") return h("td.number", std ? withStd(value, row[std]) : plain(value));
+    if (typeof value === "number") {
+      const text = std?.endsWith("_total_std") ? withTotal : withStd;
+      return h("td.number", std ? text(value, row[std]) : plain(value));
+    }
     return h(
       "td",
       value === null || value === undefined || value === "" ? h("span.soft", "–") : String(value),
