@@ -146,7 +146,8 @@ def known_quantities(
     for name, one in found.items():
         endless = name == "thickness" and one.value == math.inf and one.std == 0
         if not (endless or (math.isfinite(one.value) and 0 <= one.std < math.inf)):
-            raise LoadingError(f"{name} must be finite, found {one.value} ± {one.std}")
+            unless = " (a half-space: inf, without uncertainty)" if name == "thickness" else ""
+            raise LoadingError(f"{name} must be finite{unless}, found {one.value} ± {one.std}")
     if "stage_compliance" in found and found["stage_compliance"].value < 0:
         raise LoadingError(f"stage_compliance must not be negative, found {found['stage_compliance'].value}")
     if "area_delay" in found and curve.time is None:
