@@ -19,11 +19,11 @@ from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exclusions import excluding_flags
+from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary import area_exponent
 from fingerpad.uncertainty import PAD_SOURCES
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "synthetic"

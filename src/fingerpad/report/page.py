@@ -48,13 +48,14 @@ from fingerpad.report.text import (
     probability,
 )
 from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.operators import QUANTITY_WORDS
 from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary import Summary, area_exponent
+from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.validity import Validity
 
 # Saves plots, and returns what the page shows of them.

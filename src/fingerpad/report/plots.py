@@ -27,10 +27,11 @@ from fingerpad.report.plot import Plot, panel
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.exponent import Exponent, area_exponent
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary import Exponent, Summary, area_exponent
+from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.table import ResultsTable, Row
 from fingerpad.study.results.validity import RADIUS, Headline
 
@@ -81,8 +82,8 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             name=f"{name}_area",
             figure=_area(rows, area_exponent(summary.contacts or summary.rows)),
             caption=f"Contact area against load, with the fitted exponent and that of Hertz ({where}). "
-            "± of the exponent is from the scatter about the line and the contact edge; the check of the "
-            "model takes in the stated uncertainties of areas and loads.",
+            "± of the exponent is from the scatter about the line, over frames from its bends, and from the "
+            "contact edge; the check of the model takes in the stated uncertainties of areas and loads.",
         )
     if rows.known("long_axis").any():
         yield Plot(

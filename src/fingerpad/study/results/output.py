@@ -15,11 +15,12 @@ from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequence_result import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary import Summary, area_exponent
+from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.study.results.validity import RADIUS, Validity
 

@@ -1,8 +1,6 @@
 """One summary per finger and placement: its rows, and radii pooled from them."""
 
-import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -102,28 +100,3 @@ def _summary(key: PlacementKey, rows: Rows, group: ResultsTable) -> Summary:
 def _highest(rows: Rows, key: PlacementKey) -> HighestLoad:
     """Return the contact at the highest load that is in the range of the layer's laws, if any is."""
     return rows.highest_on_layer.get(key) or rows.highest_load[key]
-
-
-class Exponent(NamedTuple):
-    """Slope of ln A against ln W, with its standard uncertainty from scatter and edge, NaN if not known."""
-
-    value: float
-    std: float
-
-
-def area_exponent(rows: ResultsTable) -> Exponent:
-    """Return the exponent of A ∝ W^n over the pooled of some rows: two loads give a slope, three its std."""
-    sound = rows.at(rows.column("pooled") & (rows.column("load_N") > 0))
-    load = sound.column("load_N")
-    area = np.pi * sound.column("semi_major_mm") * sound.column("semi_minor_mm")
-    if np.unique(load).size < 2:
-        return Exponent(math.nan, math.nan)
-    x, y = np.log(load), np.log(area)
-    if load.size < 3:
-        return Exponent(float(np.polyfit(x, y, 1)[0]), math.nan)
-    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
-    # An edge further out adds more to the logarithm of a small area: by one line for each device.
-    curvature = 1 / sound.column("semi_major_mm") + 1 / sound.column("semi_minor_mm")
-    added, device = sound.column("edge_offset_mm_std") * curvature, numbered(sound.column("scale"))
-    tilts = [np.polyfit(x, added * (device == each), 1)[0] for each in np.unique(device)]
-    return Exponent(float(slope), math.hypot(math.sqrt(covariance[0, 0]), *tilts))

@@ -8,14 +8,14 @@ import numpy as np
 from scipy import special
 
 from fingerpad._arrays import FloatArray, as_float_array
-from fingerpad.study.results.table import Places, numbered
+from fingerpad.study.results.exponent import PressSlope, area_noise, edges_of, items_of
+from fingerpad.study.results.table import Places
 from fingerpad.study.results.validity.place import (
     HERTZ_EXPONENT,
     INDENTATION,
     MODULUS,
     SAME_LOAD,
     Place,
-    area_noise,
     missing,
 )
 from fingerpad.uncertainty import (
@@ -64,32 +64,26 @@ def area_checks(place: Place) -> Iterator[ValidityCheck]:
 
 def _areas_of(place: Place) -> _Areas:
     rows = place.loaded.sorted_by("load_N")
-    major, minor = rows.column("semi_major_mm"), rows.column("semi_minor_mm")
-    edge, device = rows.column("edge_offset_mm_std") * (1 / major + 1 / minor), numbered(rows.column("scale"))
     # An error of the load is one of the area that belongs to it.
     load_std = HERTZ_EXPONENT * place.study.uncertainty.load_relative_std
     return _Areas(
         load=np.log(rows.column("load_N")),
-        area=np.log(np.pi * major * minor),
+        area=np.log(np.pi * rows.column("semi_major_mm") * rows.column("semi_minor_mm")),
         own=np.maximum(np.hypot(area_noise(rows), load_std), _LEAST_STD),
-        edges=[edge * (device == each) for each in np.unique(device)],
-        item=numbered(np.where(rows.known("sequence"), rows.column("sequence"), rows.column("observation"))),
+        edges=edges_of(rows),
+        item=items_of(rows),
     )
 
 
 def _growth(seen: _Areas) -> ValidityCheck:
     """Compare the exponent of the area with 2/3, by what the difference makes of E from load to load."""
-    weights = seen.own**-2.0
-    centred = seen.load - weights @ seen.load / weights.sum()
-    slope = weights * centred / (weights @ centred**2)
-    value, freedom = float(slope @ seen.area), seen.load.size - 2
-    residuals = seen.area - value * centred
-    residuals -= weights @ residuals / weights.sum()
-    own, chi_square = 1 / float(weights @ centred**2), float(weights @ residuals**2)
-    # Areas that scatter more about the line than chance allows tell its uncertainty themselves.
-    scatters = freedom > 0 and special.chdtrc(freedom, chi_square) < STRAINED_BELOW_P
-    if scatters:
-        own *= chi_square / freedom
+    presses = PressSlope.of(*seen[:3], seen.item)
+    if presses is None:
+        value, slope, own, scatters, freedom = _slope_of_contacts(seen)
+    else:
+        value, slope, freedom = presses.value, presses.weights, presses.freedom
+        scatters = presses.scatter_std > presses.own_std
+        own = max(presses.scatter_std, presses.own_std) ** 2
     std = math.sqrt(own + sum(float(slope @ edge) ** 2 for edge in seen.edges))
     return compare_difference(
         GROWTH,
@@ -103,6 +97,20 @@ def _growth(seen: _Areas) -> ValidityCheck:
         + ("scatter about the line" if scatters else "stated uncertainties of areas and loads")
         + (" and the contact edge" if np.any(seen.edges) else ""),
     )
+
+
+def _slope_of_contacts(seen: _Areas) -> tuple[float, FloatArray, float, bool, float]:
+    """Return the slope over contacts, its weights, own variance, whether that is of scatter, and freedom."""
+    weights = seen.own**-2.0
+    centred = seen.load - weights @ seen.load / weights.sum()
+    slope = weights * centred / (weights @ centred**2)
+    value, freedom = float(slope @ seen.area), seen.load.size - 2
+    residuals = seen.area - value * centred
+    residuals -= weights @ residuals / weights.sum()
+    own, chi_square = 1 / float(weights @ centred**2), float(weights @ residuals**2)
+    # Areas that scatter more about the line than chance allows tell its uncertainty themselves.
+    scatters = bool(freedom > 0 and special.chdtrc(freedom, chi_square) < STRAINED_BELOW_P)
+    return value, slope, own * chi_square / freedom if scatters else own, scatters, freedom
 
 
 def _largest_fall(seen: _Areas) -> ValidityCheck:

@@ -12,6 +12,7 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.loading import Estimate, LoadingFit
+from fingerpad.study.results.exponent import area_noise
 from fingerpad.study.results.loading import LoadingRadius
 from fingerpad.study.results.table import ResultsTable, numbered
 from fingerpad.study.results.validity.place import (
@@ -24,7 +25,6 @@ from fingerpad.study.results.validity.place import (
     SAME_LOAD,
     UNITS,
     Place,
-    area_noise,
     missing,
 )
 from fingerpad.uncertainty import ValidityCheck, compare_ratio, pool, pool_random_effects

@@ -4,9 +4,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final, NamedTuple, Self
 
-import numpy as np
-
-from fingerpad._arrays import FloatArray
 from fingerpad.loading import Estimate, LoadingFit
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
@@ -90,13 +87,3 @@ def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
 def missing(name: str, compared: str, quantities: Sequence[str], why: str) -> ValidityCheck:
     """Return a check without data."""
     return ValidityCheck(name=name, compared=compared, quantities=tuple(quantities), note=why)
-
-
-def area_noise(rows: ResultsTable) -> FloatArray:
-    """Return the relative standard uncertainty of the ellipse's area from errors of its own image."""
-    major, minor = (
-        rows.column(f"{axis}_mm_noise_std") / rows.column(f"{axis}_mm")
-        for axis in ("semi_major", "semi_minor")
-    )
-    noise = rows.column("gross_area_mm2_noise_std") / rows.column("gross_area_mm2")
-    return np.where(np.isfinite(noise), noise, np.hypot(major, minor))
