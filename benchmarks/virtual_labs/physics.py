@@ -1,0 +1,330 @@
+"""A pad, its frictionless contact with a flat plate, and laws of load and area, all for E* = 1."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft, interpolate, ndimage, optimize, special
+
+Array = NDArray[np.float64]
+
+CELLS = 128
+DIRECTIONS = 72
+
+
+@dataclass(frozen=True)
+class Pad:
+    """Body ((x/a)^p + (y/b)^p)^(2/p) + (z/c)² = 1; the dorsal half is photographed only."""
+
+    palmar: float
+    distal: float
+    radial_ulnar: float
+    exponent: float = 2.0
+    dorsal_ratio: float = 1.0
+
+    def level(self, x: Array, y: Array, z: Array) -> tuple[Array, Array, Array, Array]:
+        """Return the body's norm at points (1 on the surface), and its gradient."""
+        p = self.exponent
+        u, v = np.abs(x) / self.palmar + 1e-12, np.abs(y) / self.distal + 1e-12
+        plane = (u**p + v**p) ** (1 / p)
+        norm = np.hypot(plane, z / self.radial_ulnar)
+        share = plane / norm * plane ** (1 - p)
+        gradient_x = share * u ** (p - 1) / self.palmar * np.sign(x)
+        gradient_y = share * v ** (p - 1) / self.distal * np.sign(y)
+        return norm, gradient_x, gradient_y, z / self.radial_ulnar**2 / norm
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Distance of a pad from the plate that touches it, at points along and across the finger."""
+
+    pad: Pad
+    wedge_deg: float
+    roll_deg: float = 0.0
+
+    def frame(self) -> tuple[Array, Array, Array, Array]:
+        """Return place of contact, normal, and directions along and across the finger in the plate."""
+        wedge, roll = np.radians([self.wedge_deg, self.roll_deg])
+        normal = np.array([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)])
+        along = np.array([-np.sin(wedge) * np.cos(roll), np.cos(wedge), -np.sin(wedge) * np.sin(roll)])
+        across = np.array([-np.sin(roll), 0.0, np.cos(roll)])
+        pad, q = self.pad, self.pad.exponent / (self.pad.exponent - 1)
+        plane = ((pad.palmar * normal[0]) ** q + (pad.distal * normal[1]) ** q) ** (1 / q)
+        support = np.hypot(plane, pad.radial_ulnar * normal[2])
+        scale = plane ** (2 - q) / support
+        point = np.array(
+            [
+                scale * pad.palmar**q * normal[0] ** (q - 1),
+                scale * pad.distal**q * normal[1] ** (q - 1),
+                pad.radial_ulnar**2 * normal[2] / support,
+            ]
+        )
+        return point, normal, along, across
+
+    def __call__(self, along: Array, across: Array) -> Array:
+        """Return the gap, infinite where the pad's outline lies inside."""
+        point, normal, t1, t2 = self.frame()
+        start = point + along[..., None] * t1 + across[..., None] * t2
+        depth = np.zeros(along.shape)
+        for _ in range(60):
+            at = start - depth[..., None] * normal
+            norm, gx, gy, gz = self.pad.level(at[..., 0], at[..., 1], at[..., 2])
+            slope = -(gx * normal[0] + gy * normal[1] + gz * normal[2])
+            # The norm is convex along a ray: Newton's steps from outside never pass the surface.
+            step = np.where(slope < -1e-9, (norm - 1) / np.minimum(slope, -1e-9), np.inf)
+            depth = np.where(np.isfinite(step), np.minimum(depth - step, 1e3), 1e3)
+            if np.all((np.abs(step) < 1e-12) | (depth >= 1e3)):
+                break
+        return np.where(depth < 50, depth, np.inf)
+
+    def curvatures(self) -> tuple[float, float]:
+        """Return the principal curvatures at the place of contact, by differences."""
+        step = 0.05
+        s, t = np.meshgrid([-step, 0, step], [-step, 0, step], indexing="ij")
+        h = self(s, t)
+        ss, tt = (h[2, 1] + h[0, 1]) / step**2, (h[1, 2] + h[1, 0]) / step**2
+        st = (h[2, 2] + h[0, 0] - h[2, 0] - h[0, 2]) / (4 * step**2)
+        low, high = np.linalg.eigvalsh([[ss, st], [st, tt]])
+        return float(low), float(high)
+
+    def mean_curvature_radius(self) -> float:
+        """Return 1/H, mm."""
+        return 2 / sum(self.curvatures())
+
+
+@dataclass(frozen=True)
+class Paraboloid:
+    """Gap of a paraboloid of revolution."""
+
+    radius: float
+
+    def __call__(self, along: Array, across: Array) -> Array:
+        """Return the gap."""
+        return (along**2 + across**2) / (2 * self.radius)
+
+
+@lru_cache(maxsize=8)
+def _layer_excess(poisson: float) -> interpolate.CubicSpline:
+    """Return t π E* times the layer's surface displacement less that of a half-space, against r/t."""
+    x = np.linspace(0, 30, 6001)
+    decay = np.exp(-2 * x)
+    a = 3 - 4 * poisson
+    top = a * (1 - decay**2) / 2 - 2 * x * decay
+    bottom = a * (1 + decay**2) / 2 + (2 * x**2 + 5 - 12 * poisson + 8 * poisson**2) * decay
+    distance = np.linspace(0, 16, 1601)
+    kernel = (top / bottom - 1) * special.j0(np.outer(distance, x))
+    return interpolate.CubicSpline(distance, np.trapezoid(kernel, x, axis=1))
+
+
+def _cell_kernel(n: int, size: float, thickness: float, poisson: float) -> Array:
+    """Return displacements of a square cell under unit pressure on a 2n × 2n cyclic grid (Love)."""
+    index = np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n)) * size
+    x, y = np.meshgrid(index, index, indexing="ij")
+
+    kernel = np.zeros_like(x)
+    for sx in (-1, 1):
+        for sy in (-1, 1):
+            u, v = x + sx * size / 2, y + sy * size / 2
+            # ∫∫ dA / r from the origin to a corner, odd in u and v
+            kernel += sx * sy * (u * np.arcsinh(v / np.abs(u)) + v * np.arcsinh(u / np.abs(v)))
+    if np.isfinite(thickness):
+        excess = _layer_excess(poisson)
+        kernel = kernel + size**2 * excess(np.minimum(np.hypot(x, y) / thickness, 16)) / thickness
+    return kernel / np.pi
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One contact: load, radii of its outline about its centroid, and mean pressure against radius."""
+
+    load: float
+    outline: Array
+    profile: Array
+
+    @property
+    def area(self) -> float:
+        """Area inside the outline, mm²."""
+        return float(np.mean(self.outline**2) * np.pi)
+
+
+PROFILE_AT = np.linspace(0, 1, 21)
+
+
+def press(
+    gap: Gap | Paraboloid, indentation: float, thickness: float, poisson: float, cells: int = CELLS
+) -> Contact:
+    """Press a plate onto a pad to an indentation, by conjugate gradients with pressures kept positive."""
+    along = np.linspace(-15, 15, 121)
+    coarse_s, coarse_t = np.meshgrid(along, along, indexing="ij")
+    inside = gap(coarse_s, coarse_t) < indentation
+    extent = max(np.abs(coarse_s[inside]).max(), np.abs(coarse_t[inside]).max()) + 0.25
+    for factor in (1.15, 1.5):
+        half = factor * extent if extent > 1 else factor * 1.6 * np.sqrt(indentation * 16)
+        size = 2 * half / cells
+        centre = (np.arange(cells) - (cells - 1) / 2) * size
+        s, t = np.meshgrid(centre, centre, indexing="ij")
+        target = indentation - np.minimum(gap(s, t), 100 * indentation)
+        pressure = _pressures(target, size, thickness, poisson)
+        rim = np.concatenate([pressure[:2].ravel(), pressure[-2:].ravel(), pressure[:, :2].ravel()])
+        if not rim.any() and not pressure[:, -2:].any():
+            break
+    outline, profile = _outline(pressure, size)
+    return Contact(float(pressure.sum()) * size**2, outline, profile)
+
+
+def _pressures(target: Array, size: float, thickness: float, poisson: float) -> Array:
+    n = len(target)
+    kernel = fft.rfft2(_cell_kernel(n, size, thickness, poisson))
+
+    def displaced(pressure: Array) -> Array:
+        spectrum = fft.rfft2(pressure, s=(2 * n, 2 * n)) * kernel
+        return np.asarray(fft.irfft2(spectrum, s=(2 * n, 2 * n))[:n, :n])
+
+    pressure = np.sqrt(np.maximum(target, 0))
+    pressure *= (pressure * target).sum() / (pressure * displaced(pressure)).sum()
+    direction, before, restart = np.zeros_like(target), 1.0, True
+    for _ in range(500):
+        active = pressure > 0
+        residual = displaced(pressure) - target
+        square = float((residual[active] ** 2).sum())
+        direction = np.where(active, residual + (0 if restart else square / before) * direction, 0)
+        before = square
+        step = float((residual * direction)[active].sum() / (displaced(direction) * direction)[active].sum())
+        new = np.maximum(pressure - step * direction, 0)
+        overlap = (new == 0) & (residual < 0)
+        restart = bool(overlap.any())
+        new[overlap] -= step * residual[overlap]
+        change = np.abs(new - pressure).sum() / new.sum()
+        pressure = new
+        if change < 1e-6 and not restart:
+            break
+    return pressure
+
+
+def _outline(pressure: Array, size: float) -> tuple[Array, Array]:
+    """Return radii of the contact in mm, where p² falls to zero, and the mean pressure against radius."""
+    n = len(pressure)
+    at = np.arange(n)
+    row, column = pressure.sum(axis=1) @ at / pressure.sum(), pressure.sum(axis=0) @ at / pressure.sum()
+    square = pressure**2
+    angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    inside = ndimage.binary_erosion(pressure > 0)  # cells at the rim are only partly in contact
+    radii = np.empty(DIRECTIONS)
+    steps = np.arange(0, n / 2, 0.25)
+    for k, angle in enumerate(angles):
+        points = np.array([row + steps * np.cos(angle), column + steps * np.sin(angle)])
+        kept = ndimage.map_coordinates(inside.astype(float), points, order=1) > 0.999
+        last = int(np.argmin(kept)) - 1
+        first = max(0, last - max(20, last // 6))
+        value = ndimage.map_coordinates(square, points[:, first : last + 1], order=3)
+        # p² is quadratic in r for an ellipsoidal pressure, and nearly so otherwise.
+        curve = np.polynomial.Polynomial.fit(steps[first : last + 1], value, 2)
+        roots = curve.roots()
+        real = roots[np.abs(roots.imag) < 1e-9].real
+        radii[k] = min(real[real > steps[last]], default=steps[last] + 1.0)
+    profile = np.empty(len(PROFILE_AT))
+    for k, fraction in enumerate(PROFILE_AT):
+        points = np.array(
+            [row + fraction * radii * np.cos(angles), column + fraction * radii * np.sin(angles)]
+        )
+        profile[k] = ndimage.map_coordinates(pressure, points, order=1).mean()
+    # Cells touch as a whole: Hertz contacts come out 0.04 cells too wide, those on a layer 0.03 to 0.07.
+    return (radii - 0.045) * size, profile / profile.max()
+
+
+@dataclass(frozen=True)
+class Law:
+    """Load, area and outline of a pad against indentation, interpolated between solved contacts (E* = 1)."""
+
+    load_over: interpolate.CubicSpline  # ln(W/ξ^1.5) against √ξ
+    area_over: interpolate.CubicSpline  # ln(A/ξ)
+    outline_over: interpolate.CubicSpline  # r/√ξ
+    profile: interpolate.CubicSpline
+    deepest: float
+
+    @classmethod
+    def of(
+        cls, gap: Gap | Paraboloid, deepest: float, thickness: float, poisson: float, steps: int = 11
+    ) -> "Law":
+        """Solve contacts at depths that are even in √ξ."""
+        roots = np.sqrt(deepest) * np.arange(1, steps + 1) / steps
+        solved = [press(gap, root**2, thickness, poisson) for root in roots]
+        return cls(
+            interpolate.CubicSpline(
+                roots, [np.log(c.load / r**3) for c, r in zip(solved, roots, strict=True)]
+            ),
+            interpolate.CubicSpline(
+                roots, [np.log(c.area / r**2) for c, r in zip(solved, roots, strict=True)]
+            ),
+            interpolate.CubicSpline(roots, [c.outline / r for c, r in zip(solved, roots, strict=True)]),
+            interpolate.CubicSpline(roots, [c.profile for c in solved]),
+            deepest,
+        )
+
+    def load(self, indentation: Array | float) -> Array:
+        """Return W/E*."""
+        xi = np.maximum(indentation, 0)
+        return np.asarray(xi**1.5 * np.exp(self.load_over(np.sqrt(xi))))
+
+    def area(self, indentation: Array | float) -> Array:
+        """Return A, mm²."""
+        xi = np.maximum(indentation, 0)
+        return np.asarray(xi * np.exp(self.area_over(np.sqrt(xi))))
+
+    def indentation(self, load: float) -> float:
+        """Return ξ at W/E*."""
+        return float(optimize.brentq(lambda xi: float(self.load(xi)) - load, 1e-6, self.deepest))
+
+    def outline(self, indentation: float) -> Array:
+        """Return radii of the contact about its centroid."""
+        return np.asarray(self.outline_over(np.sqrt(indentation)) * np.sqrt(indentation))
+
+
+def ellipse_of(outline: Array) -> tuple[float, float]:
+    """Return semi-axes of the ellipse of equal area and of the same shape of second moments."""
+    angle = 2 * np.pi * np.arange(len(outline)) / len(outline)
+    c, s, w = np.cos(angle), np.sin(angle), outline
+    area = np.mean(w**2) * np.pi
+    mean = 2 * np.pi / 3 * np.array([np.mean(w**3 * c), np.mean(w**3 * s)]) / area
+    second = (
+        np.pi
+        / 2
+        * np.array(
+            [[np.mean(w**4 * c * c), np.mean(w**4 * c * s)], [np.mean(w**4 * c * s), np.mean(w**4 * s * s)]]
+        )
+    )
+    moment = second / area - np.outer(mean, mean)
+    minor, major = np.sqrt(np.linalg.eigvalsh(moment))
+    scale = np.sqrt(area / (np.pi * minor * major))
+    return float(major * scale), float(minor * scale)
+
+
+def hertz_factors(major: float, minor: float) -> tuple[float, float]:
+    """Return Johnson's F1 and F2 (4.26, 4.29) of a contact ellipse."""
+    k = minor / major
+    m = 1 - k**2
+    if m < 1e-6:
+        return 1.0, 1.0
+    big_k, big_e = special.ellipk(m), special.ellipe(m)
+    f1 = (4 / (np.pi * m) * k**1.5 * np.sqrt((big_e / k**2 - big_k) * (big_k - big_e))) ** (1 / 3)
+    return float(f1), float(2 / np.pi * np.sqrt(k) * big_k / f1)
+
+
+def elliptic_hertz(curvatures: tuple[float, float]) -> tuple[float, float]:
+    """Return W/(E* ξ^1.5) and A/ξ of Hertz theory."""
+    low, high = curvatures
+    if high / low < 1 + 1e-6:
+        m = 1e-9
+    else:
+
+        def ratio(x: float) -> float:
+            big_k, big_e = special.ellipk(x), special.ellipe(x)
+            return float((big_e / (1 - x) - big_k) / (big_k - big_e) - high / low)
+
+        m = float(optimize.brentq(ratio, 1e-7, 1 - 1e-9))
+    radius = 1 / np.sqrt(low * high)
+    f1, f2 = hertz_factors(1.0, np.sqrt(1 - m))
+    load = 4 / 3 * np.sqrt(radius) * f2**-1.5
+    area = np.pi * (3 * load * radius / 4) ** (2 / 3) * f1**2
+    return float(load), float(area)
