@@ -469,3 +469,14 @@ def test_layer_effect_marks_what_is_known(axes) -> None:
     assert_allclose(radius.get_ydata()[1:], [1.9, 1.5])
     assert [text.get_text() for text in axes.texts] == ["Hertz", "0.50", "0.74", "1.9", "1.5"]
     assert axes.get_ylim()[1] > 2
+
+
+def test_the_pad_is_framed_with_the_whole_contact() -> None:
+    _, (axes,) = new_figure(height_mm=80)
+    pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    plot_pad_with_contact(axes, pad, wedge_angle=np.radians(30), measured=Ellipse(14.0, 7.0))
+    points = np.concatenate([line.get_xydata() for line in axes.lines if len(line.get_xydata()) > 2])
+    points = points[np.isfinite(points).all(axis=1)]
+    for low_high, column in ((axes.get_xlim(), points[:, 0]), (axes.get_ylim(), points[:, 1])):
+        assert low_high[0] <= column.min()
+        assert column.max() <= low_high[1]

@@ -13,8 +13,15 @@ from typer.testing import CliRunner
 
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.cli import app
+from fingerpad.report.text import ways_out
 from fingerpad.study.compare import compare_studies
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.exclusions import (
+    IMPLAUSIBLE_SIZE,
+    NEVER_POOLED,
+    POOLED_IF_REVIEWED,
+    WAY_OUT,
+)
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS, Validity
@@ -144,7 +151,7 @@ def test_without_loading_data_no_term_is_made_up(tmp_path: Path) -> None:
     assert headline.total_std == headline.std
     assert "no loading data" in headline.model_from
     assert named(validity, "radius_against_loading").note == "no loading data of this finger at this angle"
-    assert named(validity, "area_against_load").note == "contacts at one load only"
+    assert named(validity, "area_against_load").note == "all contacts that count are at one load"
     (row,) = result.rows
     assert (row["model_verdict"], row["radius_from_indentation_mm_model_std"]) == (HOLDS, None)
 
@@ -214,6 +221,31 @@ def test_every_place_shows_the_same_total_and_verdict(tmp_path: Path) -> None:
         assert values[name].verdict == one["verdict"]
 
 
+def test_loads_of_contacts_that_do_not_count_are_not_denied(tmp_path: Path) -> None:
+    text = HEAD + finger("f", keys="synthetic = true").replace("palmar = 7.9", "palmar = 79")
+    again = text[text.index("[[observations]]") :]
+    more = again.replace("of_f", "again").replace("load_N = 1", "load_N = 4")
+    (tmp_path / "study.toml").write_text(text + more)
+    result = run_study(tmp_path / "study.toml", tmp_path / "out")
+    (validity,) = result.validities
+    for name in ("area_against_load", "area_falls"):
+        assert named(validity, name).note == "no contact counts"
+    (words,) = ways_out(result.rows)
+    assert words.endswith(": check the scale of the photographs, or the unit of the semi-axes")
+
+
+def test_a_difference_names_the_result_that_it_is_of(tmp_path: Path) -> None:
+    checks = simulated(CASES["the same area at all loads"], 1, tmp_path).validity.checks
+    found = {one.name: one.difference_of for one in checks if math.isfinite(one.relative_difference)}
+    assert found.pop("area_against_load") == "E"
+    found.pop("area_falls", None)
+    assert set(found.values()) == {""}
+
+
+def test_every_flag_that_excludes_has_a_way_out() -> None:
+    assert set(WAY_OUT) == NEVER_POOLED | POOLED_IF_REVIEWED | {IMPLAUSIBLE_SIZE}
+
+
 def test_a_mean_over_repeats_keeps_the_models_part(tmp_path: Path) -> None:
     """On bone the truth at a load lies within the interval of E, however many repeats there are."""
     text = HEAD + finger("f", radius=20.0)
@@ -240,6 +272,7 @@ def test_sizes_are_judged_by_the_error_of_hertz_theory(tmp_path: Path) -> None:
     assert named(large, name).relative_difference == pytest.approx(0.1, abs=0.03)
     assert named(wide, name).verdict != HOLDS
     assert "at least this" in named(wide, name).note
+    assert "both are of the largest in range, a/R = 0." in named(wide, name).note
 
 
 def test_thickness_spoils_the_indentation_before_the_modulus(tmp_path: Path) -> None:

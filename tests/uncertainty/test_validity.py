@@ -1,6 +1,7 @@
 """Comparisons of two ways to a quantity, verdicts, and the discrepancy of a model."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from fingerpad.uncertainty import (
     ValidityCheck,
     compare_difference,
     compare_ratio,
+    judge_together,
     known_error,
     model_discrepancy,
     overall_verdict,
@@ -114,17 +116,48 @@ def test_small_samples_are_judged_by_t() -> None:
     assert one.relative_difference == pytest.approx(math.exp(0.8) - 1)
 
 
+def named(check: ValidityCheck, name: str) -> ValidityCheck:
+    return replace(check, name=name)
+
+
 def test_several_checks_share_the_chance_of_a_false_alarm() -> None:
     one = ratio(10.0, 0.25, 10.9, 0.25)  # p = 0.012
     assert one.verdict == STRAINED
-    assert one.among(3).verdict == STRAINED
-    assert one.among(5).verdict == HOLDS
+    same, sure = ratio(10.0, 0.1, 10.0, 0.1), ratio(10.0, 0.1, 20.0, 0.2)
+    assert judge_together([one, *(named(same, f"s{k}") for k in range(2))])[0].verdict == STRAINED
+    assert judge_together([one, *(named(same, f"s{k}") for k in range(4))])[0].verdict == HOLDS
+    assert judge_together([one, *(named(sure, f"s{k}") for k in range(9))])[0].verdict == STRAINED
+    copies = [named(one, f"c{k}") for k in range(9)]
+    assert {each.verdict for each in judge_together(copies)} == {HOLDS}
+    together = judge_together(copies, same=[each.name for each in copies])
+    assert {each.verdict for each in together} == {STRAINED}
     rng = np.random.default_rng(5)
     alarms = [
-        overall_verdict(ratio(x, 0.07, 1.0, 0.0).among(4).verdict for x in 1 + 0.07 * four) != HOLDS
+        overall_verdict(
+            each.verdict
+            for each in judge_together(
+                [named(ratio(x, 0.07, 1.0, 0.0), f"{k}") for k, x in enumerate(1 + 0.07 * four)]
+            )
+        )
+        != HOLDS
         for four in rng.standard_normal((1000, 4))
     ]
     assert np.mean(alarms) < 0.065
+
+
+def test_evidence_of_one_check_is_not_lost_by_adding_others_that_agree() -> None:
+    """An exponent over four contacts, then with the comparisons that a loading curve adds."""
+    growth = compare_difference(
+        "n", "n", ["E"], (0.13, 0.06), (2 / 3, 0.0), effect=-3.1, degrees_of_freedom=2, effect_on="E"
+    )
+    alone = judge_together([growth, *(named(ratio(10.0, 0.1, 10.0, 0.1), f"{k}") for k in range(2))])
+    agreeing = [named(ratio(10.0, 0.1, 30.0, 0.3), f"with curve {k}") for k in range(3)]
+    more = judge_together([*alone, *agreeing])
+    assert alone[0].verdict == more[0].verdict == STRAINED
+    against = judge_together([*alone, *(named(ratio(10.0, 0.1, 10.0, 0.1), f"o{k}") for k in range(9))])
+    assert against[0].verdict == NOT_TESTED
+    assert "would hide" not in against[0].note
+    assert "may be chance" in against[0].note
 
 
 def test_the_discrepancy_makes_differences_as_large_as_expected() -> None:

@@ -164,6 +164,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         implausible_values,
         in_words,
         placement_words,
+        ways_out,
         why_not_pooled,
     )
     from fingerpad.study.results.validity import MODULUS, RADIUS
@@ -198,6 +199,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     for row in result.rows.at(~result.rows.known("frame")):
         if row["flags"]:
             typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")
+    for words in ways_out(result.rows.at(~result.rows.known("frame"))):
+        typer.echo(f"to do: {words}")
     for name, count, words in doubtful_frames(result):
         typer.echo(f"doubtful: {name}: {words} in {count} of its frames")
     for note in (*result.notes, *implausible_values(result)):

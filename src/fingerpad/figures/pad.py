@@ -166,15 +166,19 @@ def plot_pad_with_contact(
     centre = view.project(placement.point)
     directions = view.project(placement.curvature.principal_directions)
     radii = placement.curvature.principal_radii
-    _draw_directions(axes, centre, _draw_surface(axes, pad, view), directions, radii)
+    outline = _draw_surface(axes, pad, view)
+    drawn = _draw_directions(axes, centre, outline, directions, radii)
+    drawn.append(outline)
     if measured is not None:
         angle = float(check_radians("measured_long_axis_angle", measured_long_axis_angle))
-        _draw_contact(axes, centre, measured, angle, colour=BLUE, style="-", label="contact measured")
+        label = "contact measured"
+        drawn.append(_draw_contact(axes, centre, measured, angle, colour=BLUE, style="-", label=label))
     if predicted is not None:
         long_axis = directions[np.argmax(radii)]
         turn = float(np.arctan2(-long_axis[0], long_axis[1]))
         label = "Hertz shape of the measured area"
-        _draw_contact(axes, centre, predicted, turn, colour=ORANGE, style="--", label=label)
+        drawn.append(_draw_contact(axes, centre, predicted, turn, colour=ORANGE, style="--", label=label))
+    _frame(axes, np.concatenate(drawn))
     axes.plot(*centre, "o", color=BLACK, markersize=3.5, zorder=6, label="place of contact")
     roll = f", roll φ = {np.degrees(roll_angle):g}°" if roll_angle else ""
     axes.set_title(f"θ = {np.degrees(wedge_angle):g}°{roll}, u = {np.degrees(placement.u):.1f}°")
@@ -274,9 +278,9 @@ def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArra
 
 def _draw_directions(
     axes: AnyAxes, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: PrincipalRadii
-) -> None:
-    """Draw the principal directions through the place of contact, named inside the outline; set limits."""
-    ends: list[FloatArray] = []
+) -> list[FloatArray]:
+    """Draw the principal directions through the place of contact, named at their ends; return their lines."""
+    lines: list[FloatArray] = []
     for direction, radius, word in zip(directions, radii, ("along", "across"), strict=True):
         upwards = word == "along"
         side = direction * np.sign(direction[1] if upwards else direction[0])
@@ -292,20 +296,21 @@ def _draw_directions(
             va="bottom" if upwards else "center",
             fontsize=6.8,
         )
-        ends.append(line)
-    _frame(axes, np.concatenate([outline, *ends]))
+        lines.append(line)
+    return lines
 
 
 def _draw_contact(
     axes: AnyAxes, centre: FloatArray, ellipse: Ellipse, angle: float, *, colour: str, style: str, label: str
-) -> None:
-    """Draw a contact ellipse to scale, its long axis `angle` from upwards, counter-clockwise."""
+) -> FloatArray:
+    """Draw a contact ellipse, its long axis `angle` from upwards, counter-clockwise; return its points."""
     turn = np.linspace(0, 2 * np.pi, 181)
     major, minor = ellipse.semi_major * np.cos(turn), ellipse.semi_minor * np.sin(turn)
     x = centre[0] - major * np.sin(angle) - minor * np.cos(angle)
     y = centre[1] + major * np.cos(angle) - minor * np.sin(angle)
     size = f"semi-axes {ellipse.semi_major:.1f} × {ellipse.semi_minor:.1f} mm"
     axes.plot(x, y, style, color=colour, linewidth=1.5, zorder=5, label=f"{label}, {size}")
+    return np.stack([x, y], axis=-1)
 
 
 def _draw_scale_bar(axes: AnyAxes, length: float = 5.0) -> None:

@@ -46,6 +46,7 @@ from fingerpad.report.text import (
     phase_words,
     pooling_words,
     probability,
+    ways_out,
 )
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exponent import area_exponent
@@ -223,6 +224,7 @@ def _details(
         "doubts": doubtful[:MOST_POINTS],
         "repeatability": result.repeatability[summary.synthetic].known,
         "left_out": [(row["observation"], pooling_words(row)) for row in out[:MOST_POINTS]],
+        "ways_out": list(ways_out(contacts)),
         "pooled_manually": [
             (row["observation"], pooling_words(row))
             for row in contacts.at(contacts.column("pooled") & contacts.known("pooling_corrected_by"))

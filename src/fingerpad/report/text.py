@@ -11,10 +11,12 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.image import FLAG_WORDS, OutlineSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.error_text import counted
+from fingerpad.study.results.exclusions import WAY_OUT
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.rows import IMPLAUSIBLE, RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
+from fingerpad.study.results.table import ResultsTable
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED
 
@@ -81,6 +83,14 @@ def pooling_words(row: Mapping[str, Any]) -> str:
         words = f"{done} by {row['pooling_corrected_by']}: {row['pooling_reason']}"
         return f"{words} ({flags})" if flags else words
     return flags
+
+
+def ways_out(rows: ResultsTable) -> Iterator[str]:
+    """Yield what to do about contacts that are left out, for each flag in words."""
+    out = rows.at(~rows.column("pooled"))
+    codes = dict.fromkeys(code for codes in out.items("excluding_flags") for code in (codes or "").split())
+    for code in codes:
+        yield f"{_EXCLUDING_WORDS[code]}: {WAY_OUT[code]}"
 
 
 def placement_words(summary: Summary) -> str:

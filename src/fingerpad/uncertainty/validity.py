@@ -1,7 +1,7 @@
 """Whether a model holds: comparisons of two ways to one quantity, and known errors."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Self
 
@@ -44,6 +44,8 @@ class ValidityCheck(Displayed):
         What it is compared with.
     relative_difference : float
         Size of the difference: of the results that it concerns, relative to them, signed.
+    difference_of : str
+        The result that this is of; empty where it is what is compared.
     relative_std : float
         Standard uncertainty of that, as of a logarithm; NaN for a known error.
     deviations : float
@@ -70,6 +72,7 @@ class ValidityCheck(Displayed):
     reference: float = math.nan
     reference_std: float = math.nan
     relative_difference: float = math.nan
+    difference_of: str = ""
     relative_std: float = math.nan
     deviations: float = math.nan
     p_value: float = math.nan
@@ -80,29 +83,73 @@ class ValidityCheck(Displayed):
         """The value less the reference, in their unit."""
         return self.value - self.reference
 
-    def among(self, count: int) -> Self:
-        """Return the check as one of several: its verdict is by Bonferroni's p, `count` times as large.
+    def judged(self, p_value: float | None = None) -> Self:
+        """Return the check with the verdict by its probability, or by one that allows for others beside it.
 
-        The chance that any of the checks raises a false alarm is then that of one.
+        Whether its uncertainty would hide a difference is its own matter, whatever stands beside it.
 
         Parameters
         ----------
-        count : int
-            Number of checks.
+        p_value : float, optional
+            The adjusted probability.
 
         Returns
         -------
         ValidityCheck
-            With another verdict, and a note where nothing was tested.
+            With another verdict, and a note where there is none.
         """
         if math.isnan(self.p_value):
             return self
+        p_value = self.p_value if p_value is None else p_value
         size = math.expm1(abs(math.log1p(self.relative_difference)))
-        verdict = verdict_of(min(1.0, count * self.p_value), size, self.relative_std)
-        hidden = f"uncertain by {100 * self.relative_std:.0f} %, which would hide a difference of 20 %"
-        if verdict == NOT_TESTED and hidden not in self.note:
-            return replace(self, verdict=verdict, note="; ".join(filter(None, (self.note, hidden))))
+        verdict = verdict_of(p_value, size, self.relative_std)
+        if verdict != NOT_TESTED:
+            return replace(self, verdict=verdict)
+        why = f"uncertain by {100 * self.relative_std:.0f} %, which would hide a difference of 20 %"
+        if self.p_value < STRAINED_BELOW_P:
+            why = f"p = {p_value:.2g} among all comparisons: it may be chance"
+        if why not in self.note:
+            return replace(self, verdict=verdict, note="; ".join(filter(None, (self.note, why))))
         return replace(self, verdict=verdict)
+
+
+def judge_together(checks: Sequence[ValidityCheck], same: Collection[str] = ()) -> tuple[ValidityCheck, ...]:
+    """Judge several checks so that the chance of any false alarm among them is that of one (Holm).
+
+    The smallest of n probabilities counts n times, the next n − 1 times, and so on, each at least as much as
+    the one before. A difference that is certain thus takes nothing from the others.
+
+    Parameters
+    ----------
+    checks : sequence of ValidityCheck
+        Those without a probability stay as they are.
+    same : collection of str, optional
+        Names of checks that are one comparison.
+
+    Returns
+    -------
+    tuple of ValidityCheck
+
+    Examples
+    --------
+    >>> known = compare_ratio("a", "a", ["a"], (10.0, 0.25), (10.9, 0.25))  # p = 0.012
+    >>> certain = [compare_ratio(name, name, ["a"], (10.0, 0.1), (20.0, 0.2)) for name in "bcdef"]
+    >>> sound = [compare_ratio(name, name, ["a"], (10.0, 0.1), (10.0, 0.1)) for name in "bcdef"]
+    >>> judge_together([known, *certain])[0].verdict, judge_together([known, *sound])[0].verdict
+    ('strained', 'holds')
+    """
+    comparisons = [-1 if one.name in same else number for number, one in enumerate(checks)]
+    least: dict[int, float] = {}
+    for comparison, one in zip(comparisons, checks, strict=True):
+        if not math.isnan(one.p_value):
+            least[comparison] = min(least.get(comparison, 1.0), one.p_value)
+    adjusted, largest = {}, 0.0
+    for place, (comparison, p_value) in enumerate(sorted(least.items(), key=lambda item: item[1])):
+        largest = adjusted[comparison] = min(1.0, max(largest, (len(least) - place) * p_value))
+    return tuple(
+        one.judged(max(one.p_value, adjusted.get(comparison, 1.0)))
+        for comparison, one in zip(comparisons, checks, strict=True)
+    )
 
 
 def verdict_of(p_value: float, relative_difference: float, relative_std: float = 0.0) -> str:
@@ -253,7 +300,7 @@ def compare_ratio(
         deviations=deviations,
         p_value=p_value_of(deviations),
         note=note,
-    ).among(1)
+    ).judged()
 
 
 def compare_difference(
@@ -264,6 +311,7 @@ def compare_difference(
     reference: tuple[float, float],
     *,
     effect: float,
+    effect_on: str = "",
     degrees_of_freedom: float = math.inf,
     note: str = "",
 ) -> ValidityCheck:
@@ -277,6 +325,8 @@ def compare_difference(
         Value and standard uncertainty of each, independent.
     effect : float
         By how much a unit of the difference changes the logarithm of the results that it concerns.
+    effect_on : str, optional
+        The result that it is the effect on, in words.
     degrees_of_freedom : float
         Of the uncertainty.
 
@@ -306,11 +356,12 @@ def compare_difference(
         reference=reference[0],
         reference_std=reference[1],
         relative_difference=math.expm1(effect * difference),
+        difference_of=effect_on,
         relative_std=abs(effect) * spread,
         deviations=deviations,
         p_value=p_value_of(deviations, degrees_of_freedom),
         note=note,
-    ).among(1)
+    ).judged()
 
 
 def known_error(

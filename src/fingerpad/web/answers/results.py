@@ -71,6 +71,7 @@ class ModelCheck(Answer):
     compared: str
     verdict: str
     relative_difference: float | None
+    difference_of: str | None
     p_value: float | None
     note: str | None
 

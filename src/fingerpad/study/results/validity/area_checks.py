@@ -14,6 +14,7 @@ from fingerpad.study.results.validity.place import (
     HERTZ_EXPONENT,
     INDENTATION,
     MODULUS,
+    NOTHING_COUNTS,
     SAME_LOAD,
     Place,
     missing,
@@ -34,6 +35,7 @@ _WORDS: Final = {
 }
 _CONCERNS: Final = (MODULUS, INDENTATION)
 _OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
+_EFFECT_ON: Final = "E"
 _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
 
 
@@ -54,9 +56,8 @@ def area_checks(place: Place) -> Iterator[ValidityCheck]:
     """Yield the checks of areas over loads."""
     seen = _areas_of(place)
     if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
-        yield from (
-            missing(name, words, _CONCERNS, "contacts at one load only") for name, words in _WORDS.items()
-        )
+        why = "all contacts that count are at one load" if seen.load.size else NOTHING_COUNTS
+        yield from (missing(name, words, _CONCERNS, why) for name, words in _WORDS.items())
         return
     yield _growth(seen)
     yield _largest_fall(seen)
@@ -92,8 +93,9 @@ def _growth(seen: _Areas) -> ValidityCheck:
         (value, std),
         (HERTZ_EXPONENT, 0.0),
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
+        effect_on=_EFFECT_ON,
         degrees_of_freedom=freedom if scatters else math.inf,
-        note=f"E over {_range(seen.load[0], seen.load[-1])}; ± from the "
+        note=f"over {_range(seen.load[0], seen.load[-1])}; ± from the "
         + ("scatter about the line" if scatters else "stated uncertainties of areas and loads")
         + (" and the contact edge" if np.any(seen.edges) else ""),
     )
@@ -144,11 +146,12 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
         reference=1.0,
         reference_std=0.0,
         relative_difference=math.expm1(change),
+        difference_of=_EFFECT_ON,
         relative_std=-_OF_MODULUS * float(std[worst]),
         deviations=deviations,
         p_value=min(1.0, p_value_of(deviations) / 2 * grown.size),  # of one side
         note=f"from {_range(*ends)}",
-    ).among(1)
+    ).judged()
 
 
 def _range(low: float, high: float) -> str:

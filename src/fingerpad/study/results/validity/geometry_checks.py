@@ -145,5 +145,11 @@ def _errors(
             row[name] * _SIZES[last] ** power,
             factor / float(exact[last]) if name == MODULUS else float(exact[last]),
             unit=UNITS[name],
-            note=f"{size}; at least this: {LAYER_FLAGS[flag]}" if flag else size,
+            note=f"{size}: {LAYER_FLAGS[flag]}; {_at_end(row, _SIZES[last])}" if flag else size,
         )
+
+
+def _at_end(row: dict[str, float], area_share: float) -> str:
+    """Return of which contact the values are where the contact's own is out of the range of the laws."""
+    ratio = row["contact_radius_ratio"] * math.sqrt(area_share)
+    return f"both are of the largest in range, a/R = {ratio:.2f}, under this load, so at least this"

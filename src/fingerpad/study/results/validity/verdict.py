@@ -18,7 +18,13 @@ from fingerpad.study.results.validity.geometry_checks import contact_shape_check
 from fingerpad.study.results.validity.layer_checks import layer_checks
 from fingerpad.study.results.validity.loading_checks import loading_checks
 from fingerpad.study.results.validity.place import HEADLINES, MODULUS, RADIUS, ROUTES, Place
-from fingerpad.uncertainty import ModelDiscrepancy, ValidityCheck, model_discrepancy, overall_verdict
+from fingerpad.uncertainty import (
+    ModelDiscrepancy,
+    ValidityCheck,
+    judge_together,
+    model_discrepancy,
+    overall_verdict,
+)
 
 _NOT_ESTIMATED = "not estimated: there are no loading data"
 Discrepancies = Mapping[str, ModelDiscrepancy | None]
@@ -131,6 +137,7 @@ def _check_record(one: ValidityCheck) -> dict[str, Any]:
         "reference_std": one.reference_std,
         "difference": one.difference,
         "relative_difference": one.relative_difference,
+        "difference_of": one.difference_of or None,
         "deviations": one.deviations,
         "p_value": one.p_value,
         "note": one.note or None,
@@ -184,7 +191,7 @@ def validity_of(
     return [
         replace(
             _validity(place, found, routes[place.summary.synthetic]),
-            layer_checks=_among_all(tuple(layer_checks(place, curves))),
+            layer_checks=judge_together(tuple(layer_checks(place, curves))),
         )
         for place, found in zip(places, checks, strict=True)
     ]
@@ -194,13 +201,7 @@ def _checks(place: Place) -> tuple[ValidityCheck, ...]:
     """Return all checks of Hertz theory at a place."""
     found = (*loading_checks(place), contact_shape_check(place), *area_checks(place), *size_checks(place))
     # R_g alone makes one comparison of three.
-    return _among_all(found, same=0 if place.fits else len(ROUTES) - 1)
-
-
-def _among_all(checks: tuple[ValidityCheck, ...], same: int = 0) -> tuple[ValidityCheck, ...]:
-    """Return each check as one of so many, since any may raise a false alarm."""
-    count = sum(not math.isnan(one.p_value) for one in checks) - same
-    return tuple(one.among(max(count, 1)) for one in checks)
+    return judge_together(found, same=() if place.fits else tuple(ROUTES.values()))
 
 
 def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:

@@ -8,9 +8,9 @@ const SYMBOL = { holds: "●", strained: "◐", fails: "○" };
 const KIND = { holds: "good", strained: "warn", fails: "bad" };
 
 /** @param {Answers["ModelCheck"]} check */
-function words({ compared, verdict, relative_difference: difference, p_value: p, note }) {
+function words({ compared, verdict, relative_difference: difference, difference_of: of, p_value: p, note }) {
   const numbers = [
-    difference !== null && `${difference < 0 ? "−" : "+"}${(100 * Math.abs(difference)).toFixed(1)} %`,
+    difference !== null && `${of ? `${of} ` : ""}${difference < 0 ? "−" : "+"}${(100 * Math.abs(difference)).toFixed(1)} %`,
     p !== null && probability(p),
     note,
   ].filter(Boolean);
