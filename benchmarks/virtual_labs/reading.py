@@ -129,9 +129,13 @@ class _Reader:
             stated = {key: headline["value"], f"{key}_std": headline["value_std"]}
             stated[f"{key}_total_std"] = headline["total_std"]
             self.add(where, quantity, stated, key, true, flags=[headline["verdict"]])
-        layer, checked = record.get("on_layer") or {}, (validity.get("on_layer") or {}).get("headlines") or {}
-        flags = [*(layer.get("flags") or []), layer.get("flag"), *(h["verdict"] for h in checked.values())]
-        self.add(where, "E on stated layer, pooled", layer, "youngs_modulus_kpa", modulus, flags=flags)
+        layer = (record.get("on_layer") or {}).get("pooled") or {}
+        flags = [(validity.get("on_layer") or {}).get("verdict")]
+        for key, quantity, true in (
+            ("youngs_modulus_on_layer_kpa", "E on stated layer, pooled", modulus),
+            ("loading_radius_on_layer_mm", "A/(πξ) on it, pooled", truth.loading_radius[wedge]),
+        ):
+            self.add(where, quantity, layer, key, true, flags=flags)
 
     def load(self, row: dict[str, str]) -> None:
         """Compare a row of by_load.csv."""
@@ -162,8 +166,8 @@ class _Reader:
             ("radius_mm", "layer fit: radius", truth.mean_radius[wedge]),
         ):
             self.add(where, quantity, layer, key, true, flags=layer.get("flags") or [])
-        flags = [*flags, *(on_layer.get("flags") or []), on_layer.get("flag")]
-        key = next((k for k in on_layer if k.endswith("youngs_modulus_on_layer_kpa")), "youngs_modulus_kpa")
+        flags = [*flags, on_layer.get("layer_flag")]
+        key = "youngs_modulus_from_indentation_on_layer_kpa"
         self.add(where, "E from curve's ξ on layer", on_layer, key, modulus, flags=flags)
 
 
