@@ -140,9 +140,9 @@ class _Reader:
     def load(self, row: dict[str, str]) -> None:
         """Compare a row of by_load.csv."""
         where, true = f"@{round(float(row['wedge_angle_deg']))} {row['load_N']} N", self.truth.youngs_modulus
-        words = [row.get(k) for k in ("model_verdict", "verdict", "flags", "range_notes")]
+        words = [row.get(k) for k in ("youngs_modulus_kpa_verdict", "flags", "range_notes")]
         self.add(where, "E in by_load.csv", row, "youngs_modulus_kpa", true, flags=words)
-        flags = [row.get("layer_flag")]
+        flags = [row.get("youngs_modulus_on_layer_kpa_verdict"), row.get("layer_flag")]
         self.add(where, "E on layer in by_load.csv", row, "youngs_modulus_on_layer_kpa", true, flags=flags)
 
     def curve(self, curve: dict[str, Any]) -> None:
