@@ -70,6 +70,15 @@ def fit(
     pad_radius_mm_std: Annotated[
         float, typer.Option(min=0, help="Standard uncertainty of the pad's radius 1/H, mm.")
     ] = 0.0,
+    poisson_ratio_std: Annotated[
+        float, typer.Option(min=0, max=0.5, help="Standard uncertainty of Poisson's ratio, for the layer.")
+    ] = 0.0,
+    load_relative_std: Annotated[
+        float, typer.Option(min=0, max=1, help="Of the force's scale, relative, for the layer.")
+    ] = 0.0,
+    area_relative_std: Annotated[
+        float, typer.Option(min=0, max=1, help="Of the areas' scale, relative, for the layer.")
+    ] = 0.02,
     constraint: Annotated[
         float | None,
         typer.Option(
@@ -110,6 +119,8 @@ def fit(
     if constraint is not None:
         found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
     layer = None
+    if semi_axes_mm is not None and thickness_mm is not None:
+        raise LoadingError("--semi-axes-mm fits the thickness that --thickness-mm states; give one of them")
     if semi_axes_mm is not None:
         pad = checked_pad(semi_axes_mm)
         layer = fit_layer_thickness(
@@ -117,6 +128,9 @@ def fit(
             gap=PadGap.of(pad, wedge_angle=math.radians(wedge_deg)),
             radius_std=pad_radius_mm_std,
             poisson_ratio=poisson_ratio,
+            poisson_ratio_std=poisson_ratio_std,
+            load_relative_std=load_relative_std,
+            area_relative_std=area_relative_std,
             cycle=cycle,
             stage_compliance=compliance,
             area_delay=delay,
@@ -131,7 +145,7 @@ def fit(
     else:
         _print_table(found.as_record())
         if layer is not None:
-            typer.echo(f"layer: {'; '.join([layer.conclusion, *layer.notes.values()])}")
+            typer.echo(f"layer: {'; '.join([layer.conclusion, layer.advice, *layer.notes.values()])}")
     print_folder("Figures", plot, as_json)
 
 

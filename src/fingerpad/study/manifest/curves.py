@@ -5,12 +5,12 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from fingerpad.study.manifest.tables import Length, LengthStd, Load, ManifestModel, WedgeAngle
+from fingerpad.study.manifest.tables import Length, LengthStd, Load, ManifestModel, RelativeStd, WedgeAngle
 
 _KNOWN = ("stage_compliance_mm_per_N", "area_delay_s", "thickness_mm")
 _FILE_KEYS = frozenset(
     (
-        *("file_columns", "contact_point", "cycle", "fit_load_range_N"),
+        *("file_columns", "contact_point", "cycle", "fit_load_range_N", "area_relative_std"),
         *_KNOWN,
         *(f"{key}_std" for key in _KNOWN),
     )
@@ -42,6 +42,8 @@ class Curve(ManifestModel):
     """By how much areas are late, s."""
     area_delay_s_std: Annotated[float, Field(gt=0, le=60)] | None = None
     """Its standard uncertainty, s."""
+    area_relative_std: RelativeStd | None = None
+    """Relative standard uncertainty of the areas' scale, common to all of the curve; 0.02 if not stated."""
     thickness_mm: Annotated[float, Field(ge=0.001, allow_inf_nan=True)] | None = None
     """Thickness of the layer that is pressed, mm; `inf` for a half-space."""
     thickness_mm_std: LengthStd | None = None

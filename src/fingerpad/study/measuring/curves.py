@@ -14,6 +14,9 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact import EllipsoidContact, PadGap, reduced_modulus
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.geometry.ellipsoid import principal_radii_kernel
+from fingerpad.geometry.placement import platen_normal_kernel
+from fingerpad.image import SEMI_AXES
 from fingerpad.loading import (
     Cycle,
     Estimate,
@@ -34,10 +37,11 @@ from fingerpad.loading import (
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.error_text import in_study
-from fingerpad.study.manifest import Curve, Study
+from fingerpad.study.manifest import Curve, Study, Uncertainty
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.fingers import FingerResult, photograph_item
 from fingerpad.study.measuring.records import from_plain, to_plain
+from fingerpad.uncertainty import Inputs, propagate
 
 # A curve can be damaged in unforeseen ways, which cost it alone.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, OSError, ValueError)
@@ -86,7 +90,8 @@ class CurveResult:
     shape : Shape or None
         What the true ellipsoid makes of moduli from area and from indentation, where it can be computed.
     layer : LayerThicknessFit or None
-        Thickness of the tissue over bone that explains the curve, where it has areas and the pad semi-axes.
+        Thickness of the tissue over bone that explains the curve, where it has areas, the pad semi-axes, and
+        none is stated.
     reason : str or None
         Why there is no R_g, or why there is nothing but it.
     """
@@ -154,10 +159,10 @@ def curve_key(curve: Curve, context: RunContext) -> str:
         for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
     ]
     axes = pad.model_dump(mode="json", include={"semi_axes_mm", "semi_axes_mm_std"})
-    angle_stds = context.study.uncertainty.wedge_angle_deg_std, context.study.uncertainty.roll_angle_deg_std
+    stds = context.study.uncertainty.model_dump(mode="json", exclude={"method"})
     return cache_key(
         context.key(curve, curve.wedge_angle_deg, context.study.poisson_ratio),
-        angle_stds,
+        stds,
         axes,
         faces,
         versions_of("loading"),
@@ -166,7 +171,9 @@ def curve_key(curve: Curve, context: RunContext) -> str:
 
 def curve_tasks(finger: FingerResult, context: RunContext) -> Iterator[Task]:
     """Yield a task for each loading curve of a finger whose photographs are measured."""
-    pad = None if finger.reason is not None else Ellipsoid(*finger.semi_axes)
+    known = finger.reason is None
+    pad = Ellipsoid(*finger.semi_axes) if known else None
+    given = context.study.uncertainty
     for item, curve in curve_items(context.study):
         if curve.finger == finger.name:
             yield Task(
@@ -179,35 +186,76 @@ def curve_tasks(finger: FingerResult, context: RunContext) -> Iterator[Task]:
                     curve,
                     pad,
                     context.study.poisson_ratio,
-                    None if pad is None else _radius_stds(finger, curve, context.study),
+                    placed_pad(finger, curve.wedge_angle_deg, given) if known else None,
+                    given,
                 ),
                 inputs=context.inputs_of(curve),
             )
 
 
-def _radius_stds(finger: FingerResult, curve: Curve, study: Study) -> tuple[float, float]:
-    """Return standard uncertainties of 1/H and of R1/R2 where the pad is pressed, to first order."""
-    given = study.uncertainty
-    place = np.array([*finger.semi_axes, math.radians(curve.wedge_angle_deg), 0.0])
-    covariance = np.diag(np.radians([0, 0, 0, given.wedge_angle_deg_std, given.roll_angle_deg_std]) ** 2)
-    covariance[:3, :3] = finger.covariance
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlacedPad:
+    """The pad where a curve presses it: its gap, and standard uncertainties of 1/H (mm) and of R1/R2."""
 
-    def radii(at: FloatArray) -> FloatArray:
-        gap = PadGap.of(Ellipsoid(*at[:3]), wedge_angle=min(at[3], math.pi / 2), roll_angle=at[4])
-        first, second = gap.first_radius, gap.second_radius
-        return np.array([2 / (1 / first + 1 / second), first / second])
+    gap: PadGap
+    radius_std: float
+    radius_ratio_std: float
 
-    steps = np.diag(1e-4 * np.array([*finger.semi_axes, 1.0, 1.0]))
-    slope = np.array([(radii(place + step) - radii(place - step)) / (2 * step.max()) for step in steps])
-    radius_std, ratio_std = np.sqrt(np.diagonal(slope.T @ covariance @ slope)).tolist()
-    return radius_std, ratio_std
+
+def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) -> PlacedPad:
+    """Return the pad on its wedge, its radius as uncertain as R_0g of the study's contacts.
+
+    Parameters
+    ----------
+    finger : FingerResult
+        With semi-axes.
+    wedge_angle_deg : float
+        Of the wedge.
+    stds : Uncertainty
+        What the manifest states of angles.
+    """
+    along, along_std, across_std = finger.shape_deviation(wedge_angle_deg, 0.0)
+    wedge_angle = math.radians(wedge_angle_deg)
+    axes: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
+    inputs = Inputs.of(
+        **axes,
+        wedge_angle=(wedge_angle, math.radians(stds.wedge_angle_deg_std)),
+        roll_angle=(0.0, math.radians(stds.roll_angle_deg_std)),
+        in_plane_deviation=(along, along_std),
+        transverse_deviation=(0.0, across_std),
+    )
+    known = propagate(_radii, inputs.with_covariance(SEMI_AXES, finger.covariance))
+    # Of a pad that is larger as a whole both radii are larger by as much.
+    pad = Ellipsoid(*(finger.semi_axes * math.exp(along / 2)))
+    return PlacedPad(
+        gap=PadGap.of(pad, wedge_angle=wedge_angle),
+        radius_std=float(known["radius"].std),
+        radius_ratio_std=float(known["ratio"].std),
+    )
+
+
+def _radii(
+    *,
+    wedge_angle: FloatArray,
+    roll_angle: FloatArray,
+    in_plane_deviation: FloatArray,
+    transverse_deviation: FloatArray,
+    **semi_axes: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return 1/H and R1/R2 of a pad where it touches a plate."""
+    normal = platen_normal_kernel(wedge_angle, roll_angle)
+    radii = principal_radii_kernel(**semi_axes, normal=normal)
+    along = radii[..., 0] * np.exp(in_plane_deviation)
+    across = radii[..., 1] * np.exp(transverse_deviation)
+    return {"radius": 2 / (1 / along + 1 / across), "ratio": along / across}
 
 
 def _record(
     curve: Curve,
     pad: Ellipsoid | None,
     poisson_ratio: float,
-    radius_stds: tuple[float, float] | None,
+    placed: PlacedPad | None,
+    given: Uncertainty,
     folder: Path,
     _out: Path,
 ) -> Record:
@@ -215,10 +263,10 @@ def _record(
     if (
         found.curve is not None
         and found.curve.area is not None
-        and pad is not None
-        and radius_stds is not None
+        and placed is not None
+        and curve.thickness_mm is None
     ):
-        found = replace(found, layer=_layer(found.curve, curve, pad, poisson_ratio, radius_stds))
+        found = replace(found, layer=_layer(found.curve, curve, placed, poisson_ratio, given))
     values = {name: to_plain(getattr(found, name)) for name in _FOUND}
     return {"curve": values, "reason": found.reason if found.failed else None}
 
@@ -290,16 +338,20 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
 
 
 def _layer(
-    data: LoadingCurve, curve: Curve, pad: Ellipsoid, poisson_ratio: float, radius_stds: tuple[float, float]
+    data: LoadingCurve, curve: Curve, placed: PlacedPad, poisson_ratio: float, given: Uncertainty
 ) -> LayerThicknessFit:
     """Return the thickness of the tissue that explains a curve, or why none is known."""
+    area = curve.area_relative_std
     try:
         return fit_layer_thickness(
             data,
-            gap=PadGap.of(pad, wedge_angle=math.radians(curve.wedge_angle_deg)),
-            radius_std=radius_stds[0],
-            radius_ratio_std=radius_stds[1],
+            gap=placed.gap,
+            radius_std=placed.radius_std,
+            radius_ratio_std=placed.radius_ratio_std,
             poisson_ratio=poisson_ratio,
+            poisson_ratio_std=given.poisson_ratio_std,
+            load_relative_std=given.load_relative_std,
+            **({} if area is None else {"area_relative_std": area}),
             cycle=curve.cycle,
             **_instrument(curve),
         )
