@@ -17,13 +17,13 @@ _MIN_POINTS: Final = 12
 _ROUNDS: Final = 8
 # Shares of half of the width at which the height of the tip is read where the shaft hides the widest place.
 _WIDTHS: Final = (0.95, 0.97, 0.98)
-# A shaft wider than the pad by a share between these hides which place is the widest.
-_WIDER_SHAFT: Final = (0.005, 0.04)
 # What lengths are off relatively on an ellipse, across and along, in a side face and in others; and what the
 # finger's axis is off in a side face beyond the ellipse's own: benchmarks/finger_shapes.py and fingertips.py.
 _SIDE_STD: Final = (0.015, 0.02)
 _FRONT_STD: Final = (0.015, 0.03)
 _AXIS_STD: Final = math.radians(1.0)
+# A height read where the outline has nearly half of its width is off by so many times what that width is off.
+_HEIGHT_BY_WIDTH: Final = 5.0
 # The share of the difference that is added to the uncertainty. Turns by so many standard uncertainties of the
 # finger's axis are common.
 _ADDED: Final = 0.6
@@ -32,7 +32,7 @@ _OF_TILT_STD: Final = 0.5
 _NO_ELLIPSE: Final = 0.04
 
 
-def with_reach(found: PhotographFit, tilt: tuple[float, float]) -> PhotographFit:
+def with_lengths(found: PhotographFit, tilt: tuple[float, float]) -> PhotographFit:
     """Return a measured face whose uncertainty allows for the lengths that its outline has.
 
     The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse goes on, or less
@@ -50,6 +50,7 @@ def with_reach(found: PhotographFit, tilt: tuple[float, float]) -> PhotographFit
     Returns
     -------
     PhotographFit
+        With the term ``lengths`` in its covariance.
     """
     points = (found.outline - found.centre) @ found.directions.T * found.scale.mm_per_px
     if len(points) < _MIN_POINTS:
@@ -60,21 +61,51 @@ def with_reach(found: PhotographFit, tilt: tuple[float, float]) -> PhotographFit
         axis = math.hypot(found.tilt_std, _AXIS_STD)
         stds = np.hypot(_SIDE_STD, np.array([across / along, along / across]) * axis)
     else:
-        lengths, stds = _front_lengths(points, across, along), np.array(_FRONT_STD)
-    if found.face == "palmar" and _WIDER_SHAFT[0] < lengths[0] / across - 1 < _WIDER_SHAFT[1]:
-        lengths = np.full(2, math.nan)
+        lengths, hidden = _front_lengths(points, across, along, shaft=found.face == "palmar")
+        stds = np.hypot(_FRONT_STD, np.array([1, _HEIGHT_BY_WIDTH]) * hidden / across)
     off = np.nan_to_num(lengths / found.semi_axes - 1)
     beyond = np.sign(off) * np.sqrt(np.maximum(off**2 - stds**2, 0))
     turn = found.tilt - tilt[0] if found.face != "distal" else 0.0
     turn = math.sqrt(max(turn**2 - (_OF_TILT_STD * tilt[1]) ** 2, 0.0))
     added, turned = _ADDED * beyond * found.semi_axes, _ADDED * turn * found.semi_axes
-    no_ellipse = {"not_an_ellipse"} if max(turn, *np.abs(beyond)) > _NO_ELLIPSE else set()
+    term = np.outer(added, added) + np.outer(turned, turned)
     return replace(
         found,
         tilt_std=math.hypot(found.tilt_std, _ADDED * turn),
-        edge_covariance=found.edge_covariance + np.outer(added, added) + np.outer(turned, turned),
-        flags=found.flags | no_ellipse,
+        covariance_terms={**found.covariance_terms, "lengths": term},
     )
+
+
+def lengths_contradict(found: PhotographFit) -> bool:
+    """Return whether the outline's lengths or the finger's axis show that the outline is no ellipse."""
+    term = found.covariance_terms.get("lengths")
+    if term is None:
+        return False
+    return float((np.sqrt(np.diagonal(term)) / found.semi_axes).max()) > _ADDED * _NO_ELLIPSE
+
+
+def half_widths(points: FloatArray) -> tuple[float, float]:
+    """Return half of an outline's width at the level of an ellipse's centre, and of the greatest.
+
+    The shaft of a finger can be wider than its pad: the second is then not the pad's.
+
+    Parameters
+    ----------
+    points : ndarray, (n, 2)
+        Points (x, y) of the outline about the ellipse's centre, in order, along the finger's axis.
+    """
+    right, left = _sides_at_centre(points)
+    return abs(right - left) / 2, float(np.ptp(points[:, 0])) / 2
+
+
+def _sides_at_centre(points: FloatArray) -> tuple[float, float]:
+    """Return x of both sides at the level of the centre, or as near to it as they are seen."""
+    top = int(points[:, 1].argmax())
+    first, second = (
+        float(np.interp(0.0, -np.minimum.accumulate(points[side, 1]), points[side, 0]))
+        for side in (slice(top, None), slice(top, None, -1))
+    )
+    return first, second
 
 
 def _side_lengths(points: FloatArray, across: float, along: float) -> FloatArray:
@@ -84,22 +115,27 @@ def _side_lengths(points: FloatArray, across: float, along: float) -> FloatArray
     return np.array([side_x - tip_x, tip_y - side_y])
 
 
-def _front_lengths(points: FloatArray, across: float, along: float) -> FloatArray:
-    """Return half of the width, and the height of the tip above the widest place.
+def _front_lengths(
+    points: FloatArray, across: float, along: float, *, shaft: bool
+) -> tuple[FloatArray, float]:
+    """Return half of the width and the height of the tip above the widest place, and what hides of the width.
 
-    The shaft hides that place: its height is that of an ellipse through the places of nearly that width.
+    The shaft hides that place: its height is that of an ellipse through the places of nearly that width. How
+    much wider the shaft is than the outline at the ellipse's centre, nothing tells whether it is pad.
     """
     tip_y = _turning_point(points, across**2 / along)[1]
-    half_width = float(np.ptp(points[:, 0])) / 2
-    x = points[:, 0] - (points[:, 0].max() + points[:, 0].min()) / 2
+    at_centre, greatest = half_widths(points)
+    half_width = at_centre if shaft else greatest
+    ends = _sides_at_centre(points) if shaft else (points[:, 0].max(), points[:, 0].min())
+    x = points[:, 0] - sum(ends) / 2
     top = int(points[:, 1].argmax())
     heights = []
     for side in (slice(top, None), slice(top, None, -1)):
-        out, y = np.abs(x[side]), points[side, 1]
+        out, y = np.maximum.accumulate(np.abs(x[side])), points[side, 1]
         for share in _WIDTHS:
-            first = int(np.argmax(out >= share * half_width))
-            heights.append((tip_y - y[first]) / (1 - math.sqrt(1 - share**2)))
-    return np.array([half_width, np.mean(heights)])
+            at = float(np.interp(share * half_width, out, y))
+            heights.append((tip_y - at) / (1 - math.sqrt(1 - share**2)))
+    return np.array([half_width, np.mean(heights)]), greatest - half_width
 
 
 def _turning_point(points: FloatArray, radius: float) -> tuple[float, float]:
