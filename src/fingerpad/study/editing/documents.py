@@ -44,10 +44,7 @@ class StudyFiles:
         """
         self.folder = folder
         self.before = load_study(folder / STUDY_NAME)
-        try:
-            self.manifest: Any = tomlkit.parse(read_text_or_none(folder / STUDY_NAME) or "")
-        except TOMLKitError as error:
-            raise ManifestError(f"{STUDY_NAME}: not valid TOML: {error}") from error
+        self.manifest = _document(read_text_or_none(folder / STUDY_NAME) or "")
         self.sheet: Sheet | None = None
         name = self.before.study.observations_csv
         if name is not None:
@@ -66,7 +63,8 @@ class StudyFiles:
         ManifestError
             If what was complete is wrong now; nothing is written then.
         """
-        changed = {name: text for name, text in self._written().items() if text != self._texts[name]}
+        written = self._written()
+        changed = {name: text for name, text in written.items() if text != self._texts[name]}
         if not changed:
             return self.before
 
@@ -76,7 +74,24 @@ class StudyFiles:
         after = checked_study(self.folder / STUDY_NAME, read(STUDY_NAME), read)
         _require_as_complete(self.before, after)
         replace_files(self.folder, changed)
+        _WRITTEN.clear()
+        _WRITTEN[written[STUDY_NAME]] = self.manifest
         return after
+
+
+# The document that was written last, by its text: edits follow one another, and parsing is most of what each costs.
+_WRITTEN: Final[dict[str, Any]] = {}
+
+
+def _document(text: str) -> Any:
+    """Return the document of a text, which no one else has."""
+    written = _WRITTEN.pop(text, None)
+    if written is not None:
+        return written
+    try:
+        return tomlkit.parse(text)
+    except TOMLKitError as error:
+        raise ManifestError(f"{STUDY_NAME}: not valid TOML: {error}") from error
 
 
 def _require_as_complete(before: LoadedStudy, after: LoadedStudy) -> None:

@@ -127,6 +127,22 @@ def load_study(
     return checked_study(path, content, read)
 
 
+def study_digest(folder: Path, sheet: str | None) -> str:
+    """Return the digest that `LoadedStudy` has of the manifest and spreadsheet in a folder as they are now.
+
+    Raises
+    ------
+    OSError
+        If one cannot be read.
+    """
+    content = (folder / STUDY_NAME).read_bytes()
+    return _digest(content, b"" if sheet is None else (folder / sheet).read_bytes())
+
+
+def _digest(content: bytes, rows: bytes) -> str:
+    return hashlib.sha256(hashlib.sha256(content).digest() + rows).hexdigest()
+
+
 def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None) -> Study:
     """Load a study that can be run.
 
@@ -188,7 +204,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
         issues.append(f"{path.name}: fingers: no finger yet: add one")
     return LoadedStudy(
         folder=path.parent,
-        digest=hashlib.sha256(hashlib.sha256(content).digest() + rows).hexdigest(),
+        digest=_digest(content, rows),
         study=_study(top, found),
         tables=found,
         issues=tuple(issues),
