@@ -1,10 +1,13 @@
 """Reading loading curves, and what is said of files that cannot be read."""
 
+import pickle
 from pathlib import Path
 
 import pytest
 from numpy.testing import assert_allclose
 
+from fingerpad._columns import ColumnsError
+from fingerpad._loading_curve import unread_curve_columns
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading import LoadingCurve, read_loading_curve
 
@@ -21,6 +24,78 @@ def test_units_from_header(tmp_path: Path) -> None:
     assert_allclose(curve.load, [0.1, 2.0])
     assert_allclose(curve.indentation, [0.02, 1.5])
     assert_allclose(curve.area, [50.0, 100.0])
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Time (s),Force (mN),Disp [um],Area (mm^2)",
+        "Time / ms,Load / mN,Displacement / μm,Contact area / mm²",
+        "t_s,load_mN,indentation_um,contact_area_mm2",
+        "Time (sec),Normal force (mN),Displ (µm),area mm2",
+    ],
+)
+def test_headers_as_instruments_write_them(tmp_path: Path, header: str) -> None:
+    factor = 1000 if "ms" in header else 1
+    curve = read_loading_curve(write(tmp_path, f"{header}\n0,100,20,5\n{factor},2000,1500,60\n"))
+    assert_allclose(curve.load, [0.1, 2.0])
+    assert_allclose(curve.indentation, [0.02, 1.5])
+    assert curve.area is not None and curve.time is not None
+    assert_allclose(curve.area, [5.0, 60.0])
+    assert_allclose(curve.time, [0.0, 1.0])
+
+
+def test_the_own_name_of_a_quantity_comes_first(tmp_path: Path) -> None:
+    curve = read_loading_curve(
+        write(tmp_path, "load cell,load_N,force_N,disp_V,displacement_mm\n7,8,1,9,2\n")
+    )
+    assert (curve.load[0], curve.indentation[0]) == (1, 2)
+    with pytest.raises(LoadingError, match=r"two columns of force, force_N and Force \(mN\): say which"):
+        read_loading_curve(write(tmp_path, "force_N,Force (mN),displacement_mm\n1,2,3\n"))
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_decimal_commas_between_semicolons_or_tabs(tmp_path: Path, mark: str) -> None:
+    rows = ("time_s,force_N,displacement_mm".split(","), ("0", "0,25", "1,5"), ("1", "1,75", "2"))
+    curve = read_loading_curve(write(tmp_path, "\n".join(map(mark.join, rows))))
+    assert_allclose([curve.load, curve.indentation], [[0.25, 1.75], [1.5, 2]])
+    mixed = write(tmp_path, "force_N;displacement_mm\n1.5;1\n1,234;2\n")
+    with pytest.raises(LoadingError, match="line 3, column 'force_N': '1,234' is not a finite number"):
+        read_loading_curve(mixed)
+
+
+@pytest.mark.parametrize(
+    ("header", "proposed"),
+    [
+        ("Fz (mN),Weg (um)", {"force": "Fz (mN):mN", "displacement": "Weg (um):um"}),
+        ("force,displacement_mm", {"force": "force:UNIT"}),
+        ("a,b", {"force": "HEADER:UNIT", "displacement": "HEADER:UNIT"}),
+        ("x_N,y_N,displacement_mm", {"force": "HEADER:UNIT"}),
+    ],
+)
+def test_a_refusal_proposes_columns(tmp_path: Path, header: str, proposed: dict[str, str]) -> None:
+    path = write(tmp_path, f"{header}\n{','.join('1' * (header.count(',') + 1))}\n")
+    with pytest.raises(ColumnsError) as caught:
+        read_loading_curve(path)
+    assert caught.value.proposed == proposed
+    assert pickle.loads(pickle.dumps(caught.value)).proposed == proposed
+    if all(not column.endswith("UNIT") for column in proposed.values()):
+        assert read_loading_curve(path, proposed).load[0] == 1e-3
+
+
+@pytest.mark.parametrize(
+    ("header", "unread"),
+    [
+        ("force_N,displacement_mm,aera_mm2", {"area": "aera_mm2:mm2"}),
+        ("force_N,displacement_mm,Contact (cm2)", {"area": "Contact (cm2):cm2"}),
+        ("force_N,displacement_mm,area", {"area": "area:UNIT"}),
+        ("force_N,displacement_mm,temperature_C", {}),
+        ("force_N,displacement_mm,area_mm2,aera_mm2", {}),
+    ],
+)
+def test_columns_that_look_like_what_is_missing(tmp_path: Path, header: str, unread: dict[str, str]) -> None:
+    path = write(tmp_path, f"{header}\n{','.join('1' * (header.count(',') + 1))}\n")
+    assert unread_curve_columns(path) == unread
 
 
 def test_area_optional(tmp_path: Path) -> None:

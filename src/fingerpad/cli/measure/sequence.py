@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fingerpad._columns import columns_named_by
 from fingerpad._files import make_folder
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli.measure.flags import (
@@ -70,7 +71,8 @@ def measure_frames(
         raise CalibrationError(f"a sequence needs a scale: give {WAYS}")
     require_positive("--threshold", threshold)
     frames = open_frames(path)
-    signal = None if force is None else read_force_signal(force)
+    with columns_named_by(lambda _: ""):  # no flag of this command does
+        signal = None if force is None else read_force_signal(force)
     clock = _clock(frames.frames_per_second, frames_per_second, signal, start_s, contact_load_n, times)
     place = measurement_region(background, seed_px, mask, roi_px)
     if overlay_dir is not None:
