@@ -94,7 +94,7 @@ def numbers(value: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str,
 
 def unit_of(key: str) -> str | None:
     """The unit that a key ends with; `_std` and its kin are in that of their quantity."""
-    stem = re.sub(r"(_noise|_edge|_fixed_geometry|_repeatability|_model)?_std$", "", key)
+    stem = re.sub(r"(_noise|_edge|_fixed_geometry|_repeatability|_model|_total)?_std$", "", key)
     return next((unit for ending, unit in UNITS.items() if stem.endswith(ending)), None)
 
 

@@ -10,7 +10,8 @@ const KIND = { holds: "good", strained: "warn", fails: "bad" };
 /** @param {Answers["ModelCheck"]} check */
 function words({ compared, verdict, relative_difference: difference, difference_of: of, p_value: p, note }) {
   const numbers = [
-    difference !== null && `${of ? `${of} ` : ""}${difference < 0 ? "−" : "+"}${(100 * Math.abs(difference)).toFixed(1)} %`,
+    difference !== null &&
+      `${of ? `${of} ` : ""}${difference < 0 ? "−" : "+"}${(100 * Math.abs(difference)).toFixed(1)} %`,
     p !== null && probability(p),
     note,
   ].filter(Boolean);
