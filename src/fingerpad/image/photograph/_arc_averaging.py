@@ -10,7 +10,6 @@ from scipy.special import softmax
 from fingerpad._arrays import FloatArray
 from fingerpad.image._orthogonal_fit import distances
 from fingerpad.image.ellipse import PlaneEllipse
-from fingerpad.image.photograph._arc import IndexArray
 from fingerpad.image.photograph.outline_fit import (
     OutlineFit,
     block_starts,

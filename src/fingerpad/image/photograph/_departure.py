@@ -46,6 +46,8 @@ class PadShape:
         Half of the finger's width, px; NaN where this face does not show the pad's.
     hidden : float
         How much of it, px, can be the shaft's in place of the pad's.
+    unseen : float
+        How much of it, px, the outline does not show.
     noise : float
         Standard deviation of the points on the ellipse's arc from it, px.
     """
@@ -53,6 +55,7 @@ class PadShape:
     tilt: tuple[float, float]
     half_width: float = math.nan
     hidden: float = 0.0
+    unseen: float = 0.0
     noise: float = math.inf
 
 
@@ -116,7 +119,8 @@ def departure_of(
     weights = np.sqrt(np.minimum(counts / _BLOCK, 1))
     given = np.array([ellipse.semi_x, ellipse.semi_y])
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
-    width_std = math.hypot(_WIDTH_STD, min(max(shape.hidden, 0.0) / ellipse.semi_x, _WIDEST_SHAFT))
+    shaft = min(max(shape.hidden, 0.0) / ellipse.semi_x, _WIDEST_SHAFT)
+    width_std = math.hypot(_WIDTH_STD, shaft, shape.unseen / ellipse.semi_x)
     width = (math.log(shape.half_width / size), width_std)
     curve = _Curve(blocks, weights, shape.tilt, width, _LEAST_PX / size)
     bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)

@@ -179,8 +179,8 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     if not known < _MAX_RELATIVE_STD:
         raise FitError(
             f"the {arc.face} face's arc of {math.degrees(np.ptp(angles)):.0f} degrees leaves an axis unknown "
-            f"by {known:.0%}: mark a longer arc, come nearer, or choose a backdrop of another colour than the "
-            "skin"
+            f"by {known:.0%}: mark a longer arc, come nearer, or choose a backdrop of another colour than "
+            "the skin"
         )
     departure = _departure(arc, fit, covariance[2:4, 2:4])
     ellipse = fit.ellipse if departure is None else departure.ellipse
@@ -210,7 +210,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         flags=frozenset(),
         exponent=math.nan if departure is None else departure.exponent,
         exponent_std=math.nan if departure is None else departure.exponent_std,
-        outline=arc.in_picture(arc.points[arc.pad]),
+        outline=arc.in_picture(arc.points[arc.pad & ~arc.marked]),
         _arc=arc,
     )
     if not arc.ends_known:
@@ -251,14 +251,15 @@ def _departure(arc: FaceArc, fit: OutlineFit, covariance: FloatArray) -> Departu
     """Compare the ellipse with a superellipse along its arc, and along the pad's middle where it is not."""
     guess = initial_ellipse(arc.points, arc.face)
     core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < _SURELY_PAD
-    half_width, hidden = math.nan, 0.0
+    shape = PadShape(tilt=arc.tilt, noise=fit.residual_std)
+    outline = (arc.points[arc.pad & ~arc.marked] - fit.ellipse[:2]) @ rotation(arc.tilt[0])
     # A side face shows the nail's side too, whose distance is no semi-axis.
-    if arc.face in ("palmar", "distal"):
-        outline = (arc.points[arc.pad] - fit.ellipse[:2]) @ rotation(arc.tilt[0])
-        at_centre, half_width = half_widths(outline)
+    if arc.face in ("palmar", "distal") and len(outline):
+        widths = half_widths(outline, *fit.ellipse[2:4])
         # A finger seen end on has no shaft.
-        hidden = half_width - at_centre if arc.face == "palmar" else 0.0
-    shape = PadShape(tilt=arc.tilt, half_width=half_width, hidden=hidden, noise=fit.residual_std)
+        hidden = widths.greatest - widths.at_centre if arc.face == "palmar" else 0.0
+        half_width = widths.at_centre if widths.unseen else widths.greatest
+        shape = replace(shape, half_width=half_width, hidden=hidden, unseen=widths.unseen)
     return departure_of(arc.points[arc.searched & (arc.used | core)], fit.ellipse, covariance, shape)
 
 

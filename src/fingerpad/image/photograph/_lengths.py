@@ -1,7 +1,7 @@
 """Semi-axes as lengths of the outline itself: a second way to them, which supposes no ellipse."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -84,28 +84,54 @@ def lengths_contradict(found: PhotographFit) -> bool:
     return float((np.sqrt(np.diagonal(term)) / found.semi_axes).max()) > _ADDED * _NO_ELLIPSE
 
 
-def half_widths(points: FloatArray) -> tuple[float, float]:
-    """Return half of an outline's width at the level of an ellipse's centre, and of the greatest.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HalfWidths:
+    """Half of an outline's width, beside an ellipse.
 
-    The shaft of a finger can be wider than its pad: the second is then not the pad's.
+    Attributes
+    ----------
+    at_centre : float
+        At the level of the ellipse's centre.
+    greatest : float
+        At the widest place seen. A shaft can be wider than the pad.
+    unseen : float
+        How much of that at the centre is the ellipse's, where the outline ends above.
+    sides : (float, float)
+        x of both sides at the centre.
+    """
+
+    at_centre: float
+    greatest: float
+    unseen: float
+    sides: tuple[float, float]
+
+
+def half_widths(points: FloatArray, across: float, along: float) -> HalfWidths:
+    """Return half of an outline's width.
 
     Parameters
     ----------
     points : ndarray, (n, 2)
         Points (x, y) of the outline about the ellipse's centre, in order, along the finger's axis.
+    across, along : float
+        Semi-axes of the ellipse.
     """
-    right, left = _sides_at_centre(points)
-    return abs(right - left) / 2, float(np.ptp(points[:, 0])) / 2
-
-
-def _sides_at_centre(points: FloatArray) -> tuple[float, float]:
-    """Return x of both sides at the level of the centre, or as near to it as they are seen."""
     top = int(points[:, 1].argmax())
-    first, second = (
-        float(np.interp(0.0, -np.minimum.accumulate(points[side, 1]), points[side, 0]))
-        for side in (slice(top, None), slice(top, None, -1))
+    ends, unseen = [], 0.0
+    for side in (slice(top, None), slice(top, None, -1)):
+        x, y = points[side, 0], np.minimum.accumulate(points[side, 1])
+        short = min(max(float(y[-1]) / along, 0.0), 1.0)
+        missing = across * (1 - math.sqrt(1 - short**2))
+        at = float(np.interp(0.0, -y, x))
+        ends.append(at + math.copysign(missing, at))
+        unseen += missing / 2
+    right, left = ends
+    return HalfWidths(
+        at_centre=abs(right - left) / 2,
+        greatest=float(np.ptp(points[:, 0])) / 2,
+        unseen=unseen,
+        sides=(right, left),
     )
-    return first, second
 
 
 def _side_lengths(points: FloatArray, across: float, along: float) -> FloatArray:
@@ -124,9 +150,10 @@ def _front_lengths(
     much wider the shaft is than the outline at the ellipse's centre, nothing tells whether it is pad.
     """
     tip_y = _turning_point(points, across**2 / along)[1]
-    at_centre, greatest = half_widths(points)
-    half_width = at_centre if shaft else greatest
-    ends = _sides_at_centre(points) if shaft else (points[:, 0].max(), points[:, 0].min())
+    widths = half_widths(points, across, along)
+    at_centre = shaft or widths.unseen > 0
+    half_width = widths.at_centre if at_centre else widths.greatest
+    ends = widths.sides if at_centre else (points[:, 0].max(), points[:, 0].min())
     x = points[:, 0] - sum(ends) / 2
     top = int(points[:, 1].argmax())
     heights = []
@@ -135,7 +162,8 @@ def _front_lengths(
         for share in _WIDTHS:
             at = float(np.interp(share * half_width, out, y))
             heights.append((tip_y - at) / (1 - math.sqrt(1 - share**2)))
-    return np.array([half_width, np.mean(heights)]), greatest - half_width
+    hidden = max(widths.greatest - half_width, 0.0) + widths.unseen
+    return np.array([half_width, np.mean(heights)]), hidden
 
 
 def _turning_point(points: FloatArray, radius: float) -> tuple[float, float]:
