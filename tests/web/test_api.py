@@ -13,6 +13,7 @@ from tests.web.conftest import DEMO, serving
 
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.simulate import render_coin
+from fingerpad.web import last_results
 from fingerpad.web.workspace import Workspace
 
 PRINT = "synthetic_30deg_2N"
@@ -163,6 +164,14 @@ def test_a_brush_changes_the_region_and_the_automatic_result_is_kept(standing):
     one = measured(standing, change={"strokes": [bite]})
     assert one["numbers"]["gross_area_mm2"] < one["automatic"]["gross_area_mm2"]
     assert measured(standing)["by"] == "automatic"  # nothing was stored
+
+
+def test_a_step_of_a_drag_checks_the_result_files_once(done, monkeypatch):
+    checks = []
+    monkeypatch.setattr(last_results, "quick_faults", lambda *_: checks.append(1) or [])
+    answer = done.post("/api/measure/contact", json={"item": PRINT, "change": {"threshold": 100}}).json()
+    assert answer["model"]["verdicts"]
+    assert len(checks) <= 1  # for the finger's semi-axes
 
 
 def test_the_wrong_polarity_is_refused_with_a_hint(standing):

@@ -173,9 +173,12 @@ def last_results(opened: StudySession) -> Results | None:
 
 
 def last_headlines(opened: StudySession, placement: PlacementKey) -> dict[str, dict[str, Any]]:
-    """Return results with a verdict of the last run, by column; none where it has no such placement."""
-    found = last_results(opened)
-    for one in found.summary["summaries"] if found else ():
+    """Return results with a verdict of the last run, by column; none where it has no such placement.
+
+    They stand in summary.json alone: each step of a drag asks for them, and other files are not looked at.
+    """
+    found = _read(opened.out)
+    for one in found.summary["summaries"] if isinstance(found, Results) else ():
         if tuple(one[name] for name in PLACEMENT) == placement:
             return dict(one["validity"]["headlines"])
     return {}
