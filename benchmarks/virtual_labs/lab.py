@@ -83,10 +83,8 @@ class _Lab:
             float(np.exp(rng.uniform(np.log(30), np.log(100)))) / 1000, 2.02 / load_over_modulus
         )
         self.reduced = youngs_modulus / (1 - poisson**2)
-        heaviest = youngs_modulus * load_over_modulus
-        self.loads = (
-            (0.5, 1, 2, 4) if heaviest > 4 else (0.5, 1, 2, 3) if heaviest > 3 else (0.5, 0.8, 1.3, 2)
-        )
+        highest = youngs_modulus * load_over_modulus
+        self.loads = (0.5, 1, 2, 4) if highest > 4 else (0.5, 1, 2, 3) if highest > 3 else (0.5, 0.8, 1.3, 2)
         yields = rng.uniform(0.01, 0.05), rng.uniform(0.01, 0.05)
         self.compliance = float(rng.choice([0.0, 0.0, 0.0, *yields]))
         unstated = float(rng.uniform(0.005, 0.02)) if seed % 6 in {2, 5} and self.compliance == 0 else 0.0

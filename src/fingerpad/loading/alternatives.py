@@ -19,7 +19,7 @@ from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 from fingerpad.loading.least_squares import effective_count
 
 # AICc by which an explanation must be ahead to be named in a flag.
-COUNTS, FLAGGED, EXCLUDES = 2.0, 5.0, 6.0
+FLAGGED = 5.0
 # Deviations by which residuals of one sign follow each other too often.
 TOO_FEW_RUNS = -3.5
 # Minimum number of residuals before contact and under load to compare, and unexplained share for a flag.

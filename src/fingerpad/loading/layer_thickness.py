@@ -12,8 +12,6 @@ from fingerpad.contact import PadGap
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading._prepare import Press, determined, known_quantities, prepare, start_values
 from fingerpad.loading.alternatives import (
-    COUNTS,
-    EXCLUDES,
     FAILURES,
     FLAGGED,
     TOO_FEW_RUNS,
@@ -33,6 +31,9 @@ _ADDED: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 _THINNEST: Final = 2.95  # a/t, to which the laws hold
 _FEWEST_AREAS: Final = 5
 _CONTRADICTED: Final = 3.0
+# AICc by which another layered model must be ahead to count, and the best one to exclude others.
+_COUNTS: Final = 2.0
+_EXCLUDES: Final = 6.0
 _THICKEST: Final = 25.0  # mm, of a finger
 _NO_AREA: Final = (
     "no contact area in the curve: load and indentation alone cannot tell a layer from a modulus that grows "
@@ -195,11 +196,11 @@ def _result(
     better = [
         models[name]
         for name, value in aicc.items()
-        if name.startswith("layer_") and value < min(main.aicc - COUNTS, least + EXCLUDES)
+        if name.startswith("layer_") and value < min(main.aicc - _COUNTS, least + _EXCLUDES)
     ]
     # Areas that are late by a frame move the place of contact before anything else shows it.
     unsynchronised = [
-        models[name] for name in ("layer_area_offset",) if name in models and aicc[name] < least + EXCLUDES
+        models[name] for name in ("layer_area_offset",) if name in models and aicc[name] < least + _EXCLUDES
     ]
     inverse = main.estimate("inverse_thickness").including(
         *(model.estimate("inverse_thickness") for model in better)
