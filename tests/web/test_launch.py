@@ -112,7 +112,9 @@ def test_two_launches_stand_side_by_side_until_each_is_stopped(studies_folder):
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_the_token_is_removed_on_signals_that_end_the_program(studies_folder, number):
+    before = signal.signal(number, signal.SIG_DFL)  # under nohup the program would ignore it, as it should
     process = launched("demo", cwd=studies_folder)
+    signal.signal(number, before)
     try:
         process.stdout.readline()
         token_file = Path(process.stdout.readline().split()[-1])
