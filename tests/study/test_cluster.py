@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -29,7 +29,19 @@ from fingerpad.study.engine.task import Task
 from fingerpad.study.pipeline import run_study
 
 TOTAL = PICTURES + 2 + FRAMES
-_BLIND = 'mount -t tmpfs none "$0" && exec "$@"'
+# Loaded by a worker, for which a folder is not there then; to mount something over it takes more rights.
+_BLIND = """
+import os
+
+
+def stat(path, *arguments, see=os.stat, **options):
+    if str(path).startswith({folder!r}):
+        raise FileNotFoundError(2, "not there", path)
+    return see(path, *arguments, **options)
+
+
+os.stat = stat
+"""
 
 
 @pytest.fixture(autouse=True)
@@ -69,10 +81,10 @@ class Scheduler:
             return len(client.nthreads())
 
 
-def start(*words: str, before: Sequence[str] = (), **environment: str) -> subprocess.Popen:
+def start(*words: str, **environment: str) -> subprocess.Popen:
     """Start a process of Dask, in a group of its own."""
     return subprocess.Popen(
-        [*before, sys.executable, "-m", "dask", *words, "--no-dashboard"],
+        [sys.executable, "-m", "dask", *words, "--no-dashboard"],
         env=os.environ | {"DASK_LOGGING__DISTRIBUTED": "critical", "PYTHONWARNINGS": "ignore"} | environment,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
@@ -94,13 +106,16 @@ class Workers:
         self.started: list[subprocess.Popen] = []
 
     def start(self, *words: str, path: str | None = None, blind_to: Path | None = None) -> None:
-        """Start a worker, with its own path of packages, or in a world in which a folder is empty."""
-        hidden = [] if blind_to is None else ["unshare", "-m", "sh", "-c", _BLIND, str(blind_to)]
+        """Start a worker, with its own path of packages, or one for which a folder is not there."""
+        if blind_to is not None:
+            self._folder.mkdir(exist_ok=True)
+            preload = self._folder / "blind.py"
+            preload.write_text(_BLIND.format(folder=str(blind_to)))
+            words = (*words, "--preload", str(preload))
         self.started.append(
             start(
                 *("worker", self.address, "--nthreads", "1", "--local-directory", str(self._folder)),
                 *words,
-                before=hidden,
                 **({} if path is None else {"PYTHONPATH": path}),
             )
         )
