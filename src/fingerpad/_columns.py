@@ -1,17 +1,109 @@
 """Named columns with units of a CSV file."""
 
 import csv
+import difflib
+import io
+import json
 import math
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import LoadingError
 from fingerpad.units import FACTORS
+
+# How instruments call a quantity; its own name first.
+NAMES: Final[Mapping[str, tuple[str, ...]]] = {
+    "force": ("force", "load", "normal force", "normal load", "compressive force", "compressive load"),
+    "displacement": (
+        *("displacement", "disp", "displ", "indentation", "indentation depth"),
+        *("compressive displacement", "compressive extension"),
+    ),
+    "area": ("area", "contact area"),
+    "time": ("time", "t", "elapsed time", "test time"),
+}
+# Force (N), force [N]; Force / N; force, N: these state a unit. force_N, force N, force in N: perhaps.
+_IN_BRACKETS, _AFTER_MARK, _AFTER_LOW_LINE, _AFTER_SPACE = map(
+    re.compile,
+    (
+        r"(.+?)[ _]*[(\[](.+?)[)\]]",
+        r"(.+?)(?: */ *| *, *)(\S+)",
+        r"(.+)_([^_]+)",
+        r"(.+?)(?: in)? +(\S+)",
+    ),
+)
+_UNIT_SPELLINGS: Final = {"µ": "u", "μ": "u", "²": "2", "^2": "2", "sec": "s"}
+# Of these, a unit tells what was not read; anything can be in volts or millimetres.
+_TOLD_BY_UNIT: Final = frozenset(("area", "time"))
+_NUMBER: Final = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?", re.IGNORECASE)
+_MOST_PROPOSED: Final = 4
+_HEAD_LINES: Final = 10
+
+
+class ColumnsError(LoadingError):
+    """A table in which the column of a quantity is missing, or several may be meant.
+
+    Attributes
+    ----------
+    problem : str
+        The message without the way out.
+    proposed : mapping
+        From each quantity to what its column may be, each ``"HEADER:UNIT"``, as far as a header tells.
+    """
+
+    def __init__(self, problem: str, proposed: Mapping[str, Sequence[str]] | None = None) -> None:
+        self.problem, self.proposed = problem, dict(proposed or {})
+        super().__init__(problem)
+
+    def __str__(self) -> str:
+        return self.with_way_out(lambda columns: f"columns={json.dumps(columns, ensure_ascii=False)}")
+
+    def with_way_out(self, words: Callable[[dict[str, str]], str]) -> str:
+        """Return the message with what to write, the units explained that are still to be filled in."""
+        most = max(map(len, self.proposed.values()), default=0)
+        choices = [
+            words({name: columns[min(place, len(columns) - 1)] for name, columns in self.proposed.items()})
+            for place in range(min(most, _MOST_PROPOSED))
+        ]
+        units = (
+            f"; UNIT of {name}: {', '.join(FACTORS[name])}"
+            for name, columns in self.proposed.items()
+            if any(column.endswith(":UNIT") for column in columns)
+        )
+        way_out = f"{self.problem}: rename columns in the first line"
+        if not any(choices):
+            return way_out
+        return f"{way_out}, or say which they are: {' or '.join(choices)}{''.join(units)}"
+
+
+@contextmanager
+def columns_named_by(words: Callable[[dict[str, str]], str]) -> Iterator[None]:
+    """Say how columns are named where tables are read for a command or a manifest."""
+    try:
+        yield
+    except ColumnsError as error:
+        raise LoadingError(error.with_way_out(words)) from None
+
+
+def columns_in_toml(key: str, columns: Mapping[str, str]) -> str:
+    """Return the line of a manifest that maps columns.
+
+    Examples
+    --------
+    >>> columns_in_toml("file_columns", {"force": "Fz (mN):mN"})
+    'file_columns = { force = "Fz (mN):mN" }'
+    """
+    items = ", ".join(
+        f"{name} = {json.dumps(column, ensure_ascii=False)}" for name, column in columns.items()
+    )
+    return f"{key} = {{ {items} }}"
 
 
 class _Column(NamedTuple):
@@ -23,6 +115,7 @@ class _Column(NamedTuple):
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Table:
     path: Path
+    separator: str
     header: list[str]
     rows: list[tuple[int, list[str]]]
 
@@ -34,7 +127,10 @@ def read_columns(
     *,
     columns: Mapping[str, str] | None = None,
 ) -> dict[str, FloatArray]:
-    """Read quantities from a CSV file whose header names each with its unit, as in ``force_N, time_s``.
+    """Read quantities from a CSV file whose header names each with its unit, as in ``force_N, Time (s)``.
+
+    Units may stand in a line of their own below the header. Cells are separated by commas, semicolons or
+    tabs, the latter two with decimal points or commas.
 
     Parameters
     ----------
@@ -53,88 +149,242 @@ def read_columns(
     Raises
     ------
     LoadingError
-        If the file cannot be read, a column is missing or has an unknown unit, `columns` names another
-        quantity, or a cell is not a finite number. The message names file, column and line.
+        If the file cannot be read, a column is missing or has an unknown unit, several may hold one
+        quantity, `columns` names another quantity, or a cell is not a finite number. The message names file,
+        column and line.
     """
-    table = _read_table(path)
-    given = columns or {}
-    known = [*required, *optional]
-    for name in given:
-        if name not in known:
-            raise LoadingError(f"{path}: columns name no quantity {name!r}; there are {', '.join(known)}")
-    found = {name: _find_column(table, name, given.get(name)) for name in known}
-    for name in required:
-        if found[name] is None:
-            raise LoadingError(
-                f"{path}: no column {name}_{next(iter(FACTORS[name]))}; found {', '.join(table.header)}. "
-                f'Rename it or say which one it is, as in {name} = "HEADER:UNIT"'
-            )
-    return {
-        name: column.factor * np.array([_number(table, line, column, row) for line, row in table.rows])
-        for name, column in found.items()
-        if column is not None
-    }
+    table, given = _read_table(path), dict(columns or {})
+    found = _find_columns(table, [*required, *optional], given)
+    missing = [name for name in required if name not in found]
+    if missing:
+        proposed = _proposed(table, missing, found, by_unit=missing)
+        raise ColumnsError(
+            f"{path}: no column {' or '.join(f'{name}_{next(iter(FACTORS[name]))}' for name in missing)}; "
+            f"found {', '.join(table.header)}",
+            _as_choices(given) | {name: proposed.get(name, ["HEADER:UNIT"]) for name in missing},
+        )
+    return _numbers(table, found)
 
 
-def _read_table(path: Path) -> _Table:
+def unread_columns(
+    path: Path, quantities: Sequence[str], columns: Mapping[str, str] | None = None
+) -> dict[str, list[str]]:
+    """Return columns that `read_columns` leaves alone, and that by name or unit look like what it lacks.
+
+    Parameters
+    ----------
+    path, columns
+        As for `read_columns`.
+    quantities : sequence of str
+        What may be read of the file.
+
+    Returns
+    -------
+    dict of str to list of str
+        From each quantity that has no column to ``"HEADER:UNIT"`` of those that may be it; ``UNIT`` where
+        the header has none.
+
+    Raises
+    ------
+    LoadingError
+        If the file cannot be read.
+    """
+    if not path.is_file():  # a pipe, which can be read only once
+        return {}
+    table = _read_table(path, head_only=True)
+    found = _find_columns(table, quantities, columns or {})
+    missing = [name for name in quantities if name not in found]
+    return _proposed(table, missing, found, by_unit=_TOLD_BY_UNIT)
+
+
+def _read_table(path: Path, *, head_only: bool = False) -> _Table:
     if path.is_char_device():
         raise LoadingError(f"{path}: is a device, not a file")  # which may have no end
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+        with path.open("rb") as file:
+            text = _decoded(b"".join(islice(file, _HEAD_LINES)) if head_only else file.read())
+        first = next((line for line in text.splitlines() if line.strip()), "")
+        separator = max(",;\t", key=first.count)
+        reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+        rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
     except FileNotFoundError:
         raise LoadingError(f"{path}: no such file: check the path") from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise LoadingError(f"{path}: cannot be read as CSV ({error})") from error
-    if len(rows) < 2:
+    header = [cell.strip() for cell in rows[0][1]] if rows else []
+    start = 1
+    if len(rows) > 1 and (units := _line_of_units(rows[1][1])):
+        header = [f"{title} ({unit})" if unit else title for title, unit in zip(header, units, strict=False)]
+        start = 2
+    if len(rows) <= start:
         raise LoadingError(f"{path}: holds no data; a header line and rows of numbers are expected")
-    header = [cell.strip() for cell in rows[0][1]]
-    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
-        raise LoadingError(f"{path}: columns must be separated by commas, with decimal points")
-    for line, row in rows[1:]:
+    for line, row in rows[start:]:
         if any(cell.strip() for cell in row[len(header) :]):
             raise LoadingError(
                 f"{path}: line {line} has {len(row)} cells under {len(header)} headers: "
-                "decimals are marked by points, not commas"
+                "decimal commas need semicolons or tabs between cells"
             )
-    return _Table(path=path, header=header, rows=rows[1:])
+    return _Table(path=path, separator=separator, header=header, rows=rows[start:])
 
 
-def _find_column(table: _Table, name: str, given: str | None) -> _Column | None:
+def _decoded(content: bytes) -> str:
+    """Return text in UTF-8, or else in the 8-bit code of Windows, in which instruments write µ and ²."""
+    if b"\0" in content:
+        raise csv.Error("holds zero bytes; UTF-8 is expected")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252")
+
+
+def _line_of_units(cells: Sequence[str]) -> list[str]:
+    """Return the units in a line, empty where it is not one of units."""
+    units = [cell.strip("()[] ") for cell in cells]
+    known = {unit for factors in FACTORS.values() for unit in factors}
+    has_unit = any(_plain_unit(unit) in known for unit in units)
+    return units if has_unit and not any(map(_NUMBER.fullmatch, units)) else []
+
+
+def _find_columns(table: _Table, known: Sequence[str], given: Mapping[str, str]) -> dict[str, _Column]:
+    """Return the column of each quantity that has one."""
+    for name in given:
+        if name not in known:
+            raise LoadingError(
+                f"{table.path}: columns name no quantity {name!r}; there are {', '.join(known)}"
+            )
+    found = {name: _find_column(table, name, given) for name in known}
+    return {name: column for name, column in found.items() if column is not None}
+
+
+def _find_column(table: _Table, name: str, given: Mapping[str, str]) -> _Column | None:
     """Return the column that holds quantity `name`, or None where there is none."""
-    if given is not None:
-        title, _, unit = given.rpartition(":")
+    if name in given:
+        title, _, unit = given[name].rpartition(":")
         if title not in table.header:
             raise LoadingError(
                 f"{table.path}: no column {title!r} for {name}; found {', '.join(table.header)}"
             )
-        return _Column(table.header.index(title), title, _factor(table.path, name, title, unit))
-    found = [index for index, title in enumerate(table.header) if title.rpartition("_")[0].lower() == name]
-    if not found:
-        return None
-    if len(found) > 1:
-        titles = " and ".join(table.header[index] for index in found)
-        raise LoadingError(f"{table.path}: two columns of {name}, {titles}: say which, as in {name} = ...")
-    title = table.header[found[0]]
-    return _Column(found[0], title, _factor(table.path, name, title, title.rpartition("_")[2]))
+        return _column(table, name, table.header.index(title), unit)
+    named = [
+        (place, word, unit, stated)
+        for place, title in enumerate(table.header)
+        for word, unit, stated in [header_parts(title, FACTORS[name])]
+        if word in NAMES.get(name, (name,))
+    ]
+    readable = [(place, unit) for place, _, unit, _ in named if unit in FACTORS[name]]
+    if len(readable) > 1:
+        titles = [_column(table, name, *column).header for column in readable]
+        raise ColumnsError(
+            f"{table.path}: {' and '.join(titles)} may each be the {name}",
+            _as_choices(given) | {name: [f"{table.header[place]}:{unit}" for place, unit in readable]},
+        )
+    # A unit that is not one of the quantity is refused rather than the column left out; load_cell has none.
+    unread = [(place, unit) for place, word, unit, stated in named if unit and (stated or word == name)]
+    for place, unit in readable or unread:
+        return _column(table, name, place, unit)
+    return None
 
 
-def _factor(path: Path, name: str, title: str, unit: str) -> float:
-    if unit not in FACTORS[name]:
+def header_parts(title: str, units: Collection[str] = ()) -> tuple[str, str, bool]:
+    """Return what a header names, in lower case, its unit if it has one, and whether it states that as one.
+
+    Examples
+    --------
+    >>> header_parts("Normal force [mN]")
+    ('normal force', 'mN', True)
+    >>> header_parts("Disp / µm")
+    ('disp', 'um', True)
+    >>> header_parts("force_N"), header_parts("Force N", {"N"}), header_parts("load cell", {"N"})
+    (('force', 'N', False), ('force', 'N', False), ('load cell', '', False))
+    """
+    for form in (_IN_BRACKETS, _AFTER_MARK, _AFTER_LOW_LINE, _AFTER_SPACE):
+        if match := form.fullmatch(title):
+            word, unit = re.sub(r"[\s_]+", " ", match[1]).strip().casefold(), _plain_unit(match[2])
+            if form is not _AFTER_SPACE or unit in units:
+                return word, unit, form in (_IN_BRACKETS, _AFTER_MARK)
+    return title.casefold(), "", False
+
+
+def _plain_unit(text: str) -> str:
+    for spelling, plain in _UNIT_SPELLINGS.items():
+        text = text.strip().replace(spelling, plain)
+    return text
+
+
+def _proposed(
+    table: _Table, missing: Iterable[str], found: Mapping[str, _Column], *, by_unit: Collection[str]
+) -> dict[str, list[str]]:
+    """Return what may be the columns of missing quantities: like in name, or else of such a unit."""
+    read = {column.place for column in found.values()}
+    proposed = {}
+    for name in missing:
+        titles = [
+            (title, *header_parts(title, FACTORS[name])[:2])
+            for place, title in enumerate(table.header)
+            if title and place not in read
+        ]
+        of_unit = [(title, word, unit) for title, word, unit in titles if unit in FACTORS[name]]
+        alike = [
+            (title, word, unit)
+            for title, word, unit in titles
+            if (not unit or unit in FACTORS[name])
+            and difflib.get_close_matches(word, NAMES.get(name, (name,)), cutoff=0.7)
+        ]
+        if choice := alike or (of_unit if name in by_unit else []):
+            proposed[name] = [f"{title}:{unit or 'UNIT'}" for title, _, unit in choice]
+    return proposed
+
+
+def _as_choices(columns: Mapping[str, str]) -> dict[str, Sequence[str]]:
+    return {name: [column] for name, column in columns.items()}
+
+
+def _column(table: _Table, name: str, place: int, unit: str) -> _Column:
+    title = table.header[place]
+    if table.header.count(title) > 1:
+        raise LoadingError(
+            f"{table.path}: {table.header.count(title)} columns are called {title}: rename one"
+        )
+    factor = FACTORS[name].get(_plain_unit(unit))
+    if factor is None:
         known = ", ".join(FACTORS[name])
-        raise LoadingError(f"{path}: column {title!r} has unit {unit!r}; {name} is read in {known}")
-    return FACTORS[name][unit]
+        raise LoadingError(
+            f"{table.path}: column {title!r} has unit {unit!r}; {name} is read in {known}. Convert it, or "
+            "rename the column to leave it out"
+        )
+    return _Column(place, title, factor)
 
 
-def _number(table: _Table, line: int, column: _Column, row: list[str]) -> float:
-    cell = row[column.place].strip() if column.place < len(row) else ""
+def _numbers(table: _Table, columns: Mapping[str, _Column]) -> dict[str, FloatArray]:
+    """Return the numbers of columns; commas mark decimals where cells are not separated by them."""
+    cells = {
+        name: [row[column.place].strip() if column.place < len(row) else "" for _, row in table.rows]
+        for name, column in columns.items()
+    }
+    marks = {mark for mark in ".," if any(mark in cell for column in cells.values() for cell in column)}
+    swapped = table.separator != "," and marks == {","}
+    return {
+        name: column.factor
+        * np.array(
+            [
+                _number(table, line, column, cell.replace(",", ".") if swapped else cell)
+                for (line, _), cell in zip(table.rows, cells[name], strict=True)
+            ]
+        )
+        for name, column in columns.items()
+    }
+
+
+def _number(table: _Table, line: int, column: _Column, cell: str) -> float:
     try:
         value = float(cell)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
+        hint = ""
+        if "," in cell:
+            hint = ": decimal commas need semicolons or tabs between cells, and no decimal point in the table"
         raise LoadingError(
-            f"{table.path}: line {line}, column {column.header!r}: {cell!r} is not a finite number"
+            f"{table.path}: line {line}, column {column.header!r}: {cell!r} is not a finite number{hint}"
         )
     return value

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, set_fields
-from fingerpad._columns import read_columns
+from fingerpad._columns import read_columns, unread_columns
 from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
 # A step in time longer than this many usual ones is a gap.
 _GAP = 10.0
+_REQUIRED, _OPTIONAL = ("force", "displacement"), ("area", "time")
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -114,9 +115,10 @@ class LoadingCurve(Displayed):
 def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> LoadingCurve:
     r"""Read a loading curve from a CSV file.
 
-    The header names a quantity and its unit, as in ``time_s, force_N, displacement_mm, area_mm2``;
-    ``force_mN`` or ``displacement_um`` are converted. Time and area may be absent. Columns of other names
-    are left alone.
+    The header names a quantity and its unit, as in ``time_s, force_N, displacement_mm, area_mm2`` or
+    ``Time (s), Load [mN], Disp / um``; other units are converted. Time and area may be absent. Columns of
+    other names are left alone. Units may stand in a line of their own below the header. Cells are separated
+    by commas, semicolons or tabs, the latter two with decimal points or commas.
 
     Parameters
     ----------
@@ -147,7 +149,7 @@ def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | N
     array([0.  , 0.25])
     """
     path = Path(path)
-    found = read_columns(path, ("force", "displacement"), ("area", "time"), columns=columns)
+    found = read_columns(path, _REQUIRED, _OPTIONAL, columns=columns)
     try:
         return LoadingCurve(
             load=found["force"],
@@ -157,3 +159,8 @@ def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | N
         )
     except LoadingError as error:
         raise LoadingError(f"{path}: {error}") from error
+
+
+def unread_curve_columns(path: Path, columns: Mapping[str, str] | None = None) -> dict[str, list[str]]:
+    """Return the columns that `read_loading_curve` leaves alone, and that may be an area or a time."""
+    return unread_columns(path, (*_REQUIRED, *_OPTIONAL), columns)

@@ -61,6 +61,22 @@ def test_geometry() -> None:
     assert set(record) == {*expected, "point_mm"}
 
 
+@pytest.mark.parametrize(
+    ("axes", "noted"),
+    [
+        ((15, 28.4, 23), "radial_ulnar 23 mm"),
+        ((16, 20, 12), "palmar 16 mm"),
+        ((14, 20, 15), ""),
+        ((6, 9, 7), ""),
+    ],
+)
+def test_semi_axes_that_look_like_widths_are_noted(axes: tuple[float, ...], noted: str) -> None:
+    # The widest of a thousand thumbs is some 30 mm wide.
+    code, out, err = run("geometry", "--semi-axes-mm", *axes, "--wedge-deg", 30)
+    assert (code, bool(out)) == (0, True)
+    assert err.startswith(f"note: --semi-axes-mm: {noted}") if noted else not err
+
+
 def test_geometry_with_roll() -> None:
     record = run_json("geometry", "--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--roll-deg", 20)
     directions = np.array(record["principal_directions"])
@@ -618,13 +634,14 @@ def test_measure_sequence(tmp_path: Path) -> None:
     for index in range(load.size):
         Image.fromarray(press.pixels(index)).save(folder / f"frame{index}.png")
     (folder / "frame5.png").write_bytes(b"torn")
-    rows = "\n".join(f"{t},{w}" for t, w in zip(time, load, strict=True))
-    (tmp_path / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
-    code, out, _ = run(
+    rows = "\n".join(f"{t},{w},{w}" for t, w in zip(time, load, strict=True))
+    (tmp_path / "force.csv").write_text(f"Time (s),Load [N],displacment_mm\n{rows}\n")
+    code, out, err = run(
         *("measure", "sequence", folder, "--force", tmp_path / "force.csv", "--frames-per-second", 11),
         *("--ppi", press.ppi, "--json"),
     )
     assert code == 3
+    assert "column 'displacment_mm' was not read; if it is the displacement, rename it" in err
     frames = json.loads(out)
     assert [frame["frame"] for frame in frames] == list(range(12))
     assert [frame["time_s"] for frame in frames] == pytest.approx(time)

@@ -94,6 +94,35 @@ def test_figures(curve: Path, tmp_path: Path) -> None:
     }
 
 
+def test_what_is_wrong_with_a_table_is_said_with_the_flag_to_paste(tmp_path: Path) -> None:
+    given = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
+    rows = np.column_stack([1000 * given.load, given.indentation, given.area])
+    path = tmp_path / "curve.csv"
+
+    def fitted(header: str, *arguments: str) -> tuple[str, str]:
+        np.savetxt(path, rows, delimiter=",", header=header, comments="")
+        result = CliRunner().invoke(app, ["fit", str(path), *arguments])
+        return result.stdout, result.stderr
+
+    out, err = fitted("Fz (mN),Disp (mm),Area (mm2)")
+    found = re.search(r"--column '(.*)'", err)
+    assert not out
+    assert found
+    assert found[1] == "force=Fz (mN):mN"
+    read, err = fitted("Fz (mN),Disp (mm),Area (mm2)", "--column", found[1])
+    assert "effective_radius_mm         1" in read
+    assert not err
+
+    out, err = fitted("force_mN,displacement_mm,aera_mm2")
+    assert err == "note: column 'aera_mm2' was not read; if it is the area: --column area=aera_mm2:mm2\n"
+    assert out.count("no contact area in the curve") == out.count("--radius-mm") == 1
+    assert fitted("force_mN,displacement_mm,aera_mm2", "--column", "area=aera_mm2:mm2")[0] == read
+
+    out, err = fitted("force_N,displacement_mm,area_mm2")
+    assert re.match(r"note: loads up to 20.* N: is the force in millinewtons", err)
+    assert re.search(r"flags +implausible_modulus", out)
+
+
 @pytest.mark.parametrize(
     ("text", "arguments", "message"),
     [

@@ -102,17 +102,23 @@ def test_other_columns_ignored(tmp_path):
     np.testing.assert_array_equal(read_outline(path), [[1.5, -2], [3, 4]])
 
 
+def test_outlines_in_other_units_and_with_decimal_commas(tmp_path):
+    path = tmp_path / "palmar.csv"
+    path.write_text("X [µm];Y [µm]\n1500,5;-2000\n3000;4000\n", encoding="cp1252")
+    np.testing.assert_allclose(read_outline(path), [[1.5005, -2], [3, 4]])
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "line 1: no column x_mm"),
-        ("x_mm\n1\n", "line 1: no column y_mm"),
-        ("x,y\n1,2\n", "no column x_mm, found x, y"),
-        ("x_mm,y_mm\n", "no points"),
-        ("x_mm,y_mm\n1,2\n3,four\n", "line 3: y_mm must be a finite number, found 'four'"),
-        ("x_mm,y_mm\n1,2\nnan,4\n", "line 3: x_mm"),
-        ("x_mm,y_mm\n1,inf\n", "line 2: y_mm"),
-        ("x_mm,y_mm\n1\n", "line 2: y_mm"),
+        ("", "holds no data"),
+        ("x_mm\n1\n", "no column y_mm; found x_mm"),
+        ("x,y\n1,2\n", "no column x_mm or y_mm; found x, y"),
+        ("x_mm,y_mm\n", "holds no data"),
+        ("x_mm,y_mm\n1,2\n3,four\n", "line 3, column 'y_mm': 'four' is not a finite number"),
+        ("x_mm,y_mm\n1,2\nnan,4\n", "line 3, column 'x_mm'"),
+        ("x_mm,y_mm\n1,inf\n", "line 2, column 'y_mm'"),
+        ("x_mm,y_mm\n1\n", "line 2, column 'y_mm'"),
     ],
 )
 def test_invalid_tables(tmp_path, text, words):
@@ -124,7 +130,7 @@ def test_invalid_tables(tmp_path, text, words):
 
 
 def test_missing_and_binary_tables(tmp_path):
-    with pytest.raises(ImageError, match="cannot be read"):
+    with pytest.raises(ImageError, match="no such file"):
         read_outline(tmp_path / "none.csv")
     (tmp_path / "picture.csv").write_bytes(bytes(range(128, 256)))
     with pytest.raises(ImageError, match="cannot be read"):

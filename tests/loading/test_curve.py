@@ -1,10 +1,13 @@
 """Reading loading curves, and what is said of files that cannot be read."""
 
+import pickle
 from pathlib import Path
 
 import pytest
 from numpy.testing import assert_allclose
 
+from fingerpad._columns import ColumnsError
+from fingerpad._loading_curve import unread_curve_columns
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading import LoadingCurve, read_loading_curve
 
@@ -21,6 +24,119 @@ def test_units_from_header(tmp_path: Path) -> None:
     assert_allclose(curve.load, [0.1, 2.0])
     assert_allclose(curve.indentation, [0.02, 1.5])
     assert_allclose(curve.area, [50.0, 100.0])
+
+
+@pytest.mark.parametrize(
+    ("header", "rows"),
+    [
+        ("Time (s),Force (mN),Disp [um],Area (mm^2)", "0,100,20,5\n1,2000,1500,60"),
+        ("Time / ms,Load / mN,Displacement / μm,Contact area / mm²", "0,100,20,5\n1000,2000,1500,60"),
+        ("Time/s;Force/N;Disp/µm;Area/cm2", "0;0,1;20;0,05\n1;2;1500;0,6"),
+        ("t_s,load_mN,indentation_um,contact_area_mm2", "0,100,20,5\n1,2000,1500,60"),
+        ("Time (sec),Normal force (mN),Displ (µm),area mm2", "0,100,20,5\n1,2000,1500,60"),
+        ("Time\tForce\tDisplacement\tArea\n[s]\t[N]\t[mm]\t[mm²]", "0\t0,1\t0,02\t5\n1\t2\t1,5\t60"),
+        (
+            "Time,Compressive extension,Compressive load,Area\n(s),(mm),(N),(mm2)",
+            '"0","0.02","0.1","5"\n"1","1.5","2","60"',
+        ),
+        ("time in s,load in mN,disp in mm,area in cm2,Force (V)", "0,100,0.02,0.05,7\n1,2000,1.5,0.6,8"),
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+def test_headers_as_instruments_write_them(tmp_path: Path, header: str, rows: str, encoding: str) -> None:
+    path = tmp_path / "curve.csv"
+    if encoding == "cp1252":
+        header = header.replace("μ", "µ")  # a Greek letter is not in that code
+    path.write_text(f"{header}\n{rows}\n", encoding=encoding)
+    curve = read_loading_curve(path)
+    assert_allclose(curve.load, [0.1, 2.0])
+    assert_allclose(curve.indentation, [0.02, 1.5])
+    assert curve.area is not None
+    assert curve.time is not None
+    assert_allclose(curve.area, [5.0, 60.0])
+    assert_allclose(curve.time, [0.0, 1.0])
+
+
+def test_of_two_columns_that_may_be_the_force_none_is_chosen(tmp_path: Path) -> None:
+    path = write(tmp_path, "Force (N),Load (mN),displacement_mm\n1,2,3\n")
+    with pytest.raises(ColumnsError, match=r"Force \(N\) and Load \(mN\) may each be the force") as caught:
+        read_loading_curve(path)
+    assert caught.value.proposed == {"force": ["Force (N):N", "Load (mN):mN"]}
+    assert str(caught.value).endswith('columns={"force": "Force (N):N"} or columns={"force": "Load (mN):mN"}')
+    assert read_loading_curve(path, {"force": "Load (mN):mN"}).load[0] == 2e-3
+    with pytest.raises(LoadingError, match="2 columns are called force_N: rename one"):
+        read_loading_curve(write(tmp_path, "force_N,force_N,displacement_mm\n1,2,3\n"))
+
+
+def test_a_column_that_is_no_force_is_none(tmp_path: Path) -> None:
+    path = write(tmp_path, "load cell,load_cell,force_N,disp_V,displacement_mm\n7,8,1,9,2\n")
+    assert (read_loading_curve(path).load[0], read_loading_curve(path).indentation[0]) == (1, 2)
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_decimal_commas_between_semicolons_or_tabs(tmp_path: Path, mark: str) -> None:
+    rows = (("time_s", "force_N", "displacement_mm"), ("0", "0,25", "1,5"), ("1", "1,75", "2"))
+    curve = read_loading_curve(write(tmp_path, "\n".join(map(mark.join, rows))))
+    assert_allclose([curve.load, curve.indentation], [[0.25, 1.75], [1.5, 2]])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "force_N,displacement_mm\n0,25,1,5\n",
+        'force_N,displacement_mm\n"0,25","1,5"\n',
+        "force_N;displacement_mm\n1.5;1\n1,234;2\n",
+        "force_N;displacement_mm\n1,5;1.234\n",  # thousands, or decimals in another column
+    ],
+)
+def test_decimal_commas_that_can_be_read_in_two_ways_are_refused(tmp_path: Path, text: str) -> None:
+    with pytest.raises(LoadingError, match="line [23].*decimal commas need semicolons or tabs between cells"):
+        read_loading_curve(write(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    ("header", "proposed"),
+    [
+        ("Fz (mN),Weg (um)", {"force": ["Fz (mN):mN"], "displacement": ["Weg (um):um"]}),
+        ("Kraft in mN,Weg in µm", {"force": ["Kraft in mN:mN"], "displacement": ["Weg in µm:um"]}),
+        ("force,displacement_mm", {"force": ["force:UNIT"]}),
+        ("a,b", {"force": ["HEADER:UNIT"], "displacement": ["HEADER:UNIT"]}),
+        ("Fx (N),Fz (N),displacement_mm", {"force": ["Fx (N):N", "Fz (N):N"]}),
+    ],
+)
+def test_a_refusal_proposes_columns(tmp_path: Path, header: str, proposed: dict[str, list[str]]) -> None:
+    path = write(tmp_path, f"{header}\n{','.join('1' * (header.count(',') + 1))}\n")
+    with pytest.raises(ColumnsError) as caught:
+        read_loading_curve(path)
+    assert caught.value.proposed == proposed
+    assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+    columns = {name: choices[0] for name, choices in proposed.items()}
+    if not any(column.endswith("UNIT") for column in columns.values()):
+        assert read_loading_curve(path, columns).load[0] in {1, 1e-3}
+
+
+def test_what_is_proposed_keeps_what_is_given(tmp_path: Path) -> None:
+    path = write(tmp_path, "stage,Fz (mN)\n1,2\n")
+    with pytest.raises(ColumnsError, match=r'columns={"displacement": "stage:mm", "force": "Fz \(mN\):mN"}'):
+        read_loading_curve(path, {"displacement": "stage:mm"})
+
+
+@pytest.mark.parametrize(
+    ("header", "unread"),
+    [
+        ("force_N,displacement_mm,aera_mm2", {"area": ["aera_mm2:mm2"]}),
+        ("force_N,displacement_mm,Contact (cm2)", {"area": ["Contact (cm2):cm2"]}),
+        ("force_N,displacement_mm,area", {"area": ["area:UNIT"]}),
+        ("force_N,displacement_mm,A1 (mm²),A2 (mm²)", {"area": ["A1 (mm²):mm2", "A2 (mm²):mm2"]}),
+        ("force_N,displacement_mm,temperature_C", {}),
+        ("force_N,displacement_mm,area_mm2,aera_mm2", {}),
+    ],
+)
+def test_columns_that_look_like_what_is_missing(
+    tmp_path: Path, header: str, unread: dict[str, list[str]]
+) -> None:
+    path = write(tmp_path, f"{header}\n{','.join('1' * (header.count(',') + 1))}\n")
+    assert unread_curve_columns(path) == unread
 
 
 def test_area_optional(tmp_path: Path) -> None:
@@ -54,6 +170,10 @@ def test_a_column_of_no_such_quantity_is_refused(tmp_path: Path) -> None:
         ("force_lb,displacement_mm\n1,2\n", "column 'force_lb' has unit 'lb'; force is read in N, mN"),
         ("force_N,displacement_kPa\n1,2\n", "column 'displacement_kPa' has unit 'kPa'"),
         ("force_N,displacement_mm\n1,2\nx,3\n", "line 3, column 'force_N': 'x' is not a finite number"),
+        (
+            "Load (lbf),displacement_mm\n1,2\n",
+            r"'Load \(lbf\)' has unit 'lbf'; force is read in N, mN.*rename",
+        ),
         ("force_N,displacement_mm\n1,nan\n", "line 2, column 'displacement_mm': 'nan' is not a finite"),
         ("force_N,displacement_mm\n1,2\n\n5\n", "line 4, column 'displacement_mm': '' is not a finite"),
     ],

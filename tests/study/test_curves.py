@@ -82,6 +82,43 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
     assert curve.shape.ratio[-1] > curve.shape.ratio[0]
 
 
+def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    write_curve(path)
+    text = path.read_text()
+    path.write_text(text.replace("area_mm2", "aera_mm2"))
+    (note,) = study(tmp_path, 'file = "a.csv"\n').notes
+    assert note.startswith("a.csv: column 'aera_mm2' was not read; if it is the area: file_columns = {")
+    line = note.partition("area: ")[2]
+    mapped = study(tmp_path, f'file = "a.csv"\n{line}\n')
+    assert mapped.notes == ()
+    assert mapped.curves[0].loading_radius > 0
+
+    path.write_text(text.replace("force_N", "Fz (N)"))
+    reason = study(tmp_path, 'file = "a.csv"\n').curves[0].reason
+    assert reason is not None
+    assert reason.endswith('file_columns = { force = "Fz (N):N" }')
+    with pytest.raises(ManifestError, match=r"curves\[0\]\.file_columns\.aera: "):
+        study(tmp_path, 'file = "a.csv"\nfile_columns = { aera = "aera_mm2:mm2" }\n')
+
+
+def test_a_curve_in_other_units_is_noted(tmp_path: Path) -> None:
+    write_curve(tmp_path / "a.csv")
+    rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1) * [1, 1000, 1, 1]
+    header = "time_s,force_N,displacement_mm,area_mm2"
+    np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header=header, comments="")
+    result = study(tmp_path, 'file = "a.csv"\n')
+    assert "millinewtons" in result.notes[0]
+
+
+def test_full_widths_given_as_semi_axes_are_noted(tmp_path: Path) -> None:
+    widths = "palmar = 15, distal = 28.4, radial_ulnar = 23"
+    manifest = MANIFEST.replace("palmar = 7.9, distal = 13.8, radial_ulnar = 11.8", widths)
+    (tmp_path / "study.toml").write_text(manifest)
+    (note,) = run_study(tmp_path / "study.toml", tmp_path / "out").notes
+    assert note.startswith("f: semi_axes_mm: radial_ulnar 23 mm would be a finger 46 mm wide: are these full")
+
+
 def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
     write_curve(tmp_path / "a.csv", points=250, loading_radius=15.0, initial_modulus=0.04)
     rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1)

@@ -99,7 +99,10 @@ def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
         ("time_s,force_N,displacement_mm\n0,0,0\n", "loading curve"),
         ("time_s,force_N,displacement_mm,trigger_V\n0,0,0,0\n", "force table"),
         ("Position;Force\n1,5;0,2\n", "loading curve"),
+        ("Time/s;Normal force [mN];Disp / µm\n0;0,1;0\n", "loading curve"),
         ("time_s,force_N\n0,0\n", "force table"),
+        ("Time [s]\tLoad[mN]\n0\t0\n", "force table"),
+        ("X [µm];Y [µm]\n0;0\n", "outline"),
         ("x_mm,y_mm\n0,0\n", "outline"),
         ("file,load\nIMG_1,2\n", "table of files"),
         ("a,b\n1,2\n", "other"),
@@ -108,7 +111,7 @@ def test_a_name_says_more_than_pixels_that_are_in_doubt(tmp_path) -> None:
 )
 def test_tables_by_their_headers(tmp_path, text: str, content: str) -> None:
     path = tmp_path / "data.csv"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     assert identify_file(path).content == content
 
 

@@ -179,7 +179,12 @@ def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir: Pa
         (
             CLOCK,
             lambda folder: (folder / "force.csv").write_text("t,F\n1,2\n"),
-            "force.csv: no column time_s",
+            "force.csv: no column time_s or force_N",
+        ),
+        (
+            CLOCK + '\nforce_columns = { trigger = "TTL:V" }',
+            lambda folder: (folder / "force.csv").write_text("Time (s),F (mN),TTL\n1,2,0\n2,3,5\n"),
+            'force_columns = { trigger = "TTL:V", force = "F (mN):mN" }',
         ),
         (
             CLOCK,
@@ -208,6 +213,15 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(
         assert "It could not be measured" in write_report(result, study_dir / "out").read_text(
             encoding="utf-8"
         )
+
+
+def test_what_looks_wrong_in_a_force_table_is_noted(study_dir: Path) -> None:
+    rows = "\n".join(f"{k / RATE};{1000 * load:.3f};0" for k, load in enumerate(LOAD))
+    (study_dir / "force.csv").write_text(f"Time / s;Load [N];triger (V)\n{rows}\n".replace(".", ","))
+    result = run(study_dir, ("p", CLOCK + "\nregion_of_interest_px = [0, 0, 60, 60]"))
+    (note,) = result.notes
+    assert note.startswith("force.csv: column 'triger (V)' was not read; if it is the trigger: force_columns")
+    assert "loads up to 2000 N: is the force in millinewtons (force_mN)?" in result.sequences[0].summary.notes
 
 
 def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence) -> None:

@@ -286,12 +286,15 @@ def test_signal_without_a_run_or_a_readable_force(client, studies_folder):
         pytest.approx(0.55, abs=0.05),
         pytest.approx(0.75, abs=0.05),
     )
-    (studies_folder / "demo" / "synthetic" / "synthetic_press_30deg_force.csv").write_text(
-        "time_s,force_N\n0,x\n"
-    )
-    answer = client.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"})
-    assert answer.status_code == 422
-    assert "synthetic_press_30deg_force.csv" in answer.json()["error"]
+    for text, message in (
+        ("time_s,force_N\n0,x\n", "'x' is not a finite number"),
+        ("Time (s),F (mN)\n0,1\n", 'or say which they are: force_columns = { force = "F (mN):mN" }'),
+    ):
+        (studies_folder / "demo" / "synthetic" / "synthetic_press_30deg_force.csv").write_text(text)
+        answer = client.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"})
+        assert answer.status_code == 422
+        assert "synthetic_press_30deg_force.csv" in answer.json()["error"]
+        assert message in answer.json()["error"]
 
 
 def test_the_audit_of_the_published_tables_needs_no_study(standing):

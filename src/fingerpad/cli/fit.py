@@ -1,13 +1,24 @@
 """Fit one loading curve."""
 
 import math
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fingerpad._plausible import unit_doubts
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.cli.shared import AsJson, WedgeAngle, checked_pad, print_folder, print_json, require_positive
+from fingerpad.cli.shared import (
+    AsJson,
+    WedgeAngle,
+    checked_pad,
+    print_folder,
+    print_json,
+    print_note,
+    require_positive,
+)
 from fingerpad.exceptions import LoadingError
 
 if TYPE_CHECKING:
@@ -87,6 +98,8 @@ def fit(
     curve does not determine it. With --semi-axes-mm the curve is also fitted by the whole pad on a layer of
     tissue over bone, and compared with a half-space.
     """
+    from fingerpad._columns import columns_named_by
+    from fingerpad._loading_curve import unread_curve_columns
     from fingerpad.contact import PadGap
     from fingerpad.loading import Estimate, fit_layer_thickness, fit_loading_curve, read_loading_curve
 
@@ -95,7 +108,12 @@ def fit(
         "--stage-compliance-mm-per-n", stage_compliance_mm_per_n, stage_compliance_mm_per_n_std
     )
     delay = _given("--area-delay-s", area_delay_s, area_delay_s_std)
-    record = read_loading_curve(curve, _columns(column or []))
+    columns = _columns(column or [])
+    with columns_named_by(_column_flags):
+        record = read_loading_curve(curve, columns)
+    doubts = unit_doubts(record.load, record.indentation, record.area)
+    for note in (*doubts, *_unread(unread_curve_columns(curve, columns))):
+        print_note(note)
     found = fit_loading_curve(
         record,
         poisson_ratio=poisson_ratio,
@@ -163,6 +181,21 @@ def _thickness(text: str | None) -> float | None:
         raise LoadingError(f"--thickness-mm takes a thickness in mm or inf, found {text!r}") from None
 
 
+def _column_flags(columns: Mapping[str, str]) -> str:
+    """Return what to write after the command to have columns read."""
+    return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
+
+
+def _unread(columns: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield which columns were not read that look as if they should be."""
+    for name, found in columns.items():
+        for column in found:
+            yield (
+                f"column {column.rpartition(':')[0]!r} was not read; if it is the {name}: "
+                f"{_column_flags({name: column})}"
+            )
+
+
 def _loads(text: str) -> tuple[float, float]:
     try:
         low, high = map(float, text.split(","))
@@ -185,9 +218,13 @@ def _print_table(record: dict[str, Any]) -> None:
     """Print each number with its uncertainty and interval, or why it is not known."""
     names = [name.removesuffix("_std") for name in record if name.endswith("_std")]
     width = max(map(len, names))
+    reasons: dict[str, str] = {}
     for name in names:
         if record[name] is None:
-            typer.echo(f"{name:<{width}}  not known: {record['reasons'][name]}")
+            reason = record["reasons"][name].replace("or loading_radius", "or --radius-mm")
+            said = f"as {reasons[reason]}" if reason in reasons else reason
+            reasons.setdefault(reason, name)
+            typer.echo(f"{name:<{width}}  not known: {said}")
         else:
             low, high = record[f"{name}_ci95"]
             value = value_with_uncertainty(record[name], record[f"{name}_std"])

@@ -12,6 +12,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from fingerpad._json import dumps, plain
+from fingerpad._plausible import semi_axes_doubt
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError, GeometryError, is_interrupt, reason_of
 
@@ -22,7 +23,10 @@ AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON 
 
 # A pad on its wedge, and how it is pressed.
 SemiAxes: TypeAlias = Annotated[
-    tuple[float, float, float], typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.")
+    tuple[float, float, float],
+    typer.Option(
+        help="Palmar, distal and radial-ulnar semi-axes, mm: half of the finger's thickness and width."
+    ),
 ]
 WedgeAngle: TypeAlias = Annotated[
     float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
@@ -166,12 +170,19 @@ def print_error(text: str) -> None:
         typer.echo(f"fingerpad: {line}", err=True)
 
 
+def print_note(text: str) -> None:
+    """Print on stderr what looks wrong in the input."""
+    typer.echo(f"note: {text}", err=True)
+
+
 def checked_pad(semi_axes_mm: tuple[float, float, float]) -> "Ellipsoid":
     """Return the pad of ``--semi-axes-mm``, each of which must be positive."""
     from fingerpad.geometry import Ellipsoid
 
     for semi_axis in semi_axes_mm:
         require_positive("--semi-axes-mm", semi_axis)
+    if doubt := semi_axes_doubt(semi_axes_mm):
+        print_note(f"--semi-axes-mm: {doubt}")
     return Ellipsoid(*semi_axes_mm)
 
 

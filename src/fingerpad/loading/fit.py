@@ -273,11 +273,11 @@ def fit_loading_curve(
             notes=dict(compared.doubts),
             secant=secant_of(main),
             flags=(
+                *implausible(main, loading_radius, known=known),
                 *press.flags,
                 *doubts,
                 *compared.doubts,
                 *(("modulus_depends_on_load",) if grows else ()),
-                *implausible(main, loading_radius, known=known),
             ),
         )
 

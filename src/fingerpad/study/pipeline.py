@@ -2,16 +2,20 @@
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
+from fingerpad._columns import columns_in_toml
 from fingerpad._files import make_folder
-from fingerpad.exceptions import FingerpadError, ManifestError, StoreError
+from fingerpad._loading_curve import unread_curve_columns
+from fingerpad._plausible import MOST_N, semi_axes_doubt, unit_doubts
+from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
+from fingerpad.image.sequence.force_tables import unread_force_columns
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.items import image_of, on_another_image
 from fingerpad.study.corrections.log import CorrectionLog
@@ -23,6 +27,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import Task
 from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, drawn_for, measure_study
 from fingerpad.study.measuring.sequence_result import frames_beyond
 from fingerpad.study.measuring.sequences import corrected_frames
@@ -42,8 +47,6 @@ Draw: TypeAlias = Callable[[list[Task], Callable[[Task], None]], None]
 # Writes a report of a result into a folder, in which its tables and overlays are.
 ReportWriter: TypeAlias = Callable[[StudyResult, Path, Draw, Callable[[str], None]], object]
 
-# No finger pad is pressed with more.
-_MOST_N: Final = 100.0
 _REPLACED: Final = (
     f"{CORRECTIONS_NAME}: {{}} was corrected on another picture or force than is there now: look at it again"
 )
@@ -159,7 +162,8 @@ def run_study(
                     *second.notes,
                     *map(_DAMAGED.format, damaged),
                     *_notes(measured, log),
-                    *_unit_notes(study),
+                    *_unit_notes(study, measured.curves),
+                    *_column_notes(study, folder),
                 ),
                 executor=executor,
                 store=store,
@@ -219,16 +223,44 @@ def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
     yield from map(_NOT_THERE.format, frames_beyond(measured.sequences, context.active_corrections))
 
 
-def _unit_notes(study: Study) -> Iterator[str]:
-    """Yield which loads and angles look as if they were given in another unit."""
-    pressed = [one.name for one in study.observations if one.load_N > _MOST_N]
+def _unit_notes(study: Study, curves: Iterable[CurveResult]) -> Iterator[str]:
+    """Yield which lengths, loads and angles look as if they were given in another unit, or twice as large."""
+    for finger in study.fingers:
+        axes = finger.semi_axes_mm
+        if axes and (doubt := semi_axes_doubt((axes.palmar, axes.distal, axes.radial_ulnar))):
+            yield f"{finger.name}: semi_axes_mm: {doubt}"
+    for curve in curves:
+        if curve.curve is not None:
+            for doubt in unit_doubts(curve.curve.load, curve.curve.indentation, curve.curve.area):
+                yield f"{curve.manifest.file}: {doubt}"
+    pressed = [one.name for one in study.observations if one.load_N > MOST_N]
     if pressed:
-        yield f"{_first_of(pressed)}: more than {_MOST_N:g} N: load_N is in newtons, not millinewtons"
+        yield f"{_first_of(pressed)}: more than {MOST_N:g} N: load_N is in newtons, not millinewtons"
     placed = [
         one.name for one in (*study.observations, *study.sequences) if 0 < one.wedge_angle_deg < math.pi / 2
     ]
     if placed:
         yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
+
+
+def _column_notes(study: Study, folder: Path) -> Iterator[str]:
+    """Yield which columns of tables were not read that look as if they should be."""
+    tables: list[tuple[str | None, str, Callable[..., dict[str, list[str]]], Mapping[Any, str]]] = [
+        *((one.file, "file_columns", unread_curve_columns, one.file_columns) for one in study.curves),
+        *((one.force, "force_columns", unread_force_columns, one.force_columns) for one in study.sequences),
+    ]
+    for file, key, unread, named in tables:
+        columns = {str(name): column for name, column in named.items()}
+        try:
+            found = unread(folder / file, columns) if file else {}
+        except LoadingError:
+            continue  # its own result says so
+        for name, choices in found.items():
+            for column in choices:
+                yield (
+                    f"{file}: column {column.rpartition(':')[0]!r} was not read; if it is the {name}: "
+                    f"{columns_in_toml(key, {**columns, name: column})}"
+                )
 
 
 def _first_of(names: list[str]) -> str:

@@ -19,7 +19,7 @@ from fingerpad.cli.measure.flags import (
 )
 from fingerpad.cli.measure.records import print_if_exact, printed, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, print_folder, require_positive
+from fingerpad.cli.shared import AsJson, Exit, print_folder, print_note, require_positive
 from fingerpad.exceptions import CalibrationError, LoadingError
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ def measure_frames(
     The frames' clock starts at the trigger that the force signal holds, at --start-s, or where the force
     passes --contact-load-n; without any of them, at the force's own start. --times gives each frame its time.
     """
+    from fingerpad._columns import columns_named_by
     from fingerpad.image import (
         FrameResult,
         measure_sequence,
@@ -65,14 +66,20 @@ def measure_frames(
         sequence_summary,
         write_overlay,
     )
+    from fingerpad.image.sequence.force_tables import unread_force_columns
 
     if scale is None:
         raise CalibrationError(f"a sequence needs a scale: give {WAYS}")
     require_positive("--threshold", threshold)
     frames = open_frames(path)
-    signal = None if force is None else read_force_signal(force)
+    with columns_named_by(lambda _: ""):  # no flag of this command does
+        signal = None if force is None else read_force_signal(force)
     clock = _clock(frames.frames_per_second, frames_per_second, signal, start_s, contact_load_n, times)
     place = measurement_region(background, seed_px, mask, roi_px)
+    for name, found in ({} if force is None else unread_force_columns(force)).items():
+        for column in found:
+            title = column.rpartition(":")[0]
+            print_note(f"column {title!r} was not read; if it is the {name}, rename it in the first line")
     if overlay_dir is not None:
         make_folder(overlay_dir)
 
@@ -98,7 +105,7 @@ def measure_frames(
         print_if_exact(scale.mm_per_px_std)
     print_folder("Overlays", overlay_dir, as_json)
     for note in summary.notes:
-        typer.echo(f"note: {note}", err=True)
+        print_note(note)
     if summary.failed:
         raise typer.Exit(Exit.SOME_FAILED)
 

@@ -1,7 +1,5 @@
 """Semi-axes of the finger pad from outlines of its faces, and reading outlines and marks from files."""
 
-import csv
-import math
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -9,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray
-from fingerpad.exceptions import FitError, ImageError
+from fingerpad._columns import columns_named_by, read_columns
+from fingerpad.exceptions import FitError, ImageError, LoadingError
 from fingerpad.geometry.faces import Face
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph.faces import FaceSemiAxes, OutlineSemiAxes, combine_faces
@@ -104,7 +103,7 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
 
 
 def read_outline(path: str | PathLike[str]) -> FloatArray:
-    r"""Read outline points from a CSV file with the columns ``x_mm`` and ``y_mm``.
+    r"""Read outline points from a CSV file with columns like ``x_mm, y_mm`` or ``X [um], Y [um]``.
 
     Parameters
     ----------
@@ -132,7 +131,7 @@ def read_outline(path: str | PathLike[str]) -> FloatArray:
     array([[11.8,  0. ],
            [ 0. , 13.8]])
     """
-    return _read_points(Path(path), ("x_mm", "y_mm"))
+    return _read_points(Path(path), "x", "y")
 
 
 def read_marks(path: str | PathLike[str]) -> FloatArray:
@@ -163,41 +162,13 @@ def read_marks(path: str | PathLike[str]) -> FloatArray:
     array([[ 24., 200.],
            [300., 436.]])
     """
-    return _read_points(Path(path), ("row_px", "column_px"))
+    return _read_points(Path(path), "row", "column")
 
 
-def _read_points(path: Path, columns: tuple[str, str]) -> FloatArray:
-    titles = ",".join(columns)
+def _read_points(path: Path, first: str, second: str) -> FloatArray:
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.DictReader(file, skipinitialspace=True)
-            header = [name.strip() for name in reader.fieldnames or ()]
-            for column in columns:
-                if column not in header:
-                    raise ImageError(
-                        f"{path}: line 1: no column {column}, found {', '.join(header) or 'nothing'}: "
-                        f"begin the file with {titles}"
-                    )
-            reader.fieldnames = header
-            points = [
-                [_number(path, reader.line_num, column, row[column]) for column in columns] for row in reader
-            ]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ImageError(
-            f"{path}: cannot be read as points ({error}): give a CSV file with {titles}"
-        ) from error
-    if not points:
-        raise ImageError(f"{path}: holds no points: put one on each line below {titles}")
-    return np.asarray(points, dtype=np.float64)
-
-
-def _number(path: Path, line: int, column: str, text: str | None) -> float:
-    try:
-        value = float(text or "")
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ImageError(
-            f"{path}: line {line}: {column} must be a finite number, found {text!r}: correct or remove it"
-        )
-    return value
+        with columns_named_by(lambda _: ""):  # nothing else names them
+            found = read_columns(path, (first, second))
+    except LoadingError as error:
+        raise ImageError(str(error)) from error
+    return np.column_stack([found[first], found[second]])

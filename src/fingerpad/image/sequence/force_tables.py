@@ -7,16 +7,17 @@ from pathlib import Path
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad._columns import read_columns
+from fingerpad._columns import read_columns, unread_columns
 from fingerpad.exceptions import LoadingError
 from fingerpad.image.sequence.force import ForceSignal, FrameStamps
 
 # A signal that goes so many times further below zero than above has the wrong sign.
 _REVERSED = 2.0
+_REQUIRED, _OPTIONAL = ("time", "force"), ("trigger", "displacement")
 
 
 def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> ForceSignal:
-    r"""Read a force signal from a CSV file with columns like ``time_s, force_N``.
+    r"""Read a force signal from a CSV file with columns like ``time_s, force_N`` or ``Time (s), Load [mN]``.
 
     ``trigger_V`` and ``displacement_mm`` may stand beside them.
 
@@ -50,7 +51,7 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     array([0. , 0.5, 2. ])
     """
     path = Path(path)
-    found = read_columns(path, ("time", "force"), ("trigger", "displacement"), columns=columns)
+    found = read_columns(path, _REQUIRED, _OPTIONAL, columns=columns)
     try:
         signal = ForceSignal(
             found["time"], found["force"], found.get("trigger"), displacement=found.get("displacement")
@@ -68,6 +69,11 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     if signal.displacement is not None:
         _require_pressing(path, signal.load, signal.displacement)
     return signal
+
+
+def unread_force_columns(path: Path, columns: Mapping[str, str] | None = None) -> dict[str, list[str]]:
+    """Return the columns that `read_force_signal` leaves alone, and that may be a trigger or displacement."""
+    return unread_columns(path, (*_REQUIRED, *_OPTIONAL), columns)
 
 
 def _require_pressing(path: Path, load: FloatArray, displacement: FloatArray) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fingerpad._display import Displayed
+from fingerpad._plausible import unit_doubts
 from fingerpad.image.sequence.force import ForceSignal
 from fingerpad.image.sequence.phases import Phase
 
@@ -182,6 +183,8 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
     together = bool(areas) and max(loads) >= reach and _area_follows_load(loads, areas)
     if len(areas) >= _MIN_FRAMES_TO_COMPARE and not together:
         notes.append("area and force do not rise and fall together: check frame rate, trigger and force file")
+    if force is not None:
+        notes += unit_doubts(force.load, force.displacement)
     if counts["failed"]:
         notes.append(f"{counts['failed']} of {counts['all']} frames could not be read; first {reason}")
     return SequenceSummary(

@@ -91,7 +91,7 @@ def key_path(loc: Loc) -> str:
     >>> key_path(("photographs", 0, "scale", "coin"))
     'photographs[0].scale.coin'
     """
-    seen = (part for part in loc if part not in TAGS)
+    seen = (part for part in loc if part not in TAGS and part != "[key]")  # pydantic's, of a wrong key
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in seen).lstrip(".")
 
 

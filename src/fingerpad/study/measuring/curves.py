@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.contact import EllipsoidContact, PadGap, reduced_modulus
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
@@ -254,9 +255,10 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
     assert curve.file is not None  # what was found elsewhere is not fitted
     data = None
     try:
-        data = read_loading_curve(
-            folder / curve.file, {str(key): value for key, value in curve.file_columns.items()}
-        )
+        with columns_named_by(partial(columns_in_toml, "file_columns")):
+            data = read_loading_curve(
+                folder / curve.file, {str(key): value for key, value in curve.file_columns.items()}
+            )
         fit = fit_loading_curve(
             data,
             poisson_ratio=poisson_ratio,

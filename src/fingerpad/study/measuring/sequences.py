@@ -14,6 +14,7 @@ from typing import Final
 
 import numpy as np
 
+from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.exceptions import FingerpadError, LoadingError, StoreError, reason_of
 from fingerpad.image import (
     ForceSignal,
@@ -100,7 +101,8 @@ class OpenedSequence:
         )
         active = frame_corrections(context.active_corrections, sequence.name)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
-        force = read_force_signal(context.folder / sequence.force, columns)
+        with columns_named_by(partial(columns_in_toml, "force_columns")):
+            force = read_force_signal(context.folder / sequence.force, columns)
         return cls(
             sequence_images=SequenceImages(
                 sequence=sequence,

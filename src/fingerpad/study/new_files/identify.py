@@ -1,11 +1,13 @@
 """What a new file is, by its content and its name together."""
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
+from fingerpad._columns import NAMES
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames, read_colour_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
@@ -167,9 +169,9 @@ def _table_contents(path: Path) -> dict[Content, float]:
     has = {
         name: any(_begins(header, words) for header in headers)
         for name, words in {
-            "force": ("force", "load", "normal force", "fz", "w"),
-            "travel": ("displacement", "indentation", "travel", "position", "depth", "approach", "z"),
-            "time": ("time", "t"),
+            "force": (*NAMES["force"], "fz", "w"),
+            "travel": (*NAMES["displacement"], "travel", "position", "depth", "approach", "z"),
+            "time": NAMES["time"],
             "trigger": ("trigger", "ttl", "sync"),
             "x": ("x",),
             "y": ("y",),
@@ -192,7 +194,7 @@ def _table_contents(path: Path) -> dict[Content, float]:
 
 def _begins(header: str, words: Iterable[str]) -> bool:
     """Tell whether a header is one of the words, with or without a unit after it."""
-    return any(header == word or header.startswith((f"{word}_", f"{word} ", f"{word}(")) for word in words)
+    return any(re.match(rf"{word}(?=$|[_ ,/(\[])", header) for word in words)
 
 
 def _names_files(cells: list[list[str]], path: Path) -> bool:

@@ -1,5 +1,6 @@
 """The force of a sequence, beside what the last run measured on its frames."""
 
+from functools import partial
 from itertools import pairwise
 from typing import Annotated, Any, Final
 
@@ -7,6 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from fingerpad._arrays import FloatArray
+from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, read_force_signal
 from fingerpad.study.error_text import in_study
@@ -36,7 +38,8 @@ def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]
     sequence = opened.sequence(params.sequence)
     columns = {str(name): column for name, column in sequence.force_columns.items()}
     try:
-        force = read_force_signal(opened.folder / sequence.force, columns)
+        with columns_named_by(partial(columns_in_toml, "force_columns")):
+            force = read_force_signal(opened.folder / sequence.force, columns)
     except FingerpadError as error:
         raise RequestError.impossible(in_study(error, opened.folder)) from error
     found = last_results(opened)

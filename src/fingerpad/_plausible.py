@@ -1,0 +1,45 @@
+"""Input that no finger gives, and what it looks like: another unit, or widths in place of semi-axes."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:  # NumPy is slow to import, and a command says its help without it
+    from fingerpad._arrays import FloatArray
+
+MOST_N: Final = 100.0  # of a press with one finger
+_MOST_MM, _MOST_MM2 = 60.0, 3000.0  # of travel, and of contact
+# Half of a distal phalanx 30 mm across. Plausibility, no statistic: the pad of Dzidek et al. (2017) has 7.9
+# and 11.8 mm, and we know of no survey of pads; what is larger is noted, and measured all the same.
+_MOST_SEMI_AXIS_MM: Final = 15.0
+
+
+def semi_axes_doubt(semi_axes_mm: Sequence[float]) -> str:
+    """Return what palmar, distal and radial–ulnar semi-axes look like, empty where they can be a finger's.
+
+    Examples
+    --------
+    >>> semi_axes_doubt((7.9, 13.8, 11.8))
+    ''
+    >>> semi_axes_doubt((15.0, 28.4, 23.0))
+    'radial_ulnar 23 mm would be a finger 46 mm wide: are these full widths? Semi-axes are half of them'
+    """
+    palmar, _, radial_ulnar = semi_axes_mm
+    value, name, across = max((palmar, "palmar", "thick"), (radial_ulnar, "radial_ulnar", "wide"))
+    if value <= _MOST_SEMI_AXIS_MM:
+        return ""
+    return (
+        f"{name} {value:g} mm would be a finger {2 * value:g} mm {across}: are these full widths? Semi-axes "
+        "are half of them"
+    )
+
+
+def unit_doubts(
+    load: "FloatArray", displacement: "FloatArray | None" = None, area: "FloatArray | None" = None
+) -> Iterator[str]:
+    """Yield which quantities of one press, in N, mm and mm², look as if they were in another unit."""
+    if load.max() > MOST_N:
+        yield f"loads up to {load.max():.0f} N: is the force in millinewtons (force_mN)?"
+    if displacement is not None and (travel := displacement.max() - displacement.min()) > _MOST_MM:
+        yield f"a travel of {travel:.0f} mm: is the displacement in micrometres (displacement_um)?"
+    if area is not None and area.max() > _MOST_MM2:
+        yield f"areas up to {area.max():.0f} mm²: are they in another unit?"
