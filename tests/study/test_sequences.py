@@ -1,6 +1,7 @@
 """Sequences of presses in a study: frames become rows, few are pooled, and none is listed by the thousand."""
 
 import shutil
+import sqlite3
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
@@ -222,6 +223,24 @@ def test_what_looks_wrong_in_a_force_table_is_noted(study_dir: Path) -> None:
     (note,) = result.notes
     assert note.startswith("force.csv: column 'triger (V)' was not read; if it is the trigger: force_columns")
     assert "loads up to 2000 N: is the force in millinewtons (force_mN)?" in result.sequences[0].summary.notes
+
+
+@pytest.mark.parametrize("task", ["p", "p header", "p frames 0-28"])
+def test_a_damaged_part_is_measured_again_and_named(study_dir: Path, plain: StudyResult, task: str) -> None:
+    with sqlite3.connect(study_dir / "out" / STORE_NAME) as connection:
+        changed = connection.execute("UPDATE result SET seconds = -1 WHERE task = ?", (task,))
+        assert changed.rowcount == 1
+    result = run(study_dir, ("p", CLOCK))
+    assert list(result.rows) == list(plain.rows)
+    assert result.notes == (f"{STORE_NAME}: the stored result of {task} was damaged and is measured again",)
+
+
+def test_a_part_that_the_store_has_lost_is_measured_again(study_dir: Path, plain: StudyResult) -> None:
+    with Store.writing(study_dir / "out" / STORE_NAME) as store:
+        store.discard(["p frames 0-28"])
+    result = run(study_dir, ("p", CLOCK))
+    assert list(result.rows) == list(plain.rows)
+    assert result.notes == (f"{STORE_NAME}: the stored result of p was damaged and is measured again",)
 
 
 def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence) -> None:

@@ -27,6 +27,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
+from fingerpad.study.verify import verify_study
 
 # Angles known so well that few random draws check the uncertainty.
 MANIFEST = """
@@ -284,14 +285,19 @@ def test_status_writes_nothing(folder: Path, state: str) -> None:
         os.waitpid(pid, 0)
 
 
-def test_a_damaged_result_is_measured_again_and_named(folder: Path, rows: list[dict]) -> None:
+def spoil(folder: Path, task: str) -> None:
+    """Change a number of a stored result."""
     connection = sqlite3.connect(folder / "out" / STORE_NAME)
     change = """replace(record, '"semi_major_mm": 4', '"semi_major_mm": 6')"""
-    connection.execute(f"UPDATE result SET record = {change} WHERE task = 'o2'")
+    connection.execute(f"UPDATE result SET record = {change} WHERE task = ?", (task,))
     connection.commit()
     connection.close()
-    status = study_status(folder / "study.toml", folder / "out")
-    assert status.faults == (f"{STORE_NAME}: the stored result of o2 is damaged",)
+
+
+def test_a_damaged_result_is_measured_again_and_named(folder: Path, rows: list[dict]) -> None:
+    spoil(folder, "o2")
+    words = f"{STORE_NAME}: the stored result of o2 is damaged"
+    assert verify_study(folder / "study.toml", folder / "out").faults == (words,)
     reported: list[str] = []
     result = run_study(
         folder / "study.toml",
@@ -301,7 +307,19 @@ def test_a_damaged_result_is_measured_again_and_named(folder: Path, rows: list[d
     assert [one for one in reported if one.startswith("done")] == ["done o2"]
     assert list(result.rows) == rows
     assert result.notes == (f"{STORE_NAME}: the stored result of o2 was damaged and is measured again",)
-    assert study_status(folder / "study.toml", folder / "out").faults == ()
+    assert verify_study(folder / "study.toml", folder / "out").faults == ()
+
+
+def test_a_damaged_result_that_is_not_read_is_for_verify_to_find(folder: Path) -> None:
+    """A run reads what its study holds, not all that was ever stored."""
+    spoil(folder, "o3")
+    text = (folder / "study.toml").read_text()
+    (folder / "study.toml").write_text(text[: text.index('[[observations]]\nname = "o3"')])
+    (fault,) = verify_study(folder / "study.toml", folder / "out").faults
+    assert "the stored result of o3 is damaged" in fault
+    result = run_study(folder / "study.toml", folder / "out")
+    assert len(result.rows) == COUNT - 1
+    assert result.notes == ()
 
 
 def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path, rows: list[dict]) -> None:

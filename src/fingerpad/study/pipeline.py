@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
 from functools import partial
@@ -23,12 +23,12 @@ from fingerpad.study.engine.executors import Executor, executor_for, local_execu
 from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.study.engine.progress import Progress
 from fingerpad.study.engine.runner import records_of
-from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
 from fingerpad.study.engine.task import Task
 from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.run import Measured, drawn_for, measure_study
+from fingerpad.study.measuring.run import Measured, drawn_for, item_of, measure_study
 from fingerpad.study.measuring.sequence_result import frames_beyond
 from fingerpad.study.measuring.sequences import corrected_frames
 from fingerpad.study.results.output import write_tables
@@ -144,35 +144,49 @@ def run_study(
     make_folder(out)
     with Store.writing(out / STORE_NAME) as store:
         put_in_place(store)
-        damaged = store.damaged()
-        store.discard(None if force else damaged)
+        if force:
+            store.discard()
         context = replace(
             RunContext.of(study, folder, log.active_corrections(), store),
             second_operator=second.active_corrections(),
         )
         origin = provenance(inputs, lambda name: context.digest(folder / name))
         _require_as_read(parsed, origin["inputs_sha256"])
-        with executor_for(manifest, workers, scheduler, limits) as executor:
-            measured = measure_study(context, store, executor, on_progress)
-            result = result_of(
-                measured,
-                origin={**origin, "limits_per_picture": asdict(limits)},
-                notes=(
-                    *log.notes,
-                    *second.notes,
-                    *map(_DAMAGED.format, damaged),
-                    *_notes(measured, log),
-                    *_unit_notes(study, measured.curves),
-                    *_column_notes(study, folder),
-                ),
-                executor=executor,
-                store=store,
-                on_check=lambda name: on_progress(replace(measured.progress, item=name, status="checked")),
+
+        def measure_and_write(damaged: Sequence[str] = ()) -> StudyResult:
+            """Do what is left to do, with the stored results that were damaged named in the notes."""
+            with executor_for(manifest, workers, scheduler, limits) as executor:
+                measured = measure_study(context, store, executor, on_progress)
+                result = result_of(
+                    measured,
+                    origin={**origin, "limits_per_picture": asdict(limits)},
+                    notes=(
+                        *log.notes,
+                        *second.notes,
+                        *map(_DAMAGED.format, damaged),
+                        *_notes(measured, log),
+                        *_unit_notes(study, measured.curves),
+                        *_column_notes(study, folder),
+                    ),
+                    executor=executor,
+                    store=store,
+                    on_check=lambda name: on_progress(
+                        replace(measured.progress, item=name, status="checked")
+                    ),
+                )
+            _require_unchanged(study, folder, store)
+            draw_in = partial(local_executor, workers=workers, limits=limits)
+            _write_results(
+                result, measured, store, draw_in, write_report=write_report, on_progress=on_progress
             )
-        _require_unchanged(study, folder, store)
-        draw_in = partial(local_executor, workers=workers, limits=limits)
-        _write_results(result, measured, store, draw_in, write_report=write_report, on_progress=on_progress)
-        return result
+            return result
+
+        try:
+            return measure_and_write()
+        except DamagedResultError as error:  # found on reading: where one is damaged there may be more
+            damaged = store.damaged() or [error.task]
+            store.discard([*damaged, *map(item_of, damaged)])  # an item is measured again with its part
+            return measure_and_write(damaged)
 
 
 def _write_results(

@@ -10,7 +10,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.manifest import Finger, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import photograph_item
-from fingerpad.study.measuring.run import items_of
+from fingerpad.study.measuring.run import item_of, items_of
 from fingerpad.study.measuring.sequence_header import frame_count
 from fingerpad.study.results.result_set import result_set_faults
 
@@ -35,7 +35,7 @@ class Status:
     failed_items : tuple of str
         Names of the failed.
     faults : tuple of str
-        What is wrong with the stored and the written results, each naming its file or item.
+        What is wrong with the files of the last run, each naming its file.
     """
 
     done: int
@@ -95,8 +95,7 @@ def study_status(manifest: Path, out: Path) -> Status:
             pictures[state] += frame_count(sequences[name], context) if name in sequences else 1
             if state == "left":
                 pictures[state] -= sum(part.count for part in parts)
-        damaged = [f"{STORE_NAME}: the stored result of {task} is damaged" for task in store.damaged()]
-        faults = (*damaged, *result_set_faults(out, store.digest))
+        faults = tuple(result_set_faults(out, store.digest))
     seen = sum(status.count for status in statuses.values())
     usual = sum(status.seconds for status in statuses.values()) / seen if seen else None
     coming = {name: None if usual is None else usual * pictures[name] for name in ("stale", "left")}
@@ -155,8 +154,8 @@ def semi_axes_state(finger: Finger, states: Mapping[str, str], record: Mapping[s
 
 
 def _by_item(statuses: Mapping[str, TaskStatus]) -> dict[str, list[TaskStatus]]:
-    """Return the statuses of each item: of a sequence its own and its pieces', separated by a blank."""
+    """Return the statuses of each item: of a sequence its own and its pieces'."""
     found: dict[str, list[TaskStatus]] = {}
     for task, status in statuses.items():
-        found.setdefault(task if "/" in task else task.partition(" ")[0], []).append(status)
+        found.setdefault(item_of(task), []).append(status)
     return found

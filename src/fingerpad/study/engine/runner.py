@@ -138,7 +138,7 @@ def records_of(
     KeyboardInterrupt
         After an interrupt.
     StoreError
-        If records cannot be stored.
+        If records cannot be stored, or one that is stored is damaged.
     """
     statuses = store.statuses()
     records: dict[str, Record] = {}

@@ -56,6 +56,14 @@ PRAGMA user_version={FORMAT};
 _AWAY: Final = "move it away and run again, which measures everything again"
 
 
+class DamagedResultError(StoreError):
+    """A stored result, that of `task`, is not what was written."""
+
+    def __init__(self, path: Path, task: str) -> None:
+        super().__init__(f"{path}: the stored result of {task} is damaged: {_AWAY}")
+        self.task = task
+
+
 @dataclass(frozen=True, slots=True)
 class TaskStatus:
     """What is known of a task without its result.
@@ -193,12 +201,20 @@ class Store:
         return found
 
     def record(self, task: str, key: str) -> dict[str, Any] | None:
-        """Return the result of a task; None where there is none with this key, or it is damaged."""
+        """Return the result of a task; None where there is none with this key.
+
+        Raises
+        ------
+        DamagedResultError
+            If it is not what was written.
+        """
         query = "SELECT * FROM result WHERE task = ? AND key = ?"
         with _plain_errors(self.path):
             row = self._connection.execute(query, (task, key)).fetchone()
-        if row is None or not _is_intact(row):
+        if row is None:
             return None
+        if not _is_intact(row):
+            raise DamagedResultError(self.path, task)
         found: dict[str, Any] = json.loads(row[-2])
         return found
 

@@ -180,6 +180,11 @@ def items_of(context: RunContext) -> Iterator[tuple[str, Callable[[], str]]]:
         yield sequence.name, partial(sequence_key, sequence, context)
 
 
+def item_of(task: str) -> str:
+    """Return the item to which a task belongs, by its name: of a piece of a sequence, the sequence."""
+    return task if "/" in task else task.partition(" ")[0]
+
+
 def drawn_for(context: RunContext, store: Store) -> Iterator[tuple[str, str]]:
     """Yield the overlays that belong to the study as it is, by name, each with its digest."""
     statuses = store.statuses()

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from fingerpad.image import open_frames
+from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
@@ -38,5 +39,8 @@ def _header(path: str, folder: Path, _out: Path) -> Record:
 def frame_count(sequence: ContactSequence, context: RunContext) -> int:
     """Return the number of frames of a sequence; 1 if it has not been opened, or cannot be."""
     header = header_task(sequence, context)
-    record = context.record(header.name, header.key)
+    try:
+        record = context.record(header.name, header.key)
+    except DamagedResultError:
+        record = None
     return 1 if record is None or "header" not in record else int(record["header"]["count"])

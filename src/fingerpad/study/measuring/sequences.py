@@ -7,6 +7,7 @@ by it.
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -33,6 +34,7 @@ from fingerpad.study.corrections.apply import ManualPhases, contact_correction, 
 from fingerpad.study.corrections.history import ActiveCorrection, phases_item
 from fingerpad.study.corrections.items import frames_of
 from fingerpad.study.corrections.key_frames import frame_corrections, frame_edits
+from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
@@ -336,7 +338,8 @@ def corrected_frames(sequences: Iterable[SequenceResult], context: RunContext) -
         name = sequence.manifest.name
         active = frames_of(context.active_corrections, name)
         if sequence.reason is None and active:
-            digests = OpenedSequence.open(sequence.manifest, context).digests(active)
+            with _all_stored(name, context):
+                digests = OpenedSequence.open(sequence.manifest, context).digests(active)
             found |= {f"{name}#{frame}": digests.get(frame, "") for frame in active}
     return found
 
@@ -347,7 +350,18 @@ def sequence_measurements(result: SequenceResult, context: RunContext) -> Iterat
     if result.reason is not None:
         yield Measurement(observation=name, reason=result.reason, sequence=name)
         return
-    yield from OpenedSequence.open(result.manifest, context).measurements()
+    with _all_stored(name, context):
+        yield from OpenedSequence.open(result.manifest, context).measurements()
+
+
+@contextmanager
+def _all_stored(name: str, context: RunContext) -> Iterator[None]:
+    """Raise `DamagedResultError` where the store has lost a part of a sequence that it holds as measured."""
+    try:
+        yield
+    except ChangedError:
+        assert context.store is not None  # it holds the sequence
+        raise DamagedResultError(context.store.path, name) from None
 
 
 def _good(context: RunContext, task: str, key: str) -> Record:
