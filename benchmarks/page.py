@@ -52,10 +52,10 @@ def write_study(folder: Path) -> None:
         '[[fingers]]\nname = "a"\nsemi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }',
         "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }",
         f'[[fingers]]\nname = "b"\nphotographs = [{faces}]',
-        f'[[observations]]\nname = "one"\n{contact}image = "one.png"\nscale = "one"',
+        f'[[observations]]\nname = "one"\n{contact}file = "one.png"\nscale = "one"',
     ]
     text += [
-        f'[[observations]]\nname = "f{number}"\n{contact}image = "frames/{number}.png"\nscale = "small"'
+        f'[[observations]]\nname = "f{number}"\n{contact}file = "frames/{number}.png"\nscale = "small"'
         for number in range(PICTURES)
     ]
     (folder / "study.toml").write_text("\n".join(text), encoding="utf-8")

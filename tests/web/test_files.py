@@ -1,6 +1,8 @@
 """Uploads, imports and downloads."""
 
+import errno
 import io
+import os
 import stat
 import struct
 import zipfile
@@ -175,6 +177,21 @@ def test_a_removed_file_is_restored(client, studies_folder):
         assert (studies_folder / "demo" / name).read_bytes() == png(level=level)
     assert restore(removed[0]).status_code == 404
     assert not [path for path in (studies_folder / "demo/.removed").rglob("*") if path.is_file()]
+
+
+def test_files_are_kept_and_restored_where_there_are_no_hard_links(client, studies_folder, monkeypatch):
+    def refuse(*_):
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", refuse)
+    names = [upload(client, "a.png", png(level=level)).json()["file"] for level in (1, 2, 1)]
+    assert names == ["uploads/a.png", "uploads/a-2.png", "uploads/a.png"]
+    removed = client.request("DELETE", "/api/files", json={"file": "uploads/a.png"}).json()["removed"]
+    assert upload(client, "a.png", png(level=3)).json()["file"] == "uploads/a.png"
+    restored = client.post("/api/files/restore", json={"removed": removed}).json()["restored"]
+    assert restored not in {"uploads/a.png", "uploads/a-2.png"}
+    for name, level in (("uploads/a.png", 3), ("uploads/a-2.png", 2), (restored, 1)):
+        assert (studies_folder / "demo" / name).read_bytes() == png(level=level)
 
 
 def test_a_removed_frame_is_restored_to_its_sequence(client, studies_folder):

@@ -559,3 +559,49 @@ def test_inconsistent_results_are_named(finished_client, finished):
     run_of(finished_client)
     results = finished_client.get("/api/study").json()["results"]
     assert (results["faults"], results["there"]) == ([], True)
+
+
+def test_the_state_does_not_check_the_results_again(done, monkeypatch):
+    """Whatever the number of fingers and sequences, whose state is from them."""
+    before = done.get("/api/study").json()
+    connect, connected = sqlite3.connect, []
+
+    def counted(*args, **options):
+        connected.append(args)
+        return connect(*args, **options)
+
+    monkeypatch.setattr(sqlite3, "connect", counted)
+    assert done.get("/api/study").json() == before
+    assert before["results"]["there"]
+    assert len(connected) == 1  # for the state of each item
+
+
+def test_a_file_that_was_changed_after_the_run_is_not_handed_out(finished_client, finished):
+    report = finished / "results" / "report.html"
+    assert finished_client.get("/api/download/report.html").status_code == 200
+    with report.open("a") as file:
+        file.write("<p>other</p>")
+    answer = finished_client.get("/api/download/report.html")
+    assert answer.status_code == 409
+    assert answer.json()["error"].startswith(
+        "report.html: is not the file that the last run wrote: run the study"
+    )
+
+
+def test_a_lost_result_is_named_at_once(finished_client, finished):
+    assert finished_client.get("/api/study").json()["results"]["faults"] == []
+    (finished / "results" / "summary.json").unlink()
+    assert finished_client.get("/api/study").json()["results"]["faults"] == [
+        "summary.json: is missing or cannot be read"
+    ]
+
+
+def test_results_without_a_row_can_be_searched(study):
+    manifest = study / "study.toml"
+    manifest.write_text(manifest.read_text().partition("[[observations]]")[0])
+    run_study(manifest, study / "results")
+    with client_of(study) as client:
+        for query in ({"text": "a"}, {"flag": "low_contrast"}):
+            answer = client.get("/api/results/rows", params=query)
+            assert answer.status_code == 200, answer.text
+            assert answer.json()["rows"] == []

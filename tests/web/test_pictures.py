@@ -1,6 +1,7 @@
 """The cache of pictures: what is kept, and up to what size."""
 
 import threading
+import time
 
 import pytest
 
@@ -80,3 +81,42 @@ def test_two_that_ask_at_once_share_one_value():
     for thread in threads:
         thread.join()
     assert len(made) == 1
+
+
+def test_a_value_is_made_once_though_the_first_who_made_it_failed():
+    cache, made = Cache(10, len), []
+    failing, fail, making, finish = (threading.Event() for _ in range(4))
+
+    def fail_when_told():
+        failing.set()
+        assert fail.wait(60)
+        raise ValueError("as told")
+
+    def make_when_told():
+        made.append("a")
+        making.set()
+        assert finish.wait(60)
+        return bytes(4)
+
+    def ask_and_fail():
+        with pytest.raises(ValueError, match="as told"):
+            cache.get("a", fail_when_told)
+
+    first = threading.Thread(target=ask_and_fail)
+    first.start()
+    assert failing.wait(60)
+    second = threading.Thread(target=cache.get, args=("a", make_when_told))
+    second.start()
+    time.sleep(0.2)  # until it waits for the first
+    fail.set()
+    assert making.wait(60)
+    third = threading.Thread(target=cache.get, args=("a", make_when_told))
+    third.start()
+    time.sleep(0.2)
+    finish.set()
+    for thread in (first, second, third):
+        thread.join()
+    assert made == ["a"]
+    cache.get("b", lambda: bytes(6))  # together they fit to the last byte
+    cache.get("a", make_when_told)
+    assert made == ["a"]

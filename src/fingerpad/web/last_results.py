@@ -10,11 +10,19 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.manifest.tables import Length
 from fingerpad.study.measuring.fingers import FingerResult, finger_result, stated
-from fingerpad.study.results.result_set import RERUN, quick_faults
+from fingerpad.study.results.result_set import (
+    RERUN,
+    quick_faults,
+    result_files,
+    result_set_faults,
+    result_set_stamp,
+)
 from fingerpad.study.results.results_reader import read_summary, read_table
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey
 from fingerpad.study.results.table import ResultsTable, Row
 from fingerpad.web.answers.results import BudgetCheck, ModelCheck, ModelHeadline
+from fingerpad.web.errors import RequestError
+from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
 
 _Triple: TypeAlias = Annotated[list[float | None], Field(min_length=3, max_length=3)]
@@ -161,52 +169,66 @@ class Results:
         return self.table[int(places[0])] if places.size else None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Reading:
+    """What reading the results of a run gave: tables, or what is wrong."""
+
+    results: Results | None
+    faults: tuple[str, ...]
+
+
 # Results kept, of studies that are open in several windows.
-_MOST_READ: Final = 3
-_READ: dict[Path, tuple[object, Results | str]] = {}
+_READ: Final[Cache[_Reading]] = Cache(3, lambda _: 1)
 
 
 def last_results(opened: StudySession) -> Results | None:
     """Return the tables of the last run, None if there are none or they are damaged."""
-    found = _read(opened.out)
-    return found if isinstance(found, Results) and not results_faults(opened) else None
+    return _reading(opened.out).results
 
 
 def last_headlines(opened: StudySession, placement: PlacementKey) -> dict[str, dict[str, Any]]:
-    """Return results with a verdict of the last run, by column; none where it has no such placement.
-
-    They stand in summary.json alone: each step of a drag asks for them, and other files are not looked at.
-    """
-    found = _read(opened.out)
-    for one in found.summary["summaries"] if isinstance(found, Results) else ():
+    """Return results with a verdict of the last run, by column; none where it has no such placement."""
+    found = last_results(opened)
+    for one in found.summary["summaries"] if found else ():
         if tuple(one[name] for name in PLACEMENT) == placement:
             return dict(one["validity"]["headlines"])
     return {}
 
 
 def results_faults(opened: StudySession) -> list[str]:
-    """Return what is wrong with the files of the last run, except overlays."""
-    faults = quick_faults(opened.out, lambda name: not name.startswith("overlays/"))
-    found = _read(opened.out)
-    return faults or ([found] if isinstance(found, str) else [])
+    """Return what was wrong with the files of the last run, except overlays, when its tables were read.
+
+    A file that was changed in place later is named by what reads it, and by ``fingerpad verify``.
+    """
+    return list(_reading(opened.out).faults)
 
 
-def _read(out: Path) -> Results | str | None:
-    """Return the tables in a folder, or what is wrong with them; read again if they have changed."""
-    paths = [out / name for name in ("results.csv", "summary.json")]
+def _reading(out: Path) -> _Reading:
+    """Return the results in a folder, checked and read once for each result set."""
+    return _READ.get((out, result_set_stamp(out)), lambda: _read(out))
+
+
+def _read(out: Path) -> _Reading:
+    faults = quick_faults(out, lambda name: not name.startswith("overlays/"))
+    if faults or not result_files(out):
+        return _Reading(results=None, faults=tuple(faults))
     try:
-        stamp = [(status.st_mtime_ns, status.st_size) for status in (path.stat() for path in paths)]
-        known = _READ.get(out)
-        if known is None or known[0] != stamp:
-            known = (stamp, Results.read(out))
-    except OSError:
-        return None
+        return _Reading(results=Results.read(out), faults=())
     except FingerpadError as error:
-        known = (stamp, str(error).removesuffix(f"; {RERUN}"))
-    while len(_READ) >= _MOST_READ:
-        _READ.pop(next(iter(_READ)), None)
-    _READ[out] = known
-    return known[1]
+        return _Reading(results=None, faults=(str(error).removesuffix(f"; {RERUN}"),))
+
+
+def require_file(opened: StudySession, name: str) -> None:
+    """Refuse a file of the results that is not what the last run wrote.
+
+    Raises
+    ------
+    RequestError
+        Naming it.
+    """
+    faults = result_set_faults(opened.out, is_checked=lambda one: one == name)
+    if faults:
+        raise RequestError.conflict(f"{'; '.join(faults)}: {RERUN}")
 
 
 def known_finger(opened: StudySession, name: str) -> FingerResult | None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from threading import Lock, RLock
+from threading import Event, Lock, RLock
 from typing import Any, Final, Generic, TypeVar
 
 import cv2
@@ -76,31 +76,33 @@ class Cache(Generic[Kept]):
     def __init__(self, limit: int, size: Callable[[Kept], int]) -> None:
         self._limit, self._size = limit, size
         self._kept: OrderedDict[Hashable, Kept] = OrderedDict()
-        self._making: dict[Hashable, Lock] = {}
+        self._making: dict[Hashable, Event] = {}
         self._total, self._lock = 0, Lock()
 
     def get(self, key: Hashable, make: Callable[[], Kept]) -> Kept:
         """Return the value of `key`, made now unless it is cached."""
-        with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                return self._kept[key]
-            making = self._making.setdefault(key, Lock())
-        with making:
+        while True:
             with self._lock:
                 if key in self._kept:
+                    self._kept.move_to_end(key)
                     return self._kept[key]
-            try:
-                value = make()
-            finally:
-                with self._lock:
-                    self._making.pop(key, None)
+                made = self._making.get(key)
+                if made is None:  # this thread makes it
+                    made = self._making[key] = Event()
+                    break
+            made.wait()  # another makes it, or fails
+        try:
+            value = make()
             with self._lock:
                 self._kept[key] = value
                 self._total += self._size(value)
                 while self._total > self._limit and len(self._kept) > 1:
                     self._total -= self._size(self._kept.popitem(last=False)[1])
             return value
+        finally:
+            with self._lock:
+                del self._making[key]
+            made.set()
 
 
 class Pictures:

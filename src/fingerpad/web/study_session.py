@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path, PurePosixPath
 from threading import Lock
-from typing import Any, Final, TypeVar
+from typing import Any, Final, TypeAlias, TypeVar
 from urllib.parse import quote
 
 from fingerpad._files import digest_of
@@ -29,7 +29,7 @@ from fingerpad.study.manifest import (
 )
 from fingerpad.study.manifest.check import Table
 from fingerpad.study.manifest.files import file_inside
-from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.manifest.load import STUDY_NAME, is_as_read
 from fingerpad.study.manifest.tables import ManifestModel
 from fingerpad.study.manifest.validation import Fault, validated
 from fingerpad.web.errors import RequestError
@@ -44,6 +44,8 @@ _TIMEOUT_S: Final = 30.0
 # A finger, or a file, that no table states.
 NO_TABLE: Final = "none"
 Drafted = TypeVar("Drafted", bound=ManifestModel)
+# Files and folders, each with what changes with it; None where it is not there.
+Stamps: TypeAlias = dict[Path, tuple[int, int, int] | None]
 _OWN: Final = frozenset((STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_NAME))
 
 
@@ -74,8 +76,8 @@ class StudySession:
         self.second_operator = CorrectionLog(folder, SECOND_OPERATOR_NAME)
         self._counts: Cache[int] = Cache(10_000, lambda _: 1)
         self._digests: Cache[str] = Cache(10_000, lambda _: 1)
-        self._read: tuple[object, LoadedStudy, list[Missing]] | None = None
-        self._folders: tuple[Path, ...] = ()
+        self._read: tuple[Stamps, LoadedStudy, list[Missing]] | None = None
+        self._sheet: Path | None = None
         self._lock = Lock()
 
     @property
@@ -116,17 +118,27 @@ class StudySession:
 
     def _loaded(self) -> tuple[LoadedStudy, list[Missing]]:
         with self._lock:
-            if self._read is None or self._read[0] != self._stamp_with(self._read[1]):
-                loaded = self._load()
-                self.files()
-                self._read = (self._stamp_with(loaded), loaded, missing(loaded))
+            if self._read is None or not _unchanged(self._read[0]):
+                self._read = self._read_now()
             return self._read[1:]
 
-    def _stamp_with(self, loaded: LoadedStudy) -> object:
-        """Return a stamp that changes with the manifest and with the list of files."""
+    def _read_now(self) -> tuple[Stamps, LoadedStudy, list[Missing]]:
+        """Return the study as it is, stamped first: what is saved meanwhile is read the next time."""
+        while True:
+            stamps = self._stamps()
+            loaded = self._load()
+            self._keep_sheet(loaded)
+            if self._sheet is None or self._sheet in stamps:
+                return stamps, loaded, missing(loaded)
+
+    def _keep_sheet(self, loaded: LoadedStudy) -> None:
         sheet = loaded.study.observations_csv
-        names = [STUDY_NAME, *([sheet] if sheet is not None else [])]
-        return [_stamp_of(path) for path in (*(self.folder / name for name in names), *self._folders)]
+        self._sheet = None if sheet is None else self.folder / sheet
+
+    def _stamps(self) -> Stamps:
+        """Return the stamps of all that tells what the study is."""
+        named = (self.folder / STUDY_NAME, self._sheet)
+        return self._scanned()[1] | {path: _stamp_of(path) for path in named if path is not None}
 
     def _load(self) -> LoadedStudy:
         """Return the study; one without anything in it where the manifest cannot be read."""
@@ -142,9 +154,12 @@ class StudySession:
 
     def change(self, edits: Sequence[Edit], expected: str) -> None:
         """Change the manifest: all edits or none."""
-        change_study(self.folder, edits, expected=expected)
+        changed = change_study(self.folder, edits, expected=expected, before=self.read())
         with self._lock:
-            self._read = None
+            self._keep_sheet(changed)
+            stamps = self._stamps()
+            # What was written need not be read again, unless someone has changed it meanwhile.
+            self._read = (stamps, changed, missing(changed)) if is_as_read(changed) else None
 
     def with_incomplete(self) -> Study:
         """Return the study with the names of what is incomplete too, whose corrections are kept as well."""
@@ -286,11 +301,16 @@ class StudySession:
 
     def files(self) -> dict[str, os.stat_result]:
         """Return all files of the study folder except results, by their relative names."""
+        return dict(sorted(self._scanned()[0].items()))
+
+    def _scanned(self) -> tuple[dict[str, os.stat_result], Stamps]:
+        """Return these files, and the folders that hold them with their stamps."""
         found: dict[str, os.stat_result] = {}
-        folders: list[Path] = []
+        folders: Stamps = {}
         waiting = [self.folder]
         while waiting and len(found) < _MOST_FILES:
-            folders.append(here := waiting.pop())
+            here = waiting.pop()
+            folders[here] = _stamp_of(here)
             for entry in _entries(here):
                 if entry.is_dir(follow_symlinks=False):
                     if not _is_of_a_run(Path(entry.path), self.out):
@@ -299,8 +319,7 @@ class StudySession:
                     name = Path(entry.path).relative_to(self.folder).as_posix()
                     if name not in _OWN:
                         found[name] = entry.stat(follow_symlinks=False)
-        self._folders = tuple(folders)
-        return dict(sorted(found.items()))
+        return found, folders
 
     def file(self, name: str) -> Path:
         """Return the path of a file of the study, if it is one."""
@@ -335,6 +354,10 @@ def table_content(table: Table) -> dict[str, Any]:
     if table.model is None or not table.complete:
         return table.content
     return table.model.model_dump(mode="json", exclude_unset=True)
+
+
+def _unchanged(stamps: Stamps) -> bool:
+    return all(_stamp_of(path) == stamp for path, stamp in stamps.items())
 
 
 def _stamp_of(path: Path) -> tuple[int, int, int] | None:

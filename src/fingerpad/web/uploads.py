@@ -109,13 +109,12 @@ def placed(path: Path, target: Path, digest: str | None = None) -> Path:
     for number in count(1):
         free = target if number == 1 else target.with_stem(f"{target.stem}-{number}")
         try:
-            os.link(path, free)  # unlike a renaming, it never puts one file in the place of another
+            free.touch(exist_ok=False)  # takes the name: the renaming replaces no file of anyone else
         except FileExistsError:
             if digest is not None and sha256_of(free) == digest:
                 return free
         else:
-            path.unlink()
-            return free
+            return path.replace(free)
     raise AssertionError
 
 

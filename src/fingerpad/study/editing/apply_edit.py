@@ -1,6 +1,6 @@
 """One edit made in the documents of a study: a table added, changed, renamed or removed."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -40,6 +40,16 @@ class Edit:
     kind: Kind
     key: str
     set: Mapping[str, Any] | None
+
+
+def tables_of(edits: Iterable[Edit]) -> set[str] | None:
+    """Return the names of tables in lists that edits look at; None where one may look at all."""
+    names: set[str] = set()
+    for edit in edits:
+        if edit.kind in {"scale", "finger"} and (edit.set or {}).get("name", edit.key) != edit.key:
+            return None  # whoever refers to it is changed too
+        names.add(edit.key.partition("/")[0] if edit.kind == "photograph" else edit.key)
+    return names
 
 
 def apply_edit(files: StudyFiles, edit: Edit) -> None:

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,10 +11,11 @@ from tomlkit.exceptions import TOMLKitError
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.atomic_files import read_text_or_none
+from fingerpad.study.editing.folded import folded, unfolded
 from fingerpad.study.journal import replace_files
 from fingerpad.study.manifest.check import SECTIONS
 from fingerpad.study.manifest.files import file_inside
-from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, checked_study, load_study
+from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, checked_study, is_as_read, load_study
 from fingerpad.study.manifest.sheet import Sheet
 
 _FIRST_TABLE: Final = re.compile(r"^\s*\[", re.MULTILINE)
@@ -34,8 +36,17 @@ class StudyFiles:
         The spreadsheet of observations.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, kept: Collection[str] | None, before: LoadedStudy | None = None) -> None:
         """Read the files of a study.
+
+        Parameters
+        ----------
+        folder : Path
+            The study folder.
+        kept : collection of str or None
+            Names of the tables in lists that are needed, None for all.
+        before : LoadedStudy or None
+            The study as it was read last, which is not read again if its files are the same.
 
         Raises
         ------
@@ -43,9 +54,11 @@ class StudyFiles:
             If there is none, or it is not made of tables.
         """
         self.folder = folder
-        self.before = load_study(folder / STUDY_NAME)
+        self.before = before if before is not None and is_as_read(before) else load_study(folder / STUDY_NAME)
+        text = read_text_or_none(folder / STUDY_NAME) or ""
+        text, self._left_out = (text, {}) if kept is None else folded(text, kept)
         try:
-            self.manifest: Any = tomlkit.parse(read_text_or_none(folder / STUDY_NAME) or "")
+            self.manifest: Any = tomlkit.parse(text)
         except TOMLKitError as error:
             raise ManifestError(f"{STUDY_NAME}: not valid TOML: {error}") from error
         self.sheet: Sheet | None = None
@@ -56,7 +69,7 @@ class StudyFiles:
 
     def _written(self) -> dict[str, str]:
         sheet = {} if self.sheet is None else {self.sheet.name: self.sheet.text()}
-        return {STUDY_NAME: tomlkit.dumps(self.manifest), **sheet}
+        return {STUDY_NAME: unfolded(tomlkit.dumps(self.manifest), self._left_out), **sheet}
 
     def write(self) -> LoadedStudy:
         """Put the changed files in place of the old ones, all or none, and return the study after it.

@@ -11,7 +11,7 @@ import tomlkit
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.atomic_files import locked
-from fingerpad.study.editing.apply_edit import Edit, apply_edit
+from fingerpad.study.editing.apply_edit import Edit, apply_edit, tables_of
 from fingerpad.study.editing.documents import StudyFiles
 from fingerpad.study.editing.template import manifest_files
 from fingerpad.study.journal import LOCK_NAME, complete, replace_files
@@ -45,7 +45,9 @@ def create_study(folder: Path, title: str) -> LoadedStudy:
     return load_study(folder / STUDY_NAME)
 
 
-def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> LoadedStudy:
+def change_study(
+    folder: Path, edits: Sequence[Edit], *, expected: str, before: LoadedStudy | None = None
+) -> LoadedStudy:
     """Change a study: all edits or none.
 
     Parameters
@@ -56,6 +58,8 @@ def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> Loade
         In order.
     expected : str
         `LoadedStudy.digest` as the author last saw it.
+    before : LoadedStudy or None
+        The study as it was read last, which is not read again if its files are the same.
 
     Returns
     -------
@@ -73,7 +77,7 @@ def change_study(folder: Path, edits: Sequence[Edit], *, expected: str) -> Loade
     """
     with locked(folder, folder / LOCK_NAME):
         complete(folder)
-        files = StudyFiles(folder)
+        files = StudyFiles(folder, tables_of(edits), before)
         if files.before.digest != expected:
             raise EditConflict(
                 f"{files.before.study.title}: someone has changed the study since: "

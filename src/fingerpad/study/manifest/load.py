@@ -127,6 +127,21 @@ def load_study(
     return checked_study(path, content, read)
 
 
+def is_as_read(loaded: LoadedStudy) -> bool:
+    """Tell whether the manifest and the spreadsheet of a study are what was read of them."""
+    sheet = loaded.study.observations_csv
+    try:
+        content = (loaded.folder / STUDY_NAME).read_bytes()
+        rows = b"" if sheet is None else (loaded.folder / sheet).read_bytes()
+    except OSError:
+        return False
+    return _digest(content, rows) == loaded.digest
+
+
+def _digest(content: bytes, rows: bytes) -> str:
+    return hashlib.sha256(hashlib.sha256(content).digest() + rows).hexdigest()
+
+
 def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None) -> Study:
     """Load a study that can be run.
 
@@ -188,7 +203,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
         issues.append(f"{path.name}: fingers: no finger yet: add one")
     return LoadedStudy(
         folder=path.parent,
-        digest=hashlib.sha256(hashlib.sha256(content).digest() + rows).hexdigest(),
+        digest=_digest(content, rows),
         study=_study(top, found),
         tables=found,
         issues=tuple(issues),

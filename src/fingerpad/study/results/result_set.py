@@ -173,6 +173,19 @@ def result_files(out: Path) -> list[str]:
     return list(_listed(out)[0])
 
 
+def result_set_stamp(out: Path) -> tuple[object, ...]:
+    """Return what changes with the result set in a folder, and with its tables, without reading a file."""
+    return tuple(_stamp_of(out / name) for name in (_COMPLETE, *sorted(OUTPUT_NAMES)))
+
+
+def _stamp_of(path: Path) -> tuple[int, ...] | None:
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
+
+
 def result_set_faults(
     out: Path,
     digest: Callable[[Path], str] = digest_of,

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Hashable
 from dataclasses import replace
 from typing import Any, Final
 
@@ -156,9 +157,11 @@ def _prepared(
     place = opened.image_location(item)
     reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
     settings = sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
-    background = None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
     return _PREPARED.get(
-        (place.stamp, found.scale, contact.model_dump_json(), reading.model_dump_json(), background),
+        (
+            *(place.stamp, _background_stamp(opened, contact), found.scale),
+            *(contact.model_dump_json(), reading.model_dump_json(), settings and tuple(settings.items())),
+        ),
         lambda: prepared_contact(
             opened.pictures.grey(place).pixels,
             found.scale,
@@ -170,23 +173,25 @@ def _prepared(
     )
 
 
+def _background_stamp(opened: StudySession, contact: Contact) -> Hashable:
+    return None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
+
+
 def sequence_settings(
     opened: StudySession, sequence: ContactSequence, found: FoundScale
 ) -> ContactImageSettings | None:
     """Return the settings of a sequence, estimated from some frames; None where that fails."""
-    place = ImageLocation(opened.folder / sequence.file)
+    path, count = opened.sequence_path(sequence.file), opened.count_frames(sequence.file) or 0
+    some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).round().astype(int)).tolist()
 
     def learn() -> SequenceSettings | None:
-        frames = open_frames(place.path, memory_limit=opened.memory_limit)
-        some = np.unique(
-            np.linspace(0, frames.count - 1, min(frames.count, _SAMPLED_FRAMES)).round().astype(int)
-        )
+        frames = open_frames(path, memory_limit=opened.memory_limit)
         where = measurement_region_of(sequence, opened.folder)
         try:
             return estimate_settings(
                 frames,
                 found.scale,
-                scan=scan_texture(map(frames.at, map(int, some)), found.scale, **where),
+                scan=scan_texture(map(frames.at, some), found.scale, **where),
                 dark_on_light=sequence.dark_on_light,
                 threshold=sequence.threshold,
                 **where,
@@ -194,7 +199,10 @@ def sequence_settings(
         except ImageError:
             return None
 
-    reading = _SETTINGS.get((place.stamp, found.scale, sequence.model_dump_json()), learn)
+    stamps = tuple(ImageLocation(path, frame=frame).stamp for frame in some)
+    reading = _SETTINGS.get(
+        (path, stamps, _background_stamp(opened, sequence), found.scale, sequence.model_dump_json()), learn
+    )
     return None if reading is None else reading.settings
 
 

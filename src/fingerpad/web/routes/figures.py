@@ -24,6 +24,7 @@ from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
+from fingerpad.web.last_results import require_file
 from fingerpad.web.routes.results import require_results
 from fingerpad.web.workspace import Workspace
 
@@ -136,6 +137,7 @@ def _read(workspace: Workspace, name: str) -> PanelFigure:
     file = f"figures/{name}.json"
     if file not in result_files(workspace.study.out):
         raise RequestError.not_there(f"{name[:80]!r}: no figure of the last run that can be set")
+    require_file(workspace.study, file)
     try:
         return PanelFigure.of_json((workspace.study.out / file).read_text(encoding="utf-8"))
     except ValueError as error:

@@ -24,6 +24,7 @@ from fingerpad.web.answers.files import BundleContents, UploadedFile
 from fingerpad.web.answers.study import State, StateAfterRemoval, StateAfterRestore
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
+from fingerpad.web.last_results import require_file
 from fingerpad.web.routes.state import document
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.study_session import StudySession
@@ -193,6 +194,7 @@ def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
     path = opened.out / params.path
     if not path.is_file() or not path.resolve().is_relative_to(opened.out.resolve()):
         raise RequestError.not_there(f"{params.path}: not there yet: run the study")
+    require_file(opened, params.path)
     headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if path.suffix == ".html" else {})
     if params.attachment:
         headers["content-disposition"] = f'attachment; filename="{_ascii(path.name)}"'

@@ -88,10 +88,12 @@ def _chosen(table: ResultsTable, params: RowsParams) -> BoolArray:
         if (wanted := getattr(params, name)) is not None:
             chosen &= table.column(name) == wanted
     if params.flag is not None:
-        chosen &= [params.flag in (flags or "").split() for flags in table.items("flags")]
+        flagged = [params.flag in (flags or "").split() for flags in table.items("flags")]
+        chosen &= np.array(flagged, dtype=bool)
     if text := params.text.casefold():
         words = zip(*map(table.items, ("observation", "finger", "reason")), strict=True)
-        chosen &= [text in " ".join(filter(None, each)).casefold() for each in words]
+        found = [text in " ".join(filter(None, each)).casefold() for each in words]
+        chosen &= np.array(found, dtype=bool)
     return chosen
 
 
