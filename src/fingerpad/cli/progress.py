@@ -61,7 +61,9 @@ def _words(progress: "Progress") -> str:
         return f"Checked the uncertainty of {progress.item}"
     if progress.status == "written":
         return f"Writing results: {progress.item}"
-    return f"Measured {progress.file or progress.item}" if progress.item else "Measuring"
+    if progress.item:
+        return f"Measured {progress.file or progress.item}"
+    return "Measuring" if progress.pictures < progress.total else "Evaluating"
 
 
 @contextmanager

@@ -33,6 +33,35 @@ def tab(opened):
     opened.judge()
 
 
+def test_a_run_with_nothing_to_measure_does_not_say_that_nothing_is_measured(tab: Tab) -> None:
+    """Before it is known what there is to measure, and once all of it is measured."""
+    state = {}
+
+    def answer(route):
+        found = route.fetch().json()
+        route.fulfill(json={**found, "version": found["version"] + 1000, **state})
+
+    tab.page.route("**/api/run", answer)
+    for total, done, words in (
+        (0, 0, "reading files and scales"),
+        (1000, 400, "400 of 1000 measured"),
+        (1000, 1000, "evaluating"),
+    ):
+        state |= {"state": "running", "phase": "measuring", "total": total, "done": done}
+        state["version"] = 1_000_000 + done + total
+        tab.go("contacts")
+        page = tab.go("run")
+        line = page.locator(".run-line")
+        expect(line).to_contain_text(words)
+        expect(line).not_to_contain_text("0 of 0")
+        bar = page.get_by_role("progressbar", name="Progress of the run")
+        assert bar.get_attribute("value") == (str(done) if 0 < done < total else None)
+    # Leave the tab as it was.
+    state |= {"state": "idle", "phase": None, "total": 0, "done": 0, "version": 2_000_000}
+    tab.go("contacts")
+    tab.go("run")
+
+
 def test_pad_is_drawn_by_webgl(webgl_browser, reading) -> None:
     tab = Tab(webgl_browser, reading)
     page = tab.open("pad")

@@ -191,21 +191,19 @@ class Run {
 
   /** @param {Answers["RunStatus"]} run */
   #progress(run) {
-    this.bar.max = Math.max(1, run.total || 1);
-    if (run.phase && run.phase !== "measuring") this.bar.removeAttribute("value");
-    else this.bar.value = run.done ?? 0;
+    const measuring = phaseOf(run) === PHASES.measuring;
+    this.bar.max = Math.max(1, run.total);
+    if (measuring) this.bar.value = run.done;
+    else this.bar.removeAttribute("value");
+    const counted = run.total ? `${run.done} of ${run.total} measured · ` : "";
     const left = run.seconds_left ? `, about ${duration(run.seconds_left)} left` : "";
     render(
       this.line,
-      h("span", `${run.done ?? 0} of ${run.total ?? 0} · ${duration(run.seconds ?? 0)}${left}`),
+      h("span", `${counted}${duration(run.seconds ?? 0)}${left}`),
       h(
         "span",
-        `${PHASES[run.phase] ?? run.phase ?? ""} `,
-        h(
-          "strong",
-          { "data-live": "file" },
-          run.file || fileOf(run.current) || (run.phase === "measuring" ? "photographs and scales" : ""),
-        ),
+        `${phaseOf(run)} `,
+        h("strong", { "data-live": "file" }, run.file || fileOf(run.current)),
       ),
     );
   }
@@ -278,6 +276,16 @@ class Run {
     clearTimeout(this.again);
     this.removeListener();
   }
+}
+
+/**
+ * What a run does now: how much there is to measure is not known at once, and often nothing is.
+ * @param {Answers["RunStatus"]} run
+ */
+function phaseOf(run) {
+  if (run.phase !== "measuring") return PHASES[run.phase] ?? "";
+  if (!run.total) return "reading files and scales";
+  return run.done < run.total ? PHASES.measuring : "evaluating";
 }
 
 /** The file of the item being measured. */
