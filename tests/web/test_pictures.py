@@ -87,30 +87,30 @@ def test_a_value_is_made_once_though_the_first_who_made_it_failed():
     cache, made = Cache(10, len), []
     failing, fail, making, finish = (threading.Event() for _ in range(4))
 
-    def fail_when_told():
+    def fail_on_signal():
         failing.set()
         assert fail.wait(60)
-        raise ValueError("as told")
+        raise ValueError("as planned")
 
-    def make_when_told():
+    def make_on_signal():
         made.append("a")
         making.set()
         assert finish.wait(60)
         return bytes(4)
 
     def ask_and_fail():
-        with pytest.raises(ValueError, match="as told"):
-            cache.get("a", fail_when_told)
+        with pytest.raises(ValueError, match="as planned"):
+            cache.get("a", fail_on_signal)
 
     first = threading.Thread(target=ask_and_fail)
     first.start()
     assert failing.wait(60)
-    second = threading.Thread(target=cache.get, args=("a", make_when_told))
+    second = threading.Thread(target=cache.get, args=("a", make_on_signal))
     second.start()
     time.sleep(0.2)  # until it waits for the first
     fail.set()
     assert making.wait(60)
-    third = threading.Thread(target=cache.get, args=("a", make_when_told))
+    third = threading.Thread(target=cache.get, args=("a", make_on_signal))
     third.start()
     time.sleep(0.2)
     finish.set()
@@ -118,5 +118,5 @@ def test_a_value_is_made_once_though_the_first_who_made_it_failed():
         thread.join()
     assert made == ["a"]
     cache.get("b", lambda: bytes(6))  # together they fit to the last byte
-    cache.get("a", make_when_told)
+    cache.get("a", make_on_signal)
     assert made == ["a"]

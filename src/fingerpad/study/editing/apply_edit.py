@@ -47,7 +47,7 @@ def tables_of(edits: Iterable[Edit]) -> set[str] | None:
     names: set[str] = set()
     for edit in edits:
         if edit.kind in {"scale", "finger"} and (edit.set or {}).get("name", edit.key) != edit.key:
-            return None  # whoever refers to it is changed too
+            return None  # all that refer to it are changed too
         names.add(edit.key.partition("/")[0] if edit.kind == "photograph" else edit.key)
     return names
 

@@ -35,7 +35,7 @@ def folded(text: str, kept: Collection[str]) -> tuple[str, dict[str, str]]:
     starts = [match.start() for match in _HEADER.finditer(text)]
     pieces = [text[start:stop] for start, stop in zip([0, *starts], [*starts, len(text)], strict=True)]
     try:
-        # What is TOML by itself begins and ends between two values.
+        # A piece that is TOML on its own begins and ends between two values.
         lists = [_list_left_out(piece, kept) for piece in pieces]
     except tomllib.TOMLDecodeError:
         return text, {}
