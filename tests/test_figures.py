@@ -285,7 +285,7 @@ def test_nonpositive_area_left_out(axes) -> None:
 
 def test_contact_shapes_and_directions(axes) -> None:
     plot_aspect_ratio(axes, [1, 2], [1.5, 2.0], long_axis_angle=[0, np.pi / 2], predicted_aspect_ratio=1.07)
-    real, _, predicted = axes.collections[-3:]
+    real, predicted = axes.collections[-2:]
     assert_allclose(real.get_widths() / real.get_heights(), [1.5, 2.0])
     assert_allclose(real.get_angles(), [90, 180])  # upwards, then across
     assert_allclose(predicted.get_widths() / predicted.get_heights(), [1.07])

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import re
 from xml.etree import ElementTree
 
@@ -13,7 +14,14 @@ from typer.testing import CliRunner
 
 from fingerpad.cli import app
 from fingerpad.exceptions import FigureError
-from fingerpad.figures import new_panels, plot_area_against_load, plot_corrected_radius, plot_press
+from fingerpad.figures import (
+    new_panels,
+    plot_area_against_load,
+    plot_aspect_ratio,
+    plot_corrected_radius,
+    plot_press,
+)
+from fingerpad.figures.panels import PanelFigure
 from fingerpad.figures.publish import (
     FigureSettings,
     draw_figure,
@@ -21,6 +29,7 @@ from fingerpad.figures.publish import (
     figure_csv,
     figure_file,
 )
+from fingerpad.figures.svg import panels_svg
 
 LOAD = np.array([0.25, 0.5, 1.0, 2.0])
 VALUE = np.array([13.1, 13.4, 13.25, 13.9])
@@ -152,3 +161,44 @@ def test_from_the_command_line(figure, tmp_path) -> None:
         assert words in said
     data.write_text("[]")
     assert "not a figure of a report" in cli(out)[1]
+
+
+def json_of(name: str, args: list, options: dict) -> str:
+    panels = [[[name, args, options]]]
+    return json.dumps({"width_mm": 85, "height_mm": 64, "rows": 1, "columns": 1, "panels": panels})
+
+
+@pytest.mark.parametrize(
+    ("name", "args", "options"),
+    [
+        ("remove", [], {}),
+        ("figure", [], {}),
+        ("__init__", [], {}),
+        ("set_title", [r"\\input{/etc/passwd}"], {"usetex": True}),
+        ("annotate", ["a", [0, 0]], {"usetex": True}),
+        ("annotate", ["a", [0, 0]], {"bbox": {"boxstyle": "round", "picker": True}}),
+        ("plot", [[0, 1], [0, 1]], {"transform": 1}),
+    ],
+)
+def test_a_file_of_a_figure_can_only_draw(name, args, options) -> None:
+    with pytest.raises(ValueError, match=f"{name}: a figure"):
+        PanelFigure.of_json(json_of(name, args, options))
+
+
+def test_a_figure_that_is_kept_can_be_read(figure) -> None:
+    again = PanelFigure.of_json(figure.to_json())
+    assert again.panels[0].calls == figure.panels[0].calls
+
+
+@pytest.mark.parametrize("plot", [plot_corrected_radius, plot_area_against_load, plot_aspect_ratio])
+def test_a_contact_left_out_is_faded_and_named_so_in_the_data(plot) -> None:
+    made, (panel,) = new_panels()
+    plot(panel, LOAD, VALUE, left_out=[False, True, False, False], synthetic=[0, 0, 0, 1])
+    faded = [call for call in panel.calls if call.name == "errorbar" and call.options.get("alpha")]
+    assert [call.args[0] for call in faded] == [[0.5]]
+    rows = list(csv.DictReader(io.StringIO(figure_csv(made))))
+    marked = {row["x"] for row in rows if "left out" in row["series"]}
+    assert marked == {"0.5"}
+    svg = figure_file(made, "svg", FigureSettings()).decode()
+    assert "opacity: 0.4" in svg
+    assert 'opacity="0.4"' in panels_svg(made, "figure")

@@ -20,7 +20,8 @@ def value_with_uncertainty(value: float | None, std: float | None = None) -> str
     -------
     str
         Rounded to the digits of the uncertainty, to five significant ones at most: an uncertainty that would
-        ask for more is rounded up.
+        ask for more is rounded up. Without an uncertainty: four significant digits; below one three decimals,
+        and at least three digits.
 
     Examples
     --------
@@ -30,13 +31,13 @@ def value_with_uncertainty(value: float | None, std: float | None = None) -> str
     '1234 ± 57'
     >>> value_with_uncertainty(13.61796, 0.00025)
     '13.618 ± 0.001'
-    >>> value_with_uncertainty(0.5)
-    '0.500'
+    >>> value_with_uncertainty(0.5), value_with_uncertainty(0.0004), value_with_uncertainty(12345)
+    ('0.500', '0.000400', '12340')
     """
     if value is None or not math.isfinite(value):
         return "–"
     if std is None or not math.isfinite(std) or std <= 0:
-        return f"{value:.4g}" if abs(value) >= 1 else f"{value:.3f}"
+        return _plain(value)
     decimals = min(_decimals(std), _finest(value))
     return f"{round(value, decimals):.{max(decimals, 0)}f} ± {two_digits(std, value)}"
 
@@ -100,6 +101,16 @@ def two_digits(std: float, value: float = 0.0) -> str:
     if (finest := _finest(value)) < decimals:
         decimals, std = finest, math.ceil(std * 10.0**finest) / 10.0**finest
     return f"{round(std, decimals):.{max(decimals, 0)}f}"
+
+
+def _plain(value: float) -> str:
+    """Return a number without an uncertainty, as `plain` in the page's ``core/quantity.js``."""
+    if value == 0:
+        return "0"
+    if abs(value) < 1:
+        return f"{value:.{min(9, max(3, 2 - math.floor(math.log10(abs(value)))))}f}"
+    text = f"{value:.4g}"
+    return f"{float(text):.0f}" if "e" in text else text
 
 
 def _finest(value: float) -> int:

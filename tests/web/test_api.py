@@ -149,6 +149,27 @@ def test_a_contact_is_measured_and_modelled(standing):
     assert one["model"]["mean_curvature_radius_mm"] == pytest.approx(1 / truth.mean_curvature, rel=0.02)
 
 
+def test_a_contact_without_finger_angle_and_load_has_no_radius(client, studies_folder):
+    """A finger that happens to have the name of a placeholder is not taken for it."""
+    manifest = studies_folder / "demo" / "study.toml"
+    axes = "{ palmar = 8, distal = 13, radial_ulnar = 9 }"
+    std = "{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }"
+    manifest.write_text(
+        f"{manifest.read_text()}\n[[fingers]]\nname = 'none'\n"
+        f"semi_axes_mm = {axes}\nsemi_axes_mm_std = {std}\n"
+        "[[observations]]\nname = 'draft'\nfile = 'synthetic/synthetic_30deg_2N.png'\nscale = { ppi = 500 }\n"
+        "[[sequences]]\nname = 'film'\nfile = 'synthetic/synthetic_press_30deg.tif'\nscale = { ppi = 500 }\n"
+    )
+    for item in ("draft", "film#12"):
+        answer = client.post("/api/measure/contact", json={"item": item})
+        assert answer.status_code == 200, answer.text
+        assert answer.json()["numbers"]["gross_area_mm2"] > 10
+        assert answer.json()["model"] is None
+        assert answer.json()["pooling"] is None
+    signal = client.get("/api/study/signal", params={"sequence": "film"})
+    assert (signal.status_code, signal.json()["error"]) == (422, "state the force of the sequence")
+
+
 def test_an_unchanged_ellipse_changes_nothing(standing):
     one = measured(standing)
     again = measured(standing, change={"ellipse_px": one["ellipse_px"]})

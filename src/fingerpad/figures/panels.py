@@ -18,6 +18,40 @@ from fingerpad._arrays import as_float_array
 # Of the numbers kept: far more than a drawing shows.
 _DIGITS: Final = 7
 
+_LINE: Final = frozenset(("alpha", "clip_on", "color", "label", "linestyle", "linewidth", "zorder"))
+_MARKERS: Final = frozenset(("markersize", "markerfacecolor", "markeredgecolor", "markeredgewidth"))
+_BAND: Final = frozenset(("alpha", "color", "label", "linewidth", "zorder"))
+_NOTHING: Final[frozenset[str]] = frozenset()
+# What can be drawn, and with which options: the file of a figure, which may come with somebody else's study,
+# can call nothing else of Matplotlib.
+_OPTIONS: Final[Mapping[str, frozenset[str]]] = {
+    "plot": _LINE | _MARKERS | {"solid_capstyle"},
+    "errorbar": _LINE | _MARKERS | {"elinewidth", "fmt", "xerr", "yerr"},
+    "fill_between": _BAND,
+    "barh": _BAND | {"height"},
+    "axhline": _LINE,
+    "axvline": _LINE,
+    "axhspan": _BAND,
+    "axvspan": _BAND,
+    "annotate": frozenset(("bbox", "color", "fontsize", "gid", "ha", "style", "textcoords", "va", "weight"))
+    | {"xycoords", "xytext", "zorder"},
+    "legend": frozenset(("bbox_to_anchor", "loc", "ncols")),
+    "legend_above": frozenset(("columns",)),
+    "margins": frozenset(("x", "y")),
+    "grid": frozenset(("axis", "visible", "which")),
+    "set_xlim": frozenset(("left", "right")),
+    "set_ylim": frozenset(("bottom", "top")),
+    "tick_params": frozenset(("axis", "bottom", "labelbottom", "labelleft", "left", "length", "which")),
+    "draw_shapes": frozenset(("angles_deg", "beside", "edge", "face", "heights", "widths")),
+    **dict.fromkeys(
+        ("draw_picture", "minorticks_off", "plain_log_ticks", "set_aspect", "set_axis_off", "set_title"),
+        _NOTHING,
+    ),
+    **dict.fromkeys((f"set_{axis}{what}" for axis in "xy" for what in ("label", "scale", "ticks")), _NOTHING),
+}
+# Of options that are tables themselves.
+_INNER: Final[Mapping[str, frozenset[str]]] = {"bbox": frozenset(("alpha", "edgecolor", "facecolor", "pad"))}
+
 
 class Call(NamedTuple):
     """A call on axes.
@@ -55,7 +89,7 @@ class Panel:
     def record(self, name: str, *args: Any, **options: Any) -> None:
         """Keep a call."""
         known = {key: _plain(value) for key, value in options.items() if value is not None}
-        self.calls.append(Call(name, tuple(_plain(value) for value in args), known))
+        self.calls.append(_checked(Call(name, tuple(_plain(value) for value in args), known)))
 
     plot = _kept("plot")
     errorbar = _kept("errorbar")
@@ -142,7 +176,7 @@ class PanelFigure:
         try:
             record = json.loads(text)
             panels = [
-                Panel([Call(name, tuple(args), dict(options)) for name, args, options in calls])
+                Panel([_checked(Call(name, tuple(args), dict(options))) for name, args, options in calls])
                 for calls in record.pop("panels")
             ]
             return cls(panels=panels, **record)
@@ -181,6 +215,19 @@ def new_panels(
     return PanelFigure(
         width_mm=width_mm, height_mm=height_mm, rows=rows, columns=columns, panels=panels
     ), panels
+
+
+def _checked(call: Call) -> Call:
+    """Return a call of what a panel can draw; refuse others."""
+    allowed = _OPTIONS.get(call.name)
+    if allowed is None:
+        raise ValueError(f"{call.name}: a figure draws {', '.join(sorted(_OPTIONS))}")
+    unknown = call.options.keys() - allowed
+    for key in call.options.keys() & _INNER.keys():
+        unknown |= set(call.options[key]) - _INNER[key]
+    if unknown:
+        raise ValueError(f"{call.name}: a figure takes no {', '.join(sorted(unknown))} here")
+    return call
 
 
 def _plain(value: Any) -> Any:

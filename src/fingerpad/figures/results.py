@@ -14,6 +14,7 @@ from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
+    FADED,
     GREY,
     ORANGE,
     VERMILLION,
@@ -28,6 +29,7 @@ from fingerpad.published import PublishedWedge
 
 Side: TypeAlias = Literal["top", "center", "bottom"]
 _SHAPE_POINTS: Final = 13.0
+_FADED_EDGE: Final = "#a3c7dd"
 
 
 @in_style
@@ -44,6 +46,7 @@ def plot_corrected_radius(
     mean_curvature_radius: float | None = None,
     printed: PublishedWedge | None = None,
     synthetic: ArrayLike = False,
+    left_out: ArrayLike = False,
 ) -> AnyAxes:
     """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017).
 
@@ -67,6 +70,8 @@ def plot_corrected_radius(
         Numbers of Dzidek et al. (2017): their R_g^corr is drawn as a diamond, at its load.
     synthetic : array_like of bool
         Points that are not measured: hollow.
+    left_out : array_like of bool
+        Points that are not pooled: faded.
 
     Returns
     -------
@@ -86,24 +91,34 @@ def plot_corrected_radius(
         corrected_radius,
         y_std=corrected_radius_std,
         synthetic=synthetic,
+        left_out=left_out,
         label=r"$R_\mathrm{g}^\mathrm{corr}$",
     )
     if fixed_geometry_std is not None:
-        x, y, inner = broadcast(load, corrected_radius, fixed_geometry_std)
-        axes.errorbar(
-            x,
-            y,
-            yerr=inner,
-            fmt="none",
-            color=BLUE,
-            elinewidth=2.4,
-            label="_geometry held exact",  # not in the legend
-            zorder=3,
-        )
+        x, y, inner, out = broadcast(load, corrected_radius, fixed_geometry_std, left_out)
+        for mask, alpha, kind in ((out == 0, None, ""), (out != 0, FADED, ", left out")):
+            if mask.any():
+                axes.errorbar(
+                    x[mask],
+                    y[mask],
+                    yerr=inner[mask],
+                    fmt="none",
+                    color=BLUE,
+                    elinewidth=2.4,
+                    label=f"_geometry held exact{kind}",  # not in the legend
+                    alpha=alpha,
+                    zorder=3,
+                )
     mark_synthetic(axes, synthetic)
     if compliance_radius is not None:
         label = r"$R_{A\xi}$, to compare with $R_\mathrm{g}$"
-        axes.plot(load, compliance_radius, "s", color=GREY, markersize=3, label=label)
+        x, y, out = broadcast(load, compliance_radius, left_out)
+        hidden = "_left out: " if (out == 0).any() else "left out: "
+        for mask, alpha, kind in ((out == 0, None, ""), (out != 0, FADED, hidden)):
+            if mask.any():
+                axes.plot(
+                    x[mask], y[mask], "s", color=GREY, markersize=3, label=f"{kind}{label}", alpha=alpha
+                )
     if printed is not None:
         axes.plot(
             printed.load_N,
@@ -167,6 +182,7 @@ def plot_area_against_load(
     exponent: float | None = None,
     exponent_std: float | None = None,
     synthetic: ArrayLike = False,
+    left_out: ArrayLike = False,
 ) -> AnyAxes:
     """Draw contact area against load in logarithmic axes, with the fitted power law and Hertz's 2/3.
 
@@ -183,6 +199,8 @@ def plot_area_against_load(
         Slope of ln A against ln W and its standard uncertainty.
     synthetic : array_like of bool
         Points that are not measured: hollow.
+    left_out : array_like of bool
+        Points that are not pooled: faded.
 
     Returns
     -------
@@ -195,13 +213,21 @@ def plot_area_against_load(
     >>> plot_area_against_load(axes, [0.5, 1, 2], [60, 85, 120], exponent=0.5).get_xscale()
     'log'
     """
-    W, A, std, flags = broadcast(load, area, np.nan if area_std is None else area_std, synthetic)
+    W, A, std, flags, out = broadcast(
+        load, area, np.nan if area_std is None else area_std, synthetic, left_out
+    )
     good = (W > 0) & (A > 0)
     W, A = W[good], A[good]
     axes.set_xscale("log")
     axes.set_yscale("log")
     draw_points(
-        axes, W, A, y_std=None if area_std is None else std[good], synthetic=flags[good] != 0, label="area"
+        axes,
+        W,
+        A,
+        y_std=None if area_std is None else std[good],
+        synthetic=flags[good] != 0,
+        left_out=out[good] != 0,
+        label="area",
     )
     mark_synthetic(axes, flags[good] != 0)
     if W.size:
@@ -238,6 +264,7 @@ def plot_aspect_ratio(
     predicted_aspect_ratio: float | None = None,
     predicted_long_axis_angle: float = 0.0,
     synthetic: ArrayLike = False,
+    left_out: ArrayLike = False,
 ) -> AnyAxes:
     """Draw the aspect ratio ℓd/ℓe of contacts against load, each as an ellipse of its own shape.
 
@@ -256,6 +283,8 @@ def plot_aspect_ratio(
         The same of elliptical Hertz theory for the undeformed pad, for any load.
     synthetic : array_like of bool
         Contacts that are not measured: hollow.
+    left_out : array_like of bool
+        Contacts that are not pooled: faded.
 
     Returns
     -------
@@ -268,16 +297,19 @@ def plot_aspect_ratio(
     >>> plot_aspect_ratio(axes, [1, 2], [1.4, 1.48], predicted_aspect_ratio=1.07).get_xlabel()[:17]
     'normal load W (N)'
     """
-    W, ratio, angle, flags = (
+    W, ratio, angle, flags, out = (
         array.ravel()
         for array in broadcast(
-            load, aspect_ratio, check_radians("long_axis_angle", long_axis_angle), synthetic
+            load, aspect_ratio, check_radians("long_axis_angle", long_axis_angle), synthetic, left_out
         )
     )
-    draw_points(axes, W, ratio, y_std=aspect_ratio_std, synthetic=flags)
+    draw_points(axes, W, ratio, y_std=aspect_ratio_std, synthetic=flags, left_out=out)
     mark_synthetic(axes, flags)
-    for mask, face in ((flags == 0, "#cfe3f1"), (flags != 0, "white")):
-        _draw_shapes(axes, W[mask], ratio[mask], ratio[mask], angle[mask], face=face, edge=BLUE)
+    for hollow, face in ((flags == 0, "#cfe3f1"), (flags != 0, "white")):
+        for faded, edge in ((out == 0, BLUE), (out != 0, _FADED_EDGE)):
+            mask = hollow & faded
+            if mask.any():
+                _draw_shapes(axes, W[mask], ratio[mask], ratio[mask], angle[mask], face=face, edge=edge)
     if predicted_aspect_ratio is not None:
         axes.axhline(predicted_aspect_ratio, color=ORANGE, linestyle="--", zorder=1)
         shape = (as_float_array([value]) for value in (predicted_aspect_ratio, predicted_long_axis_angle))

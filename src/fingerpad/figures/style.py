@@ -41,6 +41,8 @@ YELLOW: Final = "#F0E442"
 BLUE: Final = "#0072B2"
 VERMILLION: Final = "#D55E00"
 GRID: Final = "#e4e4e4"
+# Of what is drawn, but not pooled.
+FADED: Final = 0.4
 
 # Labelled in each decade: most data span little more than one.
 LOG_SUBS: Final = (1.0, 2.0, 5.0)
@@ -261,14 +263,20 @@ def draw_points(
     x_std: ArrayLike | None = None,
     y_std: ArrayLike | None = None,
     synthetic: ArrayLike = False,
+    left_out: ArrayLike = False,
     colour: str = BLUE,
     label: str = "measured",
 ) -> None:
-    """Draw points with error bars of one standard uncertainty, synthetic ones hollow."""
-    x, y, flags = broadcast(x, y, synthetic)
-    x, y, hollow = x.ravel(), y.ravel(), flags.ravel() != 0
+    """Draw points with error bars of one standard uncertainty, synthetic ones hollow, left-out ones faded."""
+    x, y, flags, out = (array.ravel() for array in broadcast(x, y, synthetic, left_out))
+    hollow, faded = flags != 0, out != 0
     crowded = x.size > 80
-    for mask, face, kind in ((~hollow, colour, ""), (hollow, "white", " (synthetic)")):
+    for mask, face, kind, alpha in (
+        (~hollow & ~faded, colour, "", None),
+        (hollow & ~faded, "white", " (synthetic)", None),
+        (~hollow & faded, colour, ", left out", FADED),
+        (hollow & faded, "white", ", left out (synthetic)", FADED),
+    ):
         if mask.any():
             axes.errorbar(
                 x[mask],
@@ -282,6 +290,7 @@ def draw_points(
                 markeredgewidth=0.5 if crowded else 0.9,
                 elinewidth=0.8,
                 label=f"{label}{kind}",
+                alpha=alpha,
                 zorder=3,
             )
 

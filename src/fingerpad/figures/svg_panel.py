@@ -202,7 +202,8 @@ class PanelDrawing:
                 path += self._bars(xs, ys, std, horizontal=horizontal)
         colour, layer = options.get("color", BLACK), options.get("zorder", _DATA)
         if path:
-            self._add(layer, f'<path d="{path}" {stroke(colour, options.get("elinewidth", 1.2), "-")}/>')
+            look = stroke(colour, options.get("elinewidth", 1.2), "-", options.get("alpha"))
+            self._add(layer, f'<path d="{path}" {look}/>')
         plain = {name: value for name, value in options.items() if name not in {"xerr", "yerr", "elinewidth"}}
         self._draw_plot(x, y, fmt, **plain)
 

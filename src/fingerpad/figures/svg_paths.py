@@ -25,7 +25,8 @@ def marker_look(options: dict[str, Any], colour: str) -> str:
     """Return the attributes of markers."""
     face = options.get("markerfacecolor", colour)
     edge = options.get("markeredgecolor", colour)
-    return f'fill="{face}" stroke="{edge}" stroke-width="{options.get("markeredgewidth", 1.0):g}"'
+    look = f'fill="{face}" stroke="{edge}" stroke-width="{options.get("markeredgewidth", 1.0):g}"'
+    return look if "alpha" not in options else f'{look} opacity="{options["alpha"]:g}"'
 
 
 def polyline(x: FloatArray, y: FloatArray) -> str:

@@ -319,6 +319,7 @@ def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> Pane
         measured_radius_std=None if loading is None else loading.std,
         mean_curvature_radius=rows[0]["mean_curvature_radius_mm"],
         synthetic=rows.column("synthetic"),
+        left_out=~rows.column("pooled"),
     )
 
 
@@ -332,6 +333,7 @@ def _area(rows: ResultsTable, exponent: Exponent) -> PanelFigure:
         exponent=exponent.value,
         exponent_std=exponent.std,
         synthetic=rows.column("synthetic"),
+        left_out=~rows.column("pooled"),
     )
 
 
@@ -352,4 +354,5 @@ def _aspect_ratio(rows: ResultsTable) -> PanelFigure:
         predicted_aspect_ratio=first["predicted_aspect_ratio"],
         predicted_long_axis_angle=np.pi / 2 if first["predicted_long_axis"] == "across" else 0.0,
         synthetic=rows.column("synthetic"),
+        left_out=~rows.column("pooled"),
     )

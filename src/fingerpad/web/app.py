@@ -28,7 +28,7 @@ import fingerpad
 from fingerpad.exceptions import FingerpadError
 from fingerpad.web.endpoints import IMMUTABLE, openapi
 from fingerpad.web.routes import ENDPOINTS
-from fingerpad.web.security import START, Access, Guard, cookie_name
+from fingerpad.web.security import START, Access, Guard, closed_page, cookie_name
 from fingerpad.web.study_session import OF_STUDY
 from fingerpad.web.workspace import PLOTLY_ADDRESS, REQUESTED, Workspace
 
@@ -55,7 +55,7 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
         if request.method != "GET" or not access.accepts(
             token=params.get("token", ""), code=params.get("code", "")
         ):
-            return HTMLResponse(_CLOSED, status_code=403)
+            return closed_page("It has been used, belongs to another launch, or is incomplete.")
         name = cookie_name(request.headers.get("host", ""))
         answer.set_cookie(name, access.token, httponly=True, samesite="strict", path="/")
         return answer
@@ -90,16 +90,6 @@ class _OfStudy:
                 REQUESTED.set(name)
                 scope = {**scope, "path": f"/{path}", "raw_path": None}
         await self._app(scope, receive, send)
-
-
-_CLOSED: Final = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>This address is not valid</title>
-<meta name="color-scheme" content="light dark">
-<style>body { font: 1rem/1.6 sans-serif; margin: 12vh auto; max-width: 40rem; padding: 1rem }</style></head>
-<body><h1>This address is not valid</h1>
-<p>It has been used, belongs to another launch, or is incomplete. Open the address that
-<code>fingerpad app</code> printed in the terminal.</p></body></html>
-"""
 
 
 class _Static(StaticFiles):

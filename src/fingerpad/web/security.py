@@ -16,7 +16,7 @@ from typing import Final
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from fingerpad.web.errors import RequestError
@@ -139,6 +139,22 @@ class Guard:
             )
 
 
+_CLOSED: Final = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>This address is not valid</title>
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<style>body { font: 1rem/1.6 sans-serif; margin: 12vh auto; max-width: 40rem; padding: 1rem }</style></head>
+<body><h1>This address is not valid</h1>
+<p>WHY Open the address that <code>fingerpad app</code> printed in the terminal when it started.</p>
+<p>Confirmed changes are saved.</p></body></html>
+"""
+
+
+def closed_page(why: str) -> Response:
+    """Return the page of an address that is not valid, which says why and what to do."""
+    return HTMLResponse(_CLOSED.replace("WHY", why), status_code=HTTPStatus.FORBIDDEN)
+
+
 def _same(given: str, token: str) -> bool:
     """Compare two tokens in constant time."""
     return secrets.compare_digest(given.encode(), token.encode())
@@ -161,4 +177,8 @@ def _host_name(host: str) -> str | None:
 def _answer(refusal: RequestError, path: str) -> Response:
     if path.startswith("/api/"):
         return JSONResponse({"error": refusal.words}, status_code=refusal.status)
+    if path == "/" and refusal.status == HTTPStatus.FORBIDDEN:
+        return closed_page(
+            "It lacks the token of this launch: fingerpad was started again, or this is another browser."
+        )
     return PlainTextResponse(refusal.words, status_code=refusal.status)

@@ -19,6 +19,7 @@ from fingerpad.study.editing.edit import change_study
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.manifest import (
+    Contact,
     ContactSequence,
     Finger,
     LoadedStudy,
@@ -41,8 +42,8 @@ from fingerpad.web.run_job import RunJob
 OF_STUDY: Final = "/of/"
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
-# A finger, or a file, that no table states.
-NO_TABLE: Final = "none"
+# Where an incomplete contact is measured: no model may use them.
+_PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0}
 Drafted = TypeVar("Drafted", bound=ManifestModel)
 # Files and folders, each with what changes with it; None where it is not there.
 Stamps: TypeAlias = dict[Path, tuple[int, int, int] | None]
@@ -173,32 +174,34 @@ class StudySession:
                 observations.append(Observation.model_construct(None, **{**one.content, "name": one.key}))
         return study.model_copy(update={"fingers": fingers, "observations": observations})
 
-    def observation(self, name: str) -> Observation | None:
-        """Return an observation by its name.
+    def contact(self, item: str) -> tuple[Contact, bool]:
+        """Return the table of a contact image, or of a frame's sequence, and whether it is complete.
 
-        One that is incomplete can be measured if its scale is known: it is of no finger, so that no model
-        applies.
+        One that is incomplete can be measured if its scale is known. Placeholders stand for its finger, angle
+        and load, which no model may use.
         """
+        name, mark, _ = frame_of(item)
+        if mark:
+            sequence = self.sequence(name)
+            return sequence, sequence in self.study().sequences
         found = next((one for one in self.study().observations if one.name == name), None)
-        return found or self._draft("observation", name, Observation, load_N=1)
+        return found or self._draft("observation", name, Observation, load_N=1), found is not None
 
     def sequence(self, name: str) -> ContactSequence:
-        """Return a sequence by its name; one that is incomplete as an observation."""
+        """Return a sequence by its name; of one that is incomplete the force may be empty."""
         found = next((one for one in self.study().sequences if one.name == name), None)
-        found = found or self._draft("sequence", name, ContactSequence, force=NO_TABLE)
-        if found is None:
-            raise RequestError.not_there(f"no sequence is named {name!r}")
-        return found
+        return found or self._draft("sequence", name, ContactSequence)
 
-    def _draft(self, kind: str, name: str, model: type[Drafted], **needed: Any) -> Drafted | None:
-        """Return an incomplete contact with what is needed to measure its picture; None without a picture."""
+    def _draft(self, kind: str, name: str, model: type[Drafted], **needed: Any) -> Drafted:
+        """Return an incomplete contact with placeholders for what its picture is measured without."""
         content = self._content(kind, name)
         if not content.get("file"):
-            return None
+            raise RequestError.not_there(f"no {kind} with a picture is named {name[:80]!r}")
         if not content.get("scale"):
             raise RequestError.impossible("state the scale of the picture")
-        needed |= {"name": name, "finger": NO_TABLE, "wedge_angle_deg": 0}
-        return validated(model, {**content, **needed}, name, strict=False)
+        if model is ContactSequence:
+            content = {"force": "", **content}
+        return validated(model, {**content, **_PLACEHOLDERS, **needed, "name": name}, name, strict=False)
 
     def sequence_file(self, name: str) -> str:
         """Return the file or folder of a sequence."""
@@ -238,19 +241,17 @@ class StudySession:
 
     def image_location(self, item: str) -> ImageLocation:
         """Return the location of an item's image; only files named by the manifest."""
-        name, mark, number = item.rpartition("#")
         if item.startswith("file:"):
             return ImageLocation(self.file(item.removeprefix("file:")), colour=True)
+        name, mark, number = frame_of(item)
         if item.startswith("coin:"):
             file = self._named("scale", item.removeprefix("coin:"), "coin")
         elif "/" in item:
             finger, _, image = item.partition("/")
             names = {one.get("file") for one in self._content("finger", finger).get("photographs", [])}
             file = image if image in names else None
-        elif mark:
-            file = self._named("sequence", name, "file")
         else:
-            file = self._named("observation", item, "file")
+            file = self._named("sequence" if mark else "observation", name, "file")
         if file is None:
             raise RequestError.not_there(f"no item with a picture is named {item[:80]!r}")
         if not mark:
@@ -272,7 +273,8 @@ class StudySession:
         """Return rows and columns of an item's image, None where it has none."""
         if sequence_of_phases(item) is not None:
             return None
-        if "/" not in item and "#" not in item and self._named("observation", item, "file") is None:
+        name, mark, _ = frame_of(item)
+        if "/" not in item and not mark and self._named("observation", name, "file") is None:
             return None
         place = self.image_location(item)
         pixels = self.pictures.colour(place) if place.colour else self.pictures.grey(place).pixels
@@ -347,6 +349,17 @@ class StudySession:
             return None
         inside = real.is_relative_to(self.folder.resolve()) and not real.is_relative_to(self.out.resolve())
         return path if inside else None
+
+
+def frame_of(item: str) -> tuple[str, str, str]:
+    """Return the sequence, the mark ``#`` and the number of a frame; of other items the name alone.
+
+    The files of photographs and new files may have the mark in their names.
+    """
+    if "/" in item or item.startswith("file:"):
+        return item, "", ""
+    name, mark, number = item.rpartition("#")
+    return (name, mark, number) if mark else (item, "", "")
 
 
 def table_content(table: Table) -> dict[str, Any]:

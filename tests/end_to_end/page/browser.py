@@ -64,10 +64,10 @@ def _free_port() -> int:
 
 
 @contextmanager
-def launched(study: Path) -> Iterator[tuple[Served, subprocess.Popen]]:
+def launched(study: Path, port: int = 0) -> Iterator[tuple[Served, subprocess.Popen]]:
     """Serve a study by `fingerpad app` in a process of its own, which can be killed."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "fingerpad", "app", str(study), "--no-browser"],
+        [sys.executable, "-m", "fingerpad", "app", str(study), "--no-browser", "--port", str(port)],
         cwd=study.parent,
         stdout=subprocess.PIPE,
         text=True,

@@ -41,7 +41,7 @@ from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.routes.corrections import pooling_correction
 from fingerpad.web.routes.photographs import measured_finger
 from fingerpad.web.routes.scales import scale_of
-from fingerpad.web.study_session import NO_TABLE, StudySession
+from fingerpad.web.study_session import StudySession, frame_of
 from fingerpad.web.workspace import Workspace
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
@@ -68,13 +68,13 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     """Measure a contact image under a correction; nothing is stored."""
     began = time.perf_counter()
     opened = workspace.study
-    contact = _contact(opened, params)
+    contact, complete = _contact(opened, params)
     assert contact.scale is not None
     found = scale_of(opened, contact.scale)
     change = params.change or correction_of(opened, params.item)
     prepared = _prepared(opened, params.item, contact, found, change)
     contact_image = measured_under(prepared, change)
-    model = _model(opened, params.item, contact, contact_image, found)
+    model = _model(opened, params.item, contact, contact_image, found) if complete else None
     own, error = _automatic(opened, params.item, contact, found) if change.edits else (contact_image, None)
     return {
         "item": params.item,
@@ -94,8 +94,10 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
             params.item,
             contact,
             from_contact_image(contact_image, contact, found),
-            plausible=model is None or IMPLAUSIBLE_SIZE not in model["range_notes"],
-        ),
+            plausible=IMPLAUSIBLE_SIZE not in model["range_notes"],
+        )
+        if model is not None
+        else None,
         "mm_per_px": found.scale.mm_per_px,
         "mm_per_px_std": found.scale.mm_per_px_std,
         "milliseconds": 1000 * (time.perf_counter() - began),
@@ -111,7 +113,7 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
 def levels(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
     """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
     opened = workspace.study
-    contact = _contact(opened, params)
+    contact, _ = _contact(opened, params)
     assert contact.scale is not None
     found = scale_of(opened, contact.scale)
     change = (params.change or ContactCorrection()).model_copy(update={"threshold": None})
@@ -124,25 +126,25 @@ def levels(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any
     }
 
 
-def _contact(opened: StudySession, params: ContactParams) -> Contact:
-    """Return the table of an item, or a temporary one for a file that is not used yet."""
+def _contact(opened: StudySession, params: ContactParams) -> tuple[Contact, bool]:
+    """Return the table of an item, one for this request of a new file, and whether it is complete."""
     item = params.item
     if item.startswith("file:"):
         if params.scale is None:
             raise RequestError.impossible(f"{item}: state its scale")
         file = item.removeprefix("file:")
         return Observation(
-            name=NO_TABLE, finger=NO_TABLE, wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
-        )
-    contact = opened.sequence(item.rpartition("#")[0]) if "#" in item else opened.observation(item)
-    if contact is None or contact.scale is None:
+            name="new", finger="none", wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
+        ), False
+    contact, complete = opened.contact(item)
+    if contact.scale is None:
         raise RequestError.not_there(f"no contact image is named {item!r}")
-    return contact if params.scale is None else contact.model_copy(update={"scale": params.scale})
+    return contact if params.scale is None else contact.model_copy(update={"scale": params.scale}), complete
 
 
 def correction_of(opened: StudySession, item: str) -> ContactCorrection:
     """Return what holds for a contact image: a person's correction, or what key frames carry to a frame."""
-    name, mark, number = item.rpartition("#")
+    name, mark, number = frame_of(item)
     if not mark:
         return contact_correction(opened.corrections.active_correction(item))
     frame = int(number)
@@ -260,7 +262,7 @@ def _model(
 ) -> dict[str, Any] | None:
     """Return what the contact model gives, as in the results."""
     try:
-        finger = None if item.startswith("file:") else measured_finger(opened, contact.finger)
+        finger = measured_finger(opened, contact.finger)
     except FingerpadError:  # said where the photographs are
         finger = None
     if finger is None:
@@ -284,8 +286,8 @@ def _model(
 def _pooling(
     opened: StudySession, item: str, contact: Contact, measured: Measurement, *, plausible: bool
 ) -> dict[str, Any] | None:
-    """Return whether a contact will be pooled; None of frames and files, for which other rules hold."""
-    if item.startswith("file:") or "#" in item:
+    """Return whether a contact will be pooled; None of frames, for which other rules hold."""
+    if isinstance(contact, ContactSequence):
         return None
     active_correction = opened.corrections.active_correction(item)
     seen = reviewed(measured, active_correction)

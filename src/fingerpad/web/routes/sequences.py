@@ -36,6 +36,8 @@ def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]
     """Return the force of a sequence over time, and how well its frames agree with it."""
     opened = workspace.study
     sequence = opened.sequence(params.sequence)
+    if not sequence.force:
+        raise RequestError.impossible("state the force of the sequence")
     columns = {str(name): column for name, column in sequence.force_columns.items()}
     try:
         with columns_named_by(partial(columns_in_toml, "force_columns")):

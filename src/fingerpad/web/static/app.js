@@ -32,8 +32,17 @@ let open = null;
 let openName = null;
 
 function route() {
-  const [name, ...rest] = decodeURI(location.hash).replace(/^#\/?/, "").split("/");
-  return { name: STEPS.some(([key]) => key === name) ? name : "study", rest: rest.map(decodeURIComponent) };
+  const [name, ...rest] = location.hash.replace(/^#\/?/, "").split("/").map(decoded);
+  return { name: STEPS.some(([key]) => key === name) ? name : "study", rest };
+}
+
+/** A part of an address; one that was typed may have a bare percent sign. */
+function decoded(part) {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
 }
 
 function show({ fresh = false } = {}) {
@@ -93,6 +102,11 @@ workspace.on("study", (detail) => {
   }
 });
 workspace.on("run", () => drawSidebar(openName, STEPS));
-workspace.on("link", (detail) => document.body.classList.toggle("cut", !detail.there));
+workspace.on("link", ({ problem }) => {
+  const banner = document.getElementById("link");
+  document.body.classList.toggle("cut", Boolean(problem));
+  banner.hidden = !problem;
+  if (banner.textContent !== problem) banner.textContent = problem;
+});
 
 workspace.start().then(() => openName ?? show({ fresh: true }), failed);

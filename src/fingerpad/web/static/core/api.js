@@ -10,7 +10,7 @@ export class ApiError extends Error {
       body?.error ??
         (status
           ? `The server responded with status ${status}.`
-          : "fingerpad does not respond. Is it still running?"),
+          : "fingerpad does not respond: this was not saved or read. Is it still running?"),
     );
     this.status = status;
     /** @type {Partial<Answers["Refusal"]>} */

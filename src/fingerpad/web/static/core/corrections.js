@@ -28,7 +28,8 @@ export class Corrections {
       can_undo: false,
       can_redo: false,
     };
-    this.rejecting = false;
+    /** Whether a verdict is being saved. */
+    this.judging = false;
     /** @type {Promise<any>} */
     this.queue = Promise.resolve();
     this.removeListener = workspace.on("corrections", (detail) => {

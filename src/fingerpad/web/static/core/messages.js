@@ -21,6 +21,7 @@ export function toast(words, { kind = "info", action, stays = kind === "error" }
       "×",
     ),
   );
+  for (const each of box.children) if (each.firstChild.textContent === words) each.remove();
   box.append(message);
   while (box.children.length > 4) box.firstElementChild.remove();
   if (!stays) setTimeout(() => message.remove(), 4500);

@@ -97,7 +97,6 @@ export function drawSidebar(open, steps) {
         }),
       ),
     h("div.grow"),
-    h("p.cut-note", { role: "status" }, "fingerpad does not respond. Confirmed changes are saved."),
     h(
       "div.switches",
       themeSwitch(),

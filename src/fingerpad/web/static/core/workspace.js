@@ -1,10 +1,18 @@
 // The open study: its state, kept up to date, and edits of its manifest.
 
 import { ApiError, addressOf, context, get, post } from "./api.js";
-import { clearMessages, toast } from "./messages.js";
+import { clearMessages, showError, toast } from "./messages.js";
 
 // The study of this window, empty after it was left; kept over a reload.
 const OPEN = "fingerpad.study";
+
+// How often a server that is gone is asked for.
+const SEEK_MS = 3000;
+const GONE =
+  "fingerpad does not respond. Confirmed changes are saved; others are not. Start it again with “fingerpad " +
+  "app” and use the page that opens; on the same port, this one goes on by itself.";
+const RESTARTED =
+  "fingerpad was started again: open the address that it printed in the terminal. This page then goes on.";
 
 class Workspace extends EventTarget {
   /** @type {Answers["Session"] | null} */
@@ -18,6 +26,7 @@ class Workspace extends EventTarget {
   #reloading = null;
   #version = 0;
   #reloadTimer = null;
+  #linkTimer = null;
   /** @type {Promise<any>} */
   #editing = Promise.resolve();
 
@@ -43,15 +52,17 @@ class Workspace extends EventTarget {
 
   async start() {
     this.session = await get("/api/session");
-    const name = sessionStorage.getItem(OPEN) ?? this.session.study?.name;
+    const named = new URLSearchParams(location.search).get("study");
+    const name = named ?? sessionStorage.getItem(OPEN) ?? this.session.study?.name;
     if (!name) return;
     context.study = name;
     try {
       await this.reload();
     } catch (error) {
       if (!(error instanceof ApiError) || error.status !== 404) throw error;
-      context.study = null; // moved or removed since
+      this.#leave(); // moved or removed since
       sessionStorage.removeItem(OPEN);
+      if (named) showError(error);
     }
   }
 
@@ -78,9 +89,10 @@ class Workspace extends EventTarget {
     clearTimeout(this.#reloadTimer);
     this.#version += 1;
     this.study = this.run = context.study = null;
+    this.#linked();
     clearMessages();
     // Without an event, upon which the start page would be drawn twice, and a click between the two be lost.
-    history.replaceState(null, "", "#/study");
+    history.replaceState(null, "", `${location.pathname}#/study`);
   }
 
   /** @param {State} document */
@@ -89,6 +101,9 @@ class Workspace extends EventTarget {
     context.study = document.name;
     sessionStorage.setItem(OPEN, document.name);
     const first = this.study?.name !== document.name;
+    // The address names the study, so that it opens the same view elsewhere too.
+    const query = `?study=${encodeURIComponent(document.name)}`;
+    if (location.search !== query) history.replaceState(null, "", query + location.hash);
     // Unused files are listed as files, not as missing entries.
     const missing = document.missing.filter(({ kind }) => kind !== "file");
     this.study = { ...document, missing };
@@ -115,8 +130,33 @@ class Workspace extends EventTarget {
       clearTimeout(this.#reloadTimer);
       this.#reloadTimer = setTimeout(() => this.reload().catch(() => {}), 1500);
     });
-    this.#stream.onerror = () => this.emit("link", { there: false });
-    this.#stream.onopen = () => this.emit("link", { there: true });
+    this.#stream.onerror = () => this.#cutOff();
+    this.#stream.onopen = () => this.#linked();
+  }
+
+  #linked() {
+    clearTimeout(this.#linkTimer);
+    this.#linkTimer = null;
+    this.emit("link", { problem: "" });
+  }
+
+  /** Say that the server is gone, and ask for it until it is back. */
+  #cutOff() {
+    if (this.#linkTimer === null) this.#seek();
+  }
+
+  async #seek() {
+    this.#linkTimer = setTimeout(() => this.#seek(), SEEK_MS);
+    try {
+      const session = await get("/api/session");
+      if (!this.#linkTimer) return; // found, or the study left, meanwhile
+      this.session = session;
+      this.#linked();
+      this.#listen();
+      await this.reload();
+    } catch (error) {
+      if (this.#linkTimer) this.emit("link", { problem: error.status === 403 ? RESTARTED : GONE });
+    }
   }
 
   /** Update the status of the run unless a later one is known. */

@@ -2,6 +2,7 @@
 
 import { h, newId } from "../core/dom.js";
 import { showError } from "../core/messages.js";
+import { readNumber } from "../core/quantity.js";
 
 /**
  * A labelled field around a control, with its unit and a hint.
@@ -23,14 +24,12 @@ export function field(label, control, { unit, hint, wide } = {}) {
   );
 }
 
-/** A number as a field takes it: with a decimal point, and in its unit where the cell says its own. */
-function plainNumber(cell, unit) {
-  const found = /^([-+]?[\d.,]+(?:e[-+]?\d+)?)\s*(mN|N|°|deg)$/i.exec(cell);
-  if (!found || !unit) return cell.replace(",", ".");
-  const value = found[1].replace(",", ".");
-  if (unit !== "N") return /n$/i.test(found[2]) ? cell : value;
-  if (!/n$/i.test(found[2])) return cell;
-  return found[2].length > 1 ? String(Number((Number(value) / 1000).toPrecision(12))) : value;
+/** A number in the unit of a field, where the cell says its own. */
+function withoutUnit(cell, unit) {
+  const [, words, said] = /^(.*?)\s*(mN|N|°|deg)$/i.exec(cell) ?? [];
+  if (!unit || !words || /n$/i.test(said) !== (unit === "N")) return cell;
+  const { value } = readNumber(words);
+  return value !== null && /^mn$/i.test(said) ? String(Number((value / 1000).toPrecision(12))) : words;
 }
 
 /**
@@ -46,10 +45,9 @@ function fillDown(input, event) {
     .trim()
     .split(/\r?\n/)
     .map((cell) => cell.trim());
-  const numeric = input.type === "number";
-  const values = numeric ? cells.map((cell) => plainNumber(cell, input.dataset.unit)) : cells;
-  if (numeric && values.length > 1 && Number.isNaN(Number(values[0])) && !/^[-+\d]/.test(values[0]))
-    values.shift(); // a header
+  const numeric = input.inputMode === "decimal";
+  const values = numeric ? cells.map((cell) => withoutUnit(cell, input.dataset.unit)) : cells;
+  if (numeric && values.length > 1 && !/^[-+−\d.,]/.test(values[0])) values.shift(); // a header
   if (values.length < 2 && values[0] === cells[0]) return;
   event.preventDefault();
   const column = input.closest("td")?.cellIndex;
@@ -58,9 +56,9 @@ function fillDown(input, event) {
     .slice(rows.indexOf(input.closest("tr")) + 1)
     .map((row) => row.cells[column]?.querySelector("input"));
   const targets = [input, ...below.filter(Boolean)];
-  const wrong = numeric ? values.find((value) => value === "" || Number.isNaN(Number(value))) : undefined;
-  if (wrong !== undefined) {
-    showError(new Error(`"${wrong}" is not a number: nothing was pasted.`));
+  const wrong = numeric && values.map((value) => readNumber(value || "–").problem).find(Boolean);
+  if (wrong) {
+    showError(new Error(`${wrong} Nothing was pasted.`));
     return;
   }
   if (values.length > targets.length) {
@@ -75,30 +73,45 @@ function fillDown(input, event) {
   }
 }
 
+/** The number in a field, null if it is empty. @param {HTMLInputElement} input */
+export const numberIn = (input) => readNumber(input.value).value;
+
 /**
- * A field for a number. `onset` is called once it is confirmed by Enter or by leaving the field, with null if
- * it was emptied.
+ * A field for a number, with a decimal point or comma. `onset` is called once it is confirmed by Enter or by
+ * leaving the field, with null if it was emptied.
  *
- * @param {{ value?: number | null, onset?: (value: number | null) => any, min?: number, max?: number,
- *   placeholder?: string, label?: string }} options
+ * @param {{ value?: number | null, onset?: (value: number | null) => any, min?: number, above?: number,
+ *   max?: number, placeholder?: string, label?: string }} options
  */
-export function number({ value, onset, min, max, placeholder, label }) {
+export function number({ value, onset, min, above, max, placeholder, label }) {
   const input = h("input.number", {
-    type: "number",
+    type: "text",
     inputmode: "decimal",
-    min,
-    max,
-    step: "any",
+    autocomplete: "off",
     placeholder,
     value: value ?? "",
     "aria-label": label,
   });
   let last = input.value;
-  const set = () => {
-    if (!input.reportValidity() || input.value === last) return;
-    last = input.value;
-    onset?.(input.value === "" ? null : Number(input.value));
+  const check = () => {
+    const { value: typed, problem } = readNumber(input.value);
+    const wrong =
+      typed !== null &&
+      ((typed < min && `Enter ${min} or more.`) ||
+        (typed <= above && `Enter more than ${above}.`) ||
+        (typed > max && `Enter ${max} or less.`));
+    input.setCustomValidity(problem || wrong || "");
   };
+  const set = () => {
+    check();
+    if (!input.reportValidity()) return;
+    // It shows the number as it was understood.
+    input.value = input.value.trim().replace(",", ".").replace("−", "-");
+    if (input.value === last) return;
+    last = input.value;
+    onset?.(numberIn(input));
+  };
+  input.addEventListener("input", check);
   input.addEventListener("change", set);
   input.addEventListener("paste", (event) => fillDown(input, event));
   input.addEventListener("keydown", (event) => event.key === "Enter" && set());

@@ -4,7 +4,8 @@ import { s } from "../core/dom.js";
 
 /**
  * A point that can be dragged, or moved by arrow keys while it has the focus (with Shift ten times as far,
- * with Alt a fifth). `step` replaces the move of an arrow key; `commit` is called at the end of a move.
+ * with Alt a fifth), which a drag gives back to the image. `step` replaces the move of an arrow key; `commit`
+ * is called at the end of a move.
  *
  * @param {import("./stage.js").Stage} stage
  * @param {{ label: string, kind?: string, move: (point: Point) => void, commit?: () => void,
@@ -52,7 +53,10 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
     if (!offset) return;
     offset = null;
     node.classList.remove("held");
-    if (moved) commit?.();
+    if (!moved) return;
+    commit?.();
+    // Arrow keys go to the next image again.
+    stage.root.focus({ preventScroll: true });
   };
   node.addEventListener("pointerup", release);
   node.addEventListener("pointercancel", release);

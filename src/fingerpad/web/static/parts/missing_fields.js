@@ -81,7 +81,7 @@ export function missingList(entries, { named = false, axes } = {}) {
         h("span", entry.words),
         h(
           "div.missing-field",
-          entry.place === "semi_axes_mm" && axes
+          entry.place.startsWith("semi_axes_mm") && axes
             ? button("Enter the semi-axes", () => axes(entry.key), { kind: "small" })
             : fieldOf(entry),
         ),

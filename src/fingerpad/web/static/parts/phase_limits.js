@@ -232,6 +232,7 @@ export class PhaseLimits {
       node.removeEventListener("pointercancel", end);
       this.#dragged = false;
       this.#save(this.#moved);
+      node.blur(); // arrow keys go to the next image again
     };
     node.addEventListener("pointermove", move);
     node.addEventListener("pointerup", end);

@@ -18,7 +18,7 @@ function words({ compared, verdict, relative_difference: difference, difference_
   return `${compared}: ${verdict}${numbers.length ? ` (${numbers.join(", ")})` : ""}`;
 }
 
-/** @param {Answers["ModelValidity"]} validity */
+/** @param {Pick<Answers["ModelValidity"], "verdict" | "checks">} validity */
 export function verdictChip({ verdict, checks }) {
   const tested = checks.filter((check) => check.verdict !== "not tested");
   return chip(

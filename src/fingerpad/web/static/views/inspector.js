@@ -29,7 +29,11 @@ export class Inspector {
     this.parts.tool.hidden = true;
     this.parts.look = h("section", { "data-part": "look" }, this.#look());
     this.why = text({ value: "", placeholder: "reason", list: "reasons" });
-    this.why.addEventListener("keydown", (event) => event.key === "Enter" && this.view.reject());
+    this.why.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" || !this.why.value.trim()) return;
+      this.view.stage.root.focus({ preventScroll: true });
+      this.view.rejectFor(this.reason());
+    });
     this.root = h(
       "div.stack",
       { "aria-busy": "true" },

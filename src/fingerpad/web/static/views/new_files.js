@@ -8,7 +8,16 @@ import { workspace } from "../core/workspace.js";
 import { button, check, faultList, NAME, number, text } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_choice.js";
 import { tableOf } from "../parts/tables.js";
-import { AS_OF_CONTENT, draftOf, editsOf, newScaleWords, parseScale, takeValues } from "./new_files_edits.js";
+import {
+  AS_OF_CONTENT,
+  draftOf,
+  editsOf,
+  guessedScaleWords,
+  isNewScale,
+  newScaleWords,
+  parseScale,
+  takeValues,
+} from "./new_files_edits.js";
 import { base, fileRow, KINDS, scaleAsked, scaleCell, takeFace, takes } from "./new_files_row.js";
 import { NewFileTools } from "./new_files_tools.js";
 
@@ -208,7 +217,7 @@ export class NewFiles {
     for (const file of this.files) {
       const draft = this.drafts.get(file);
       if (draft.scale?.startsWith("coin:") && !coins.includes(draft.scale.slice(5))) draft.scale = "";
-      if (scale && draft.as === "photograph" && !draft.scale) draft.scale = scale;
+      if (scale && draft.as === "photograph" && !draft.scale) draft.scale = draft.scaleGuess = scale;
     }
   }
 
@@ -300,7 +309,7 @@ export class NewFiles {
             value && !scale ? "As in 500 ppi or 0.05 mm/px, or the name of a scale of the study" : "",
           );
           if (!field.reportValidity()) return;
-          this.shared[`scale_${as}`] = value;
+          this.shared[`scale_${as}`] = isNewScale(scale) ? newScaleWords(scale) : value;
           for (const draft of this.drafts.values())
             if (draft.as === as) Object.assign(draft, { scale, scaleGuess: undefined });
           this.keep();
@@ -329,13 +338,19 @@ export class NewFiles {
     );
   }
 
-  /** Propose a scale where none is stated: the only one of the study, or that in a contact image's file. */
+  /**
+   * Propose a scale where none is stated: the only one of the study, or that in a contact image's file. A
+   * resolution is a scanner's, and no photograph's.
+   */
   #guessScale(file) {
     const draft = this.drafts.get(file);
-    if (draft.scale !== undefined && draft.scale !== draft.scaleGuess) return;
+    if ((draft.scale !== undefined && draft.scale !== draft.scaleGuess) || draft.scale?.startsWith("coin:"))
+      return;
     const { scales } = workspace.study;
     const ppi = this.info.get(file)?.resolution_ppi;
-    let guess = scales.length === 1 ? scales[0].name : "";
+    const [only] = scales.length === 1 ? scales : [];
+    const scanned = only && (only.table.ppi !== undefined || only.table.mm_per_px !== undefined);
+    let guess = only && !(draft.as === "photograph" && scanned) ? only.name : "";
     // Programs that know no resolution write 72 or 96; a camera's says nothing of the finger.
     if (!guess && draft.as === "observation" && ppi > 96)
       guess = scales.find(({ table }) => Math.abs(Number(table.ppi) - ppi) < 0.1)?.name ?? `ppi:${ppi}`;
@@ -392,7 +407,7 @@ export class NewFiles {
                 "span",
                 kinds[draft.as],
                 draft.as === "photograph" && draft.face && `, ${draft.face} face`,
-                scaleAsked(draft) && `, ${newScaleWords(draft.scale)} as its file says`,
+                scaleAsked(draft) && `, ${guessedScaleWords(draft.scale)}`,
               ),
             ),
           ),
@@ -403,7 +418,8 @@ export class NewFiles {
     );
     if (!right) {
       const { file, draft } = open[0];
-      const what = draft.asked ? "Type of" : draft.as === "photograph" ? "Face on" : "Scale of";
+      const face = draft.as === "photograph" && draft.faceAsked;
+      const what = draft.asked ? "Type of" : face ? "Face on" : "Scale of";
       this.root.querySelector(`select[aria-label="${CSS.escape(`${what} ${base(file)}`)}"]`)?.focus();
       return false;
     }

@@ -1,5 +1,6 @@
 // New files: what is entered for each, and the edits that add them to the study.
 
+import { readNumber } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { scaleNames } from "../parts/scale_choice.js";
 
@@ -33,13 +34,18 @@ export function draftOf({ file, reading }) {
   };
 }
 
-/** A scale as it is written, "500 ppi" or "0.05 mm/px", or the name of one; undefined if it is neither. */
+// A resolution without its unit is a scanner's: 300, 500, 1000.
+const LEAST_PPI = 72;
+
+/**
+ * A scale as it is written, "500 ppi", "500" or "0.05 mm/px", or the name of one; undefined if it is neither.
+ */
 export function parseScale(words) {
   if (scaleNames().includes(words)) return words;
-  const found = /^([\d.,]+)\s*(ppi|dpi|mm\/px|[uµμ]m\/px|px\/mm)$/i.exec(words.trim());
-  const value = found && Number(found[1].replace(",", "."));
-  if (!(value > 0)) return undefined;
-  const unit = found[2].toLowerCase();
+  const found = /^([\d.,]+)\s*(ppi|dpi|mm\/px|[uµμ]m\/px|px\/mm|)$/i.exec(words.trim());
+  const value = found && readNumber(found[1]).value;
+  if (!(value > 0) || (!found[2] && value < LEAST_PPI)) return undefined;
+  const unit = found[2].toLowerCase() || "ppi";
   if (unit === "ppi" || unit === "dpi") return `ppi:${value}`;
   if (unit === "mm/px") return `mm:${value}`;
   return `mm:${Number((unit === "px/mm" ? 1 / value : value / 1000).toPrecision(12))}`;
@@ -50,6 +56,14 @@ export function newScaleWords(scale) {
   const [way, value] = scale.split(/:(.*)/s);
   if (way === "ppi") return `${Number(Number(value).toFixed(1))} ppi`;
   return way === "mm" ? `${value} mm/px` : `coin in ${value.split("/").at(-1)}`;
+}
+
+/** Where a proposed scale comes from, in words. */
+export function guessedScaleWords(scale) {
+  if (!isNewScale(scale)) return `scale ${scale}, the only one of the study`;
+  return scale.startsWith("coin:")
+    ? `scale of the ${newScaleWords(scale)}`
+    : `${newScaleWords(scale)} as its file says`;
 }
 
 export const isNewScale = (scale) => /^(ppi|mm|coin):/.test(scale ?? "");

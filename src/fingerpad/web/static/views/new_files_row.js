@@ -196,9 +196,9 @@ export function takeFace(draft) {
 const guessed = () =>
   chip("guess: check", "warn", "The page is not sure. Choose again, or confirm when you add.");
 
-/** Whether the scale of a draft is what its file says, and still to be confirmed. */
-export const scaleAsked = ({ as, scale, scaleGuess }) =>
-  as === "observation" && isNewScale(scale) && scale === scaleGuess;
+/** Whether the scale of a draft was proposed, and is still to be confirmed. */
+export const scaleAsked = (draft) =>
+  takes(draft, "scale") && Boolean(draft.scale) && draft.scale === draft.scaleGuess;
 
 /** Whether a file of its kind takes a value. */
 export const takes = ({ as }, key) =>

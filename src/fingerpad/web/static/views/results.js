@@ -135,7 +135,7 @@ class Results {
         h(
           "div.banner.note",
           "The study has changed since the last run. ",
-          h("a", { href: "#/run" }, "Run again"),
+          h("a", { href: workspace.study.ready ? "#/run/start" : "#/study" }, "Run again"),
           " to update the results; only what has changed is measured.",
         ),
     );

@@ -33,6 +33,9 @@ const ON_LAYER = {
   youngs_modulus_kpa: "youngs_modulus_on_layer_kpa",
 };
 
+// As in the figures of the report.
+const FADED = 0.4;
+
 const BARS = [
   ["all", "all uncertainties"],
   ["given", "fixed pad geometry, as in Dzidek et al. (2017)"],
@@ -127,7 +130,10 @@ export class Plots {
    * @param {Answers["PlottedGroup"][]} groups
    */
   #legend(groups) {
-    const hollow = groups.some((group) => group.synthetic) && h("span", "hollow circles: synthetic");
+    const hollow = [
+      groups.some((group) => group.synthetic) && h("span", "hollow circles: synthetic"),
+      groups.some(({ rows }) => rows.pooled.includes(false)) && h("span", "faded: left out of the pool"),
+    ];
     const any = (key) => groups.some(({ rows }) => rows[key].some((value) => value !== null));
     if (this.quantity !== QUANTITIES[0][0]) {
       const onLayer = ON_LAYER[this.quantity];
@@ -230,11 +236,13 @@ export class Plots {
     const crowded = rows.item.length > 80;
     const name = (index) => rows.item[index];
     // An outline wider than the circle, which would hide a square of nearly the same value.
+    const opacity = rows.pooled.map((pooled) => (pooled ? 1 : FADED));
     const square = {
       symbol: "square",
       color: "transparent",
       size: crowded ? 7 : 14,
       line: { color: compliance, width: 1.4 },
+      opacity,
     };
     const bars = (array, color) => ({ type: "data", array, color, thickness: 1.4, width: crowded ? 0 : 4 });
     const traces = [
@@ -273,7 +281,7 @@ export class Plots {
           color: group.synthetic ? panel : measured,
           size: crowded ? 4 : 8.5,
           line: { color: measured, width: 1.6 },
-          opacity: rows.pooled.map((pooled) => (pooled ? 1 : 0.45)),
+          opacity,
         },
         hovertemplate: rows.item.map(
           (_, index) =>

@@ -357,29 +357,42 @@ export class Review {
     if (turn === this.#turn) await this.remeasure(turn);
   }
 
-  async accept() {
+  /** Save a verdict; whether it was saved, and its image is still shown. */
+  async #judge(verdict) {
     const mine = this.corrections;
-    if (!this.measured) return toast(this.nothingToAccept, { kind: "error" });
-    if (!mine.change.accepted)
-      await mine
-        .keep((change) => withoutDefaults({ ...change, accepted: true, rejected: null }))
-        .catch(showError);
-    if (this.corrections !== mine) return;
+    if (mine.judging) return false;
+    mine.judging = true;
+    const saved = mine.keep((change) => withoutDefaults({ ...change, ...verdict }));
+    const done = await saved.then(() => true, showError).finally(() => (mine.judging = false));
+    return done === true && this.corrections === mine;
+  }
+
+  async accept() {
+    if (!this.entry) return;
+    if (!this.measured) toast(this.nothingToAccept, { kind: "error" });
+    else if (this.corrections.change.accepted || (await this.#judge({ accepted: true, rejected: null })))
+      this.#next();
+  }
+
+  /** Reject the image, or undo its rejection. */
+  async reject() {
+    if (!this.entry) return;
+    if (this.corrections.change.rejected) await this.#judge({ rejected: null });
+    else await this.rejectFor(this.inspector.reason());
+  }
+
+  /** Reject the image for a reason, whether it was rejected or not. */
+  async rejectFor(reason) {
+    if (this.entry && (await this.#judge({ accepted: false, rejected: reason })) && this.entries[this.at + 1])
+      this.step(1);
+  }
+
+  #next() {
     if (this.entries[this.at + 1]) this.step(1);
     else {
       toast(this.last[0], this.last[1]);
-      await this.remeasure(); // whether it is pooled may have changed
+      this.remeasure(); // whether it is pooled may have changed
     }
-  }
-
-  async reject() {
-    const mine = this.corrections;
-    if (mine.rejecting) return;
-    mine.rejecting = true;
-    const rejected = mine.change.rejected ? null : this.inspector.reason();
-    await mine.keep((change) => withoutDefaults({ ...change, accepted: false, rejected })).catch(showError);
-    mine.rejecting = false;
-    if (rejected && this.corrections === mine) this.step(1);
   }
 
   /** Commit a handle that is being moved, and ignore later answers. */

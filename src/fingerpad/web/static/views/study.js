@@ -55,13 +55,17 @@ class StudyView {
     first?.focus();
   }
 
-  /** Delay updates while the user types. */
+  /** Delay updates while the user types, and while a refused entry is still in its field. */
   #whileTyping() {
     const done = () => {
       this.typing = null;
       if (this.behind) setTimeout(() => this.update());
     };
-    return { oninput: ({ target }) => (this.typing = target), onchange: done, onfocusout: done };
+    return {
+      oninput: ({ target }) => (this.typing = target),
+      onchange: ({ target }) => target.matches(":invalid") || done(),
+      onfocusout: done,
+    };
   }
 
   update() {

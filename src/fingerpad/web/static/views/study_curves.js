@@ -5,7 +5,7 @@ import { symbol } from "../core/glossary.js";
 import { ask } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, choose, field, number, synthetic } from "../parts/forms.js";
+import { button, choose, field, number, numberIn, synthetic } from "../parts/forms.js";
 import { card, cell, row, statusChip, table } from "../parts/tables.js";
 
 export class CurveTable {
@@ -82,10 +82,14 @@ export class CurveTable {
       ),
       "Add",
     );
-    if (!add || radius.value === "") return;
-    const set = { finger: finger.value, loading_radius_mm: Number(radius.value) };
-    if (wedge.value !== "") set.wedge_angle_deg = Number(wedge.value);
-    if (std.value !== "") set.loading_radius_mm_std = Number(std.value);
+    if (!add || numberIn(radius) === null) return;
+    const entered = {
+      finger: finger.value,
+      loading_radius_mm: numberIn(radius),
+      wedge_angle_deg: numberIn(wedge),
+      loading_radius_mm_std: numberIn(std),
+    };
+    const set = Object.fromEntries(Object.entries(entered).filter(([, value]) => value !== null));
     this.tables.change("curve", String(workspace.study.curves.length), set);
   }
 }

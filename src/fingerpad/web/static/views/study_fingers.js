@@ -5,7 +5,7 @@ import { h } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, chip, field, NAME, number, synthetic, text } from "../parts/forms.js";
+import { button, chip, field, NAME, number, numberIn, synthetic, text } from "../parts/forms.js";
 import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
 import { staleChip } from "../parts/stale_axes.js";
 import { card, cell, incompleteChip, row, table } from "../parts/tables.js";
@@ -144,12 +144,21 @@ export class FingerTable {
     const inputs = AXES.map(([axis, words]) => [
       axis,
       words,
-      number({ value: now[axis], min: 0 }),
-      number({ value: std[axis], min: 0 }),
+      number({ value: now[axis], above: 0 }),
+      number({ value: std[axis], above: 0 }),
     ]);
+    const fields = inputs.flatMap(([, , value, its]) => [value, its]);
+    const requireAll = () => {
+      const some = fields.some(({ value }) => value !== "");
+      for (const input of fields) input.required = some;
+    };
     const body = h(
       "div.stack",
-      h("p", "Semi-axes of the pad with standard uncertainties. Leave them empty if photographs follow."),
+      { oninput: requireAll },
+      h(
+        "p",
+        "Semi-axes of the pad, each with its standard uncertainty. Leave all empty if photographs follow.",
+      ),
       h(
         "div.fields.two",
         inputs.map(([, words, value, its]) => [
@@ -158,12 +167,12 @@ export class FingerTable {
         ]),
       ),
     );
+    requireAll();
     const save = await ask(`Semi-axes of ${finger.name}`, body, "Save");
-    const value = (input) => (input.value === "" ? undefined : Number(input.value));
-    if (!save || inputs.every(([, , input]) => input.value === "")) return;
+    if (!save || fields.every(({ value }) => value === "")) return;
     this.tables.change("finger", finger.name, {
-      semi_axes_mm: Object.fromEntries(inputs.map(([axis, , input]) => [axis, value(input)])),
-      semi_axes_mm_std: Object.fromEntries(inputs.map(([axis, , , input]) => [axis, value(input) ?? 0])),
+      semi_axes_mm: Object.fromEntries(inputs.map(([axis, , value]) => [axis, numberIn(value)])),
+      semi_axes_mm_std: Object.fromEntries(inputs.map(([axis, , , its]) => [axis, numberIn(its)])),
     });
   }
 
@@ -187,10 +196,9 @@ export class FingerTable {
       ),
     );
     if (!(await ask(`Thickness of ${finger.name}`, body, "Save"))) return;
-    const typed = (input) => (input.value === "" ? null : Number(input.value));
     this.tables.change("finger", finger.name, {
-      effective_thickness_mm: typed(value),
-      effective_thickness_mm_std: typed(its),
+      effective_thickness_mm: numberIn(value),
+      effective_thickness_mm_std: numberIn(its),
     });
   }
 }

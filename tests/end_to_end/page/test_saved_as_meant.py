@@ -1,0 +1,219 @@
+"""What a person enters or sees is what is saved, or they are told why not."""
+
+import json
+import re
+import tomllib
+
+import pytest
+from PIL import Image
+from playwright.sync_api import expect
+from tests.end_to_end.page.browser import Tab, changed, drag, focus, launched, numbers, served
+from tests.end_to_end.page.test_contacts import PRINT, corrections
+
+from fingerpad._rounding import value_with_uncertainty
+from fingerpad.study.editing.example import write_example
+
+
+def manifest(folder) -> dict:
+    return tomllib.loads((folder / "study.toml").read_text())
+
+
+def test_an_arrow_after_a_drag_goes_to_the_next_image(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    before = numbers(page)
+    drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -30, 0)
+    changed(page, before)
+    saved = corrections(demo)
+    page.keyboard.press("ArrowRight")
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_url(re.compile(PRINT))
+    assert corrections(demo) == saved
+    before = numbers(page)
+    focus(page, "End of the semi-major axis").press("ArrowRight")  # by key it still moves
+    changed(page, before)
+
+
+def test_a_decimal_comma_is_a_decimal_point_or_is_refused(example_tab: Tab, example) -> None:
+    page = example_tab.open()
+    load = page.get_by_label("Load of contact_1N", exact=True)
+
+    def enter(words: str) -> str:
+        load.fill("")
+        load.press_sequentially(words)
+        load.press("Enter")
+        return load.evaluate("field => field.validationMessage")
+
+    for typed in ("0,5", "0.25", ",75", "1,5e-1"):
+        with page.expect_response("**/api/study/edits"):
+            assert enter(typed) == ""
+        expect(load).to_have_value(str(float(typed.replace(",", "."))))
+        (saved,) = [one for one in manifest(example)["observations"] if one["name"] == "contact_1N"]
+        assert saved["load_N"] == float(typed.replace(",", "."))
+    # What could be read in two ways is refused, not guessed.
+    assert enter("12,125") == '"12,125" could be 12.125 or 12125: write which.'
+    for typed in ("1.234,5", "1,234.5", "1 234", "1'234", "0.5.5", "0,5 0,6", "five"):
+        assert enter(typed).startswith(f'"{typed}" is not a number')
+    (saved,) = [one for one in manifest(example)["observations"] if one["name"] == "contact_1N"]
+    assert saved["load_N"] == 0.15
+
+
+def test_every_field_for_a_number_takes_a_comma(example_tab: Tab) -> None:
+    page = example_tab.open()
+    page.get_by_role("button", name="Add a finger").click()
+    assert page.locator("input[type=number]").count() == 0
+    decimals = page.locator("input[inputmode=decimal]")
+    for index in range(decimals.count()):
+        kept = decimals.nth(index).input_value()
+        decimals.nth(index).evaluate("field => { field.value = '0,5'; }")
+        decimals.nth(index).dispatch_event("input")
+        assert decimals.nth(index).evaluate("field => field.validationMessage") == ""
+        decimals.nth(index).evaluate("(field, kept) => { field.value = kept; }", kept)
+
+
+def test_a_reason_never_undoes_a_rejection(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    numbers(page)
+    page.keyboard.press("x")
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    page.keyboard.press("ArrowLeft")
+    page.get_by_text("rejected: no reason given", exact=True).wait_for()
+    why = page.get_by_label("Reason to reject")
+    why.fill("smeared")
+    why.press("Enter")
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    assert corrections(demo)[-1]["change"]["rejected"] == "smeared"
+    page.keyboard.press("ArrowLeft")
+    page.get_by_text("rejected: smeared", exact=True).wait_for()
+    page.keyboard.press("x")
+    expect(page.get_by_text("rejected: smeared", exact=True)).to_have_count(0)
+
+
+def test_the_page_stays_where_saving_failed_and_goes_on_once_the_server_is_back(browser, demo) -> None:
+    with launched(demo) as (server, process):
+        tab = Tab(browser, server)
+        tab.expected += ["Failed to load resource", "ERR_"]
+        page = tab.open(f"contacts/images/{PRINT}")
+        numbers(page)
+        process.kill()
+        process.wait()
+        banner = page.locator("#link")
+        expect(banner).to_contain_text("fingerpad does not respond. Confirmed changes are saved")
+        page.keyboard.press("Enter")
+        page.locator(".message.error").first.wait_for()
+        expect(page).to_have_url(re.compile(PRINT))
+        page.keyboard.press("x")
+        page.wait_for_timeout(300)
+        expect(page).to_have_url(re.compile(PRINT))
+        assert not corrections(demo)
+        port = int(server.host.rpartition(":")[2])
+        with launched(demo, port) as (again, _):
+            expect(banner).to_contain_text("fingerpad was started again: open the address")
+            other = page.context.new_page()
+            other.goto(again.address)
+            expect(banner).to_be_hidden()
+            page.keyboard.press("Enter")
+            page.wait_for_url(re.compile("synthetic_30deg_4N"))
+            assert corrections(demo)[-1]["change"]["accepted"] is True
+            other.context.clear_cookies()
+            other.goto(again.host)
+            other.get_by_text("Open the address that fingerpad app printed").wait_for()
+        tab.close()
+
+
+def test_no_scale_is_taken_without_being_asked(browser, written_example, tmp_path) -> None:
+    folder = write_example(tmp_path / "studies" / "example").parent
+    text = (folder / "study.toml").read_text()
+    camera = "[scales.camera]\nmm_per_px = 0.1\nrelative_std = 0.002\n\n"
+    assert camera in text
+    (folder / "study.toml").write_text(text.replace(camera, "").replace('"camera"', '"reader"'))
+    Image.effect_noise((300, 400), 40).convert("RGB").save(tmp_path / "IMG_7.jpg")
+    with served(folder.parent, folder) as server:
+        tab = Tab(browser, server)
+        page = tab.open()
+        page.locator("input[type=file]").first.set_input_files(tmp_path / "IMG_7.jpg")
+        page.get_by_label("Type of IMG_7.jpg").select_option("photograph")
+        expect(page.get_by_label("Scale of IMG_7.jpg")).to_have_value("")
+        page.get_by_label("Type of IMG_7.jpg").select_option("observation")
+        scale = page.get_by_label("Scale of IMG_7.jpg")
+        expect(scale).to_have_value("reader")
+        expect(scale.locator("xpath=..")).to_contain_text("guess: check")
+        page.get_by_role("button", name="Add to study").click()
+        dialog = page.get_by_role("dialog", name="Is this right?")
+        dialog.get_by_text("scale reader, the only one of the study").wait_for()
+        tab.close()
+
+
+@pytest.mark.parametrize("name", ["IMG 50%.jpg", "IMG #12.jpg"])
+def test_a_file_name_may_hold_signs_of_addresses(browser, written_example, tmp_path, name) -> None:
+    folder = write_example(tmp_path / "signs" / "example").parent
+    finger = manifest(folder)["fingers"][0]
+    file = finger["photographs"][0]["file"]
+    (folder / file).rename((folder / file).with_name(name))
+    renamed = (folder / file).with_name(name).relative_to(folder).as_posix()
+    text = (folder / "study.toml").read_text()
+    (folder / "study.toml").write_text(text.replace(json.dumps(file), json.dumps(renamed)))
+    with served(folder.parent, folder) as server:
+        tab = Tab(browser, server)
+        page = tab.open("photographs")
+        numbers(page, "face")
+        page.reload()
+        numbers(page, "face")
+        expect(page.get_by_role("heading", name="Photographs")).to_be_visible()
+        page.keyboard.press("Enter")
+        page.get_by_text("accepted", exact=True).first.wait_for(state="attached")
+        assert corrections(folder)[-1]["item"] == f"{finger['name']}/{renamed}"
+        tab.go("study")
+        page.get_by_role("link", name=f"Photograph {name}").click()
+        numbers(page, "face")
+        tab.close()
+
+
+def test_an_address_opens_its_study(browser, demo) -> None:
+    with served(demo.parent) as server:  # without a study, as fingerpad app is started by default
+        tab = Tab(browser, server)
+        page = tab.open()
+        page.get_by_role("button", name=re.compile("demo")).click()
+        tab.go("contacts")
+        numbers(page)
+        other = page.context.new_page()
+        other.goto(page.url)
+        numbers(other)
+        assert other.url == page.url
+        page.get_by_role("button", name="Other studies").click()
+        page.get_by_role("heading", name="Open study").wait_for()
+        page.reload()
+        page.get_by_role("heading", name="Open study").wait_for()
+        other.close()
+        tab.close()
+
+
+# Value and standard uncertainty, as the page, the report and the command line round them.
+_ROUNDED = [
+    *[
+        (value, std)
+        for value in (1234.5, 1235.0, 1245.0, 0.5, 2.5, -13.80484)
+        for std in (56.7, 5.67, 0.0567)
+    ],
+    *[(value, None) for value in (0.0, 0.5, 0.0004, 4e-10, 0.9996, 1.0, 9.9999, 12345.0, 1234.5, -2.25, 7e7)],
+    *[(value, 0.25) for value in (0.125, 0.375, 1.125, 100.0)],
+    (13.61796, 0.00025),
+    (0.0, 0.0996),
+    (1e6, 99600.0),
+    (0.1, 0.00995),
+    (5678.0, 1000.0),
+    (2.0, float("nan")),
+]
+
+
+def test_the_page_rounds_as_python_does(tab: Tab) -> None:
+    page = tab.open()
+    shown = page.evaluate(
+        """async (pairs) => {
+          const { withStd } = await import("/static/-/core/quantity.js");
+          return pairs.map(([value, std]) => withStd(value, std));
+        }""",
+        [[value, None if std != std else std] for value, std in _ROUNDED],
+    )
+    plain = [text.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-") for text in shown]
+    assert plain == [value_with_uncertainty(*pair) for pair in _ROUNDED]
