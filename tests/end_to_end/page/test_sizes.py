@@ -121,7 +121,7 @@ def test_a_saved_ruler_is_shown_as_it_was_entered(example_tab: Tab) -> None:
     message = page.get_by_text("Scale ruler saved.")
     message.wait_for()
     subtitle = box(page.get_by_text("share its uncertainty"))
-    assert box(message)["x"] > subtitle["x"] + subtitle["width"]
+    assert box(message)["y"] > subtitle["y"] + subtitle["height"]
     page.get_by_role("heading", name="Scale ruler").wait_for()
     expect(page.get_by_label("Line along")).to_have_value("")
     assert page.get_by_label("Line along").evaluate("list => list.selectedIndex") == 0

@@ -66,7 +66,11 @@ export function saveFocus() {
     );
   const at = alike().indexOf(before);
   return () => {
-    if (before.isConnected) return;
+    if (before.isConnected) {
+      // Put in its place again, it has lost the focus.
+      if (document.activeElement === document.body) before.focus({ preventScroll: true });
+      return;
+    }
     const now = alike()[at];
     now?.focus({ preventScroll: true });
     now?.select?.();

@@ -132,12 +132,13 @@ export class Filmstrip {
   #label(cell, index) {
     const entry = this.entries[index];
     if (!entry) return;
-    const { label, name, state, marks } = this.describe(entry);
+    const { above, label, name, state, marks } = this.describe(entry);
     cell.setAttribute("aria-selected", String(index === this.at));
     cell.setAttribute("aria-label", name);
     cell.title = name;
     cell.dataset.state = state;
     cell.lastChild.replaceChildren(
+      above ? h("span.cell-name.above", above) : "",
       h("span.cell-name", label),
       ...marks.map(([kind, title]) => h("span.dot", { "data-kind": kind, title })),
     );

@@ -121,6 +121,9 @@ export function number({ value, onset, min, above, max, placeholder, label }) {
 /** Names of a study, as the library takes them: they become names of files. */
 export const NAME = "[\\p{L}\\p{N}_][\\p{L}\\p{N}_.+\\-]*";
 
+/** What was typed, as a name: with _ for spaces. @param {string} words */
+export const asName = (words) => words.trim().replace(/\s+/g, "_");
+
 /**
  * A field for text; `pattern` is what it may be.
  *
@@ -143,10 +146,16 @@ export function text({ value, onset, placeholder, list, required, label, pattern
   if (pattern) {
     const say = () => {
       const wrong = input.validity.patternMismatch;
-      input.title = wrong ? "Letters, digits and . _ + - only, without spaces, as in left_index" : "";
+      input.title = wrong ? "Letters, digits and . _ + - only, as in left_index" : "";
     };
     input.addEventListener("input", say);
-    input.addEventListener("change", () => (say(), input.reportValidity()));
+    const take = () => {
+      input.value = asName(input.value);
+      say();
+      input.reportValidity();
+    };
+    input.addEventListener("change", take);
+    input.addEventListener("keydown", (event) => event.key === "Enter" && take());
   }
   if (onset) input.addEventListener("change", () => onset(input.value.trim()));
   input.addEventListener("paste", (event) => fillDown(input, event));
@@ -291,13 +300,18 @@ export const list = (items, name = "ul") =>
     items.map((item) => h("li", item)),
   );
 
+/** A fault by the name of its owner, if the words end with it, and without its number in the manifest. */
+function faultWords({ place, words }) {
+  const [, said, owner] = /^(.*) \(in ([^()]+)\)$/.exec(words) ?? [];
+  if (!owner) return [h("code", place), ` ${words}`];
+  return [h("strong", owner), ": ", h("code", place.replace(/^\w+\[\d+\]\.?/, "")), ` ${said}`];
+}
+
 /** List the errors of a refused edit. */
 export function faultList(error) {
   return h(
     "div.faults",
     { role: "alert" },
-    error.faults?.length > 0
-      ? list(error.faults.map(({ place, words }) => [h("code", place), ` ${words}`]))
-      : h("p", error.message),
+    error.faults?.length > 0 ? list(error.faults.map(faultWords)) : h("p", error.message),
   );
 }

@@ -9,7 +9,8 @@ const SIDE = { most: 190, least: 140, gap: 12 };
 const LEAST_TIME = 300;
 const PAD = { left: 54, right: 54, top: 8, bottom: 24 };
 const SIDE_LEFT = 26;
-const SLOWEST_MS = 40;
+// Between frames that are played: long enough to see the outline.
+const PAUSE_MS = 100;
 
 /** What areas and aspect ratios are drawn against. */
 const FORCE = { by: "load_N", label: "force (N)", against: "force" };
@@ -63,8 +64,8 @@ export class SequenceTraces {
   #timer = null;
 
   /**
-   * @param {{ chosen: (frame: Frame) => void, played: (frame: Frame) => Promise<void>,
-   *   stopped: (frame: Frame) => void, aligned: (start: number) => void }} events
+   * @param {{ chosen: (frame: Frame) => Promise<void>, scrubbed: (frame: Frame) => void,
+   *   aligned: (start: number) => void }} events
    */
   constructor(events) {
     this.events = events;
@@ -292,7 +293,7 @@ export class SequenceTraces {
     const times = this.#frames.map(({ time_s }) => time_s);
     this.#at = nearest(times, time);
     this.#cursor();
-    this.events.played(this.#frames[this.#at]);
+    this.events.scrubbed(this.#frames[this.#at]);
   }
 
   #key(event) {
@@ -314,22 +315,21 @@ export class SequenceTraces {
   #toggle() {
     if (this.#timer) {
       this.stop();
-      this.events.stopped(this.#frames[this.#at]);
       return;
     }
     if (this.#at >= this.#frames.length - 1 || this.#at < 0) this.#at = 0;
     const wait = Math.max(
-      SLOWEST_MS,
+      PAUSE_MS,
       (1000 * (this.#frames.at(-1).time_s - this.#frames[0].time_s)) / (this.#frames.length - 1),
     );
     this.playButton.textContent = "Pause";
     const next = async () => {
       this.#at += 1;
       this.#cursor();
-      await this.events.played(this.#frames[this.#at]);
+      await this.events.chosen(this.#frames[this.#at]);
       if (!this.#timer) return;
       if (this.#at < this.#frames.length - 1) this.#timer = setTimeout(next, wait);
-      else this.#toggle();
+      else this.stop();
     };
     this.#timer = setTimeout(next, wait);
   }

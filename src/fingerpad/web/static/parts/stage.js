@@ -306,6 +306,15 @@ export class Stage {
     this.crosshair.classList.remove("down");
   }
 
+  /** Show no picture. */
+  hide() {
+    this.picture.onload = this.picture.onerror = null;
+    this.picture.removeAttribute("src");
+    this.picture.alt = "";
+    this.root.classList.remove("waiting");
+    this.setScale(null);
+  }
+
   clear() {
     render(this.world);
     this.fixed.clear();

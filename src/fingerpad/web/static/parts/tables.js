@@ -1,7 +1,7 @@
 // Tables of what a study holds, one row for each thing.
 
 import { h } from "../core/dom.js";
-import { chip } from "./forms.js";
+import { button, chip } from "./forms.js";
 
 const STATUS = {
   done: ["measured", "good"],
@@ -62,6 +62,31 @@ export function table(label, headings, rows) {
 export function tableOf(name, headings, rows) {
   const cells = headings.map((one) => (typeof one === "string" ? h("th", { scope: "col" }, one) : one));
   return h(name, h("thead", h("tr", cells)), h("tbody", rows));
+}
+
+/**
+ * Buttons that turn the pages of a long table, and which rows are shown.
+ *
+ * @template T
+ * @param {T[]} rows
+ * @param {number} page
+ * @param {number} size rows on a page
+ * @param {(page: number) => void} turn
+ * @returns {{ shown: T[], pager: any }}
+ */
+export function paged(rows, page, size, turn) {
+  const pages = Math.max(1, Math.ceil(rows.length / size));
+  const at = Math.min(page, pages - 1);
+  const go = (by, words, label) =>
+    button(words, () => turn(at + by), { kind: "small", disabled: at + by < 0 || at + by >= pages, label });
+  return {
+    shown: rows.slice(at * size, (at + 1) * size),
+    pager: pages > 1 && [
+      go(-1, "‹", "Previous page"),
+      h("span.number", `${at + 1} of ${pages}`),
+      go(1, "›", "Next page"),
+    ],
+  };
 }
 
 /**

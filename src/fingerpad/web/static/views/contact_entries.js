@@ -1,7 +1,7 @@
 // Labels and filters of the filmstrip of contact images.
 
 import { plain } from "../core/quantity.js";
-import { describeCode } from "../core/workspace.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { reviewMarks } from "./review.js";
 
 export const FILTERS = [
@@ -30,7 +30,9 @@ export function describe(entry) {
   marks.push(...reviewMarks(entry));
   const load =
     entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
+  const finger = framed || workspace.study.fingers.length < 2 ? "" : entry.finger;
   return {
+    above: finger,
     label: framed
       ? `${entry.frame}${load ? ` · ${load}` : ""}`
       : load
@@ -38,6 +40,7 @@ export function describe(entry) {
         : entry.item,
     name: [
       framed ? `Frame ${entry.frame}` : entry.item,
+      finger,
       load,
       ...marks.map(([, title]) => title),
       state === "none" ? "no contact found, or not run yet" : "",

@@ -1,6 +1,6 @@
 // Review of contact images and frames.
 
-import { get, picture, post } from "../core/api.js";
+import { get, LatestRequest, post } from "../core/api.js";
 import { withoutDefaults } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
@@ -41,9 +41,9 @@ const outlined = ({ ellipse_px: ellipse, threshold, strokes }) =>
   Boolean(ellipse || threshold || strokes?.some(({ action }) => action === "replace"));
 
 class Contacts extends Review {
-  /** @type {(Observation | Frame)[]} */
+  /** @type {((Observation | Frame) & { finger?: string | null })[]} */
   all = [];
-  /** @type {(Observation | Frame)[]} */
+  /** @type {((Observation | Frame) & { finger?: string | null })[]} */
   entries = [];
   /** @type {Sequence | undefined} */
   sequence;
@@ -71,6 +71,7 @@ class Contacts extends Review {
     super();
     this.root = root;
     this.filter = "";
+    this.finger = "";
     this.source = this.#sources().some(([key]) => key === rest[0]) ? rest[0] : this.#sources()[0]?.[0];
     this.wanted = rest[1];
     if (this.source === "second") {
@@ -119,10 +120,15 @@ class Contacts extends Review {
       options: FILTERS,
       onset: (key) => this.#filter(key),
     });
+    this.fingers = h("label", { hidden: true });
+    this.scrubbed = new LatestRequest(
+      (frame) => this.#show(frame),
+      () => {},
+      showError,
+    );
     this.traces = new SequenceTraces({
       chosen: (frame) => this.#show(frame),
-      played: (frame) => this.#play(frame),
-      stopped: (frame) => this.#show(frame),
+      scrubbed: (frame) => this.scrubbed.request(frame),
       aligned: (start) => this.#align(start),
     });
     this.layOut({
@@ -141,6 +147,7 @@ class Contacts extends Review {
           "div.filmstrip-bar",
           h("label", "Images", this.sourceChoice),
           h("label", "Show", this.filterChoice),
+          this.fingers,
           this.count,
         ),
       ],
@@ -200,6 +207,7 @@ class Contacts extends Review {
     const signal = this.sequence ? await this.#signal() : null;
     this.traces.set(this.sequence?.name ?? null, signal, /** @type {Frame[]} */ (this.all));
     if (this.closed) return;
+    this.#drawFingers();
     this.#filter(this.filter, this.wanted);
     await this.#figure();
   }
@@ -221,23 +229,25 @@ class Contacts extends Review {
     });
   }
 
-  /** Show a frame of the traces, whatever the filter is. */
-  #show(frame) {
+  /** Show a frame of the traces with its result, whatever the filter is. */
+  async #show(frame) {
     const index = this.entries.findIndex(({ item }) => item === frame.item);
-    this.at = -1;
-    if (index >= 0) this.choose(index);
-    else {
-      this.filterChoice.value = "";
-      this.#filter("", frame.item);
-    }
+    if (index >= 0) return this.choose(index);
+    this.filterChoice.value = "";
+    return this.#filter("", frame.item);
   }
 
-  /** Show the image of a frame alone, as it is played. */
-  async #play(frame) {
-    this.live.cancel();
-    this.editor.hide();
-    this.overlay.clear();
-    await this.stage.show(picture("preview", frame.item), ...this.stage.size, `Frame ${frame.frame}`);
+  /** Offer the fingers that contact images are of. */
+  #drawFingers() {
+    const of = this.sequence ? [] : this.all.map(({ finger }) => finger).filter(Boolean);
+    const names = [...new Set(of)].sort();
+    this.fingers.hidden = names.length < 2;
+    const onset = (name) => {
+      this.finger = name;
+      this.#filter(this.filter);
+    };
+    const options = [["", "all"], ...names];
+    render(this.fingers, "Finger", choose({ value: this.finger, label: "Finger", options, onset }));
   }
 
   async #align(start) {
@@ -256,19 +266,22 @@ class Contacts extends Review {
   #filter(key, wanted) {
     const item = wanted ?? this.entries[this.at]?.item;
     this.filter = key;
-    this.entries = this.all.filter(FILTER_TESTS[key]);
+    this.entries = this.all.filter(
+      (entry) => FILTER_TESTS[key](entry) && (!this.finger || entry.finger === this.finger),
+    );
     this.strip.set(this.entries);
     if (!this.entries.length) {
+      this.nothing();
       this.count.textContent = `none of ${this.all.length}`;
       const none = this.blind
         ? "The first operator has not accepted or corrected any image yet."
         : "This sequence has no frames.";
       this.stage.setMessage(this.all.length ? "No image matches this filter." : none);
-      return;
+      return undefined;
     }
     this.at = -1;
     const found = this.entries.findIndex((entry) => entry.item === item);
-    this.choose(found < 0 ? Math.max(0, this.#firstInContact()) : found);
+    return this.choose(found < 0 ? Math.max(0, this.#firstInContact()) : found);
   }
 
   #firstInContact() {
@@ -293,7 +306,7 @@ class Contacts extends Review {
 
   clearOverlay() {
     this.overlay.clear();
-    const all = this.filter ? ` shown, ${this.all.length} in all` : "";
+    const all = this.filter || this.finger ? ` shown, ${this.all.length} in all` : "";
     this.count.textContent = `${this.at + 1} of ${this.entries.length}${all}`;
   }
 
@@ -388,6 +401,7 @@ class Contacts extends Review {
     if (tool === "seed") return new Click((at) => this.set("seed_px", at));
     if (tool === "ellipse" || tool === "threshold") return null;
     const done = (stroke) => {
+      if (!this.corrections) return;
       if (this.blind && stroke.action !== "replace" && !outlined(this.corrections.change)) {
         toast(this.nothingToAccept);
         this.brush?.dry();
@@ -449,6 +463,8 @@ class Contacts extends Review {
       key_frame: on,
     }));
     await this.#refreshFrames();
+    if (on && !this.all.some((frame) => "interpolated" in frame && frame.interpolated))
+      toast("No other frame follows it: set a second key frame, and the frames between the two will.");
   }
 
   /** Read again which frames around this one are interpolated. */

@@ -217,7 +217,7 @@ export class NewFiles {
     for (const file of this.files) {
       const draft = this.drafts.get(file);
       if (draft.scale?.startsWith("coin:") && !coins.includes(draft.scale.slice(5))) draft.scale = "";
-      if (scale && draft.as === "photograph" && !draft.scale) draft.scale = draft.scaleGuess = scale;
+      if (scale && draft.as === "photograph" && !draft.scale) draft.scale = scale;
     }
   }
 
@@ -344,8 +344,7 @@ export class NewFiles {
    */
   #guessScale(file) {
     const draft = this.drafts.get(file);
-    if ((draft.scale !== undefined && draft.scale !== draft.scaleGuess) || draft.scale?.startsWith("coin:"))
-      return;
+    if (draft.scale !== undefined && draft.scale !== draft.scaleGuess) return;
     const { scales } = workspace.study;
     const ppi = this.info.get(file)?.resolution_ppi;
     const [only] = scales.length === 1 ? scales : [];

@@ -2,6 +2,7 @@
 
 import { readNumber } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
+import { asName } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_choice.js";
 
 /** What a file may be used as, by the content that was found in it. */
@@ -60,10 +61,9 @@ export function newScaleWords(scale) {
 
 /** Where a proposed scale comes from, in words. */
 export function guessedScaleWords(scale) {
-  if (!isNewScale(scale)) return `scale ${scale}, the only one of the study`;
-  return scale.startsWith("coin:")
-    ? `scale of the ${newScaleWords(scale)}`
-    : `${newScaleWords(scale)} as its file says`;
+  return isNewScale(scale)
+    ? `${newScaleWords(scale)} as its file says`
+    : `scale ${scale}, the only one of the study`;
 }
 
 export const isNewScale = (scale) => /^(ppi|mm|coin):/.test(scale ?? "");
@@ -73,10 +73,10 @@ export function takeValues(draft, values) {
   const { role, person, finger, scale, ppi, mm_per_px, ...rest } = values;
   let problem = "";
   if (role !== null) Object.assign(draft, { as: role, asked: false });
-  if (person !== null) draft.person = person;
-  const own = finger ?? draft.finger;
-  if (person !== null && own && !own.startsWith(`${person}_`)) draft.finger = `${person}_${own}`;
-  else if (finger !== null) draft.finger = finger;
+  if (person !== null) draft.person = asName(person);
+  const own = finger === null ? draft.finger : asName(finger);
+  draft.finger =
+    person !== null && own && !own.startsWith(`${draft.person}_`) ? `${draft.person}_${own}` : own;
   if ((ppi ?? mm_per_px ?? scale) !== null) draft.scaleGuess = undefined;
   if (ppi !== null) draft.scale = `ppi:${ppi}`;
   if (mm_per_px !== null) draft.scale = `mm:${mm_per_px}`;
@@ -158,7 +158,7 @@ export function editsOf(files, drafts, { synthetic = false }) {
     }
     const { finger, face, wedge_angle_deg, load_N, session } = draft;
     const own = { synthetic: synthetic || undefined };
-    if (!fingers.has(finger) && (draft.person || ["photograph", "outline"].includes(draft.as))) {
+    if (!fingers.has(finger)) {
       edits.push({ kind: "finger", key: finger, set: said({ person: draft.person }) });
       fingers.add(finger);
     }

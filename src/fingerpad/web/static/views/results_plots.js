@@ -4,6 +4,7 @@ import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { plain, unitOf, withStd, withTotal, withUnit } from "../core/quantity.js";
+import { workspace } from "../core/workspace.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, list } from "../parts/forms.js";
 import { groupHeader } from "../parts/group_header.js";
@@ -35,6 +36,9 @@ const ON_LAYER = {
 
 // As in the figures of the report.
 const FADED = 0.4;
+
+// Ticks at 1, 2 and 5 of each decade; without a format those between powers of ten are their first digits.
+const LOGARITHMIC = { type: "log", dtick: "D2", tickformat: "~g" };
 
 const BARS = [
   ["all", "all uncertainties"],
@@ -159,7 +163,8 @@ export class Plots {
 
   /** @param {Answers["PlottedGroup"]} group */
   #card(group) {
-    const node = h("div.chart", { role: "img", "aria-label": this.#words(group) });
+    const why = this.#why(group);
+    const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
     const { model_std, total_std, verdict } = group.validity.headlines.radius_from_indentation_mm;
     const fact = (label, value, std, mark) =>
@@ -208,6 +213,27 @@ export class Plots {
           ),
         ),
     );
+  }
+
+  /**
+   * Why there is nothing to plot; empty if there is.
+   *
+   * @param {Answers["PlottedGroup"]} group
+   */
+  #why({ rows }) {
+    const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
+    const drawn = [key, ON_LAYER[key], key === QUANTITIES[0][0] && "radius_from_compliance_mm"].filter(
+      Boolean,
+    );
+    const there = (index) => rows.load_N[index] !== null && drawn.some((each) => rows[each][index] !== null);
+    if (rows.item.some((_, index) => there(index))) return "";
+    const given = new Set(
+      workspace.study.observations.filter(({ status }) => status === "given").map(({ item }) => item),
+    );
+    const none = `No contact here has a ${words} to plot`;
+    return key === "gross_area_mm2" && rows.item.every((item) => given.has(item))
+      ? `${none}: their ellipses are given, and no image was measured.`
+      : [`${none}; `, h("a", { href: "#/results/table" }, "the table"), " says what each lacks."];
   }
 
   /** @param {Answers["PlottedGroup"]} group */
@@ -310,7 +336,7 @@ export class Plots {
       await chart(node, traces, {
         x: "normal load W (N)",
         y: title,
-        ranges: logarithmic ? { x: { type: "log" }, y: { type: "log" } } : {},
+        ranges: logarithmic ? { x: LOGARITHMIC, y: LOGARITHMIC } : {},
         shapes: lines.map(([, value, dash]) => ({
           type: "line",
           xref: "paper",

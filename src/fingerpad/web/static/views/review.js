@@ -170,6 +170,7 @@ export class Review {
     });
     this.#turned();
     this.measured = null;
+    this.inspector.root.hidden = this.inspector.footer.hidden = false;
     this.editor.hide();
     this.box.set(null);
     this.clearOverlay();
@@ -201,6 +202,20 @@ export class Review {
 
   step(by) {
     this.choose(this.at + by);
+  }
+
+  /** Show that there is no image to review. */
+  nothing() {
+    this.#turned();
+    this.#busy(false);
+    this.at = -1;
+    this.corrections?.close();
+    this.corrections = this.measured = null;
+    this.stage.hide();
+    this.editor.hide();
+    this.box.set(null);
+    this.clearOverlay();
+    this.inspector.root.hidden = this.inspector.footer.hidden = true;
   }
 
   /** Start a turn: answers to earlier requests are ignored. */
@@ -352,6 +367,7 @@ export class Review {
   }
 
   async #change(send) {
+    if (!this.corrections) return;
     const turn = this.#turned();
     await send(this.corrections).catch(showError);
     if (turn === this.#turn) await this.remeasure(turn);

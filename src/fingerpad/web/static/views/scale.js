@@ -38,6 +38,7 @@ class Scales {
     this.stage.use(this.line);
     this.result = h("div.result", { "aria-live": "polite" });
     this.form = h("div.stack");
+    this.footer = h("div.footer");
     this.list = h("div.scale-list");
     this.live = new LatestRequest(
       (table) => post("/api/measure/scale", { table }),
@@ -65,7 +66,7 @@ class Scales {
             h("p", "See the data sheet of the scanner or camera. The uncertainty enters every result."),
           )),
         ),
-        h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, this.form),
+        h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, this.form, this.footer),
       ),
     );
     bindHere([
@@ -196,18 +197,18 @@ class Scales {
       h("section", this.fields),
       h("section", this.result),
       h("section", this.images.parts),
+    );
+    render(
+      this.footer,
       h(
-        "section",
-        h(
-          "div.actions",
-          (this.keepButton = button("Save scale", () => this.#keep(), {
-            kind: "primary",
-            key: "Ctrl+Enter",
-          })),
-          this.old && button("Delete", () => this.#delete(), { kind: "bad" }),
-        ),
-        (this.problem = h("div")),
+        "div.actions",
+        (this.keepButton = button("Save scale", () => this.#keep(), {
+          kind: "primary",
+          key: "Ctrl+Enter",
+        })),
+        this.old && button("Delete", () => this.#delete(), { kind: "bad" }),
       ),
+      (this.problem = h("div")),
     );
     this.#drawFields();
     this.stage.root.hidden = !WAYS[this.way].picture;

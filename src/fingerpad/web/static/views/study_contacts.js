@@ -1,18 +1,34 @@
 // The table of contacts: whose they are, wedge, load and scale.
 
-import { h } from "../core/dom.js";
+import { h, redraw } from "../core/dom.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { button, chip, choose, number, synthetic } from "../parts/forms.js";
+import { chip, choose, number, synthetic } from "../parts/forms.js";
 import { scaleChoice } from "../parts/scale_choice.js";
-import { card, cell, row, statusChip, table } from "../parts/tables.js";
+import { card, cell, paged, row, statusChip, table } from "../parts/tables.js";
 
 const PAGE = 50;
+// So few are found at a glance.
+const FEW = 15;
 
 export class ContactTable {
   /** @param {import("./study_tables.js").StudyTables} tables */
   constructor(tables) {
     this.tables = tables;
     this.page = 0;
+    this.find = h("input", {
+      type: "search",
+      placeholder: "name or finger",
+      "aria-label": "Find contacts",
+      oninput: (event) => {
+        event.stopPropagation(); // the study is not being edited
+        this.#turn(0);
+      },
+    });
+  }
+
+  #turn(page) {
+    this.page = page;
+    redraw(() => this.tables.draw());
   }
 
   /** @param {Observation[]} observations */
@@ -20,13 +36,16 @@ export class ContactTable {
     const rolled =
       observations.some(({ roll_angle_deg: roll }) => roll) ||
       workspace.study.uncertainty.roll_angle_deg_std > 0;
-    const pages = Math.max(1, Math.ceil(observations.length / PAGE));
-    this.page = Math.min(this.page, pages - 1);
-    const shown = observations.slice(this.page * PAGE, (this.page + 1) * PAGE);
+    const many = observations.length > FEW;
+    const wanted = many ? this.find.value.trim().toLowerCase() : "";
+    const found = observations.filter((one) =>
+      [one.item, one.finger ?? ""].some((words) => words.toLowerCase().includes(wanted)),
+    );
+    const { shown, pager } = paged(found, this.page, PAGE, (page) => this.#turn(page));
     return card(
       "Contacts",
-      `${observations.length} in all`,
-      pages > 1 && this.#pager(pages),
+      wanted ? `${found.length} of ${observations.length}` : `${observations.length} in all`,
+      (many || pager) && [many && this.find, pager],
       observations.length
         ? table(
             "Contacts",
@@ -44,18 +63,6 @@ export class ContactTable {
           )
         : h("p.soft", "No contacts yet. Drop contact images above; each is one contact at one load."),
     );
-  }
-
-  #pager(pages) {
-    const go = (by) => () => {
-      this.page += by;
-      this.tables.draw();
-    };
-    return [
-      button("‹", go(-1), { kind: "small", disabled: this.page === 0, label: "Previous page" }),
-      h("span.number", `${this.page + 1} of ${pages}`),
-      button("›", go(1), { kind: "small", disabled: this.page === pages - 1, label: "Next page" }),
-    ];
   }
 
   /**

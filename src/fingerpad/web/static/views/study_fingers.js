@@ -1,27 +1,34 @@
 // The table of fingers: semi-axes, thickness and photographs.
 
 import { picture } from "../core/api.js";
-import { h } from "../core/dom.js";
+import { h, redraw } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, chip, field, NAME, number, numberIn, synthetic, text } from "../parts/forms.js";
 import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
 import { staleChip } from "../parts/stale_axes.js";
-import { card, cell, incompleteChip, row, table } from "../parts/tables.js";
+import { card, cell, incompleteChip, paged, row, table } from "../parts/tables.js";
+
+const PAGE = 12;
 
 export class FingerTable {
   /** @param {import("./study_tables.js").StudyTables} tables */
   constructor(tables) {
     this.tables = tables;
+    this.page = 0;
   }
 
   /** @param {Finger[]} fingers */
   draw(fingers) {
+    const { shown, pager } = paged(fingers, this.page, PAGE, (page) => {
+      this.page = page;
+      redraw(() => this.tables.draw());
+    });
     return card(
       "Fingers",
       "semi-axes from photographs or entered",
-      button("Add a finger", () => this.#addFinger(), { kind: "small" }),
+      [pager, button("Add a finger", () => this.#addFinger(), { kind: "small" })],
       fingers.length
         ? table(
             "Fingers",
@@ -32,7 +39,7 @@ export class FingerTable {
               "Photographs",
               "",
             ],
-            fingers.map((finger) => this.#finger(finger)),
+            shown.map((finger) => this.#finger(finger)),
           )
         : h("p.soft", "No fingers yet. Add a photograph, or enter the semi-axes."),
     );
@@ -114,13 +121,17 @@ export class FingerTable {
   /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
     const name = text({ placeholder: "left_index", value, pattern: NAME });
-    const body = h("div", field("Name of the finger", name, { hint: "Letters, digits, - and _." }));
+    const body = h(
+      "div",
+      field("Name of the finger", name, { hint: "Letters, digits, - and _. A space becomes _." }),
+    );
     return (await ask(words, body, doing)) ? name.value.trim() : "";
   }
 
   async #addFinger() {
     const name = await this.#askName("Add a finger", "Add");
     if (!name) return;
+    this.page = Infinity; // the last page, where it stands
     await this.tables.change("finger", name, {});
     const made = workspace.study.fingers.find((finger) => finger.name === name);
     if (made && !made.photographs?.length) this.#semiAxes(made);

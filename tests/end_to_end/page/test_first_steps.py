@@ -1,0 +1,198 @@
+"""The first quarter of an hour with a study: what is typed is taken, and what is shown can be followed."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from playwright.sync_api import Page, expect
+from tests.end_to_end.page.browser import Tab, box, middle, numbers
+
+SEQUENCE = "contacts/sequence:synthetic_press_30deg"
+
+
+def manifest(folder: Path) -> dict:
+    return tomllib.loads((folder / "study.toml").read_text())
+
+
+def extend(folder: Path, words: str) -> None:
+    file = folder / "study.toml"
+    file.write_text(f"{file.read_text()}\n{words}")
+
+
+def test_fingers_and_scales_are_typed_once(example_tab: Tab, example, tmp_path) -> None:
+    page = example_tab.open()
+    for name in ("one.png", "two.png"):
+        Image.open(example / "contact_1N.png").save(tmp_path / name)
+    page.locator("input[type=file]").first.set_input_files([tmp_path / "one.png", tmp_path / "two.png"])
+    page.get_by_label("Finger on two.png").wait_for()
+    finger = page.get_by_label("Finger of all new files")
+    finger.fill("right  thumb")
+    finger.press("Tab")
+    expect(page.get_by_label("Finger on two.png")).to_have_value("right_thumb")
+    scale = page.get_by_label("Scale of all new contact images")
+    scale.fill("500")
+    scale.press("Enter")
+    expect(page.get_by_label("Scale of all new contact images")).to_have_value("500 ppi")
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_text("2 files added.").wait_for()
+    study = manifest(example)
+    assert [one["name"] for one in study["fingers"]] == ["synthetic_pad", "right_thumb"]
+    added = [one for one in study["observations"] if one["finger"] == "right_thumb"]
+    assert [study["scales"][one["scale"]] for one in added] == [{"ppi": 500}] * 2
+    # Of the finger that was made, the semi-axes are asked for, each with its uncertainty.
+    page.get_by_role("button", name="Semi-axes of right_thumb").click()
+    fields = page.locator("dialog input")
+    for index, words in enumerate(["7,9", "0,2", "13.8", "0.2", "11.8"]):
+        fields.nth(index).fill(words)
+    page.get_by_role("button", name="Save", exact=True).click()
+    expect(fields.nth(5)).to_be_focused()
+    fields.nth(5).fill("0.2")
+    fields.nth(5).press("Enter")
+    page.get_by_text("13.80 ± 0.20").wait_for()
+    page.get_by_role("button", name="Add a finger").click()
+    page.get_by_label("Name of the finger").fill("left index")
+    page.keyboard.press("Enter")
+    page.get_by_role("heading", name="Semi-axes of left_index").wait_for()
+
+
+def test_run_again_runs(tab: Tab, demo) -> None:
+    file = demo / "study.toml"
+    file.write_text(file.read_text().replace("[apparatus]", "[apparatus]\ndwell_s = 1"))
+    page = tab.open("results")
+    page.get_by_role("link", name="Run again").click()
+    page.get_by_role("link", name="See the results").wait_for()
+    tab.go("results")
+    page.get_by_label("Against load", exact=True).wait_for()
+    expect(page.get_by_role("link", name="Run again")).to_have_count(0)
+
+
+def test_logarithmic_axes_are_labelled_by_numbers_and_empty_charts_say_why(tab: Tab) -> None:
+    page = tab.open("results")
+    page.get_by_label("Against load", exact=True).select_option("contact area")
+    given = page.get_by_role("region", name="left_index_ellipse, wedge 30°")
+    given.get_by_text("No contact here has a contact area to plot: their ellipses are given").wait_for()
+    expect(given.locator(".chart")).to_have_count(0)
+    chart = page.get_by_role("region", name="synthetic_pad, wedge 30°").locator(".chart")
+    chart.scroll_into_view_if_needed()
+    chart.locator(".xtick text").first.wait_for()
+    for axis, least in (("xtick", {"0.5", "1", "2"}), ("ytick", {"20", "50", "100"})):
+        labels = [
+            one.replace("\N{MINUS SIGN}", "-") for one in chart.locator(f".{axis} text").all_text_contents()
+        ]
+        assert least <= set(labels)
+        assert {label.strip("0.") for label in labels} <= {"1", "2", "5"}
+
+
+def test_a_film_shows_each_frame_with_its_result(tab: Tab) -> None:
+    page = tab.open(f"{SEQUENCE}/synthetic_press_30deg%236")
+    numbers(page)
+    trace = page.get_by_role("slider", name="Time of the frame")
+    heading = page.locator("[data-part=head] h2")
+    expect(trace).to_have_attribute("aria-valuetext", re.compile("frame 6,"))
+    # While the hand still drags …
+    x, y = middle(trace)
+    page.mouse.move(x - 20, y)
+    page.mouse.down()
+    page.mouse.move(x, y, steps=4)
+    frame = re.search(r"frame (\d+)", trace.get_attribute("aria-valuetext"))[1]
+    assert frame != "6"
+    expect(heading).to_have_text(f"Frame {frame}")
+    scrubbed = numbers(page)
+    expect(page.locator(".stage .region")).to_have_attribute("d", re.compile("^M"))
+    page.mouse.up()
+    assert numbers(page) == scrubbed
+    # … and while it is played.
+    page.evaluate(
+        """() => {
+          window.seen = new Set();
+          new MutationObserver(() => {
+            const region = document.querySelector('.stage .region').getAttribute('d');
+            const shown = document.querySelector('[data-live=numbers]');
+            if (region && shown)
+              window.seen.add(`${document.querySelector('[data-part=head] h2').textContent}: ${region}`);
+          }).observe(document.querySelector('.inspector'), { subtree: true, childList: true });
+        }"""
+    )
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function("() => new Set([...window.seen].map((one) => one.split(':')[0])).size > 3")
+    page.get_by_role("button", name="Pause").click()
+    numbers(page)
+    last = re.search(r"frame (\d+)", trace.get_attribute("aria-valuetext"))[1]
+    expect(heading).to_have_text(f"Frame {last}")
+    assert page.url.endswith(f"%23{last}")
+
+
+def test_a_lone_key_frame_says_that_it_needs_another(tab: Tab) -> None:
+    page = tab.open(f"{SEQUENCE}/synthetic_press_30deg%234")
+    numbers(page)
+    page.keyboard.press("k")
+    page.get_by_text("set a second key frame").wait_for()
+
+
+@pytest.fixture
+def two_fingers(example) -> Path:
+    """The example with contacts of a second finger: some given, one with an image."""
+    axes = "{ palmar = 8, distal = 13, radial_ulnar = 9 }"
+    std = "{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }"
+    given = "".join(
+        f"[[observations]]\nname = 'given_{k}'\nfinger = 'thumb'\nwedge_angle_deg = 30\nload_N = {k + 1}\n"
+        "ellipse_mm = { semi_axes = [5, 4] }\n"
+        for k in range(15)
+    )
+    (example / "thumb.png").write_bytes((example / "contact_1N.png").read_bytes())
+    extend(
+        example,
+        f"[[fingers]]\nname = 'thumb'\nsemi_axes_mm = {axes}\nsemi_axes_mm_std = {std}\n{given}"
+        "[[observations]]\nname = 'image_1N'\nfinger = 'thumb'\nwedge_angle_deg = 30\nload_N = 1\n"
+        "file = 'thumb.png'\nscale = 'reader'\n",
+    )
+    return example
+
+
+def test_contacts_are_found_by_finger(two_fingers, example_tab: Tab) -> None:
+    page = example_tab.open()
+    find = page.get_by_label("Find contacts")
+    rows = page.get_by_role("region", name="Contacts", exact=True).locator("tbody tr")
+    expect(rows).to_have_count(19)
+    find.press_sequentially("synth")
+    expect(rows).to_have_count(3)
+    expect(find).to_be_focused()
+    find.fill("image")
+    expect(rows).to_have_count(1)
+    example_tab.go("contacts")
+    numbers(page)
+    cells = page.locator(".filmstrip .cell")
+    expect(cells).to_have_count(4)
+    expect(cells.last).to_contain_text("thumb")
+    page.get_by_label("Finger", exact=True).select_option("thumb")
+    expect(page.get_by_role("heading", name="image_1N")).to_be_visible()
+    expect(cells).to_have_count(1)
+    page.get_by_label("Show", exact=True).select_option("rejected")
+    page.get_by_text("No image matches this filter.").wait_for()
+    require_nothing_to_judge(page)
+    page.get_by_label("Show", exact=True).select_option("")
+    page.get_by_role("button", name="Accept and next").wait_for()
+
+
+def test_without_an_image_there_is_nothing_to_judge(tab: Tab, demo) -> None:
+    page = tab.open("contacts/second")
+    page.get_by_text("The first operator has not accepted or corrected any image yet.").wait_for()
+    require_nothing_to_judge(page)
+    assert not (demo / "corrections.jsonl").exists()
+
+
+def require_nothing_to_judge(page: Page) -> None:
+    for name in ("Accept and next", "Reject", "Undo", "Redo"):
+        expect(page.get_by_role("button", name=name)).to_have_count(0)
+    for key in ("Enter", "x", "u", "r", "n", "k"):
+        page.keyboard.press(key)
+    expect(page.locator(".message.error")).to_have_count(0)
+
+
+def test_a_scale_can_be_saved_on_a_low_screen(example_tab: Tab) -> None:
+    page = example_tab.open("scale")
+    page.set_viewport_size({"width": 1024, "height": 600})
+    place = box(page.get_by_role("button", name="Save scale"))
+    assert place["y"] + place["height"] <= 600
