@@ -1,4 +1,4 @@
-"""What a person enters or sees is what is saved, or they are told why not."""
+"""What a person enters or sees is what is saved, or the page says why not."""
 
 import json
 import re

@@ -10,7 +10,7 @@ const OPEN = "fingerpad.study";
 const SEEK_MS = 3000;
 const GONE =
   "fingerpad does not respond. Confirmed changes are saved; others are not. Start it again with “fingerpad " +
-  "app” and use the page that opens; on the same port, this one goes on by itself.";
+  "app” and use the page that opens; on the same port, this one then goes on.";
 const RESTARTED =
   "fingerpad was started again: open the address that it printed in the terminal. This page then goes on.";
 
