@@ -109,13 +109,26 @@ def placed(path: Path, target: Path, digest: str | None = None) -> Path:
     for number in count(1):
         free = target if number == 1 else target.with_stem(f"{target.stem}-{number}")
         try:
-            free.touch(exist_ok=False)  # takes the name: the renaming replaces no file of anyone else
+            _rename_to_free(path, free)
         except FileExistsError:
             if digest is not None and sha256_of(free) == digest:
                 return free
         else:
-            return path.replace(free)
+            return free
     raise AssertionError
+
+
+def _rename_to_free(path: Path, free: Path) -> None:
+    """Rename a file, but never put it in the place of another."""
+    try:
+        os.link(path, free)
+    except FileExistsError:
+        raise
+    except OSError:  # no hard links there
+        free.touch(exist_ok=False)
+        path.replace(free)
+    else:
+        path.unlink()
 
 
 def _headers(path: Path) -> list[str]:
