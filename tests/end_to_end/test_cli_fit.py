@@ -170,11 +170,26 @@ def test_semi_axes_add_the_layer_and_change_nothing_else(curve: Path) -> None:
     plain, whole = (json.loads(run(curve, *flags, "--json")[1]) for flags in ((), pad))
     layer = whole.pop("layer")
     assert whole == plain
-    assert layer["thickness_mm_ci95"][0] > 0
+    assert layer["radius_mm_std"] < 0.5
+    assert "Hertz theory" in layer["reasons"]["thickness_mm"]  # which the curve was made by
     assert sum(layer["weights"].values()) == pytest.approx(1)
     code, out, _ = run(curve, *pad)
     assert code == 0
     assert "\nlayer: t" in out
-    code, _, err = run(curve, "--wedge-deg", 30)
+    assert f"\nmodulus: {layer['advice']}" in out  # two moduli never stand without a word which to believe
+    for alone in (("--wedge-deg", 30), ("--poisson-ratio-std", 0.02), ("--load-relative-std", 0.02)):
+        code, _, err = run(curve, *alone)
+        assert code == 2
+        assert "go with --semi-axes-mm" in err
+    code, _, err = run(curve, *pad, "--thickness-mm", 6)
     assert code == 2
-    assert "go with --semi-axes-mm" in err
+    assert "give one of them" in err
+
+
+def test_an_uncertain_scale_of_the_areas_widens_radius_and_moduli(curve: Path) -> None:
+    exact, loose = (
+        json.loads(run(curve, *flags, "--json")[1]) for flags in ((), ("--area-relative-std", 0.1))
+    )
+    for name, added in (("effective_radius_mm", 0.1), ("youngs_modulus_kpa", 0.05)):
+        stds = [found[f"{name}_std"] / found[name] for found in (exact, loose)]
+        assert np.sqrt(stds[1] ** 2 - stds[0] ** 2) == pytest.approx(added, rel=0.05)

@@ -10,10 +10,11 @@ from benchmarks.loading_truth import Condition, make_curve
 
 from fingerpad.contact import PadGap
 from fingerpad.exceptions import LoadingError
+from fingerpad.geometry import Ellipsoid
 from fingerpad.loading import Estimate, LoadingCurve, Undetermined, fit_layer_thickness
 from fingerpad.loading._prepare import prepare
 from fingerpad.loading.joint import fit_joint
-from fingerpad.loading.layer_result import THICKER_THAN_FINGER
+from fingerpad.loading.layer_result import THICKER_THAN_FINGER, LayerThicknessFit
 
 PAD = Pad(radius=14.0, modulus=0.05)
 SPHERE = PadGap.paraboloid(14.0, 14.0)
@@ -78,6 +79,85 @@ def test_a_whole_pad_takes_its_own_gap() -> None:
     assert paraboloid.thickness.lower > 12  # the pad's own flattening hides a part of the layer
 
 
+def relative_std(quantity: Estimate) -> float:
+    return quantity.std / quantity.value
+
+
+@pytest.mark.parametrize(
+    ("known", "wider", "kept"),
+    [
+        ({"poisson_ratio_std": 0.03}, ("thickness", "youngs_modulus"), ()),
+        ({"area_relative_std": 0.1}, ("thickness", "youngs_modulus"), ()),
+        ({"load_relative_std": 0.1}, ("youngs_modulus",), ("thickness",)),
+        ({"stage_compliance": Estimate.symmetric(0.0, 0.05)}, ("thickness", "youngs_modulus"), ()),
+    ],
+)
+def test_all_that_is_uncertain_widens_what_depends_on_it(on_6_mm, known, wider, kept) -> None:
+    found = fit_layer_thickness(curve_on(6.0), gap=SPHERE, radius_std=0.4, **known)
+    for name in wider:
+        assert relative_std(getattr(found, name)) > 1.03 * relative_std(getattr(on_6_mm, name)), name
+    for name in kept:
+        assert getattr(found, name) == getattr(on_6_mm, name)
+    if "load_relative_std" in known:  # E goes as the force
+        added = relative_std(found.youngs_modulus) ** 2 - relative_std(on_6_mm.youngs_modulus) ** 2
+        assert added == pytest.approx(0.1**2, rel=0.02)
+
+
+def test_wrong_scales_are_held_by_their_uncertainty() -> None:
+    curve = curve_on(6.0)
+    scaled = LoadingCurve(
+        load=1.06 * curve.load, indentation=curve.indentation, time=curve.time, area=0.94 * curve.area
+    )
+    known = {"area_relative_std": 0.05, "load_relative_std": 0.05}
+    found = fit_layer_thickness(scaled, gap=SPHERE, radius_std=0.4, **known)
+    assert found.thickness.lower < 6 < found.thickness.upper
+    assert found.youngs_modulus.lower < PAD.modulus < found.youngs_modulus.upper
+    assert not found.flags
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_hertz_theory_that_explains_a_curve_leaves_no_thickness(seed) -> None:
+    # A = πRξ and W ∝ ξ^(3/2) of R = 12 mm, where the geometry has an ellipsoid of 1/H = 13.2 ± 1 mm.
+    gap = PadGap.of(Ellipsoid(8.94, 12.0, 10.0), wedge_angle=0.0)
+    rng = np.random.default_rng([13, seed])
+    travel = np.linspace(-0.4, 2.0, 240)
+    xi = np.maximum(travel, 0)
+    stiffness = 4 / 3 * 0.06 / (1 - 0.48**2) * np.sqrt(12)
+    curve = LoadingCurve(
+        load=stiffness * xi**1.5 + rng.normal(0, 0.005, 240),
+        indentation=travel + rng.normal(0, 0.002, 240),
+        area=np.where(xi > 0, np.pi * 12 * xi + rng.normal(0, 0.8, 240), 0),
+        time=travel + 0.4,
+    )
+    found = fit_layer_thickness(curve, gap=gap, radius_std=1.0, poisson_ratio=0.48)
+    assert isinstance(found.thickness, Undetermined)
+    assert isinstance(found.youngs_modulus, Undetermined)
+    assert "Hertz theory" in found.conclusion
+    assert found.hertz_weight > found.layer_weight
+    assert found.advice.startswith("believe E and the place of contact of Hertz theory")
+
+
+def test_one_modulus_is_to_be_believed(on_6_mm) -> None:
+    assert on_6_mm.advice.startswith("believe the layer's E and place of contact, not those")
+    for other in (
+        replace(on_6_mm, notes={THICKER_THAN_FINGER: "…"}),
+        replace(on_6_mm, thickness=replace(on_6_mm.thickness, upper=np.inf)),
+        replace(on_6_mm, weights={"layer": 0.5, "half_space": 0.5}),
+    ):
+        assert other.advice.startswith("believe the layer's E")
+    unknown = LayerThicknessFit.undetermined("no contact area")
+    assert unknown.advice.startswith("E of Hertz theory is that of a half-space")
+
+
+def test_a_radius_surer_than_a_third_of_its_geometry_is_flagged(on_6_mm) -> None:
+    assert "radius_narrowed" not in on_6_mm.notes
+    exact = {"area_relative_std": 0.0, "stage_compliance": 0.0}
+    narrow = fit_layer_thickness(curve_on(3.0), gap=SPHERE, radius_std=3.0, **exact)
+    assert narrow.radius.std < 1
+    assert "a third of the geometry's 3 mm" in narrow.notes["radius_narrowed"]
+    assert "radius_narrowed" in narrow.flags
+
+
 def test_without_areas_nothing_is_told() -> None:
     curve = curve_on(6.0)
     bare = LoadingCurve(load=curve.load, indentation=curve.indentation, time=curve.time, area=None)
@@ -96,7 +176,7 @@ def test_a_shallow_press_does_not_tell() -> None:
         area=shallow.area[rows],
         time=shallow.time[rows],
     )
-    fit = fit_layer_thickness(curve, gap=SPHERE, radius_std=1.0)
+    fit = fit_layer_thickness(curve, gap=SPHERE, radius_std=3.0)
     assert isinstance(fit.thickness, Undetermined)
     assert isinstance(fit.youngs_modulus, Undetermined)
     assert "half-space fits as well" in fit.thickness.reason
@@ -125,7 +205,15 @@ def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "wrong"), [("radius_std", -1.0), ("radius_ratio_std", np.inf), ("poisson_ratio", 0.2)]
+    ("name", "wrong"),
+    [
+        ("radius_std", -1.0),
+        ("radius_ratio_std", np.inf),
+        ("poisson_ratio", 0.2),
+        ("poisson_ratio_std", np.nan),
+        ("load_relative_std", -0.1),
+        ("area_relative_std", np.inf),
+    ],
 )
 def test_bad_arguments_are_named(name, wrong) -> None:
     with pytest.raises(LoadingError, match=name):

@@ -1,16 +1,20 @@
 """Loading curves in studies: fitted whole, by their slope alone, or with a radius from elsewhere."""
 
+import html
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fingerpad._json import dumps
+from fingerpad.contact import PadGap, fast_contact
 from fingerpad.exceptions import ManifestError
+from fingerpad.geometry import Ellipsoid
 from fingerpad.loading import Estimate, Undetermined
 from fingerpad.report import write_report
-from fingerpad.simulate import simulate_loading_curve
+from fingerpad.simulate import outline_points, simulate_loading_curve
 from fingerpad.study.engine.progress import Progress
+from fingerpad.study.measuring.curves import placed_pad
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.loading import loading_radius
@@ -54,8 +58,20 @@ def write_curve(path: Path, *, area: bool = True, points: int = 100, **truth: fl
     np.savetxt(path, np.stack(columns, axis=-1), delimiter=",", header=header, comments="")
 
 
-def study(folder: Path, *curves: str) -> StudyResult:
-    (folder / "study.toml").write_text(MANIFEST + "".join(CURVE + each for each in curves))
+def write_layer_curve(path: Path) -> None:
+    """Write what the fast law makes of the pad on 6 mm of tissue."""
+    gap = PadGap.of(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=np.radians(30))
+    travel, rng = np.linspace(-0.3, 1.6, 120), np.random.default_rng(4)
+    press = fast_contact(gap, indentation=np.maximum(travel, 1e-6), reduced_modulus=0.06, thickness=6.0)
+    noise = rng.normal(0, [[0.004], [0.8]], (2, 120))
+    columns = travel + 0.3, press.load + noise[0], travel, np.where(travel > 0, press.area + noise[1], 0)
+    header = "time_s,force_N,displacement_mm,area_mm2"
+    np.savetxt(path, np.stack(columns, axis=-1), delimiter=",", header=header, comments="")
+
+
+def study(folder: Path, *curves: str, uncertainty: str = "") -> StudyResult:
+    manifest = MANIFEST.replace("[uncertainty]\n", f"[uncertainty]\n{uncertainty}")
+    (folder / "study.toml").write_text(manifest + "".join(CURVE + each for each in curves))
     return run_study(folder / "study.toml", folder / "out")
 
 
@@ -145,6 +161,36 @@ def test_a_curve_says_that_it_pressed_a_half_space(tmp_path: Path) -> None:
     assert "untested_without_area" not in deep.fit.flags
     assert layer.fit.initial_modulus.value < 0.8 * deep.fit.initial_modulus.value
     assert layer.fit.initial_modulus.std > deep.fit.initial_modulus.std
+
+
+def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Path) -> None:
+    """No finger is an ellipsoid, which outlines alone do not tell of the radius across it."""
+    for face, axes in {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}.items():
+        points = outline_points(*axes)
+        np.savetxt(tmp_path / f"{face}.csv", points, delimiter=",", header="x_mm,y_mm", comments="")
+    faces = ", ".join(f'{{ face = "{x}", outline = "{x}.csv" }}' for x in ("palmar", "distal", "radial"))
+    given = MANIFEST[MANIFEST.index("semi_axes_mm") : MANIFEST.index("[[observations]]")]
+    (tmp_path / "study.toml").write_text(MANIFEST.replace(given, f"photographs = [{faces}]\n"))
+    result = run_study(tmp_path / "study.toml", tmp_path / "out")
+    placed = placed_pad(result.fingers["f"], 30.0, result.study.uncertainty)
+    first, second = placed.gap.first_radius, placed.gap.second_radius
+    (row,) = result.rows
+    assert 2 / (1 / first + 1 / second) == pytest.approx(row["mean_curvature_radius_mm"])
+    assert placed.radius_std == pytest.approx(row["mean_curvature_radius_mm_std"], rel=1e-3)
+    assert placed.radius_ratio_std > 0.03
+
+
+def test_what_the_study_states_is_in_the_layer_of_a_curve(tmp_path: Path) -> None:
+    write_layer_curve(tmp_path / "a.csv")
+    plain, loose = (
+        study(tmp_path, 'file = "a.csv"\n', uncertainty=words).curves[0].layer
+        for words in ("", "load_relative_std = 0.1\npoisson_ratio_std = 0.03\n")
+    )
+    for name, least in (("thickness", 0.0), ("youngs_modulus", 0.095)):
+        stds = [getattr(one, name).std / getattr(one, name).value for one in (plain, loose)]
+        assert np.sqrt(stds[1] ** 2 - stds[0] ** 2) > least, name
+    (stated,) = study(tmp_path, 'file = "a.csv"\nthickness_mm = 6\n').curves
+    assert stated.layer is None
 
 
 @pytest.mark.parametrize(
@@ -281,6 +327,8 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
     result = study(tmp_path, 'file = "a.csv"\n', 'file = "1.csv"\n', 'file = "4.csv"\n')
     page = write_report(result, tmp_path / "out").read_text(encoding="utf-8")
     assert "no contact area in the curve" in page
+    for curve in result.curves[1:]:  # each with two moduli, and a word which to believe
+        assert curve.layer.advice in html.unescape(page)
     assert "Young's modulus at no load against velocity" in page or "Young&#39;s modulus at no load" in page
     names = {path.name for path in (tmp_path / "out" / "figures").glob("curve2*.svg")}
     assert len(names) == 5

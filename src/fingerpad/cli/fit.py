@@ -81,6 +81,21 @@ def fit(
     pad_radius_mm_std: Annotated[
         float, typer.Option(min=0, help="Standard uncertainty of the pad's radius 1/H, mm.")
     ] = 0.0,
+    poisson_ratio_std: Annotated[
+        float, typer.Option(min=0, max=0.5, help="Standard uncertainty of Poisson's ratio, for the layer.")
+    ] = 0.0,
+    load_relative_std: Annotated[
+        float, typer.Option(min=0, max=1, help="Of the force's scale, relative, for the layer.")
+    ] = 0.0,
+    area_relative_std: Annotated[
+        float | None,
+        typer.Option(
+            min=0,
+            max=1,
+            help="Relative, of all areas alike, as of their scale; 0.02 for the layer if not given.",
+            show_default=False,
+        ),
+    ] = None,
     constraint: Annotated[
         float | None,
         typer.Option(
@@ -114,6 +129,7 @@ def fit(
     doubts = unit_doubts(record.load, record.indentation, record.area)
     for note in (*doubts, *_unread(unread_curve_columns(curve, columns))):
         print_note(note)
+    area_std = {} if area_relative_std is None else {"area_relative_std": area_relative_std}
     found = fit_loading_curve(
         record,
         poisson_ratio=poisson_ratio,
@@ -124,10 +140,13 @@ def fit(
         stage_compliance=compliance,
         area_delay=delay,
         thickness=_given("--thickness-mm", _thickness(thickness_mm), thickness_mm_std),
+        **area_std,
     )
     if constraint is not None:
         found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
     layer = None
+    if semi_axes_mm is not None and thickness_mm is not None:
+        raise LoadingError("--semi-axes-mm fits the thickness that --thickness-mm states; give one of them")
     if semi_axes_mm is not None:
         pad = checked_pad(semi_axes_mm)
         layer = fit_layer_thickness(
@@ -135,12 +154,18 @@ def fit(
             gap=PadGap.of(pad, wedge_angle=math.radians(wedge_deg)),
             radius_std=pad_radius_mm_std,
             poisson_ratio=poisson_ratio,
+            poisson_ratio_std=poisson_ratio_std,
+            load_relative_std=load_relative_std,
+            **area_std,
             cycle=cycle,
             stage_compliance=compliance,
             area_delay=delay,
         )
-    elif wedge_deg or pad_radius_mm_std:
-        raise LoadingError("--wedge-deg and --pad-radius-mm-std go with --semi-axes-mm")
+    elif wedge_deg or pad_radius_mm_std or poisson_ratio_std or load_relative_std:
+        raise LoadingError(
+            "--wedge-deg, --pad-radius-mm-std, --poisson-ratio-std and --load-relative-std go with "
+            "--semi-axes-mm"
+        )
     if plot is not None:
         _draw(plot, curve.stem, record, found, cycle)
     if as_json:
@@ -150,6 +175,7 @@ def fit(
         _print_table(found.as_record())
         if layer is not None:
             typer.echo(f"layer: {'; '.join([layer.conclusion, *layer.notes.values()])}")
+            typer.echo(f"modulus: {layer.advice}")
     print_folder("Figures", plot, as_json)
 
 

@@ -135,8 +135,10 @@ def known_quantities(
     stage_compliance: float | Estimate | None = None,
     area_delay: float | Estimate | None = None,
     thickness: float | Estimate | None = None,
+    area_relative_std: float = 0.0,
 ) -> dict[str, Estimate]:
     """Return what is known of the instrument that recorded a curve, and of the layer that it pressed."""
+    check_std("area_relative_std", area_relative_std)
     given = {"stage_compliance": stage_compliance, "area_delay": area_delay, "thickness": thickness}
     found = {
         name: value if isinstance(value, Estimate) else Estimate.symmetric(value, 0.0)
@@ -158,7 +160,15 @@ def known_quantities(
             raise LoadingError(f"thickness must be above zero, found {layer.value} mm; inf for no layer")
         inverse = 1 / layer.value
         found["inverse_thickness"] = Estimate.symmetric(inverse, layer.std * inverse**2 if layer.std else 0.0)
+    if area_relative_std:
+        found["area_gain"] = Estimate.symmetric(1.0, area_relative_std)
     return found
+
+
+def check_std(name: str, std: float) -> None:
+    """Raise LoadingError for a standard uncertainty that is none."""
+    if not 0 <= std < math.inf:
+        raise LoadingError(f"{name} must be finite and not negative, found {std}")
 
 
 def _require_contact(record: FitData) -> None:

@@ -189,6 +189,7 @@ def fit_loading_curve(
     stage_compliance: float | Estimate | None = None,
     area_delay: float | Estimate | None = None,
     thickness: float | Estimate | None = None,
+    area_relative_std: float = 0.0,
 ) -> LoadingFit:
     """Fit radius, modulus and its growth with load, place of contact and exponents to one press.
 
@@ -218,6 +219,8 @@ def fit_loading_curve(
         Of the layer on a rigid base that is pressed, mm; infinite for a half-space. R_g and the moduli are
         then those on this layer. Without it tissue of a finger on bone, 3 to 25 mm thick and at least twice
         as thick as it is indented, is one of the explanations.
+    area_relative_std : float
+        Relative standard uncertainty of the areas that is common to all of them, as of their scale.
 
     Returns
     -------
@@ -248,7 +251,11 @@ def fit_loading_curve(
     _require_options(poisson_ratio, contact_point)
     with determined("the model", ": is it rounded, repeated, or of the wrong sign?"):
         known_parts = known_quantities(
-            curve, stage_compliance=stage_compliance, area_delay=area_delay, thickness=thickness
+            curve,
+            stage_compliance=stage_compliance,
+            area_delay=area_delay,
+            thickness=thickness,
+            area_relative_std=area_relative_std,
         )
         press = prepare(curve, poisson_ratio, cycle)
         held = fixed_quantities(press, loading_radius) | known_parts

@@ -119,8 +119,9 @@ class JointFit(Displayed):
         return self.fit.sum_of_squares + 2 * k + 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
 
     @property
-    def _jacobians(self) -> tuple[FloatArray, FloatArray]:
-        return _jacobians(self.record, self.law, list(self.fit.names), self.values)
+    def _jacobians(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        derivatives = _jacobians(self.record, self.law, list(self.fit.names), self.values)
+        return *derivatives, _information(self.fit.names, self.prior)
 
     def residuals(self) -> tuple[FloatArray, FloatArray]:
         """Return the residuals of force (N) and area (mm²)."""
@@ -154,8 +155,7 @@ class JointFit(Displayed):
     def combined(self, value: float, gradient: Values) -> Estimate:
         """Return a function of the parameters from its gradient, to first order (GUM Eq. 13 and G.4)."""
         slope = np.array([gradient.get(name, 0.0) for name in self.fit.names])
-        by_data, _ = _share_of_data(self.noise, self._jacobians, self.fit.names, self.prior)
-        freedom = self.noise_uncertainty.degrees_of_freedom(self.noise, self._jacobians, by_data.T @ slope)
+        freedom = self.noise_uncertainty.degrees_of_freedom(self.noise, self._jacobians, slope)
         own = Estimate.symmetric(value, math.sqrt(float(slope @ self.covariance @ slope)), freedom)
         shifts = [
             (gradient.get(key, 0.0) + float(slope @ change)) * self.held[key].std
@@ -179,13 +179,17 @@ def fit_joint(
     their residuals correlate; all deviations are those of greatest restricted likelihood.
     """
     if noise is None:
-        noise, start = find_noise(record, law, start, {**held, **prior})
-        start = {**start, **{name: known.value for name, known in prior.items()}}
+        noise, start = find_noise(record, law, start, held, prior=prior)
     return _fit(record, law, start, held, noise, prior=prior)
 
 
 def find_noise(
-    record: FitData, law: str, start: Values, held: Mapping[str, Estimate]
+    record: FitData,
+    law: str,
+    start: Values,
+    held: Mapping[str, Estimate],
+    *,
+    prior: Mapping[str, Estimate] = MappingProxyType({}),
 ) -> tuple[Noise, dict[str, float]]:
     """Return the noise of a record about a law, and the parameters that fit it nearly."""
     names = [name for name in start if name not in held]
@@ -195,18 +199,18 @@ def find_noise(
         noise = replace(
             noise, slope=_slope(record, law, whole), radius=_area_slope(record, law, whole) / math.pi
         )
-        jacobians = _jacobians(record, law, names, whole)
+        jacobians = *_jacobians(record, law, names, whole), _information(names, prior)
         found = (noise.kind if noise.drift_std > 0 else "white",)
         noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, kinds or found)
         if kinds:
-            _, residuals = _scaled_residuals(record, law, whole, held, noise)
+            _, residuals = _scaled_residuals(record, law, whole, held, noise, prior=prior)
             found_values = minimum(residuals, [whole[name] for name in names], names)
             whole |= zip(names, found_values.tolist(), strict=True)
     return noise, whole
 
 
 def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
-    nu = record.poisson_ratio
+    nu = values.get("poisson_ratio", record.poisson_ratio)
     xi = indentation_of(values, law, record.displacement, nu)
     force = record.load - load_at(values, law, np.maximum(xi, 0.0), nu) - force_zero(values, record.clock)
     return force, record.area - _area(record, law, values, xi[record.with_area])
@@ -218,16 +222,26 @@ def _area(record: FitData, law: str, values: Values, xi: FloatArray) -> FloatArr
     if delay != 0:
         before = np.interp(record.clock - delay, record.clock, record.smooth_displacement)
         xi = xi - (record.smooth_displacement - before)[record.with_area]
-    _, factor = shape_factors(law, values, np.maximum(xi, 0.0), record.poisson_ratio)
+    nu = values.get("poisson_ratio", record.poisson_ratio)
+    _, factor = shape_factors(law, values, np.maximum(xi, 0.0), nu)
     if "area_growth" in values and xi.size:
         middle = max(0.5 * float(xi.max()), 1e-9)
         growth = float(np.clip(values["area_growth"], -0.95, 5.0))
         factor = factor * np.maximum(xi / middle, 1e-6) ** growth
-    return np.asarray(np.pi * values["loading_radius"] * xi * factor + values.get("area_offset", 0.0))
+    area = values.get("area_gain", 1.0) * np.pi * values["loading_radius"] * xi * factor
+    if "area_edge" in values:
+        area = area + 2 * values["area_edge"] * np.sqrt(np.pi * np.maximum(area, 0.0))
+    return np.asarray(area + values.get("area_offset", 0.0))
 
 
 def _scaled_residuals(
-    record: FitData, law: str, start: Values, held: Mapping[str, Estimate], noise: Noise
+    record: FitData,
+    law: str,
+    start: Values,
+    held: Mapping[str, Estimate],
+    noise: Noise,
+    *,
+    prior: Mapping[str, Estimate],
 ) -> tuple[list[str], Residuals]:
     """Return the free parameters, and the residuals over their spread as a function of these."""
     names = [name for name in start if name not in held]
@@ -236,7 +250,8 @@ def _scaled_residuals(
 
     def residuals(free: FloatArray) -> FloatArray:
         force, area = _residuals(record, law, {**given, **dict(zip(names, free.tolist(), strict=True))})
-        return scaled(force[:, None], area[:, None])[:, 0]
+        known = [(free[names.index(name)] - one.value) / one.std for name, one in prior.items()]
+        return np.append(scaled(force[:, None], area[:, None])[:, 0], known)
 
     return names, residuals
 
@@ -251,12 +266,7 @@ def _fit(
     prior: Mapping[str, Estimate],
 ) -> JointFit:
     given = {name: estimate.value for name, estimate in held.items()}
-    names, of_data = _scaled_residuals(record, law, start, held, noise)
-
-    def residuals(free: FloatArray) -> FloatArray:
-        known = [(free[names.index(name)] - one.value) / one.std for name, one in prior.items()]
-        return np.append(of_data(free), known)
-
+    names, residuals = _scaled_residuals(record, law, start, held, noise, prior=prior)
     # A law that does not suit the record can have its minimum at infinity.
     fit = fit_least_squares(residuals, [start[name] for name in names], names, evaluations=300)
     response: dict[str, FloatArray] = {}
@@ -265,51 +275,34 @@ def _fit(
             continue
         step = 1e-4 * max(abs(estimate.value), estimate.std) or 1e-6
         moved = [
-            _scaled_residuals(record, law, start, {**held, name: replace(estimate, value=value)}, noise)[1](
-                fit.values
-            )
+            _scaled_residuals(
+                record, law, start, {**held, name: replace(estimate, value=value)}, noise, prior=prior
+            )[1](fit.values)
             for value in (estimate.value + step, estimate.value - step)
         ]
-        change = np.append((moved[0] - moved[1]) / (2 * step), np.zeros(len(prior)))
+        change = (moved[0] - moved[1]) / (2 * step)
         response[name] = as_float_array(-np.linalg.lstsq(fit.jacobian, change)[0])
     whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}
-    jacobians = _jacobians(record, law, names, whole)
-    known = noise_uncertainty(noise, _residuals(record, law, whole), jacobians)
-    by_data, of_prior = _share_of_data(noise, jacobians, fit.names, prior)
+    known = _information(fit.names, prior)
+    jacobians = *_jacobians(record, law, names, whole), known
+    of_noise = noise_uncertainty(noise, _residuals(record, law, whole), jacobians)
+    inverse = noise.inverse_information(*jacobians)
     return JointFit(
         law=law,
         fit=fit,
         held=held,
         noise=noise,
-        noise_uncertainty=known,
-        covariance=by_data @ known.parameter_covariance(noise, jacobians) @ by_data.T + of_prior,
+        noise_uncertainty=of_noise,
+        covariance=of_noise.parameter_covariance(noise, jacobians) + inverse @ known @ inverse,
         record=record,
         response=response,
         prior=prior,
     )
 
 
-def _share_of_data(
-    noise: Noise,
-    jacobians: tuple[FloatArray, FloatArray],
-    names: Sequence[str],
-    prior: Mapping[str, Estimate],
-) -> tuple[FloatArray, FloatArray]:
-    """Return by what the fit to the data alone enters the parameters, and the covariance from the prior.
-
-    With the information A of the data and P of the prior they are (A + P)⁻¹A and (A + P)⁻¹P(A + P)⁻¹.
-    """
-    whole = np.eye(len(names))
-    if not prior:
-        return whole, 0 * whole
-    scaled = noise.scaled(*jacobians)
-    length = np.linalg.norm(scaled, axis=0)
-    data = (scaled / length).T @ (scaled / length)
-    known = np.diag([(1 / prior[name].std if name in prior else 0.0) ** 2 for name in names])
-    inverse = np.linalg.inv(data + known / length**2)
-    by_data = whole - inverse @ (known / length**2)
-    of_prior = inverse @ (known / length**2) @ inverse
-    return by_data * np.outer(1 / length, length), of_prior / np.outer(length, length)
+def _information(names: Sequence[str], prior: Mapping[str, Estimate]) -> FloatArray:
+    """Return the information on the free parameters that a prior is, (p, p)."""
+    return np.diag([(1 / prior[name].std if name in prior else 0.0) ** 2 for name in names])
 
 
 def _slope(record: FitData, law: str, values: Values) -> FloatArray:

@@ -12,6 +12,8 @@ from fingerpad.units import KPA_PER_MPA
 
 # Flag of a thickness that no finger has.
 THICKER_THAN_FINGER: Final = "thicker_than_finger"
+# Akaike weight from which on models explain a curve as well as others.
+EXPLAINS: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -26,7 +28,7 @@ class LayerThicknessFit(Recorded):
     youngs_modulus : Quantity
         E of the tissue, MPa.
     contact_offset : Quantity
-        Displacement at first contact, mm.
+        Displacement at first contact, mm. Hertz theory finds it later, where there is bone.
     radius : Quantity
         1/H of the pad, mm: the given one, improved by the curve.
     contact_over_thickness : float
@@ -34,8 +36,10 @@ class LayerThicknessFit(Recorded):
     correlation : float
         Of the errors of 1/t and E.
     aicc : mapping of str to float
-        Corrected Akaike criterion of ``layer`` and ``half_space``, each also ``_load_dependent`` (a modulus
-        that grows with load) and ``_area_offset`` (areas with a zero of their own), under one noise.
+        Corrected Akaike criterion of the pad on a ``layer`` and on a ``half_space``, and of the
+        ``paraboloid`` of Hertz theory on a half-space, its radius as uncertain as the pad's; each also
+        ``_load_dependent`` (a modulus that grows with load) and ``_area_offset`` (areas with a zero of their
+        own), under one noise.
     weights : mapping of str to float
         Akaike weights of the same models; their sum is 1.
     notes : mapping of str to str
@@ -75,7 +79,15 @@ class LayerThicknessFit(Recorded):
     @property
     def layer_weight(self) -> float:
         """Akaike weight of all models with a layer, against those of a half-space."""
-        return sum(weight for name, weight in self.weights.items() if name.startswith("layer"))
+        return self._weight_of("layer")
+
+    @property
+    def hertz_weight(self) -> float:
+        """Akaike weight of all models of Hertz theory: of a paraboloid on a half-space."""
+        return self._weight_of("paraboloid")
+
+    def _weight_of(self, body: str) -> float:
+        return sum(weight for name, weight in self.weights.items() if name.startswith(body))
 
     @property
     def conclusion(self) -> str:
@@ -96,9 +108,39 @@ class LayerThicknessFit(Recorded):
             said = f"tissue thinner than {t.upper:.3g} mm (95 %)"
         if isinstance(modulus, Estimate):
             said += f", E = {modulus.value:.3g} kPa (95 %: {modulus.lower:.3g} to {modulus.upper:.3g} kPa)"
+        if isinstance(self.contact_offset, Estimate):
+            said += f", contact at {self.contact_offset} mm"
         weight = self.layer_weight
         certain = "above 0.999" if weight > 0.999 else "below 0.001" if weight < 0.001 else f"{weight:.3f}"
         return f"{said}; Akaike weight of a layer against a half-space {certain}"
+
+    @property
+    def advice(self) -> str:
+        """Which modulus to believe, that of the layer or that of Hertz theory, and why, as text."""
+        t = self.thickness
+        if isinstance(t, Undetermined) or isinstance(self.youngs_modulus, Undetermined):
+            if self.hertz_weight > self.layer_weight:
+                return (
+                    "believe E and the place of contact of Hertz theory: nothing in the curve speaks for bone"
+                )
+            return (
+                "E of Hertz theory is that of a half-space: bone, which the curve neither shows nor "
+                "excludes, would make it too high"
+            )
+        if t.upper < math.inf and THICKER_THAN_FINGER not in self.notes:
+            if self.layer_weight > 1 - EXPLAINS:
+                return (
+                    "believe the layer's E and place of contact, not those of Hertz theory, which takes the "
+                    "tissue for a half-space: bone makes its E too high and its contact late"
+                )
+            return (
+                "believe the layer's E, whose uncertainty holds what is not known of the bone; that of Hertz "
+                "theory is right only if there is none"
+            )
+        return (
+            "believe the layer's E: it allows for the pad's form, which Hertz theory takes for a paraboloid, "
+            "and for bone, of which the curve shows none"
+        )
 
     @classmethod
     def undetermined(cls, reason: str, flags: tuple[str, ...] = ()) -> Self:
@@ -154,6 +196,8 @@ class LayerThicknessFit(Recorded):
             "correlation": plain(self.correlation),
             "preferred_model": self.preferred_model or None,
             "layer_weight": self.layer_weight if self.weights else None,
+            "hertz_weight": self.hertz_weight if self.weights else None,
+            "advice": self.advice,
             "aicc": dict(self.aicc),
             "weights": dict(self.weights),
             "notes": dict(self.notes),

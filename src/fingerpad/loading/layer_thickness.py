@@ -10,31 +10,39 @@ import numpy as np
 from fingerpad._loading_curve import LoadingCurve
 from fingerpad.contact import PadGap
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading._prepare import Press, determined, known_quantities, prepare, start_values
-from fingerpad.loading.alternatives import (
-    FAILURES,
-    FLAGGED,
-    TOO_FEW_RUNS,
-    runs_deviation,
+from fingerpad.loading._prepare import (
+    Press,
+    check_std,
+    determined,
+    known_quantities,
+    prepare,
+    start_values,
 )
-from fingerpad.loading.estimate import Estimate, Undetermined
+from fingerpad.loading.alternatives import FAILURES, FLAGGED, TOO_FEW_RUNS, runs_deviation
+from fingerpad.loading.estimate import Estimate, Undetermined, akaike_weights, average_models
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
-from fingerpad.loading.layer_result import THICKER_THAN_FINGER, LayerThicknessFit
+from fingerpad.loading.layer_result import EXPLAINS, THICKER_THAN_FINGER, LayerThicknessFit
 from fingerpad.loading.noise import Noise
 from fingerpad.loading.quantities import bounded
 from fingerpad.loading.shapes import PAD_FORM
 
-# What may be added to either body: nothing, β of a modulus that grows with load, an offset of the areas.
+# What is pressed, and what may be added to it: nothing, β of a modulus that grows with load, an offset of the
+# areas.
+_BODIES: Final = ("layer", "half_space", "paraboloid")
 _ADDED: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {"": (), "_load_dependent": ("load_coefficient",), "_area_offset": ("area_offset",)}
 )
 _THINNEST: Final = 2.95  # a/t, to which the laws hold
 _FEWEST_AREAS: Final = 5
 _CONTRADICTED: Final = 3.0
-# AICc by which another layered model must be ahead to count, and the best one to exclude others.
-_COUNTS: Final = 2.0
-_EXCLUDES: Final = 6.0
-_THICKEST: Final = 25.0  # mm, of a finger
+_NARROWED: Final = 1 / 3
+_TISSUE: Final = (3.0, 25.0)  # mm, of a finger
+_LEAST_DEPTHS: Final = 2.0  # of tissue, in indentations
+# Standard uncertainties of what is not stated. No finger is an ellipsoid: its gap departs from the paraboloid
+# by half as much more or less.
+_PAD_FORM_STD: Final = 0.5
+_EDGE_STD: Final = 0.05  # mm, of the edge of the areas, as of contact images
+_COMPLIANCE_STD: Final = 0.01  # mm/N, of a stage
 _NO_AREA: Final = (
     "no contact area in the curve: load and indentation alone cannot tell a layer from a modulus that grows "
     "with load"
@@ -48,6 +56,9 @@ def fit_layer_thickness(
     radius_std: float = 0.0,
     radius_ratio_std: float = 0.0,
     poisson_ratio: float = 0.5,
+    poisson_ratio_std: float = 0.0,
+    load_relative_std: float = 0.0,
+    area_relative_std: float = 0.02,
     cycle: int = 0,
     stage_compliance: float | Estimate | None = None,
     area_delay: float | Estimate | None = None,
@@ -55,12 +66,18 @@ def fit_layer_thickness(
     """Fit the effective thickness of the tissue over bone, and its modulus, to one press with areas.
 
     Force and area follow the fast laws of the pad on a layer bonded to rigid bone (`fast_contact`), of one
-    modulus. Fitted are 1/t, E, the place of contact, zero and tilt of the force, and the pad's radius 1/H,
-    of which the geometry is one more datum. Intervals are profile likelihood; 1/t may be fitted below zero,
-    so that they are right where the tissue is deep, and a half-space within them leaves t open above.
+    modulus. Fitted are 1/t, E, the place of contact, zero and tilt of the force, the pad's radius 1/H, and
+    scale and edge of the areas, of which what is known beforehand is one more datum each. Uncertainties of ν,
+    of the ratio of the radii, of the pad's form and of the stage are carried on. Intervals are profile
+    likelihood; 1/t may be fitted below zero, so that they are right where the tissue is deep, and a
+    half-space within them leaves t open above.
 
-    The half-space, a modulus that grows with load and areas with an offset are fitted as well and compared by
-    AICc: `weights` has the evidence. Intervals are widened to hold those of layered models that are ahead.
+    A modulus that grows with load and areas with an offset are fitted as well, and averaged by Akaike
+    weights. The half-space, and the paraboloid of Hertz theory on one, compete: `weights` has the evidence.
+    Where that paraboloid explains the curve no thickness is given.
+
+    What is not stated is allowed for: a pad that departs from its paraboloid by half as much more or less
+    than its ellipsoid, an edge of the areas known to 0.05 mm, and a stage that yields by 0.01 mm/N.
 
     Parameters
     ----------
@@ -69,15 +86,20 @@ def fit_layer_thickness(
     gap : PadGap
         The pad: `PadGap.of` for an ellipsoid on its wedge, `PadGap.paraboloid` for two radii of curvature.
     radius_std : float
-        Standard uncertainty of its mean-curvature radius 1/H, mm. A whole pad is larger or smaller with it.
+        Standard uncertainty of its mean-curvature radius 1/H, mm, from all sources: semi-axes, angles, and
+        that no finger is an ellipsoid. A whole pad is larger or smaller with it.
     radius_ratio_std : float
         Of the ratio of its radii of curvature, at the same 1/H.
     poisson_ratio : float
         ν of the tissue, 0.3 to 0.5.
+    poisson_ratio_std : float
+        Its standard uncertainty.
+    load_relative_std, area_relative_std : float
+        Relative standard uncertainties of the scales of force and area, common to the whole curve.
     cycle : int
         Which press of the record to fit.
     stage_compliance, area_delay : float or Estimate, optional
-        As for `fit_loading_curve`.
+        As for `fit_loading_curve`. A compliance that is not given is 0.00 ± 0.01 mm/N.
 
     Returns
     -------
@@ -111,7 +133,21 @@ def fit_layer_thickness(
     held, prior = _geometry(gap, radius_std, radius_ratio_std)
     if not 0.3 <= poisson_ratio <= 0.5:
         raise LoadingError(f"poisson_ratio must be 0.3 to 0.5 on a layer, found {poisson_ratio}")
-    held |= known_quantities(curve, stage_compliance=stage_compliance, area_delay=area_delay)
+    for name, std in (
+        ("poisson_ratio_std", poisson_ratio_std),
+        ("load_relative_std", load_relative_std),
+        ("area_relative_std", area_relative_std),
+    ):
+        check_std(name, std)
+    held |= {
+        "poisson_ratio": Estimate.symmetric(poisson_ratio, poisson_ratio_std),
+        "pad_form": Estimate.symmetric(1.0, _PAD_FORM_STD),
+        "stage_compliance": Estimate.symmetric(0.0, _COMPLIANCE_STD),
+        **known_quantities(curve, stage_compliance=stage_compliance, area_delay=area_delay),
+    }
+    prior["area_edge"] = Estimate.symmetric(0.0, _EDGE_STD)
+    if area_relative_std:
+        prior["area_gain"] = Estimate.symmetric(1.0, area_relative_std)
     press = prepare(curve, poisson_ratio, cycle)
     if press.record.area.size < _FEWEST_AREAS:
         found = press.record.area.size
@@ -124,7 +160,8 @@ def fit_layer_thickness(
             press.flags,
         )
     with determined("a layer"):
-        return _fit(press, radius, held, prior)
+        models = _fit(press, radius, held, prior)
+        return _result(press, models, prior, Estimate.symmetric(1.0, load_relative_std))
 
 
 def _geometry(
@@ -135,8 +172,7 @@ def _geometry(
     if not (first > 0 and second > 0 and math.isfinite(first + second)):
         raise LoadingError(f"the radii of curvature must be positive, found {first} and {second} mm")
     for name, std in (("radius_std", radius_std), ("radius_ratio_std", radius_ratio_std)):
-        if not 0 <= std < math.inf:
-            raise LoadingError(f"{name} must be finite and not negative, found {std}")
+        check_std(name, std)
     radius = 2 / (1 / first + 1 / second)
     numbers = (
         first / second,
@@ -149,18 +185,19 @@ def _geometry(
 
 
 def _fit(
-    press: Press, radius: float, held: dict[str, Estimate], prior: dict[str, Estimate]
-) -> LayerThicknessFit:
+    press: Press, radius: float, held: Mapping[str, Estimate], prior: Mapping[str, Estimate]
+) -> dict[str, JointFit]:
+    """Return all models that can be fitted, by name, under one noise."""
     record = press.record
     start = start_values(press, radius)
     modulus = start.pop("initial_modulus")
     start.pop("load_coefficient")
-    widest = math.sqrt(record.area.max() / math.pi)
-    start |= {"youngs_modulus": 0.7 * modulus, "inverse_thickness": 0.5 / widest, "loading_radius": radius}
-    noise, start = _noise(record, start, held | prior)
-    start["loading_radius"] = radius
+    start |= {"youngs_modulus": 0.7 * modulus, "inverse_thickness": 0.5 / _widest(record)}
+    start |= {"loading_radius": radius, **{name: known.value for name, known in prior.items()}}
+    noise, start = _noise(record, start, held, prior)
     models: dict[str, JointFit] = {}
-    for body in ("layer", "half_space"):
+    for body in _BODIES:
+        given = {**held, "pad_form": Estimate.symmetric(0.0, 0.0)} if body == "paraboloid" else held
         for added, names in _ADDED.items():
             begin = {name: value for name, value in start.items() if body == "layer" or "thick" not in name}
             begin |= dict.fromkeys(names, 0.0)
@@ -169,67 +206,79 @@ def _fit(
                 law = "load_dependent"
                 begin["initial_modulus"] = begin.pop("youngs_modulus")
             try:
-                models[body + added] = fit_joint(record, law, begin, held, noise, prior=prior)
+                models[body + added] = fit_joint(record, law, begin, given, noise, prior=prior)
             except FAILURES:
                 if body + added == "layer":
                     raise
-    return _result(press, models, prior, widest)
+    return models
+
+
+def _widest(record: FitData) -> float:
+    """Return the radius of the largest contact, mm."""
+    return math.sqrt(record.area.max() / math.pi)
 
 
 def _noise(
-    record: FitData, start: dict[str, float], known: Mapping[str, Estimate]
+    record: FitData, start: Mapping[str, float], held: Mapping[str, Estimate], prior: Mapping[str, Estimate]
 ) -> tuple[Noise, dict[str, float]]:
     """Return the noise that a layer leaves with areas of any offset, and parameters that fit nearly."""
     try:
-        noise, near = find_noise(record, "hertz", {**start, "area_offset": 0.0}, known)
+        noise, near = find_noise(record, "hertz", {**start, "area_offset": 0.0}, held, prior=prior)
     except FAILURES:
-        noise, near = find_noise(record, "hertz", start, known)
+        noise, near = find_noise(record, "hertz", start, held, prior=prior)
     return noise, {name: near[name] for name in start}
 
 
 def _result(
-    press: Press, models: Mapping[str, JointFit], prior: Mapping[str, Estimate], widest: float
+    press: Press, models: Mapping[str, JointFit], prior: Mapping[str, Estimate], load_gain: Estimate
 ) -> LayerThicknessFit:
-    main = models["layer"]
+    main, widest = models["layer"], _widest(press.record)
     aicc = {name: model.aicc for name, model in models.items()}
-    least = min(aicc.values())
-    better = [
-        models[name]
-        for name, value in aicc.items()
-        if name.startswith("layer_") and value < min(main.aicc - _COUNTS, least + _EXCLUDES)
-    ]
-    # Areas that are late by a frame move the place of contact before anything else shows it.
-    unsynchronised = [
-        models[name] for name in ("layer_area_offset",) if name in models and aicc[name] < least + _EXCLUDES
-    ]
-    inverse = main.estimate("inverse_thickness").including(
-        *(model.estimate("inverse_thickness") for model in better)
+    weights = dict(zip(aicc, akaike_weights(list(aicc.values())), strict=True))
+    layered = [models[name] for name in models if name.startswith("layer") and _possible(models[name], main)]
+    shares = akaike_weights([model.aicc for model in layered])
+    inverse, modulus, offset = (
+        average_models([of(model, exact=model is main) for model in layered], shares)
+        for of in (_inverse_thickness, _modulus, _contact_offset)
     )
-    modulus = main.estimate("youngs_modulus").including(*map(_modulus, better))
-    reason = _reason(main, inverse, widest)
-    weights = np.exp([(least - value) / 2 for value in aicc.values()])
-    notes = _notes(main, models, prior, inverse, widest)
+    modulus = modulus.over(load_gain)
+    reason = _hertz_explains(inverse, weights)
+    notes = {} if reason else _notes(main, models, prior, inverse, widest)
+    reason = reason or _reason(main, inverse, widest)
     undetermined = Undetermined(reason)
     return LayerThicknessFit(
         thickness=undetermined if reason else _thickness(inverse, widest),
         youngs_modulus=undetermined if reason else bounded(modulus),
-        contact_offset=_first_order(main, "contact_offset").including(
-            *(_first_order(one, "contact_offset") for one in (*better, *unsynchronised))
-        ),
+        contact_offset=offset,
         radius=_first_order(main, "loading_radius"),
         contact_over_thickness=widest * max(inverse.value, 0.0),
         correlation=_correlation(main, "youngs_modulus"),
         aicc=aicc,
-        weights=dict(zip(aicc, (weights / weights.sum()).tolist(), strict=True)),
+        weights=weights,
         notes=notes,
         flags=(*press.flags, *notes),
     )
 
 
-def _modulus(model: JointFit) -> Estimate:
+def _possible(model: JointFit, main: JointFit) -> bool:
+    """Return whether a finger can have a rival's tissue: the fit without additions always counts."""
+    inverse = model.values["inverse_thickness"]
+    deepest = float(model.record.smooth_displacement.max()) - model.values["contact_offset"]
+    return model is main or 0 <= inverse < 1 / max(_TISSUE[0], _LEAST_DEPTHS * deepest)
+
+
+def _inverse_thickness(model: JointFit, *, exact: bool) -> Estimate:
+    return model.estimate("inverse_thickness") if exact else _first_order(model, "inverse_thickness")
+
+
+def _contact_offset(model: JointFit, *, exact: bool) -> Estimate:  # noqa: ARG001
+    return _first_order(model, "contact_offset")
+
+
+def _modulus(model: JointFit, *, exact: bool) -> Estimate:
     """Return E of a model; a growing one at the largest load."""
     if "youngs_modulus" in model.values:
-        return model.estimate("youngs_modulus")
+        return model.estimate("youngs_modulus") if exact else _first_order(model, "youngs_modulus")
     top = float(model.load(np.array([model.record.smooth_displacement.max()]))[0])
     whole = {"initial_modulus": 1.0, "load_coefficient": top}
     return model.combined(sum(model.values[name] * weight for name, weight in whole.items()), whole)
@@ -259,6 +308,17 @@ def _correlation(fit: JointFit, name: str) -> float:
     one, other = names.index("inverse_thickness"), names.index(name)
     covariance = fit.covariance
     return float(covariance[one, other] / math.sqrt(covariance[one, one] * covariance[other, other]))
+
+
+def _hertz_explains(inverse: Estimate, weights: Mapping[str, float]) -> str:
+    """Return why there need be no bone, if a paraboloid on a half-space explains the curve; else nothing."""
+    hertz = sum(weight for name, weight in weights.items() if name.startswith("paraboloid"))
+    if hertz < EXPLAINS or (inverse.lower <= 0 and hertz < 1 - EXPLAINS):
+        return ""
+    return (
+        "Hertz theory, a paraboloid on a half-space, explains the curve with a radius that the geometry "
+        f"allows (Akaike weight {hertz:.2g}); an ellipsoid, which curves away from it, looks like a layer"
+    )
 
 
 def _reason(fit: JointFit, inverse: Estimate, widest: float) -> str:
@@ -296,24 +356,27 @@ def _notes(
         ("_load_dependent", "modulus_depends_on_load", "a modulus that grows with load"),
         ("_area_offset", "area_offset", "areas with an offset at contact, as from a late camera,"),
     ):
-        gain = main.aicc - min(
-            (one.aicc for name, one in models.items() if name.endswith(added)), default=math.inf
-        )
+        rival = models.get(f"layer{added}")
+        gain = main.aicc - rival.aicc if rival else 0.0
         if gain > FLAGGED:
             notes[flag] = f"{words} fits better than a layer alone, by {gain:.0f} in AICc"
-    for name, known in prior.items():
-        found = _first_order(main, name)
-        moved = abs(found.value - known.value) / math.sqrt(
-            max(known.std**2 - found.std**2, 1e-4 * known.std**2)
-        )
+    known = prior.get("loading_radius")
+    if known is not None:
+        found = _first_order(main, "loading_radius")
+        moved = abs(found.value - known.value) / known.std
         if moved > _CONTRADICTED:
             notes["radius_contradicts_curve"] = (
                 f"the curve asks for a radius of {found.value:.3g} mm, {moved:.0f} standard uncertainties "
                 f"from the geometry's {known.value:.3g} mm"
             )
+        if found.std < _NARROWED * known.std:
+            notes["radius_narrowed"] = (
+                f"the curve claims to know the radius to {found.std:.2g} mm, less than a third of the "
+                f"geometry's {known.std:.2g} mm"
+            )
     if inverse.upper * widest >= _THINNEST:
         notes["layer_too_thin"] = "the layer may be thinner than a third of the contact's radius"
-    if inverse.lower > 0 and inverse.value * _THICKEST < 1:
+    if inverse.lower > 0 and inverse.value * _TISSUE[1] < 1:
         notes[THICKER_THAN_FINGER] = (
             "a layer thicker than a finger hardly differs from a half-space: some other departure from the "
             "model can look like it"

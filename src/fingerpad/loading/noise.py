@@ -99,23 +99,35 @@ class Noise(Displayed):
         drift = self.drift
         return drift.slow_variance if drift else 0.0
 
-    def parameter_covariance(self, force: FloatArray, area: FloatArray) -> FloatArray:
-        """Return the covariance of the weighed fit's parameters, from derivatives of the residuals."""
-        return self.covariance_of(*self.estimator(force, area))
+    def parameter_covariance(
+        self, force: FloatArray, area: FloatArray, known: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Return what noise adds to the covariance of the weighed fit's parameters."""
+        return self.covariance_of(*self.estimator(force, area, known))
 
-    def estimator(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def estimator(
+        self, force: FloatArray, area: FloatArray, known: FloatArray | float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
         """Return how each parameter answers to each residual of force and of area, (n, p) and (m, p).
 
-        These are the columns of K J (JᵀKJ)⁻¹, with the weights K of `scaled`.
+        These are the columns of K J (JᵀKJ + P)⁻¹, with the derivatives J of the residuals, the weights K of
+        `scaled`, and the information P that is known of the parameters beforehand, (p, p).
         """
         scaled = self.scaled(force, area)
-        length = np.linalg.norm(scaled, axis=0)
-        inverse = np.linalg.inv((scaled / length).T @ (scaled / length)) / np.outer(length, length)
-        answer = scaled @ inverse
+        answer = scaled @ self.inverse_information(force, area, known)
         white, share_of_area, area_std = self._parts
         by_force = answer[: len(force)] / np.sqrt(white + self.slow_variance)[:, None]
         by_area = answer[len(force) :] / area_std
         return by_force, by_area + share_of_area[:, None] * by_force[self.with_area][: len(area)]
+
+    def inverse_information(
+        self, force: FloatArray, area: FloatArray, known: FloatArray | float = 0.0
+    ) -> FloatArray:
+        """Return (JᵀKJ + P)⁻¹, as `estimator` has them."""
+        scaled = self.scaled(force, area)
+        length = np.sqrt(np.sum(scaled**2, axis=0) + np.diagonal(known + np.zeros(2 * scaled.shape[1:])))
+        whole = (scaled / length).T @ (scaled / length) + known / np.outer(length, length)
+        return np.asarray(np.linalg.inv(whole) / np.outer(length, length))
 
     def covariance_of(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return the covariance of sums of residuals of force and area with weights (n, p) and (m, p)."""
@@ -135,12 +147,16 @@ class Noise(Displayed):
         drift = self.drift
         return np.asarray(total + drift.covariance_of(force) if drift else total)
 
-    def negative_log_likelihood(self, force: FloatArray, area: FloatArray) -> float:
+    def negative_log_likelihood(
+        self, force: FloatArray, area: FloatArray, known: FloatArray | float = 0.0
+    ) -> float:
         """Return minus the restricted log-likelihood, which allows for what the fit took up (REML).
 
-        The first columns are the residuals, the others their derivatives by the parameters.
+        The first columns are the residuals, the others their derivatives by the parameters, of which `known`
+        is the information beforehand.
         """
         product, volume = self._information(force, area)
+        product[1:, 1:] += known
         length = np.sqrt(np.diagonal(product)).copy()
         length[0] = 1.0
         product /= np.outer(length, length)
@@ -183,7 +199,7 @@ class Noise(Displayed):
 def estimate_noise(
     first: Noise,
     residuals: tuple[FloatArray, FloatArray],
-    jacobians: tuple[FloatArray, FloatArray],
+    jacobians: tuple[FloatArray, ...],
     kinds: Iterable[str] = KINDS,
 ) -> Noise:
     """Return the noise of greatest penalised likelihood among kinds of drift, by Akaike's criterion.
@@ -211,12 +227,12 @@ def _names(noise: Noise, area: FloatArray) -> tuple[str, ...]:
 def _maximise_likelihood(
     first: Noise,
     residuals: tuple[FloatArray, FloatArray],
-    jacobians: tuple[FloatArray, FloatArray],
+    jacobians: tuple[FloatArray, ...],
     names: tuple[str, ...],
 ) -> tuple[Noise, float]:
     """Return the likeliest noise, and half its Akaike criterion, by which kinds of drift are compared."""
     bounds_by_name = _std_bounds(first, residuals)
-    force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
+    force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians[:2], strict=True))
     bounds = [(math.log(bounds_by_name[name][0]), math.log(bounds_by_name[name][1])) for name in names]
     start = [
         min(max(math.log(getattr(first, name)), low), high)
@@ -224,7 +240,7 @@ def _maximise_likelihood(
     ]
 
     def negative_log_likelihood(logs: FloatArray) -> float:
-        return _penalised_negative_log_likelihood(_with_logs(first, names, logs), force, area)
+        return _penalised_negative_log_likelihood(_with_logs(first, names, logs), force, area, *jacobians[2:])
 
     found = optimize.minimize(
         negative_log_likelihood,
@@ -236,14 +252,14 @@ def _maximise_likelihood(
     return _with_logs(first, names, found.x), float(found.fun) + len(names)
 
 
-def _penalised_negative_log_likelihood(noise: Noise, force: FloatArray, area: FloatArray) -> float:
+def _penalised_negative_log_likelihood(noise: Noise, *columns: FloatArray) -> float:
     """Return the negative log-likelihood less log σ of the displacement.
 
     The second term keeps that σ off zero (Chung et al. 2013).
 
     Few rows do not determine it, and its weights and their uncertainty would then be those of none.
     """
-    return noise.negative_log_likelihood(force, area) - math.log(noise.displacement_std)
+    return noise.negative_log_likelihood(*columns) - math.log(noise.displacement_std)
 
 
 def _std_bounds(first: Noise, residuals: tuple[FloatArray, FloatArray]) -> dict[str, tuple[float, float]]:
@@ -269,7 +285,7 @@ class NoiseUncertainty(Displayed):
     covariance: FloatArray
 
     def degrees_of_freedom(
-        self, noise: Noise, jacobians: tuple[FloatArray, FloatArray], gradient: FloatArray
+        self, noise: Noise, jacobians: tuple[FloatArray, ...], gradient: FloatArray
     ) -> float:
         """Return Satterthwaite's 2 v²/Var(v) for the variance v of gᵀp that the noise gives (GUM G.4)."""
         at = np.log([getattr(noise, name) for name in self.names])
@@ -282,7 +298,7 @@ class NoiseUncertainty(Displayed):
         slope = np.array([log_variance(at + m) - log_variance(at - m) for m in moves]) / (2 * _LOG_STEP)
         return min(max(2 / float(slope @ self.covariance @ slope), 2.0), 1e6)
 
-    def parameter_covariance(self, noise: Noise, jacobians: tuple[FloatArray, FloatArray]) -> FloatArray:
+    def parameter_covariance(self, noise: Noise, jacobians: tuple[FloatArray, ...]) -> FloatArray:
         """Return the covariance of the parameters, with what it costs that their weights are estimated.
 
         A wrong weight adds the variance Λ = Σ C_ij (∂G/∂θ_i) V (∂G/∂θ_j)ᵀ to parameters p = G y, and the
@@ -299,15 +315,21 @@ class NoiseUncertainty(Displayed):
 
 
 def noise_uncertainty(
-    noise: Noise, residuals: tuple[FloatArray, FloatArray], jacobians: tuple[FloatArray, FloatArray]
+    noise: Noise, residuals: tuple[FloatArray, FloatArray], jacobians: tuple[FloatArray, ...]
 ) -> NoiseUncertainty:
-    """Return the uncertainty of a noise from the curvature of its penalised likelihood."""
+    """Return the uncertainty of a noise from the curvature of its penalised likelihood.
+
+    Derivatives of the residuals of force and area may be followed by the information that is known of the
+    parameters beforehand.
+    """
     names = _names(noise, residuals[1])
-    force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True))
+    force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians[:2], strict=True))
     at, moves = np.log([getattr(noise, name) for name in names]), _LOG_STEP * np.eye(len(names))
 
     def negative_log_likelihood(move: FloatArray) -> float:
-        return _penalised_negative_log_likelihood(_with_logs(noise, names, at + move), force, area)
+        return _penalised_negative_log_likelihood(
+            _with_logs(noise, names, at + move), force, area, *jacobians[2:]
+        )
 
     middle, single = (
         negative_log_likelihood(0 * at),

@@ -18,6 +18,7 @@ from fingerpad.contact import PadGap, fast_contact
 _WIDEST, _THINNEST = 0.98, 2.95
 _WIDEST_PAD, _KNOTS = 1.2, 48  # a/R to which a pad is tabulated, where its laws hold
 _LEAST = 0.2
+_INCOMPRESSIBLE = 0.5
 # Of the gap of a pad: R1/R2, then skewness and flatness times R (see `PadGap`).
 PAD_FORM: Final = ("radius_ratio", "first_skewness", "second_skewness", "flatness")
 
@@ -35,7 +36,8 @@ def shape_factors(
     if law == "exact_sphere":
         return _within(_sphere(), xi / radius)
     if PAD_FORM[0] in values:
-        form = tuple(values[name] for name in PAD_FORM)
+        curved = values.get("pad_form", 1.0)
+        form = (values[PAD_FORM[0]], *(curved * values[name] for name in PAD_FORM[1:]))
         inverse = radius * values.get("inverse_thickness", 0.0)
         return _on_layer(form, inverse, poisson_ratio, np.sqrt(np.maximum(xi, 0.0) / radius))
     if values.get("inverse_thickness", 0.0) != 0:
@@ -59,6 +61,10 @@ def _on_layer(
     form: tuple[float, ...], inverse: float, poisson_ratio: float, size: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the factors of a pad at sizes √(ξ/R); a negative R/t continues them as an odd function of it."""
+    if poisson_ratio > _INCOMPRESSIBLE:
+        most = _on_layer(form, inverse, _INCOMPRESSIBLE, size)
+        less = _on_layer(form, inverse, 2 * _INCOMPRESSIBLE - poisson_ratio, size)
+        return 2 * most[0] - less[0], 2 * most[1] - less[1]
     load, area = _within(_pad(form, abs(inverse), poisson_ratio), size)
     if inverse >= 0:
         return load, area

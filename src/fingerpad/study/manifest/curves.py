@@ -5,12 +5,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from fingerpad.study.manifest.tables import Length, LengthStd, Load, ManifestModel, WedgeAngle
+from fingerpad.study.manifest.scales import ScaleKey
+from fingerpad.study.manifest.tables import Length, LengthStd, Load, ManifestModel, RelativeStd, WedgeAngle
 
 _KNOWN = ("stage_compliance_mm_per_N", "area_delay_s", "thickness_mm")
 _FILE_KEYS = frozenset(
     (
-        *("file_columns", "contact_point", "cycle", "fit_load_range_N"),
+        *("file_columns", "contact_point", "cycle", "fit_load_range_N", "scale", "area_relative_std"),
         *_KNOWN,
         *(f"{key}_std" for key in _KNOWN),
     )
@@ -42,6 +43,11 @@ class Curve(ManifestModel):
     """By how much areas are late, s."""
     area_delay_s_std: Annotated[float, Field(gt=0, le=60)] | None = None
     """Its standard uncertainty, s."""
+    scale: ScaleKey | None = None
+    """Name of the scale that the areas were measured with, or a table of its own."""
+    area_relative_std: RelativeStd | None = None
+    """Relative standard uncertainty of the areas that is common to all of the curve, where `scale` does not
+    give it: twice that of lengths."""
     thickness_mm: Annotated[float, Field(ge=0.001, allow_inf_nan=True)] | None = None
     """Thickness of the layer that is pressed, mm; `inf` for a half-space."""
     thickness_mm_std: LengthStd | None = None
@@ -72,6 +78,8 @@ class Curve(ManifestModel):
         idle |= {f"{key}_std" for key in _KNOWN if getattr(self, key) is None}
         if self.thickness_mm == math.inf:
             idle |= {"thickness_mm_std"}
+        if self.scale is not None:
+            idle |= {"area_relative_std"}
         if found := sorted(idle & self.model_fields_set):
             raise ValueError(f"there is no use for {found[0]} here; remove it")
         return self

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,9 @@ from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.contact import EllipsoidContact, PadGap, reduced_modulus
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.geometry.ellipsoid import principal_radii_kernel
+from fingerpad.geometry.placement import platen_normal_kernel
+from fingerpad.image import SEMI_AXES
 from fingerpad.loading import (
     Cycle,
     Estimate,
@@ -35,10 +38,12 @@ from fingerpad.loading import (
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.error_text import in_study
-from fingerpad.study.manifest import Curve, Study
+from fingerpad.study.manifest import Curve, Study, Uncertainty
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.fingers import FingerResult, photograph_item
 from fingerpad.study.measuring.records import from_plain, to_plain
+from fingerpad.study.measuring.scales import FoundScale, require_scale
+from fingerpad.uncertainty import Inputs, propagate
 
 # A curve can be damaged in unforeseen ways, which cost it alone.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, OSError, ValueError)
@@ -47,6 +52,7 @@ _SHAPE_LOADS, _SHAPE_POINTS = 4, 80
 _FOUND: Final = (
     "loading_radius",
     "loading_radius_std",
+    "area_relative_std",
     "curve",
     "fit",
     "velocity",
@@ -78,6 +84,8 @@ class CurveResult:
         What the manifest says of it.
     loading_radius, loading_radius_std : float
         R_g, mm; NaN where it could not be had, and for an uncertainty that was not given.
+    area_relative_std : float
+        Of that, relative to R_g, what the scale of the areas makes uncertain.
     curve : LoadingCurve or None
         The data; None where only R_g was given or they could not be read.
     fit : LoadingFit or None
@@ -87,7 +95,8 @@ class CurveResult:
     shape : Shape or None
         What the true ellipsoid makes of moduli from area and from indentation, where it can be computed.
     layer : LayerThicknessFit or None
-        Thickness of the tissue over bone that explains the curve, where it has areas and the pad semi-axes.
+        Thickness of the tissue over bone that explains the curve, where it has areas, the pad semi-axes, and
+        none is stated.
     reason : str or None
         Why there is no R_g, or why there is nothing but it.
     """
@@ -95,6 +104,7 @@ class CurveResult:
     manifest: Curve
     loading_radius: float = math.nan
     loading_radius_std: float = math.nan
+    area_relative_std: float = 0.0
     curve: LoadingCurve | None = None
     fit: LoadingFit | None = None
     velocity: float = math.nan
@@ -155,10 +165,10 @@ def curve_key(curve: Curve, context: RunContext) -> str:
         for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
     ]
     axes = pad.model_dump(mode="json", include={"semi_axes_mm", "semi_axes_mm_std"})
-    angle_stds = context.study.uncertainty.wedge_angle_deg_std, context.study.uncertainty.roll_angle_deg_std
+    stds = context.study.uncertainty.model_dump(mode="json", exclude={"method"})
     return cache_key(
         context.key(curve, curve.wedge_angle_deg, context.study.poisson_ratio),
-        angle_stds,
+        stds,
         axes,
         faces,
         versions_of("loading"),
@@ -167,7 +177,9 @@ def curve_key(curve: Curve, context: RunContext) -> str:
 
 def curve_tasks(finger: FingerResult, context: RunContext) -> Iterator[Task]:
     """Yield a task for each loading curve of a finger whose photographs are measured."""
-    pad = None if finger.reason is not None else Ellipsoid(*finger.semi_axes)
+    known = finger.reason is None
+    pad = Ellipsoid(*finger.semi_axes) if known else None
+    given = context.study.uncertainty
     for item, curve in curve_items(context.study):
         if curve.finger == finger.name:
             yield Task(
@@ -177,49 +189,93 @@ def curve_tasks(finger: FingerResult, context: RunContext) -> Iterator[Task]:
                 key=curve_key(curve, context),
                 work=partial(
                     _record,
-                    curve,
-                    pad,
-                    context.study.poisson_ratio,
-                    None if pad is None else _radius_stds(finger, curve, context.study),
+                    curve=curve,
+                    pad=pad,
+                    poisson_ratio=context.study.poisson_ratio,
+                    placed=placed_pad(finger, curve.wedge_angle_deg, given) if known else None,
+                    given=given,
+                    scale=None if curve.scale is None else context.scale(curve.scale),
                 ),
                 inputs=context.inputs_of(curve),
             )
 
 
-def _radius_stds(finger: FingerResult, curve: Curve, study: Study) -> tuple[float, float]:
-    """Return standard uncertainties of 1/H and of R1/R2 where the pad is pressed, to first order."""
-    given = study.uncertainty
-    place = np.array([*finger.semi_axes, math.radians(curve.wedge_angle_deg), 0.0])
-    covariance = np.diag(np.radians([0, 0, 0, given.wedge_angle_deg_std, given.roll_angle_deg_std]) ** 2)
-    covariance[:3, :3] = finger.covariance
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlacedPad:
+    """The pad where a curve presses it: its gap, and standard uncertainties of 1/H (mm) and of R1/R2."""
 
-    def radii(at: FloatArray) -> FloatArray:
-        gap = PadGap.of(Ellipsoid(*at[:3]), wedge_angle=min(at[3], math.pi / 2), roll_angle=at[4])
-        first, second = gap.first_radius, gap.second_radius
-        return np.array([2 / (1 / first + 1 / second), first / second])
+    gap: PadGap
+    radius_std: float
+    radius_ratio_std: float
 
-    steps = np.diag(1e-4 * np.array([*finger.semi_axes, 1.0, 1.0]))
-    slope = np.array([(radii(place + step) - radii(place - step)) / (2 * step.max()) for step in steps])
-    radius_std, ratio_std = np.sqrt(np.diagonal(slope.T @ covariance @ slope)).tolist()
-    return radius_std, ratio_std
+
+def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) -> PlacedPad:
+    """Return the pad on its wedge, its radius as uncertain as R_0g of the study's contacts.
+
+    Parameters
+    ----------
+    finger : FingerResult
+        With semi-axes.
+    wedge_angle_deg : float
+        Of the wedge.
+    stds : Uncertainty
+        What the manifest states of angles.
+    """
+    along, along_std, across_std = finger.shape_deviation(wedge_angle_deg, 0.0)
+    wedge_angle = math.radians(wedge_angle_deg)
+    axes: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
+    inputs = Inputs.of(
+        **axes,
+        wedge_angle=(wedge_angle, math.radians(stds.wedge_angle_deg_std)),
+        roll_angle=(0.0, math.radians(stds.roll_angle_deg_std)),
+        in_plane_deviation=(along, along_std),
+        transverse_deviation=(0.0, across_std),
+    )
+    known = propagate(_radii, inputs.with_covariance(SEMI_AXES, finger.covariance))
+    # Of a pad that is larger as a whole both radii are larger by as much.
+    pad = Ellipsoid(*(finger.semi_axes * math.exp(along / 2)))
+    return PlacedPad(
+        gap=PadGap.of(pad, wedge_angle=wedge_angle),
+        radius_std=float(known["radius"].std),
+        radius_ratio_std=float(known["ratio"].std),
+    )
+
+
+def _radii(
+    *,
+    wedge_angle: FloatArray,
+    roll_angle: FloatArray,
+    in_plane_deviation: FloatArray,
+    transverse_deviation: FloatArray,
+    **semi_axes: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return 1/H and R1/R2 of a pad where it touches a plate."""
+    normal = platen_normal_kernel(wedge_angle, roll_angle)
+    first, second = principal_radii_kernel(**semi_axes, normal=normal)
+    along, across = first * np.exp(in_plane_deviation), second * np.exp(transverse_deviation)
+    return {"radius": 2 / (1 / along + 1 / across), "ratio": along / across}
 
 
 def _record(
+    folder: Path,
+    _out: Path,
+    *,
     curve: Curve,
     pad: Ellipsoid | None,
     poisson_ratio: float,
-    radius_stds: tuple[float, float] | None,
-    folder: Path,
-    _out: Path,
+    placed: PlacedPad | None,
+    given: Uncertainty,
+    scale: FoundScale | str | None,
 ) -> Record:
-    found = curve_result(curve, pad, poisson_ratio, folder)
+    found = curve_result(curve, pad, poisson_ratio, folder, scale)
     if (
         found.curve is not None
         and found.curve.area is not None
-        and pad is not None
-        and radius_stds is not None
+        and placed is not None
+        and curve.thickness_mm is None
     ):
-        found = replace(found, layer=_layer(found.curve, curve, pad, poisson_ratio, radius_stds))
+        known = {"poisson_ratio": poisson_ratio, "cycle": curve.cycle, **_instrument(curve, scale)}
+        found = replace(found, layer=_layer(found.curve, placed, given, known))
     values = {name: to_plain(getattr(found, name)) for name in _FOUND}
     return {"curve": values, "reason": found.reason if found.failed else None}
 
@@ -245,7 +301,13 @@ def _known(curve: Curve, record: Record) -> CurveResult:
     return CurveResult(manifest=curve, **values)
 
 
-def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, folder: Path) -> CurveResult:
+def curve_result(
+    curve: Curve,
+    pad: Ellipsoid | None,
+    poisson_ratio: float,
+    folder: Path,
+    scale: FoundScale | str | None = None,
+) -> CurveResult:
     """Read and fit one loading curve; one that cannot be used costs itself only.
 
     Where the record does not determine the whole fit, the slope of area against indentation may still give
@@ -254,7 +316,9 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
     radius, std = curve.loading_radius_mm, curve.loading_radius_mm_std
     assert curve.file is not None  # what was found elsewhere is not fitted
     data = None
+    known: dict[str, Any] = {}
     try:
+        known = _instrument(curve, scale)
         with columns_named_by(partial(columns_in_toml, "file_columns")):
             data = read_loading_curve(
                 folder / curve.file, {str(key): value for key, value in curve.file_columns.items()}
@@ -268,11 +332,11 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
             fit_load_range=None
             if curve.fit_load_range_N is None
             else (curve.fit_load_range_N[0], curve.fit_load_range_N[1]),
-            **_instrument(curve),
+            **known,
             **_stated("thickness", curve.thickness_mm, curve.thickness_mm_std),
         )
     except FitError as error:
-        return _slope_alone(curve, data, _named(error, curve.file, folder))
+        return _slope_alone(curve, data, known, _named(error, curve.file, folder))
     except FingerpadError as error:
         return CurveResult(manifest=curve, curve=data, reason=_named(error, curve.file, folder))
     except _RECOVERABLE_ERRORS as error:
@@ -283,6 +347,7 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
         manifest=curve,
         loading_radius=found.value if isinstance(found, Estimate) else math.nan,
         loading_radius_std=found.std if isinstance(found, Estimate) else math.nan,
+        area_relative_std=known.get("area_relative_std", 0.0) if radius is None else 0.0,
         curve=data,
         fit=fit,
         velocity=_velocity(data, fit, curve.cycle),
@@ -292,36 +357,46 @@ def curve_result(curve: Curve, pad: Ellipsoid | None, poisson_ratio: float, fold
 
 
 def _layer(
-    data: LoadingCurve, curve: Curve, pad: Ellipsoid, poisson_ratio: float, radius_stds: tuple[float, float]
+    data: LoadingCurve, placed: PlacedPad, given: Uncertainty, known: Mapping[str, Any]
 ) -> LayerThicknessFit:
     """Return the thickness of the tissue that explains a curve, or why none is known."""
     try:
         return fit_layer_thickness(
             data,
-            gap=PadGap.of(pad, wedge_angle=math.radians(curve.wedge_angle_deg)),
-            radius_std=radius_stds[0],
-            radius_ratio_std=radius_stds[1],
-            poisson_ratio=poisson_ratio,
-            cycle=curve.cycle,
-            **_instrument(curve),
+            gap=placed.gap,
+            radius_std=placed.radius_std,
+            radius_ratio_std=placed.radius_ratio_std,
+            poisson_ratio_std=given.poisson_ratio_std,
+            load_relative_std=given.load_relative_std,
+            **known,
         )
     except FingerpadError as error:
         return LayerThicknessFit.undetermined(str(error))
 
 
-def _instrument(curve: Curve) -> dict[str, Estimate]:
-    """Return what the manifest states of the instrument, as the fits take it."""
+def _instrument(curve: Curve, scale: FoundScale | str | None) -> dict[str, Any]:
+    """Return what the manifest states of the instrument, as the fits take it.
+
+    Raises
+    ------
+    CalibrationError
+        If the scale of the areas was not found.
+    """
+    area = curve.area_relative_std if scale is None else 2 * require_scale(scale).scale.relative_std
     return {
         **_stated("stage_compliance", curve.stage_compliance_mm_per_N, curve.stage_compliance_mm_per_N_std),
         **_stated("area_delay", curve.area_delay_s, curve.area_delay_s_std),
+        **({} if area is None else {"area_relative_std": area}),
     }
 
 
-def _stated(name: str, value: float | None, std: float | None) -> dict[str, Estimate]:
+def _stated(name: str, value: float | None, std: float | None) -> dict[str, Any]:
     return {} if value is None else {name: Estimate.symmetric(value, std or 0.0)}
 
 
-def _slope_alone(curve: Curve, data: LoadingCurve | None, reason: str) -> CurveResult:
+def _slope_alone(
+    curve: Curve, data: LoadingCurve | None, known: Mapping[str, Any], reason: str
+) -> CurveResult:
     """Return what is left where a curve cannot be fitted as a whole: R_g from its slope, if that."""
     if data is None or curve.loading_radius_mm is not None:
         return CurveResult(manifest=curve, curve=data, reason=reason)
@@ -329,10 +404,12 @@ def _slope_alone(curve: Curve, data: LoadingCurve | None, reason: str) -> CurveR
         line = fit_contact_compliance(data, cycle=curve.cycle)
     except FingerpadError:
         return CurveResult(manifest=curve, curve=data, reason=reason)
+    area_std = known.get("area_relative_std", 0.0)
     return CurveResult(
         manifest=curve,
         loading_radius=line.loading_radius,
-        loading_radius_std=line.loading_radius_std,
+        loading_radius_std=math.hypot(line.loading_radius_std, area_std * line.loading_radius),
+        area_relative_std=area_std,
         curve=data,
         reason=f"{reason}; only the slope of area against indentation is known",
     )

@@ -13,8 +13,8 @@ from fingerpad.uncertainty import pool, proportional_stds
 class LoadingRadius(NamedTuple):
     """R_g of a finger at an angle, from all its curves there, mm, with flags of their fits.
 
-    What a wrong model leaves uncertain is common to curves: pooling does not reduce it. `misfit_std` is that
-    part of `std`.
+    What a wrong model and the scale of the areas leave uncertain is common to curves: pooling does not reduce
+    it. `misfit_std` is the former part of `std`.
     """
 
     value: float
@@ -35,6 +35,9 @@ def loading_radius(curves: Iterable[CurveResult], place: tuple[str, float, bool]
     flags = tuple(sorted({flag for each in fitting if each.fit for flag in each.fit.notes}))
     if not np.isfinite(stds).all():
         return LoadingRadius(float(values.mean()), math.nan, synthetic, flags)
-    pooled = pool(values, proportional_stds(values, np.sqrt(np.maximum(stds**2 - misfits**2, 0.0))))
+    of_areas = values * [each.area_relative_std for each in fitting]
+    own = np.sqrt(np.maximum(stds**2 - misfits**2 - of_areas**2, 0.0))
+    pooled = pool(values, proportional_stds(values, own))
     misfit = float(misfits.max())
-    return LoadingRadius(pooled.value, math.hypot(pooled.total_std, misfit), synthetic, flags, misfit)
+    std = math.hypot(pooled.total_std, misfit, float(of_areas.max()))
+    return LoadingRadius(pooled.value, std, synthetic, flags, misfit)
