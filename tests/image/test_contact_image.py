@@ -358,6 +358,60 @@ def test_obstructions(spoil):
     assert "touches_border" not in found.flags
 
 
+FONTS = (cv2.FONT_HERSHEY_SIMPLEX, cv2.FONT_HERSHEY_COMPLEX, cv2.FONT_HERSHEY_SCRIPT_COMPLEX)
+
+
+def with_line_of_text(pixels, row, font, height, stroke):
+    out = np.ascontiguousarray(pixels)
+    size = cv2.getFontScaleFromHeight(font, height, stroke)
+    cv2.putText(out, "FINGERS TAKEN SIMUL", (5, row), font, size, 0, stroke, cv2.LINE_AA)
+    return out
+
+
+@pytest.mark.parametrize("font", FONTS)
+@pytest.mark.parametrize(("height", "stroke"), [(34, 5), (48, 8)])
+@pytest.mark.parametrize("look", ["ink", "livescan"])
+def test_letters_across_a_contact_are_flagged(look, height, stroke, font):
+    truth = render_contact_image(seed=6, look=look, noise_std=6, margin=3)
+    row = truth.pixels.shape[0] // 4
+    found = measure_contact_image(with_line_of_text(truth.pixels, row, font, height, stroke), PPI_500)
+    assert found.flags == ("printed_marks",)
+    assert found.gross_area == pytest.approx(truth.gross_area, rel=0.04)
+
+
+@pytest.mark.parametrize("font", FONTS)
+def test_letters_beside_a_contact_are_none_of_it(font):
+    truth = render_contact_image(seed=6, look="ink", noise_std=6, margin=3)
+    found = measure_contact_image(with_line_of_text(truth.pixels, 30, font, 24, 3), PPI_500)
+    assert found.flags == ()
+    assert found.gross_area == pytest.approx(truth.gross_area, rel=0.02)
+    assert found.ridge_area == pytest.approx(truth.ridge_area, rel=0.03)
+
+
+@pytest.mark.parametrize("font", FONTS)
+@pytest.mark.parametrize(("height", "stroke"), [(16, 2), (24, 3), (34, 5), (48, 8)])
+def test_letters_alone_are_no_contact(height, stroke, font):
+    blank = np.clip(np.random.default_rng(0).normal(215, 6, (300, 400)), 0, 255).astype(np.uint8)
+    pixels = with_line_of_text(blank, 60, font, height, stroke)
+    pixels = with_line_of_text(pixels, 200, font, height, stroke)
+    try:
+        assert "not_a_contact_image" in measure_contact_image(pixels, PPI_500).flags
+    except ImageError as refused:
+        assert "no contact found" in str(refused)  # noqa: PT017 (either is an answer)
+
+
+@real
+def test_form_text_in_real_prints_is_flagged():
+    flagged = {
+        path.stem
+        for folder in (INK, LIVE)
+        for path in folder.glob("*.p[gn][mg]")
+        if path.stem != "a999_01p"  # blank
+        and "printed_marks" in measure_contact_image(np.asarray(Image.open(path).convert("L")), PPI_500).flags
+    }
+    assert flagged == {"a001_03p", "a001_04p", "b001_04p", "b001_08p"}
+
+
 def beside(*pictures, gap=0):
     height = max(p.shape[0] for p in pictures)
     padded = [np.pad(p, ((0, height - p.shape[0]), (0, gap)), mode="edge") for p in pictures]

@@ -12,6 +12,7 @@ FLAG_WORDS: Final[Mapping[str, str]] = {
     "scale_doubtful": "the ridge period is not that of a finger: check the scale",
     "not_a_contact_image": "no finger ridges (0.3–0.7 mm apart) fill it: check picture and scale",
     "ridges_merge": "sweat or ink may have joined the ridges: their area is an upper bound",
+    "printed_marks": "letters or marks darker than ridges lie in the contact and are counted in its areas",
     "edited_manually": "the contact was drawn manually, in part or as a whole",
     "interpolated": "the ellipse is interpolated between two key frames",
     "coin_shadow": "a shadow beside the coin may make the scale too small",

@@ -60,6 +60,7 @@ def assemble_result(
     ridges = ridge_map(ridged.view, signal, region.edge.points, ridged.threshold)
     contact = measure_patch(ridged.view, patch, region.edge, ridged.amount, ridges)
     period = ridged.period * scale.mm_per_px
+    merged = contact.ridge_area > _MANY_RIDGES * contact.moments.area
     doubts = {
         "touches_border": contact.touches_border,
         "cut_by_mask": contact.cut_by_mask,
@@ -68,7 +69,8 @@ def assemble_result(
         "poor_ellipse": contact.overlap < _POOR_OVERLAP,
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
         "not_a_contact_image": not shows_ridges(ridged.view, contact.outline, scale.mm_per_px),
-        "ridges_merge": contact.ridge_area > _MANY_RIDGES * contact.moments.area,
+        "ridges_merge": merged,
+        "printed_marks": ridges.has_print and not merged,  # dark places may be either
         "edited_manually": edited,
     }
     powers = np.array([1, 1, 2, 2])

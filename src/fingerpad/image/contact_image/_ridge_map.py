@@ -30,6 +30,9 @@ _CREST, _USUAL_GRAIN, _BY_GRAIN = 0.7, 0.12, 0.4
 # Shift of the level by blur, for how far the share of ridges is from half and how it changes with the level:
 # near that of a square wave under a Gaussian of 0.1 periods, and of pictures of known truth.
 _BY_BLUR, _CUBIC = 0.45, 30.0
+# Letters are darker than the ridges within `_AROUND` periods, by so much, in strokes of `_STROKE` or wider,
+# and reach further than `_LETTER` along and across. Real prints have no such place of more than 1.2 periods.
+_DARKER, _AROUND, _STROKE, _LETTER, _FEWEST_LETTERS = 1.1, 10.0, 0.4, 2.2, 2
 # The change with the level is taken between levels so far from half.
 _NEAR_HALF = 0.1
 
@@ -51,6 +54,8 @@ class RidgeMap:
         By how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
     clipped : float
         Share of the valleys that the device shows as white, or as black where ridges are bright.
+    has_print : bool
+        Whether letters, or other marks darker than ridges, are counted as ridges.
     """
 
     is_ridge: BoolArray
@@ -59,6 +64,7 @@ class RidgeMap:
     softness: float
     grain: float
     clipped: float
+    has_print: bool
 
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
         """Return the ridges in a picture of this shape, none outside the box."""
@@ -152,15 +158,33 @@ def ridge_map(view: WorkingImage, signal: Signal, edge: FloatArray, threshold: f
         grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
         clipped = _clipped_share(box, inside & (amount < level), dark_on_light=signal.dark_on_light)
         level += _blur_shift(amount[inside]) - _BY_GRAIN * grain - _BY_CLIPPING * clipped**2
-    within = amount[inside]
+    within, is_ridge = amount[inside], np.asarray(amount > level)
     return RidgeMap(
-        is_ridge=np.asarray(amount > level),
+        is_ridge=is_ridge,
         corner=(row, column),
         step=step,
         softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
         grain=grain,
         clipped=clipped,
+        has_print=_has_print(values, is_ridge & inside, inside, period / step),
     )
+
+
+def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, period: float) -> bool:
+    """Return whether places darker than the ridges around are as large, and as many, as letters."""
+    side = 2 * round(_AROUND * period / 2) + 1
+    share = as_float32(ridges)
+    level, count = (cv2.blur(each, (side, side)) for each in (values * share, share))
+    dark = (values * count > np.float32(_DARKER) * level) & (count > 0)
+    stroke = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, [max(2, round(_STROKE * period))] * 2)
+    strokes = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, stroke)
+    contours, _ = cv2.findContours(strokes, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    letters = 0
+    for contour in contours:
+        if len(contour) > 2 * _LETTER * period and min(cv2.minAreaRect(contour)[1]) > _LETTER * period:
+            x, y = contour.reshape(-1, 2).mean(axis=0).astype(int)
+            letters += bool(inside[y, x])
+    return letters >= _FEWEST_LETTERS
 
 
 def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) -> float:

@@ -23,6 +23,7 @@ FLAGS = (
     "scale_doubtful",
     "not_a_contact_image",
     "ridges_merge",
+    "printed_marks",
     "edited_manually",
 )
 # Beyond it a ridge period is doubtful, and with it the scale.

@@ -9,7 +9,7 @@ from fingerpad.study.measuring.measure import Measurement
 # The picture does not show all of a contact at a known scale: nothing that a person says of it helps.
 NEVER_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtful", "not_a_contact_image"))
 # What was measured may be a part of the contact, or more than it: a person who has looked can tell.
-POOLED_IF_REVIEWED: Final = frozenset(("low_contrast", "several_regions", "poor_ellipse"))
+POOLED_IF_REVIEWED: Final = frozenset(("low_contrast", "several_regions", "poor_ellipse", "printed_marks"))
 # The ridge area is an upper bound; area and ellipse of the contact are no less sure.
 RIDGES_MERGE: Final = "ridges_merge"
 # A range note: with a pad of no finger's size, no radius is one.
@@ -24,6 +24,7 @@ WAY_OUT: Final[Mapping[str, str]] = {
     "low_contrast": _REVIEW,
     "several_regions": f"state region_of_interest_px, mask_px or seed_px, or {_REVIEW}",
     "poor_ellipse": _REVIEW,
+    "printed_marks": f"take a picture of the contact alone, state background, or {_REVIEW}",
     IMPLAUSIBLE_SIZE: "check the scale of the photographs, or the unit of the semi-axes",
 }
 _REVIEWED: Final = frozenset(("accepted", "corrected"))
