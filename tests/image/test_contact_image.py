@@ -602,6 +602,7 @@ def test_order_of_flags():
         "scale_doubtful",
         "not_a_contact_image",
         "ridges_merge",
+        "printed_marks",
         "edited_manually",
     )
 

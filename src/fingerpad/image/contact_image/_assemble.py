@@ -70,7 +70,8 @@ def assemble_result(
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
         "not_a_contact_image": not shows_ridges(ridged.view, contact.outline, scale.mm_per_px),
         "ridges_merge": merged,
-        "printed_marks": ridges.has_print and not merged,  # dark places may be either
+        # Dark places tell of print only between ridges that are seen apart.
+        "printed_marks": ridges.has_print and math.isfinite(period) and not merged,
         "edited_manually": edited,
     }
     powers = np.array([1, 1, 2, 2])
