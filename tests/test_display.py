@@ -60,7 +60,7 @@ def results() -> dict[str, object]:
     }
 
 
-MAX_REPR = 650
+MAX_REPR = 610
 DRAWN = ("contact image", "photograph", "fit", "contact", "placement")
 
 

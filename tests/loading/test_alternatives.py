@@ -41,7 +41,7 @@ def test_a_right_model_has_no_doubts() -> None:
     fit = fit_loading_curve(curve_of("Hertz, white noise"))
     assert not fit.notes
     assert not fit.flags
-    assert fit.misfit_std["loading_radius"] < 0.005 * PAD.radius
+    assert fit.misfit_std["loading_radius"] < 0.003 * PAD.radius  # what the rivals' weights leave
 
 
 def test_late_areas_do_not_move_the_contact_of_the_force() -> None:
@@ -52,7 +52,7 @@ def test_late_areas_do_not_move_the_contact_of_the_force() -> None:
     given = fit_loading_curve(curve_of("area 100 ms late"), area_delay=0.1)
     assert "area_offset" not in given.flags
     assert given.contact_offset.lower < 0.3 < given.contact_offset.upper
-    assert given.contact_offset.std < late.contact_offset.std
+    assert given.contact_offset.std < 0.6 * late.contact_offset.std
 
 
 def test_how_late_areas_are_is_said_for_any_speed() -> None:

@@ -40,8 +40,9 @@ def test_coverage_and_bias(points: int, beta: float) -> None:
         inside, error, std = rows[:, k].T
         assert inside.mean() >= 0.75, name  # eight or fewer of twelve hold once in five thousand times
         assert abs(error.mean()) < np.median(std), name  # the mean of twelve is uncertain to 0.29
-        # Of twelve uncertain to 0.21; other explanations of the curve make the stated one larger.
-        assert 0.2 < error.std() / np.median(std) < 1.64, name
+        # Of twelve uncertain to 0.21; other explanations make the stated one larger, most that of the place.
+        least = 0.25 if name == "contact_offset" else 0.34
+        assert least < error.std() / np.median(std) < 1.64, name
 
 
 def test_noise_free_curve() -> None:
