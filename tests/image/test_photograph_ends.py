@@ -7,9 +7,8 @@ import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.ndimage import gaussian_filter1d
 
-from fingerpad.image.photograph._arc import add_shared_errors, fit_arc
+from fingerpad.image.photograph._arc import fit_arc
 from fingerpad.image.photograph._arc_averaging import average_over_ends
-from fingerpad.image.photograph._edges import SubpixelOutline
 
 SEMI_AXES = np.array([197.0, 230.0])
 TILT = (0.0, math.radians(2))
@@ -39,24 +38,18 @@ def outline(half_deg, departures, seed):
 
 def both(half_deg, departures, seed, found_deg):
     points, angles = outline(half_deg, departures, seed)
-    every = np.arange(len(points))
-    arc = fit_arc(points, every[np.abs(angles) < found_deg], TILT)
-    return arc, average_over_ends(points, every, arc, middle=math.pi / 2, tilt=TILT, spacing=1.0)
+    return averaged(points, np.abs(angles) < found_deg)
 
 
-def sharp_edges(count):
-    return SubpixelOutline(
-        points=np.zeros((count, 2)),
-        found=np.ones(count, bool),
-        blur=1.0,
-        step_ratio=np.full(count, 200.0),
-        spacing=1.0,
-        closed=False,
-    )
+def averaged(points, on_arc):
+    """Return the fit of an arc, its average over the ends, and the covariance between these."""
+    arc = fit_arc(points, np.flatnonzero(on_arc), TILT)
+    kept = np.delete(np.arange(len(points)), arc.rejected)
+    return arc.fit, *average_over_ends(points[kept], arc.fit, middle=math.pi / 2, tilt=TILT)
 
 
-def off(arc):
-    return (np.array(arc.fit.ellipse[2:4]) - SEMI_AXES) / SEMI_AXES
+def off(fit):
+    return (np.array(fit.ellipse[2:4]) - SEMI_AXES) / SEMI_AXES
 
 
 @pytest.mark.parametrize(
@@ -74,31 +67,30 @@ def test_uncertainty_coverage():
     for seed in range(30):
         rng = np.random.default_rng([seed, 7])
         half = rng.uniform(55, 85)
-        _, arc = both(half, rng.normal(0, 0.6, 2), seed, half + rng.normal(0, 5))
-        fit = add_shared_errors(arc, sharp_edges(1000)).fit
-        z.append((fit.ellipse.semi_y - SEMI_AXES[1]) / math.sqrt(fit.covariance[3, 3]))
+        found_deg = half + rng.normal(0, 5)
+        _, fit, ends = both(half, rng.normal(0, 0.6, 2), seed, found_deg)
+        shared = fit.shared_error_covariance(0.075, 0.075, math.radians(25))
+        z.append((fit.ellipse.semi_y - SEMI_AXES[1]) / math.sqrt((fit.covariance + ends + shared)[3, 3]))
     # Of 30 one or two lie beyond 1.96; seven would be a chance of one in a thousand.
     assert np.sum(np.abs(z) > 1.96) < 7
     assert np.median(np.abs(z)) > 0.2
 
 
 def test_no_departure():
-    before, after = both(70, (0.0, 0.0), 1, 90)
+    before, after, ends = both(70, (0.0, 0.0), 1, 90)
     assert np.abs(off(after)).max() < 0.002
-    assert np.diagonal(after.fit.covariance)[3] < 4 * np.diagonal(before.fit.covariance)[3]
+    assert (after.covariance + ends)[3, 3] < 4 * before.covariance[3, 3]
 
 
 def test_nail_beyond_arc():
     points, angles = outline(70, (0.2, -0.3), 2)
     points[angles > 85] += (-4, 0)
-    every = np.arange(len(points))
-    arc = fit_arc(points, every[np.abs(angles) < 70], TILT)
-    arc = average_over_ends(points, every, arc, middle=math.pi / 2, tilt=TILT, spacing=1.0)
-    assert np.abs(off(arc)).max() < 0.01
+    _, fit, _ = averaged(points, np.abs(angles) < 70)
+    assert np.abs(off(fit)).max() < 0.01
 
 
 def test_too_short_to_average():
     points, _ = outline(70, (0.2, 0.2), 3)
-    every = np.arange(len(points))[::10]
-    arc = fit_arc(points, every, TILT)
-    assert average_over_ends(points, every, arc, middle=math.pi / 2, tilt=TILT, spacing=1.0) is arc
+    arc, same, ends = averaged(points[::10], np.ones(len(points[::10]), bool))
+    assert same is arc
+    assert not ends.any()

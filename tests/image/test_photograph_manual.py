@@ -144,6 +144,42 @@ def test_marks_extend_arc():
         assert longer.semi_axes_mm[name] == pytest.approx(found().semi_axes_mm[name], rel=0.01)
 
 
+def stds(fit):
+    return np.append(np.sqrt(np.diagonal(fit.covariance)) / fit.semi_axes, fit.tilt_std)
+
+
+def test_a_point_erased_makes_nothing_surer():
+    one = [([found().points[len(found().points) // 3]], 0.3)]
+    fewer = with_marked_points(found(), erased=one)
+    assert len(found().points) - len(fewer.points) == 1
+    np.testing.assert_allclose(stds(fewer), stds(found()), rtol=0.05)
+    assert fewer.flags == found().flags | {"fitted_manually"}
+
+
+def test_edits_one_after_another_are_as_sure_as_all_at_once():
+    strokes = [([found().points[k]], 0.3) for k in (40, 90, 140)]
+    at_once, chained = with_marked_points(found(), erased=strokes), found()
+    for stroke in strokes:
+        chained = with_marked_points(chained, erased=[stroke])
+    np.testing.assert_allclose(stds(chained), stds(at_once), rtol=1e-6)
+    np.testing.assert_allclose(chained.semi_axes, at_once.semi_axes, rtol=1e-6)
+    np.testing.assert_allclose(stds(chained), stds(found()), rtol=0.05)
+
+
+def test_flags_are_those_of_the_arc_that_is_left():
+    points, (row, _) = found().points, found().centre
+    level = row - 0.78 * found().semi_axes[1] / SCALE.mm_per_px
+    low = points[points[:, 0] > level]
+    short = with_marked_points(found(), erased=[(low, 1.0)])
+    assert short.arc_deg < 90
+    assert {"short_arc", "uncertain"} <= short.flags
+    ellipse = found().ellipse_points(721)
+    marks = ellipse[(ellipse[:, 0] < row) & (ellipse[:, 0] > level)][::12]
+    longer = with_marked_points(short, added=marks)
+    assert longer.arc_deg > 120
+    assert "short_arc" not in longer.flags
+
+
 BAD = {
     "no across": (lambda: placed(semi_axes=(0, 5)), ImageError, "two positive semi-axes"),
     "not finite": (lambda: placed(centre=(math.nan, 5)), ImageError, "finite centre"),

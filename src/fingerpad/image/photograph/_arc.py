@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -14,8 +14,6 @@ from fingerpad.exceptions import FitError
 from fingerpad.geometry.faces import Face
 from fingerpad.image._orthogonal_fit import distances
 from fingerpad.image.ellipse_fit import normalise
-from fingerpad.image.photograph._departure import Departure, PadShape, departure_of
-from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, turns_from
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]
@@ -34,16 +32,6 @@ PAD_REACH: Mapping[Face, float] = {
     "radial": math.radians(95),
     "ulnar": math.radians(95),
 }
-
-# What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
-# along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
-_SHARED_PX = (0.03, 3.0)
-# An arc that is found automatically may extend a little beyond the pad.
-_SHARED_FOUND_PX = (0.045, 6.0)
-_SHARED_REACH = math.radians(25)
-
-# So far on either side of its middle the outline is pad, whether one ellipse fits it or not.
-_SURELY_PAD = math.radians(60)
 
 _HYPOTHESES = 500
 _SPARSE = 240
@@ -66,23 +54,14 @@ class PadArc:
     Attributes
     ----------
     fit : OutlineFit
-        The ellipse of the points used, and of the flanks where they were taken in.
+        The ellipse of the points used.
     used, rejected : ndarray of int
         Indices into the outline, in order along it.
-    shared_px : (float, float)
-        What the points can be off together: a least value, px, and a share of the noise over the step.
-    departure : Departure or None
-        How the pad's outline departs from the ellipse, None where that is not known.
-    tilt : (float, float)
-        Tilt of the finger's axis, as its sides show it, and its standard uncertainty, radians.
     """
 
     fit: OutlineFit
     used: IndexArray
     rejected: IndexArray
-    shared_px: tuple[float, float] = _SHARED_PX
-    departure: Departure | None = None
-    tilt: tuple[float, float] = (0.0, math.inf)
 
 
 def candidate_points(points: FloatArray, face: Face) -> IndexArray:
@@ -95,7 +74,7 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
     face : Face
         The face.
     """
-    guess = _initial_ellipse(points, face)
+    guess = initial_ellipse(points, face)
     off = turns_from(PAD_MIDDLE[face], points, guess)
     inside = np.abs(off) < PAD_REACH[face]
     # Turned so that the outline begins outside, and the run that holds the middle is one piece.
@@ -108,7 +87,7 @@ def candidate_points(points: FloatArray, face: Face) -> IndexArray:
     return order[first:last]
 
 
-def _initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
+def initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
     """Return a rough ellipse (x, y, semi_x, semi_y, tilt) from the outline's extent near the pad's end."""
     end = points[:, 1].max()
     height = np.ptp(points[:, 1]) if face == "distal" else np.ptp(points[:, 0])
@@ -148,7 +127,6 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tupl
                 first, last = _longest_window(track, values, middle, tilt, slack)
                 trim = round(_END_MARGIN * (last - first))
                 arc = fit_arc(points, order[first + trim : last - trim], tilt, start=values)
-                arc = replace(arc, shared_px=_SHARED_FOUND_PX)
                 values = np.array(arc.fit.ellipse)
         except FitError:
             continue
@@ -182,44 +160,6 @@ def fit_arc(
         if good.sum() < _MIN_POINTS or (good == before).all():
             break
     return PadArc(fit=fit, used=order[before], rejected=order[~before])
-
-
-def add_shared_errors(arc: PadArc, edges: SubpixelOutline) -> PadArc:
-    """Widen the covariance by the errors that the points share."""
-    fit, (least, by_noise) = arc.fit, arc.shared_px
-    shared = least + by_noise / float(np.median(edges.step_ratio[arc.used]))
-    more = fit.shared_error_covariance(shared, shared, _SHARED_REACH)
-    return replace(arc, fit=replace(fit, covariance=fit.covariance + more))
-
-
-def add_departure(
-    arc: PadArc, points: FloatArray, order: IndexArray, face: Face, tilt: tuple[float, float]
-) -> PadArc:
-    """Compare the ellipse with a superellipse along its arc, and along the pad's middle where it is not.
-
-    Parameters
-    ----------
-    arc : PadArc
-        The arc and its ellipse.
-    points : ndarray, (n, 2)
-        Outline in the face's frame, px.
-    order : ndarray of int
-        Candidates in order along the outline.
-    face : Face
-        The face.
-    tilt : (float, float)
-        Tilt of the finger's axis and its standard uncertainty, radians.
-    """
-    guess = _initial_ellipse(points, face)
-    turns = turns_from(PAD_MIDDLE[face], points[order], guess)
-    pad = np.isin(order, arc.used) | (np.abs(turns) < _SURELY_PAD)
-    fit = arc.fit
-    # A side face shows the nail's side too, whose distance is no semi-axis.
-    across = points[candidate_points(points, face)] @ [math.cos(tilt[0]), math.sin(tilt[0])]
-    half_width = float(np.ptp(across)) / 2 if face in ("palmar", "distal") else math.nan
-    shape = PadShape(tilt=tilt, half_width=half_width, noise=fit.residual_std)
-    departure = departure_of(points[order[pad]], fit.ellipse, fit.covariance[2:4, 2:4], shape)
-    return replace(arc, departure=departure, tilt=tilt)
 
 
 def _inliers(off: FloatArray) -> BoolArray:

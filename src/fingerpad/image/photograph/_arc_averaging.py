@@ -10,8 +10,9 @@ from scipy.special import softmax
 from fingerpad._arrays import FloatArray
 from fingerpad.image._orthogonal_fit import distances
 from fingerpad.image.ellipse import PlaneEllipse
-from fingerpad.image.photograph._arc import IndexArray, PadArc
 from fingerpad.image.photograph.outline_fit import (
+    OutlineFit,
+    block_starts,
     departure_covariance,
     radii_of_curvature,
     student_widening,
@@ -54,82 +55,93 @@ class _Blocks:
 
 def average_over_ends(
     points: FloatArray,
-    order: IndexArray,
-    arc: PadArc,
+    fit: OutlineFit,
     *,
     middle: float,
     tilt: tuple[float, float],
-    spacing: float,
-) -> PadArc:
+    certain: tuple[float, float] = (0.0, 0.0),
+) -> tuple[OutlineFit, FloatArray]:
     """Fit the ellipse again for every place where the arc may end, and average by evidence.
 
     About the arc as found the fit is linear. For each pair of ends the outline beyond departs as
     `departure_covariance` gives; the marginal likelihood (ellipse flat, noise's level unknown) weighs the
     pair. The covariance is that within the pairs and between them; a slight departure can still pass for
-    the ellipse, which `widened` allows for.
+    the ellipse, which the errors that points share allow for.
 
     Parameters
     ----------
     points : ndarray, (n, 2)
-        Outline in the face's frame, px.
-    order : ndarray of int
-        Candidates in order along the outline.
-    arc : PadArc
-        The arc as found.
+        Points of the outline that can be pad, px, in order, without those that stand out from the arc.
+    fit : OutlineFit
+        The ellipse of the arc as found.
     middle : float
         Parametric angle of the pad's middle, radians.
     tilt : (float, float)
         Tilt of the finger's axis and its standard uncertainty, radians.
-    spacing : float
-        Distance of the outline's neighbouring points, px.
+    certain : (float, float)
+        As far from the middle, towards lower and higher angles, the outline is known to be pad, radians.
+
+    Returns
+    -------
+    OutlineFit
+        The average, with the covariance within the pairs.
+    ndarray, (5, 5)
+        The covariance between the pairs.
     """
-    values = np.array(arc.fit.ellipse)
+    values = np.array(fit.ellipse)
     semi = math.sqrt(values[2] * values[3])
     unit = np.array([semi, semi, semi, semi, 1.0])
-    noise = arc.fit.residual_std * math.sqrt(arc.fit.correlation / _BLOCK)
-    blocks = _blocks(points, order[~np.isin(order, arc.rejected)], values, middle, spacing)
+    noise = fit.residual_std * math.sqrt(fit.correlation / _BLOCK)
+    blocks = _blocks(points, values, middle)
     blocks = replace(blocks, terms=blocks.terms * np.append(unit, 1) / noise)
     if len(blocks.turns) < _MIN_BLOCKS:
-        return arc
-    sides = [_side(blocks, values, middle, sign, noise) for sign in (-1, 1)]
+        return fit, np.zeros((5, 5))
+    sides = [
+        _side(blocks, values, (middle, sign, max(_FIRST_END, first)), noise)
+        for sign, first in zip((-1, 1), certain, strict=True)
+    ]
     known = np.array([0, 0, 0, 0, 1, values[4] - tilt[0]]) / tilt[1]
     grams = sides[0][0][:, None] + sides[1][0] + np.outer(known, known)
     logs = sides[0][1][:, None] + sides[1][1]
-    change, covariance = _average(grams.reshape(-1, 6, 6), logs.ravel(), len(blocks.turns))
-    change, covariance = change * unit, covariance * np.outer(unit, unit)
+    change, within, between = _average(grams.reshape(-1, 6, 6), logs.ravel(), len(blocks.turns))
+    change, within, between = change * unit, within * np.outer(unit, unit), between * np.outer(unit, unit)
     if not (np.abs(change[2:4]) < _MAX_CHANGE * values[2:4]).all():
-        return arc
-    fit = replace(arc.fit, ellipse=PlaneEllipse(*(values + change).tolist()), covariance=covariance)
-    return replace(arc, fit=fit)
+        return fit, np.zeros((5, 5))
+    return replace(fit, ellipse=PlaneEllipse(*(values + change).tolist()), covariance=within), between
 
 
-def _blocks(
-    points: FloatArray, order: IndexArray, values: FloatArray, middle: float, spacing: float
-) -> _Blocks:
+def _blocks(points: FloatArray, values: FloatArray, middle: float) -> _Blocks:
     """Return the blocks of the outline, px, but for those that stand out from their neighbours."""
-    off, slopes = distances(values, points[order])
-    turns = turns_from(middle, points[order], values)
-    places = np.unwrap(order.astype(np.float64), period=len(points)) * spacing
-    count = len(order) // _BLOCK
-    every = np.column_stack([slopes, off, turns, places])[: count * _BLOCK]
-    means = every.reshape(count, _BLOCK, -1).mean(axis=1)
-    level = np.array([np.median(means[max(0, k - 4) : k + 5, 5]) for k in range(count)])
+    off, slopes = distances(values, points)
+    turns = turns_from(middle, points, values)
+    along = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    starts = block_starts(points, _BLOCK)
+    counts = np.diff(np.append(starts, len(points)))
+    every = np.column_stack([slopes, off, turns, along])
+    means = np.add.reduceat(every, starts, axis=0) / counts[:, None]
+    level = np.array([np.median(means[max(0, k - 4) : k + 5, 5]) for k in range(len(means))])
     apart = np.abs(means[:, 5] - level)
-    means = means[apart < _OUTLYING * (1.4826 * np.median(apart) + 0.02)]
-    return _Blocks(terms=means[:, :6], turns=means[:, 6], along=means[:, 7])
+    good = apart < _OUTLYING * (1.4826 * np.median(apart) + 0.02)
+    # Blocks of fewer points know less.
+    weights = np.sqrt(np.minimum(counts / _BLOCK, 1))[:, None]
+    return _Blocks(terms=(weights * means[:, :6])[good], turns=means[good, 6], along=means[good, 7])
 
 
 def _side(
-    blocks: _Blocks, values: FloatArray, middle: float, sign: int, noise: float
+    blocks: _Blocks, values: FloatArray, side: tuple[float, int, float], noise: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Return, for each end and departure on one side, the terms' weighted products and a log weight."""
+    """Return, for each end and departure on one side, the terms' weighted products and a log weight.
+
+    The side is the pad's middle, the sign of turns from there, and the turn from which on ends are tried.
+    """
+    middle, sign, first_end = side
     mine = np.flatnonzero(sign * blocks.turns > 0)
     mine = mine[np.argsort(sign * blocks.turns[mine])]
     terms, turns = blocks.terms[mine], sign * blocks.turns[mine]
     along = np.abs(blocks.along[mine] - blocks.along[mine[:1]])
     # The arc may also end beyond all that is seen.
     grams, logs = [terms.T @ terms], [0.0]
-    for end in np.arange(_FIRST_END, turns.max(initial=0), _STEP):
+    for end in np.arange(first_end, turns.max(initial=0), _STEP):
         past = along - np.interp(end, turns, along)
         on_arc = terms[past <= 0]
         beyond = past[past > 0]
@@ -145,8 +157,8 @@ def _side(
     return np.array(grams), np.array(logs)
 
 
-def _average(grams: FloatArray, logs: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-    """Return the parameters' change and covariance, averaged by marginal likelihood."""
+def _average(grams: FloatArray, logs: FloatArray, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the parameters' change, averaged by marginal likelihood, and covariance within and between."""
     inverse = np.linalg.inv(grams[:, :5, :5])
     changes = -np.einsum("nij,nj->ni", inverse, grams[:, :5, 5])
     left = np.maximum(grams[:, 5, 5] + np.einsum("ni,ni->n", changes, grams[:, :5, 5]), 1e-12)
@@ -155,4 +167,5 @@ def _average(grams: FloatArray, logs: FloatArray, count: int) -> tuple[FloatArra
     change = weights @ changes
     within = np.einsum("n,nij->ij", weights * left / freedom, inverse)
     apart = changes - change
-    return change, student_widening(freedom) * within + np.einsum("n,ni,nj->ij", weights, apart, apart)
+    between = np.einsum("n,ni,nj->ij", weights, apart, apart)
+    return change, np.asarray(student_widening(freedom) * within), np.asarray(between)

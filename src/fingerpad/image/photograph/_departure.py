@@ -1,7 +1,7 @@
 """How far a finger's outline departs from an ellipse, and its semi-axes in view of that."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -9,8 +9,8 @@ from scipy.optimize import OptimizeResult, least_squares
 from scipy.special import expit
 
 from fingerpad._arrays import FloatArray
-from fingerpad.image.ellipse import PlaneEllipse, rotation
-from fingerpad.image.photograph.result import PhotographFit
+from fingerpad.image.ellipse import PlaneEllipse
+from fingerpad.image.photograph.outline_fit import block_starts
 
 # Standard deviation of fingers' exponents from 2, and of a quadrant's from the others'; exponents searched.
 _EXPONENT_STD, _QUADRANT_STD = 0.3, 0.15
@@ -22,8 +22,8 @@ _LOG_ODDS, _WIDENING, _MISSED, _FLOOR = math.log(3), 2.0, 0.1, 0.03
 # Relative standard deviation of half of a finger's width from the semi-axis across its pad.
 _WIDTH_STD = 0.04
 # An outline that a superellipse follows much worse than an ellipse its arc is neither: it has a fold or nail.
-# How far the ellipse may then be off as a whole, relatively.
-_TOO_ROUGH, _ROUGH_STD = 10.0, 0.08
+# How far the ellipse may then be off as a whole, relatively; and where too few points tell its shape.
+_TOO_ROUGH, ROUGH_STD = 10.0, 0.08
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
 _BLOCK, _MIN_BLOCKS = 8, 10
 # What a block can be off at least, px; from so many deviations on its distance counts but linearly; and the
@@ -43,12 +43,15 @@ class PadShape:
         Tilt of the finger's axis and its standard uncertainty, radians.
     half_width : float
         Half of the finger's width, px; NaN where this face does not show the pad's.
+    hidden : float
+        How much of it, px, the outline does not show.
     noise : float
         Standard deviation of the points on the ellipse's arc from it, px.
     """
 
     tilt: tuple[float, float]
     half_width: float = math.nan
+    hidden: float = 0.0
     noise: float = math.inf
 
 
@@ -62,12 +65,15 @@ class Departure:
         Centre, semi-axes and angle, averaged over the ellipse and the superellipse, px.
     covariance : ndarray, (2, 2)
         Of its semi-axes, px².
+    weight : float
+        Probability of the superellipse.
     exponent, exponent_std : float
         Mean exponent of the superellipse along the arc, and its standard uncertainty; 2 is an ellipse.
     """
 
     ellipse: PlaneEllipse
     covariance: FloatArray
+    weight: float
     exponent: float
     exponent_std: float
 
@@ -75,28 +81,6 @@ class Departure:
 def is_significant(exponent: float, std: float) -> bool:
     """Return whether an exponent departs from 2 by more than chance and the skin's roughness allow."""
     return abs(exponent - 2) > max(_SIGNIFICANT * std, _LEAST_DEPARTURE)
-
-
-def with_departure(found: PhotographFit, fitted: PlaneEllipse, departure: Departure | None) -> PhotographFit:
-    """Return a measured face with the ellipse averaged over both curves, without an exponent if that is None.
-
-    The ellipse fitted is the one that ``found`` has, in the frame in which the departure was found.
-    """
-    if departure is None:
-        return replace(found, exponent=math.nan, exponent_std=math.nan)
-    scale, better = found.scale.mm_per_px, departure.ellipse
-    frame = rotation(found.tilt) @ found.directions
-    row, column = found.centre + np.array([better.x - fitted.x, better.y - fitted.y]) @ frame
-    return replace(
-        found,
-        semi_axes=np.array([better.semi_x, better.semi_y]) * scale,
-        edge_covariance=departure.covariance * scale**2,
-        centre=(float(row), float(column)),
-        directions=rotation(better.angle).T @ frame,
-        tilt=better.angle,
-        exponent=departure.exponent,
-        exponent_std=departure.exponent_std,
-    )
 
 
 def departure_of(
@@ -131,7 +115,8 @@ def departure_of(
     weights = np.sqrt(np.minimum(counts / _BLOCK, 1))
     given = np.array([ellipse.semi_x, ellipse.semi_y])
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
-    width = math.log(shape.half_width / size)
+    width_std = math.hypot(_WIDTH_STD, shape.hidden / ellipse.semi_x)
+    width = (math.log(shape.half_width / size), width_std)
     curve = _Curve(blocks, weights, shape.tilt, width, _LEAST_PX / size)
     bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)
     for _ in range(2):
@@ -142,7 +127,7 @@ def departure_of(
     weight = float(expit(_LOG_ODDS + _log_evidence(bent) - _log_evidence(plain)))
     more, off = np.exp(bent.x[2:4]) * size, np.exp(plain.x[2:4]) * size - given
     if noise * size > _TOO_ROUGH * max(shape.noise, _LEAST_PX):
-        weight, off = 0.0, _ROUGH_STD * given
+        weight, off = 0.0, ROUGH_STD * given
     apart = more - given
     inverse = np.linalg.pinv(bent.jac.T @ bent.jac)
     bent_covariance = (
@@ -150,7 +135,7 @@ def departure_of(
         + _MISSED**2 * np.outer(apart, apart)
         + _FLOOR**2 * np.diag(more**2)
     )
-    plain_covariance = _with_width(given, covariance, shape.half_width) + np.outer(off, off)
+    plain_covariance = _with_width(given, covariance, shape.half_width, width_std) + np.outer(off, off)
     x, y, _, _, angle = map(float, weight * bent.x[:5] + (1 - weight) * start)
     semi_x, semi_y = map(float, weight * more + (1 - weight) * given)
     in_quadrants = np.bincount(curve.quadrants(bent.x), weights=counts, minlength=4)
@@ -162,24 +147,25 @@ def departure_of(
             + (1 - weight) * plain_covariance
             + weight * (1 - weight) * np.outer(apart, apart)
         ),
+        weight=weight,
         exponent=float(2 + shares @ bent.x[5:]),
         exponent_std=math.sqrt(shares @ inverse[5:, 5:] @ shares),
     )
 
 
-def _with_width(semi_axes: FloatArray, covariance: FloatArray, half_width: float) -> FloatArray:
+def _with_width(
+    semi_axes: FloatArray, covariance: FloatArray, half_width: float, relative_std: float
+) -> FloatArray:
     """Return an ellipse's covariance with what half of the finger's width contradicts beyond chance."""
     gap = 0.0 if math.isnan(half_width) else half_width - semi_axes[0]
-    excess = max(gap**2 - covariance[0, 0] - (_WIDTH_STD * semi_axes[0]) ** 2, 0.0)
+    excess = max(gap**2 - covariance[0, 0] - (relative_std * semi_axes[0]) ** 2, 0.0)
     along = covariance[:, 0] / covariance[0, 0]
     return np.asarray(covariance + excess * np.outer(along, along))
 
 
 def _blocks(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the means of points over equal lengths of outline, and the number of points in each."""
-    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    block = np.floor(np.append(0, np.cumsum(lengths)) / (_BLOCK * float(np.median(lengths))) + 1e-6)
-    starts = np.flatnonzero(np.append(True, np.diff(block) > 0))
+    starts = block_starts(points, _BLOCK)
     counts = np.diff(np.append(starts, len(points))).astype(np.float64)
     return np.asarray(np.add.reduceat(points, starts, axis=0) / counts[:, None]), counts
 
@@ -195,7 +181,7 @@ class _Curve:
         points: FloatArray,
         weights: FloatArray,
         tilt: tuple[float, float],
-        log_width: float,
+        log_width: tuple[float, float],
         noise: float,
     ) -> None:
         self._points, self._weights, self._tilt, self._noise = points, weights, tilt, noise
@@ -258,8 +244,8 @@ class _Curve:
         off = self._weights * self._distances(values) / (_FAR * self._noise)
         robust = _FAR * np.sign(off) * np.sqrt(2 * (np.sqrt(1 + off**2) - 1))
         known = [(values[..., 4:5] - self._tilt[0]) / self._tilt[1]]
-        if not math.isnan(self._log_width):
-            known += [(values[..., 2:3] - self._log_width) / _WIDTH_STD]
+        if not math.isnan(self._log_width[0]):
+            known += [(values[..., 2:3] - self._log_width[0]) / self._log_width[1]]
         if values.shape[-1] > 5:
             known += [values[..., 5:6] / _EXPONENT_STD, values[..., 6:] / _QUADRANT_STD]
         return np.concatenate([robust, *known], axis=-1)

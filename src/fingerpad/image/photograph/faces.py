@@ -56,6 +56,8 @@ class FaceSemiAxes(Displayed):
         Relative standard uncertainty of the picture's scale.
     scale : str or None
         Name of the scale: faces of one name share its error; without a name it is the picture's own.
+    flags : frozenset of str
+        Doubts, from `PHOTOGRAPH_FLAGS`.
 
     Raises
     ------
@@ -75,6 +77,7 @@ class FaceSemiAxes(Displayed):
     covariance: FloatArray
     relative_scale_std: float = 0.0
     scale: str | None = None
+    flags: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         if self.face not in tuple(FACE_AXES):

@@ -3,28 +3,21 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
-from fingerpad.exceptions import FitError, ImageError
+from fingerpad.exceptions import ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.photograph._arc import PAD_MIDDLE
-from fingerpad.image.photograph._departure import PadShape, departure_of, is_significant, with_departure
-from fingerpad.image.photograph.outline_fit import fit_outline_ellipse, turns_from
+from fingerpad.image.photograph._face import FaceArc, face_from_arc
 from fingerpad.image.photograph.result import PhotographFit, size_flags
-
-IntArray: TypeAlias = npt.NDArray[np.int64]
 
 # An ellipse within so much of the outline, as a share of its smaller semi-axis, passes for a good one to the
 # eye (as to the flag `poor_ellipse`), and a mark is placed to a pixel: at the centre and at each end.
 _BY_EYE, _MARK_PX = 0.01, 1.0
-# Least difference between a fitted ellipse's residuals and its points' errors that all points share, px.
-_SHARED_PX, _SHARED_REACH = 0.1, math.radians(25)
 # No picture reaches so far, px.
 _FARTHEST_PX = 1e6
 
@@ -91,7 +84,7 @@ def photograph_from_ellipse(
     return PhotographFit(
         face=face,
         semi_axes=semi_mm,
-        edge_covariance=2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2),
+        covariance_terms={"placement": 2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2)},
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
         directions=rotation(tilt).T @ face_axes(face, tip, side),
@@ -173,6 +166,10 @@ def with_marked_points(
 ) -> PhotographFit:
     """Fit the ellipse again with points added to the outline or erased from it.
 
+    The fit, its uncertainty and its flags are those that `measure_photograph` gives for the arc as it is
+    then; several changes one after another are the same as all at once. Where points are erased at an end of
+    the arc, the pad ends there.
+
     Parameters
     ----------
     found : PhotographFit
@@ -205,66 +202,35 @@ def with_marked_points(
     (True, 12)
     """
     marks = _check_points("added points", added)
-    kept = np.ones(len(found.points), dtype=bool)
+    arc: FaceArc = _placed_arc(found) if found._arc is None else found._arc
+    places = arc.in_picture(arc.points)
+    gone = np.zeros(len(places), dtype=bool)
     for path, radius in erased:
-        kept &= ~_points_under_stroke(found.points, path, radius)
-    if not len(marks) and kept.all():
+        gone |= _points_under_stroke(places, path, radius)
+    if not len(marks) and not (gone & (arc.pad | arc.searched)).any():
         return found
-    left_out = np.concatenate([found.outliers, found.points[~kept]])
-    points = np.concatenate([found.points[kept], marks])
-    axes = rotation(found.tilt) @ found.directions
-    centre = as_float_array(found.centre)
-    local = (points - centre) @ axes.T
-    start = np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.tilt])
-    order, places = _outline_order(local, start, found)
-    points, local = points[order], local[order]
-    # The tilt of the automatic fit comes from the sides of the finger: it is kept as prior.
-    fit = fit_outline_ellipse(
-        local, tilt=found.tilt, tilt_std=max(found.tilt_std, 1e-3), places=places, start=start
-    )
-    shared = fit.shared_error_covariance(_SHARED_PX, _SHARED_PX, _SHARED_REACH)
-    x, y, semi_x, semi_y, tilt = fit.ellipse
-    place = np.array([x, y]) @ axes + centre
-    middle = PAD_MIDDLE[found.face]
-    angles = middle + turns_from(middle, local, fit.ellipse)
-    covariance = (fit.covariance + shared)[2:4, 2:4]
-    shape = PadShape(tilt=(found.tilt, max(found.tilt_std, 1e-3)), noise=fit.residual_std)
-    departure = departure_of(local, fit.ellipse, covariance, shape)
-    result = replace(
-        found,
-        semi_axes=np.array([semi_x, semi_y]) * found.scale.mm_per_px,
-        edge_covariance=covariance * found.scale.mm_per_px**2,
-        centre=(float(place[0]), float(place[1])),
-        directions=rotation(tilt).T @ axes,
-        tilt=tilt,
-        tilt_std=math.sqrt(fit.covariance[4, 4]),
-        arc=(float(angles.min()), float(angles.max())),
-        points=points,
-        outliers=left_out,
-        residual_px_std=fit.residual_std,
-    )
-    relative = np.sqrt(np.diagonal(result.edge_covariance)) / result.semi_axes
-    if not float(relative.max()) < 0.4:
-        raise FitError(
-            f"the points left leave an axis unknown by {float(relative.max()):.0%}: "
-            "keep or add points along a longer arc"
-        )
-    flags = found.flags - size_flags(found.semi_axes) - {"not_an_ellipse"} | size_flags(result.semi_axes)
-    result = with_departure(result, fit.ellipse, departure)
-    if is_significant(result.exponent, result.exponent_std):
-        flags |= {"not_an_ellipse"}
-    return replace(result, flags=flags | {"fitted_manually"})
+    return replace(face_from_arc(arc.without(gone).with_marks(marks)), _picture=found.picture)
 
 
-def _outline_order(local: FloatArray, start: FloatArray, found: PhotographFit) -> tuple[IntArray, IntArray]:
-    """Return the points' order along the outline, and the place of each in steps of the outline."""
-    turns = turns_from(PAD_MIDDLE[found.face], local, start)
-    order = np.argsort(turns, kind="stable")
-    lengths = np.linalg.norm(np.diff(local[order], axis=0), axis=1)
-    step = float(np.median(lengths[lengths > 0])) if (lengths > 0).any() else 1.0
-    # Never twice in one place: each point is one.
-    places = np.concatenate([[0], np.cumsum(np.maximum(np.rint(lengths / step), 1))])
-    return order.astype(np.int64), places.astype(np.int64)
+def _placed_arc(found: PhotographFit) -> FaceArc:
+    """Return an arc without points yet, of an ellipse that was placed manually."""
+    nothing = np.zeros(0, dtype=bool)
+    return FaceArc(
+        face=found.face,
+        scale=found.scale,
+        frame=(rotation(found.tilt) @ found.directions, as_float_array(found.centre)),
+        tilt=(found.tilt, found.tilt_std),
+        points=np.empty((0, 2)),
+        step_ratio=np.empty(0),
+        pad=nothing,
+        searched=nothing,
+        used=nothing,
+        rejected=nothing,
+        marked=nothing,
+        erased=np.empty((0, 2)),
+        start=np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.tilt]),
+        ends_known=True,
+    )
 
 
 def _check_points(what: str, points: ArrayLike) -> FloatArray:

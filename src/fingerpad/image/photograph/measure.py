@@ -4,7 +4,6 @@ The finger is separated from the backdrop by colour, its outline located to a fr
 the pad selected, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,21 +12,10 @@ import numpy.typing as npt
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.geometry.faces import Direction, Face, face_axes, opposite, palmar_directions
-from fingerpad.image.ellipse import rotation
 from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, colour_levels
-from fingerpad.image.photograph._arc import (
-    PAD_MIDDLE,
-    PadArc,
-    add_departure,
-    add_shared_errors,
-    candidate_points,
-    fit_arc,
-    longest_arc,
-)
-from fingerpad.image.photograph._arc_averaging import average_over_ends
-from fingerpad.image.photograph._arc_extension import extend_arc
-from fingerpad.image.photograph._departure import is_significant, with_departure
+from fingerpad.image.photograph._arc import PAD_MIDDLE, candidate_points, fit_arc, longest_arc
 from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
+from fingerpad.image.photograph._face import FaceArc, face_from_arc
 from fingerpad.image.photograph._finger_axis import finger_tilt
 from fingerpad.image.photograph._input import (
     Window,
@@ -40,16 +28,10 @@ from fingerpad.image.photograph._input import (
     pad_sides,
     within,
 )
-from fingerpad.image.photograph._reach import with_reach
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
-from fingerpad.image.photograph.outline_fit import turns_from
-from fingerpad.image.photograph.result import PhotographFit, size_flags
+from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.scale import Scale
 
-_SHORT_ARC_DEG = 90.0
-_MAX_RELATIVE_STD = 0.4
-# Step across the edge over the noise beside it.
-_LOW_CONTRAST = 30.0
 _MIN_POINTS = 24
 _MAX_POINTS = 1000
 
@@ -130,12 +112,9 @@ def measure_photograph(
         try:
             if not marked:
                 check_not_cut(silhouette, pad_sides(face, tip, side), tip)
-            axes = face_axes(face, tip, side)
-            arc, place = _pad_arc(edges, face, axes, window, marks)
-            found = _result(arc, (axes, place), (edges, silhouette), face, scale)
-            order = candidate_points((edges.points - place) @ axes.T, face)
-            found = replace(found, outline=edges.points[order[edges.found[order]]])
-            tried.append(found if marked else with_reach(found, arc.tilt))
+            arc = _pad_arc(edges, (face, face_axes(face, tip, side)), scale, window, marks)
+            border = (*(np.array(light.shape[:2]) - 1.0).tolist(), 6.0 + 3 * silhouette.reduction)
+            tried.append(face_from_arc(replace(arc, border=border)))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:
@@ -166,90 +145,53 @@ def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Subpixel
 
 
 def _pad_arc(
-    edges: SubpixelOutline, face: Face, axes: FloatArray, window: Window | None, marks: FloatArray | None
-) -> tuple[PadArc, FloatArray]:
-    """Return the pad's arc in the face's frame, and the place of that frame's origin in the picture."""
-    place = edges.points.mean(axis=0)
+    edges: SubpixelOutline,
+    face_and_axes: tuple[Face, FloatArray],
+    scale: Scale,
+    window: Window | None,
+    marks: FloatArray | None,
+) -> FaceArc:
+    """Return the pad's arc: the longest that one ellipse fits, or as marked."""
+    (face, axes), place = face_and_axes, edges.points.mean(axis=0)
     local = (edges.points - place) @ axes.T
-    tilt = finger_tilt(local, face)
+    tilt, pad = finger_tilt(local, face), candidate_points(local, face)
     if marks is not None:
         order = between(edges, marks)
     elif window is not None:
         order = within(edges, window)
     else:
-        order = candidate_points(local, face)
-    found = order[edges.found[order]]
-    middle = PAD_MIDDLE[face]
-    if len(found) < _MIN_POINTS:
+        order = pad
+    if edges.found[order].sum() < _MIN_POINTS:
         raise FitError(
-            f"only {len(found)} points of the finger's outline lie on the {face} face's arc: "
+            f"only {edges.found[order].sum()} points of the finger's outline lie on the {face} face's arc: "
             "widen region_of_interest, or mark points on the pad"
         )
-    if marks is None and window is None:
-        arc = longest_arc(local, found, middle, tilt)
-        arc = average_over_ends(local, found, arc, middle=middle, tilt=tilt, spacing=edges.spacing)
+    # In order from opposite the arc's middle, so that the arc is one piece.
+    every = np.arange(len(local))
+    if edges.closed:
+        every = np.roll(every, len(every) // 2 - int(order[len(order) // 2]))
+    every = every[edges.found[every]]
+    points, searched = local[every], np.isin(every, order)
+    candidates, ends_known = np.flatnonzero(searched), marks is not None or window is not None
+    if ends_known:
+        arc = fit_arc(points, candidates, tilt)
     else:
-        arc = extend_arc(local, edges, fit_arc(local, found, tilt), tilt)
-    return add_departure(add_shared_errors(arc, edges), local, found, face, tilt), place
-
-
-def _result(
-    arc: PadArc,
-    frame: tuple[FloatArray, FloatArray],
-    seen: tuple[SubpixelOutline, Silhouette],
-    face: Face,
-    scale: Scale,
-) -> PhotographFit:
-    """Return what was fitted in the face's frame, as lengths and as places in the picture."""
-    fit, (axes, place), (edges, silhouette) = arc.fit, frame, seen
-    x, y, semi_x, semi_y, tilt = fit.ellipse
-    centre = np.array([x, y]) @ axes + place
-    middle = PAD_MIDDLE[face]
-    local = (edges.points[arc.used] - place) @ axes.T
-    angles = middle + turns_from(middle, local, fit.ellipse)
-    found = PhotographFit(
+        arc = longest_arc(points, candidates, PAD_MIDDLE[face], tilt)
+    numbers = np.arange(len(every))
+    return FaceArc(
         face=face,
-        semi_axes=np.array([semi_x, semi_y]) * scale.mm_per_px,
-        edge_covariance=fit.covariance[2:4, 2:4] * scale.mm_per_px**2,
         scale=scale,
-        centre=(float(centre[0]), float(centre[1])),
-        directions=rotation(tilt).T @ axes,
+        frame=(axes, place),
         tilt=tilt,
-        tilt_std=math.sqrt(fit.covariance[4, 4]),
-        arc=(float(angles.min()), float(angles.max())),
-        points=edges.points[arc.used],
-        outliers=edges.points[arc.rejected],
-        correlation_px=fit.correlation * edges.spacing,
-        residual_px_std=fit.residual_std,
-        blur_px=edges.blur,
-        flags=frozenset(),
+        points=points,
+        step_ratio=edges.step_ratio[every],
+        pad=np.isin(every, pad),
+        searched=searched,
+        used=np.isin(numbers, arc.used),
+        rejected=np.isin(numbers, arc.rejected),
+        marked=np.zeros(len(every), dtype=bool),
+        erased=np.empty((0, 2)),
+        start=np.array(arc.fit.ellipse),
+        ends_known=ends_known,
+        blur=edges.blur,
     )
-    relative = float((np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes).max())
-    if not relative < _MAX_RELATIVE_STD:
-        raise FitError(
-            f"the {face} face's arc of {found.arc_deg:.0f} degrees leaves an axis unknown by {relative:.0%}: "
-            "mark a longer arc, come nearer, or choose a backdrop of another colour than the skin"
-        )
-    found = with_departure(found, fit.ellipse, arc.departure)
-    contrast = float(np.quantile(edges.step_ratio[arc.used], 0.25))
-    return replace(found, flags=_flags(found, contrast, silhouette))
-
-
-def _flags(found: PhotographFit, contrast: float, silhouette: Silhouette) -> frozenset[str]:
-    """Return what makes a measurement doubtful."""
-    semi_px = float(found.semi_axes.min()) / found.scale.mm_per_px
-    relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
-    size = np.array(silhouette.mask.shape) * silhouette.reduction
-    margin = np.minimum(found.points, size - 1 - found.points).min()
-    holds = {
-        "short_arc": found.arc_deg < _SHORT_ARC_DEG,
-        "uncertain": float(relative.max()) > 0.02,
-        "many_outliers": found.outlier_fraction > 0.15,
-        "low_contrast": contrast < _LOW_CONTRAST,
-        "soft_edges": found.blur_px > 0.02 * semi_px,
-        "touches_border": float(margin) < 6 + 3 * silhouette.reduction,
-        "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
-        "not_an_ellipse": is_significant(found.exponent, found.exponent_std),
-        "tilted": abs(found.tilt) > math.radians(10),
-    }
-    return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)

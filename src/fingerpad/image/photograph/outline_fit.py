@@ -249,6 +249,29 @@ def turns_from(middle: float, points: FloatArray, values: Parameters | PlaneElli
     return (parametric_angles(points, values) - middle + math.pi) % (2 * math.pi) - math.pi
 
 
+def outline_places(points: FloatArray) -> tuple[npt.NDArray[np.int64], float]:
+    """Return the place of each point along its outline, in steps of it, and the length of a step.
+
+    Points that were left out are gaps, and no two points have one place.
+
+    Parameters
+    ----------
+    points : ndarray, (n, 2)
+        Points, evenly spaced but for gaps, in order.
+    """
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    step = float(np.median(lengths[lengths > 0])) if (lengths > 0).any() else 1.0
+    steps = np.maximum(np.rint(lengths / step), 1)
+    return np.concatenate([[0], np.cumsum(steps)]).astype(np.int64)[: len(points)], step
+
+
+def block_starts(points: FloatArray, size: int) -> npt.NDArray[np.intp]:
+    """Return the index of the first point of each block: equal lengths of an outline, of so many steps."""
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    block = np.floor(np.append(0, np.cumsum(lengths)) / (size * float(np.median(lengths))) + 1e-6)
+    return np.flatnonzero(np.append(True, np.diff(block) > 0))
+
+
 def _start(points: FloatArray, tilt: float) -> Parameters:
     turn = rotation(tilt)
     x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse

@@ -41,8 +41,10 @@ class PhotographFit(Displayed):
         The face that looked at the camera.
     semi_axes : ndarray, shape (2,)
         Semi-axes across and along, in the order of `FACE_AXES`, mm.
-    edge_covariance : ndarray, shape (2, 2)
-        Their covariance from the outline alone, mm².
+    covariance_terms : mapping from str to ndarray, shape (2, 2)
+        Terms of their covariance without the scale's, mm², by origin: ``noise`` of the points, unknown
+        ``ends`` of the arc, errors that points have ``shared``, a ``shape`` that is no ellipse, and
+        ``lengths`` of the outline that differ; or the ``placement`` of an ellipse by hand.
     scale : Scale
         The scale that was given.
     centre : (float, float)
@@ -78,7 +80,7 @@ class PhotographFit(Displayed):
 
     face: Face
     semi_axes: FloatArray
-    edge_covariance: FloatArray
+    covariance_terms: Mapping[str, FloatArray]
     scale: Scale
     centre: tuple[float, float]
     directions: FloatArray
@@ -95,6 +97,13 @@ class PhotographFit(Displayed):
     exponent_std: float = math.nan
     outline: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     _picture: npt.NDArray[Any] | None = None
+    # The arc that was fitted, for manual changes to it: a `FaceArc`.
+    _arc: Any = None
+
+    @property
+    def edge_covariance(self) -> FloatArray:
+        """Covariance of the semi-axes from the outline alone: the sum of its terms, mm²."""
+        return np.asarray(np.sum(list(self.covariance_terms.values()), axis=0), dtype=np.float64)
 
     @property
     def picture(self) -> npt.NDArray[Any] | None:
@@ -168,6 +177,7 @@ class PhotographFit(Displayed):
             semi_axes=self.semi_axes,
             covariance=self.edge_covariance,
             relative_scale_std=self.scale.relative_std,
+            flags=self.flags,
         )
 
     @property

@@ -1,0 +1,300 @@
+"""A face's ellipse from the arc of its outline, with every term of its uncertainty and the flags it earns.
+
+Automatic and manual arcs, of photographs and of outlines given as points, all come here: what is stated is a
+function of the arc and of what is known beside it, not of the way it was reached.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.exceptions import FitError
+from fingerpad.geometry.faces import Face
+from fingerpad.image.ellipse import rotation
+from fingerpad.image.photograph._arc import PAD_MIDDLE, initial_ellipse
+from fingerpad.image.photograph._arc_averaging import average_over_ends
+from fingerpad.image.photograph._arc_extension import extend_arc
+from fingerpad.image.photograph._departure import (
+    ROUGH_STD,
+    Departure,
+    PadShape,
+    departure_of,
+    is_significant,
+)
+from fingerpad.image.photograph._lengths import half_width, lengths_contradict, with_lengths
+from fingerpad.image.photograph.outline_fit import (
+    OutlineFit,
+    fit_outline_ellipse,
+    outline_places,
+    turns_from,
+)
+from fingerpad.image.photograph.result import PhotographFit, size_flags
+from fingerpad.image.scale import Scale
+
+# What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
+# along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
+_SHARED_PX = (0.03, 3.0)
+# An arc that is found automatically may extend a little beyond the pad.
+_SHARED_FOUND_PX = (0.045, 6.0)
+# Marks of one person share more.
+_SHARED_MARKED_PX = 0.1
+_SHARED_REACH = math.radians(25)
+# So far on either side of its middle the outline is pad, whether one ellipse fits it or not.
+_SURELY_PAD = math.radians(60)
+# So many points left out at an end of the arc say that the pad ends there.
+_END = 8
+
+_SHORT_ARC_DEG = 90.0
+_MAX_RELATIVE_STD = 0.4
+# Step across the edge over the noise beside it.
+_LOW_CONTRAST = 30.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FaceArc:
+    """The arc of a face's outline, in the outline, and what is known beside it.
+
+    Attributes
+    ----------
+    face : Face
+        The face that looked at the camera.
+    scale : Scale
+        The picture's scale.
+    frame : (ndarray, ndarray)
+        Steps (row, column) of the face's x and y, and the place of their origin in the picture, px.
+    tilt : (float, float)
+        Tilt of the finger's axis, known without the arc, and its standard uncertainty, radians.
+    points : ndarray, (n, 2)
+        Outline in the face's frame, px, in order; the arc is one piece of it.
+    step_ratio : ndarray, (n,)
+        Step across the edge over the noise beside it; NaN where no edge was looked for.
+    pad : ndarray of bool, (n,)
+        Which points can be pad.
+    searched : ndarray of bool, (n,)
+        Among which points the arc was found.
+    used, rejected : ndarray of bool, (n,)
+        The arc, and which of its points stand out.
+    marked : ndarray of bool, (n,)
+        Which points were added manually.
+    erased : ndarray, (m, 2)
+        Points of the arc left out manually, in the face's frame, px.
+    start : ndarray, (5,)
+        (x, y, semi_x, semi_y, tilt) of a rough ellipse, px.
+    ends_known : bool
+        Whether the arc's ends were given; the outline beyond then tells nothing of the pad's lengths.
+    blur : float
+        Standard deviation of the edges' blur, px; NaN without edges.
+    border : (float, float, float) or None
+        Last row and column of the picture, and how near to the frame an arc is cut by it, px.
+    """
+
+    face: Face
+    scale: Scale
+    frame: tuple[FloatArray, FloatArray]
+    tilt: tuple[float, float]
+    points: FloatArray
+    step_ratio: FloatArray
+    pad: BoolArray
+    searched: BoolArray
+    used: BoolArray
+    rejected: BoolArray
+    marked: BoolArray
+    erased: FloatArray
+    start: FloatArray
+    ends_known: bool
+    blur: float = math.nan
+    border: tuple[float, float, float] | None = None
+
+    @property
+    def outline(self) -> FloatArray:
+        """Points that were found, in order: those that can be pad, and the shaft that a palmar face shows."""
+        return self.points[~self.marked if self.face == "palmar" else self.pad_found]
+
+    @property
+    def pad_found(self) -> BoolArray:
+        """Which points can be pad, without those added manually."""
+        return self.pad & ~self.marked
+
+    def in_picture(self, points: FloatArray) -> FloatArray:
+        """Return points of the face's frame as (row, column), px."""
+        axes, place = self.frame
+        return np.asarray(points @ axes + place)
+
+    def without(self, gone: BoolArray) -> Self:
+        """Return the arc without some points of the outline.
+
+        Where the end of the arc goes, so does all beyond it: the pad ends there.
+        """
+        of_arc = self.used | self.rejected
+        left = self.used & ~gone
+        keep = ~gone
+        if left.any():
+            first, last = np.flatnonzero(left)[[0, -1]]
+            cut = gone & self.used
+            beyond = np.arange(len(gone))
+            if cut[:first].sum() >= _END:
+                keep &= beyond >= first
+            if cut[last:].sum() >= _END:
+                keep &= beyond <= last
+        kept = {name: getattr(self, name)[keep] for name in _EACH_POINT}
+        erased = np.concatenate([self.erased, self.points[~keep & of_arc]])
+        return replace(self, erased=erased, **kept)
+
+    def with_marks(self, marks: FloatArray) -> Self:
+        """Return the arc with points on the pad, (row, column), px, added manually."""
+        axes, place = self.frame
+        local = (marks - place) @ axes.T
+        middle = PAD_MIDDLE[self.face]
+        near = np.flatnonzero(self.pad | self.searched)
+        turns = turns_from(middle, self.points[near], self.start)
+        sign = -1.0 if len(turns) and turns[-1] < turns[0] else 1.0
+        reached = np.maximum.accumulate(sign * turns)
+        wanted = sign * turns_from(middle, local, self.start)
+        order = np.argsort(wanted, kind="stable")
+        after = np.append(near, near[-1] + 1 if len(near) else 0)
+        at = after[np.searchsorted(reached, wanted[order])]
+        added = {
+            "points": local[order],
+            "step_ratio": np.full(len(marks), np.nan),
+            "rejected": np.zeros(len(marks), bool),
+        }
+        more = {
+            name: np.insert(getattr(self, name), at, added.get(name, np.ones(len(marks), bool)), axis=0)
+            for name in _EACH_POINT
+        }
+        return replace(self, **more)
+
+
+_EACH_POINT = ("points", "step_ratio", "pad", "searched", "used", "rejected", "marked")
+
+
+def face_from_arc(arc: FaceArc) -> PhotographFit:
+    """Return a face's semi-axes from an arc of its outline, with the terms of their covariance, and flags.
+
+    Raises
+    ------
+    FitError
+        If the arc does not determine an ellipse.
+    """
+    fit, terms = _fitted(arc)
+    covariance = np.sum(list(terms.values()), axis=0)
+    known = float((np.sqrt(np.diagonal(covariance)[2:4]) / fit.ellipse[2:4]).max())
+    axes, place = arc.frame
+    middle, scale = PAD_MIDDLE[arc.face], arc.scale.mm_per_px
+    local = arc.points[arc.used]
+    angles = middle + turns_from(middle, local, fit.ellipse)
+    if not known < _MAX_RELATIVE_STD:
+        raise FitError(
+            f"the {arc.face} face's arc of {math.degrees(np.ptp(angles)):.0f} degrees leaves an axis unknown "
+            f"by {known:.0%}: mark a longer arc, come nearer, or choose a backdrop of another colour than "
+            "the skin"
+        )
+    departure = _departure(arc, fit, covariance[2:4, 2:4])
+    ellipse = fit.ellipse if departure is None else departure.ellipse
+    semi_px = np.array([ellipse.semi_x, ellipse.semi_y])
+    share = 1.0 if departure is None else 1 - departure.weight
+    parts = {name: share * term[2:4, 2:4] * scale**2 for name, term in terms.items()}
+    if departure is None:
+        parts["shape"] = np.diag((ROUGH_STD * semi_px * scale) ** 2)
+    else:
+        parts["shape"] = departure.covariance * scale**2 - np.sum(list(parts.values()), axis=0)
+    centre = np.array([ellipse.x, ellipse.y]) @ axes + place
+    found = PhotographFit(
+        face=arc.face,
+        semi_axes=semi_px * scale,
+        covariance_terms=parts,
+        scale=arc.scale,
+        centre=(float(centre[0]), float(centre[1])),
+        directions=rotation(ellipse.angle).T @ axes,
+        tilt=ellipse.angle,
+        tilt_std=math.sqrt(covariance[4, 4]),
+        arc=(float(angles.min()), float(angles.max())),
+        points=arc.in_picture(local),
+        outliers=arc.in_picture(np.concatenate([arc.points[arc.rejected], arc.erased])),
+        correlation_px=fit.correlation * outline_places(arc.points)[1],
+        residual_px_std=fit.residual_std,
+        blur_px=arc.blur,
+        flags=frozenset(),
+        exponent=math.nan if departure is None else departure.exponent,
+        exponent_std=math.nan if departure is None else departure.exponent_std,
+        outline=arc.in_picture(arc.points[arc.pad_found]),
+        _arc=arc,
+    )
+    if not arc.ends_known:
+        found = with_lengths(found, arc.in_picture(arc.outline), arc.tilt, ellipse=share)
+    return replace(found, flags=_flags(found, arc))
+
+
+def _fitted(arc: FaceArc) -> tuple[OutlineFit, dict[str, FloatArray]]:
+    """Return the arc's ellipse, and the terms of the covariance of its parameters."""
+    used = np.flatnonzero(arc.used)
+    places, _ = outline_places(arc.points)
+    fit = fit_outline_ellipse(
+        arc.points[used], tilt=arc.tilt[0], tilt_std=arc.tilt[1], places=places[used], start=arc.start
+    )
+    ends = np.zeros((5, 5))
+    least, by_noise = _SHARED_PX if arc.ends_known else _SHARED_FOUND_PX
+    if arc.ends_known:
+        fit = extend_arc(arc.points, used, fit, arc.tilt)
+    else:
+        middle = PAD_MIDDLE[arc.face]
+        marks = turns_from(middle, arc.points[arc.marked], fit.ellipse)
+        certain = (float((-marks).max(initial=0)), float(marks.max(initial=0)))
+        every = arc.points[arc.searched & ~arc.rejected]
+        fit, ends = average_over_ends(every, fit, middle=middle, tilt=arc.tilt, certain=certain)
+    ratios = arc.step_ratio[used]
+    ratios = ratios[np.isfinite(ratios)]
+    shared = least + by_noise / float(np.median(ratios)) if len(ratios) else least
+    if arc.marked.any():
+        shared = max(shared, _SHARED_MARKED_PX)
+    return fit, {
+        "noise": fit.covariance,
+        "ends": ends,
+        "shared": fit.shared_error_covariance(shared, shared, _SHARED_REACH),
+    }
+
+
+def _departure(arc: FaceArc, fit: OutlineFit, covariance: FloatArray) -> Departure | None:
+    """Compare the ellipse with a superellipse along its arc, and along the pad's middle where it is not."""
+    guess = initial_ellipse(arc.points, arc.face)
+    core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < _SURELY_PAD
+    shape = PadShape(tilt=arc.tilt, noise=fit.residual_std)
+    # A side face shows the nail's side too, whose distance is no semi-axis.
+    if arc.face in ("palmar", "distal") and len(arc.outline):
+        upright = rotation(arc.tilt[0])
+        outline, pad = (
+            (part - fit.ellipse[:2]) @ upright for part in (arc.outline, arc.points[arc.pad_found])
+        )
+        width = half_width(outline, pad, *fit.ellipse[2:4], arc.face)
+        shape = replace(shape, half_width=width.value, hidden=width.hidden)
+    return departure_of(arc.points[arc.searched & (arc.used | core)], fit.ellipse, covariance, shape)
+
+
+def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
+    """Return what makes a measurement doubtful."""
+    semi_px = float(found.semi_axes.min()) / found.scale.mm_per_px
+    relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
+    ratios = arc.step_ratio[arc.used]
+    ratios = ratios[np.isfinite(ratios)]
+    rejected = arc.rejected.sum() / (arc.rejected | arc.used).sum()
+    holds = {
+        "short_arc": found.arc_deg < _SHORT_ARC_DEG,
+        "uncertain": float(relative.max()) > 0.02,
+        "many_outliers": float(rejected) > 0.15,
+        "low_contrast": len(ratios) > 0 and float(np.quantile(ratios, 0.25)) < _LOW_CONTRAST,
+        "soft_edges": found.blur_px > 0.02 * semi_px,
+        "touches_border": arc.border is not None and _margin(found, arc.border) < arc.border[2],
+        "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
+        "not_an_ellipse": is_significant(found.exponent, found.exponent_std) or lengths_contradict(found),
+        "tilted": abs(found.tilt) > math.radians(10),
+        "fitted_manually": bool(arc.marked.any()) or len(arc.erased) > 0,
+    }
+    return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)
+
+
+def _margin(found: PhotographFit, border: tuple[float, float, float]) -> float:
+    """Return how far the arc stays from the frame, px."""
+    return float(np.minimum(found.points, np.array(border[:2]) - found.points).min())
