@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 from playwright.sync_api import Page, expect
-from tests.end_to_end.page.browser import Tab, box, middle, numbers
+from tests.end_to_end.page.browser import Tab, box, drag, middle, numbers
 
 SEQUENCE = "contacts/sequence:synthetic_press_30deg"
 
@@ -189,6 +189,17 @@ def require_nothing_to_judge(page: Page) -> None:
     for key in ("Enter", "x", "u", "r", "n", "k"):
         page.keyboard.press(key)
     expect(page.locator(".message.error")).to_have_count(0)
+
+
+def test_a_correction_that_leaves_a_contact_out_says_so(tab: Tab) -> None:
+    page = tab.open("contacts/images/synthetic_30deg_2N")
+    numbers(page)
+    said = page.locator("#messages")
+    width = box(page.locator(".stage .picture"))["width"]
+    drag(page, page.get_by_role("button", name="Centre of the ellipse"), 0.3 * width, 0)
+    expect(said).to_contain_text("Left out of the pooled radius: ")
+    page.keyboard.press("u")
+    expect(page.locator(".pooling-note")).to_contain_text("Counts in the pooled radius")
 
 
 def test_a_scale_can_be_saved_on_a_low_screen(example_tab: Tab) -> None:

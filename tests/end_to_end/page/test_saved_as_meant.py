@@ -2,7 +2,9 @@
 
 import json
 import re
+import shutil
 import tomllib
+from pathlib import Path
 
 import pytest
 from PIL import Image
@@ -106,12 +108,20 @@ def test_the_page_stays_where_saving_failed_and_goes_on_once_the_server_is_back(
         page.wait_for_timeout(300)
         expect(page).to_have_url(re.compile(PRINT))
         assert not corrections(demo)
+        page.keyboard.press("ArrowRight")
+        result = page.locator("[data-part=numbers]")
+        expect(result).to_contain_text("fingerpad does not respond")
+        expect(result).not_to_contain_text("reject the image")
+        page.keyboard.press("Enter")
+        expect(page.locator("#messages")).not_to_contain_text("No contact was found")
+        page.keyboard.press("ArrowLeft")
         port = int(server.host.rpartition(":")[2])
         with launched(demo, port) as (again, _):
             expect(banner).to_contain_text("fingerpad was started again: open the address")
             other = page.context.new_page()
             other.goto(again.address)
             expect(banner).to_be_hidden()
+            numbers(page)
             page.keyboard.press("Enter")
             page.wait_for_url(re.compile("synthetic_30deg_4N"))
             assert corrections(demo)[-1]["change"]["accepted"] is True
@@ -170,6 +180,9 @@ def test_a_file_name_may_hold_signs_of_addresses(browser, written_example, tmp_p
 
 
 def test_an_address_opens_its_study(browser, demo) -> None:
+    last = Path(shutil.copytree(demo, demo.with_name("last")))
+    text = (last / "study.toml").read_text()
+    (last / "study.toml").write_text(re.sub("(?m)^title = .*", "title = 'Opened last'", text))
     with served(demo.parent) as server:  # without a study, as fingerpad app is started by default
         tab = Tab(browser, server)
         page = tab.open()
@@ -177,8 +190,13 @@ def test_an_address_opens_its_study(browser, demo) -> None:
         tab.go("contacts")
         numbers(page)
         other = page.context.new_page()
+        other.goto(server.host)
+        other.get_by_role("button", name="Other studies").click()
+        other.get_by_role("button", name="Opened last").click()
+        expect(other.locator("#sidebar")).to_contain_text("Opened last")
         other.goto(page.url)
         numbers(other)
+        expect(other.locator("#sidebar")).to_contain_text("Left index finger pad")
         assert other.url == page.url
         page.get_by_role("button", name="Other studies").click()
         page.get_by_role("heading", name="Open study").wait_for()

@@ -186,6 +186,7 @@ export class ContactInspector extends Inspector {
         h("h3", "Result"),
         h("p.note.bad", { role: "alert" }, problem),
         !this.view.lacking?.length &&
+          !this.view.unreached &&
           h(
             "p.soft",
             "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",

@@ -5,7 +5,7 @@ import { withoutDefaults } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
 import { plain } from "../core/quantity.js";
-import { workspace } from "../core/workspace.js";
+import { describeCode, workspace } from "../core/workspace.js";
 import { figureButton } from "../parts/figure_settings.js";
 import { choose, empty } from "../parts/forms.js";
 import { icon } from "../parts/icons.js";
@@ -55,6 +55,8 @@ class Contacts extends Review {
   /** @type {Answers["ContactLevels"] | null} */
   levels = null;
   levelsKey = "";
+  /** @type {ContactMeasurement | null} the last result that no hand was moving */
+  lastShown = null;
 
   /** @type {Answers["SecondOperator"] | null} */
   agreement = null;
@@ -379,6 +381,7 @@ class Contacts extends Review {
    * @param {{ live?: boolean }} [options]
    */
   show(answer, { live = false } = {}) {
+    if (!live) this.#say(answer);
     this.measured = answer;
     this.stage.setScale(answer.mm_per_px);
     this.overlay.region(answer.outline_px);
@@ -391,6 +394,15 @@ class Contacts extends Review {
       this.area?.dry();
     }
     this.inspector.show(answer);
+  }
+
+  /** Say that a correction leaves the contact out: the reason may stand below what is in view. */
+  #say(answer) {
+    const { item, pooling } = answer;
+    const left = this.lastShown?.item === item && this.lastShown.pooling?.pooled && !pooling?.pooled;
+    this.lastShown = answer;
+    if (left && !this.blind && pooling?.excluding_flags.length)
+      toast(`Left out of the pooled radius: ${pooling.excluding_flags.map(describeCode).join("; ")}.`);
   }
 
   draw(change) {

@@ -234,7 +234,8 @@ function differences(faces) {
       .filter((axis) => Number.isFinite(face[axis]))
       .map((axis) => [`${face.face}: ${NAMES[axis].toLowerCase()}`, face[axis]]),
   );
-  const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 1e-9);
+  // Small deviations look small.
+  const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 0.05);
   return h(
     "div.differences",
     rows.map(([label, value]) => {

@@ -54,6 +54,8 @@ export class Review {
   lacking;
   tool = "ellipse";
   measured = null;
+  /** @type {Error | null} why the image could not be asked for: the server is gone, or was started again */
+  unreached = null;
   #turn = 0;
 
   // Methods that subclasses override.
@@ -159,6 +161,7 @@ export class Review {
     if (document.activeElement?.closest(".handle")) this.stage.root.focus({ preventScroll: true });
     this.at = index;
     this.held = false;
+    this.unreached = null;
     const { item } = this.entry;
     this.strip.choose(index);
     history.replaceState(null, "", this.address(item));
@@ -242,6 +245,7 @@ export class Review {
 
   #failed(error) {
     this.measured = null;
+    this.unreached = [0, 403].includes(error.status) ? error : null;
     this.editor.hide();
     this.clearOverlay();
     this.stage.setScale(null);
@@ -252,6 +256,12 @@ export class Review {
   /** Show what the item lacks, and measure it again once that has changed. */
   refreshMissing() {
     if (!this.entry) return;
+    if (this.unreached) {
+      const { at } = this;
+      this.at = -1;
+      this.choose(at);
+      return;
+    }
     const before = JSON.stringify(this.lacking);
     this.lacking = this.missing();
     if (JSON.stringify(this.lacking) === before) return;
@@ -385,7 +395,7 @@ export class Review {
 
   async accept() {
     if (!this.entry) return;
-    if (!this.measured) toast(this.nothingToAccept, { kind: "error" });
+    if (!this.measured) toast(this.unreached?.message ?? this.nothingToAccept, { kind: "error" });
     else if (this.corrections.change.accepted || (await this.#judge({ accepted: true, rejected: null })))
       this.#next();
   }
