@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from benchmarks.finger_shapes import SHAPES, tip_outline
 
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image import read_outline, semi_axes_from_outlines
+from fingerpad.image import face_from_outline, read_outline, semi_axes_from_outlines
 from fingerpad.simulate import outline_points
 
 PALMAR, DISTAL, RADIAL_ULNAR = 7.9, 13.8, 11.8
@@ -39,13 +40,49 @@ def test_two_faces_suffice(side):
 
 
 def test_scatter_and_consistency():
-    found = [semi_axes_from_outlines(faces(seed)) for seed in range(100)]
+    found = [semi_axes_from_outlines(faces(seed)) for seed in range(20)]
     values = np.array([[one.palmar, one.distal, one.radial_ulnar] for one in found])
-    np.testing.assert_allclose(values.mean(axis=0), [PALMAR, DISTAL, RADIAL_ULNAR], atol=0.02)
+    np.testing.assert_allclose(values.mean(axis=0), [PALMAR, DISTAL, RADIAL_ULNAR], atol=0.04)
+    # More is stated than ellipses scatter by: nothing says that an outline is one.
     stated = np.sqrt(np.mean([one.stds**2 for one in found], axis=0))
-    np.testing.assert_allclose(values.std(axis=0, ddof=1), stated, rtol=0.3)
-    assert np.mean([one.chi_square for one in found]) == pytest.approx(3, abs=0.8)
-    assert 0.35 < np.mean([one.p_value for one in found]) < 0.65
+    assert (values.std(axis=0, ddof=1) < 1.3 * stated).all()
+    assert (stated / [PALMAR, DISTAL, RADIAL_ULNAR] < 0.02).all()
+    assert all(one.p_value > 0.01 for one in found)
+
+
+def clicked(shape, seed, count=60, noise_mm=0.07):
+    """Return points clicked along a drawn tip, in any order of the arc, and its true semi-axes."""
+    rng = np.random.default_rng([seed, 31])
+    across, along = rng.uniform(8, 12), rng.uniform(10, 15)
+    tip = tip_outline(shape, across, along)
+    lengths = np.append(0, np.cumsum(np.linalg.norm(np.diff(tip, axis=0), axis=1)))
+    at = np.linspace(0, lengths[-1], count)
+    points = np.stack([np.interp(at, lengths, tip[:, k]) for k in (0, 1)], axis=-1)
+    return points[:: rng.choice([-1, 1])] + rng.normal(0, noise_mm, points.shape), np.array([across, along])
+
+
+@pytest.mark.parametrize("name", ["ellipse", "pointed", "blunt", "one side fuller", "ogive"])
+def test_no_outline_is_wrong_without_a_flag(name):
+    for seed in range(4):
+        points, truth = clicked(SHAPES[name], seed)
+        seen = face_from_outline("palmar", points)
+        off = np.abs(seen.semi_axes - truth) / np.sqrt(np.diagonal(seen.covariance))
+        assert (off < 2).all() or seen.flags
+        assert (off < 3).all()
+        assert (np.sqrt(np.diagonal(seen.covariance)) < 0.25 * truth).all()
+
+
+def test_the_order_of_points_does_not_matter():
+    points, _ = clicked(SHAPES["pointed"], 9)
+    mixed = face_from_outline("palmar", np.random.default_rng(1).permutation(points))
+    np.testing.assert_allclose(mixed.semi_axes, face_from_outline("palmar", points).semi_axes, rtol=1e-6)
+
+
+def test_few_points_do_not_tell_the_shape():
+    points, _ = clicked(SHAPES["pointed"], 3, count=12)
+    seen = face_from_outline("palmar", points)
+    assert "few_points" in seen.flags
+    assert (np.sqrt(np.diagonal(seen.covariance)) > 0.08 * seen.semi_axes).all()
 
 
 def test_disagreeing_faces():

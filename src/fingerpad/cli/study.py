@@ -159,7 +159,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     from fingerpad.image import FLAG_WORDS
     from fingerpad.report.text import (
         doubtful_frames,
-        face_differences,
+        finger_doubts,
         fingers_without_results,
         implausible_values,
         in_words,
@@ -191,11 +191,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"than {FAILS_ABOVE:.0%}; the report says in which check"
         )
     for finger in result.fingers.values():
-        if finger.outlines is not None and finger.outlines.disagree:
-            typer.echo(
-                f"doubtful: {finger.name}: its faces disagree (p = {finger.outlines.p_value:.2g}): "
-                f"{face_differences(finger.outlines)}"
-            )
+        for words in finger_doubts(finger):
+            typer.echo(f"doubtful: {finger.name}: {words}")
     for row in result.rows.at(~result.rows.known("frame")):
         if row["flags"]:
             typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")

@@ -42,6 +42,7 @@ from fingerpad.report.text import (
     implausible_values,
     in_words,
     note_counts,
+    outline_doubts,
     percent,
     phase_words,
     pooling_words,
@@ -108,6 +109,7 @@ def write_page(
         # Read as the page is written: all together they would take more memory than all rows.
         "drawing": _drawing,
         "picture": lambda overlay: _picture(overlays / overlay),
+        "outline_doubts": outline_doubts,
         "photograph_flags": lambda codes: in_words(codes, {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}),
     }
     environment.filters |= filters

@@ -8,9 +8,10 @@ from typing import Any, Final
 import numpy as np
 
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.image import FLAG_WORDS, OutlineSemiAxes
+from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS, OutlineSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.error_text import counted
+from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.exclusions import WAY_OUT
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.rows import IMPLAUSIBLE, RANGE_NOTES
@@ -206,6 +207,25 @@ def face_differences(outlines: OutlineSemiAxes) -> str:
         f"{one.face} face: " + ", ".join(f"{_AXIS_WORDS[axis]} {percent(off)}" for axis, off in found.items())
         for one, found in zip(outlines.faces, outlines.disagreements, strict=True)
     )
+
+
+def outline_doubts(finger: FingerResult) -> list[str]:
+    """Return what makes the outlines of a finger that were given as points doubtful, one text for each."""
+    shown = {one.manifest.face for one in finger.photographs}
+    return [
+        f"{one.face} face: {', '.join(PHOTOGRAPH_FLAGS[flag] for flag in sorted(one.flags))}"
+        for one in (finger.outlines.faces if finger.outlines else ())
+        if one.flags and one.face not in shown
+    ]
+
+
+def finger_doubts(finger: FingerResult) -> list[str]:
+    """Return what makes the semi-axes of a finger doubtful, one text for each doubt."""
+    outlines = finger.outlines
+    if outlines is None:
+        return []
+    disagree = f"its faces disagree (p = {outlines.p_value:.2g}): {face_differences(outlines)}"
+    return [disagree] * outlines.disagree + [f"outline of the {words}" for words in outline_doubts(finger)]
 
 
 def percent(share: float) -> str:

@@ -47,12 +47,15 @@ class PadShape:
         How much of it, px, the outline does not show.
     noise : float
         Standard deviation of the points on the ellipse's arc from it, px.
+    alike : int
+        So many neighbouring points share an error.
     """
 
     tilt: tuple[float, float]
     half_width: float = math.nan
     hidden: float = 0.0
     noise: float = math.inf
+    alike: int = _BLOCK
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,10 +112,10 @@ def departure_of(
         None where the points are too few to tell.
     """
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
-    blocks, counts = _blocks(points / size)
-    if counts.sum() < _MIN_BLOCKS * _BLOCK:
+    blocks, counts = _blocks(points / size, shape.alike)
+    if counts.sum() < _MIN_BLOCKS * shape.alike:
         return None
-    weights = np.sqrt(np.minimum(counts / _BLOCK, 1))
+    weights = np.sqrt(np.minimum(counts / shape.alike, 1))
     given = np.array([ellipse.semi_x, ellipse.semi_y])
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
     width_std = math.hypot(_WIDTH_STD, shape.hidden / ellipse.semi_x)
@@ -163,9 +166,9 @@ def _with_width(
     return np.asarray(covariance + excess * np.outer(along, along))
 
 
-def _blocks(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _blocks(points: FloatArray, alike: int) -> tuple[FloatArray, FloatArray]:
     """Return the means of points over equal lengths of outline, and the number of points in each."""
-    starts = block_starts(points, _BLOCK)
+    starts = np.arange(len(points)) if alike == 1 else block_starts(points, alike)
     counts = np.diff(np.append(starts, len(points))).astype(np.float64)
     return np.asarray(np.add.reduceat(points, starts, axis=0) / counts[:, None]), counts
 

@@ -83,6 +83,8 @@ class FaceArc:
         Points of the arc left out manually, in the face's frame, px.
     start : ndarray, (5,)
         (x, y, semi_x, semi_y, tilt) of a rough ellipse, px.
+    alike : int
+        So many neighbouring points share an error.
     ends_known : bool
         Whether the arc's ends were given; the outline beyond then tells nothing of the pad's lengths.
     blur : float
@@ -105,6 +107,7 @@ class FaceArc:
     erased: FloatArray
     start: FloatArray
     ends_known: bool
+    alike: int = 8
     blur: float = math.nan
     border: tuple[float, float, float] | None = None
 
@@ -261,7 +264,7 @@ def _departure(arc: FaceArc, fit: OutlineFit, covariance: FloatArray) -> Departu
     """Compare the ellipse with a superellipse along its arc, and along the pad's middle where it is not."""
     guess = initial_ellipse(arc.points, arc.face)
     core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < _SURELY_PAD
-    shape = PadShape(tilt=arc.tilt, noise=fit.residual_std)
+    shape = PadShape(tilt=arc.tilt, noise=fit.residual_std, alike=arc.alike)
     # A side face shows the nail's side too, whose distance is no semi-axis.
     if arc.face in ("palmar", "distal") and len(arc.outline):
         upright = rotation(arc.tilt[0])

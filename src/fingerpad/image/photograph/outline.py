@@ -1,17 +1,34 @@
 """Semi-axes of the finger pad from outlines of its faces, and reading outlines and marks from files."""
 
+import math
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._columns import columns_named_by, read_columns
 from fingerpad.exceptions import FitError, ImageError, LoadingError
 from fingerpad.geometry.faces import Face
+from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
+from fingerpad.image.photograph._arc import PAD_MIDDLE
+from fingerpad.image.photograph._departure import ROUGH_STD
+from fingerpad.image.photograph._face import FaceArc, face_from_arc
 from fingerpad.image.photograph.faces import FaceSemiAxes, OutlineSemiAxes, combine_faces
+from fingerpad.image.photograph.outline_fit import turns_from
+from fingerpad.image.photograph.result import size_flags
+from fingerpad.image.scale import Scale
+
+# From so many points on an outline shows whether it is an ellipse.
+_MIN_POINTS = 16
+# Points of an outline digitised by hand err each on its own; of one traced closely neighbours share errors.
+_INDEPENDENT_POINTS, _MOST_ALIKE = 60, 8
+# An outline laid along its axes by eye.
+_UPRIGHT_STD = math.radians(2.0)
+# Shared errors of photographs are in pixels: those of an outline are taken as of a photograph so fine.
+_UNIT = Scale(0.05)
 
 
 def semi_axes_from_outlines(
@@ -19,8 +36,8 @@ def semi_axes_from_outlines(
 ) -> OutlineSemiAxes:
     """Combine the outlines of two or more faces into the three semi-axes.
 
-    Each outline is fitted with an ellipse along its own x and y, of free centre; the semi-axes are then
-    combined as `combine_faces` does.
+    Each outline is measured as `face_from_outline` does; the semi-axes are then combined as `combine_faces`
+    does.
 
     Parameters
     ----------
@@ -62,6 +79,11 @@ def semi_axes_from_outlines(
 def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float = 0.0) -> FaceSemiAxes:
     """Fit the two semi-axes that the outline of one face shows.
 
+    All points are taken for pad. As in a photograph, a superellipse is compared with the ellipse, and what
+    their semi-axes differ by stands in the covariance. The points' own scatter gives their errors, those that
+    neighbours share included; the axes are taken to lie along x and y within 2 degrees. Fewer than 16 points
+    do not tell whether the outline is an ellipse: 8 percent are added to each semi-axis.
+
     Parameters
     ----------
     face : {"palmar", "distal", "radial", "ulnar"}
@@ -74,12 +96,13 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
     Returns
     -------
     FaceSemiAxes
-        Across and along, mm, with their covariance.
+        Across and along, mm, with their covariance, and flags from `PHOTOGRAPH_FLAGS`.
 
     Raises
     ------
     FitError
-        If the outline gives no ellipse, or fits one without a residual to estimate its uncertainty.
+        If the outline gives no ellipse, leaves an axis unknown by 40 percent, or fits one without a residual
+        to estimate its uncertainty.
 
     Examples
     --------
@@ -94,11 +117,45 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
         raise FitError(f"outline of the {face} face: {error}") from error
     if not np.isfinite(fit.covariance).all():
         raise FitError(f"outline of the {face} face: four points leave no residual: mark five points or more")
+    semi_axes = np.array([fit.ellipse.semi_x, fit.ellipse.semi_y])
+    covariance = fit.covariance[2:4, 2:4] + np.diag((ROUGH_STD * semi_axes) ** 2)
+    flags = size_flags(semi_axes) | {"few_points"}
+    if len(as_float_array(points)) >= _MIN_POINTS:
+        try:
+            found = face_from_arc(_arc(face, as_float_array(points), fit.ellipse))
+        except FitError as error:
+            raise FitError(f"outline of the {face} face: {error}") from error
+        semi_axes, covariance, flags = found.semi_axes, found.edge_covariance, found.flags
     return FaceSemiAxes(
         face=face,
-        semi_axes=np.array([fit.ellipse.semi_x, fit.ellipse.semi_y]),
-        covariance=fit.covariance[2:4, 2:4],
+        semi_axes=semi_axes,
+        covariance=covariance,
         relative_scale_std=relative_scale_std,
+        flags=flags,
+    )
+
+
+def _arc(face: Face, points: FloatArray, ellipse: PlaneEllipse) -> FaceArc:
+    """Return the arc that is all of an outline, whose points, mm, may come in any order."""
+    order = np.argsort(turns_from(PAD_MIDDLE[face], points, ellipse), kind="stable")
+    every = np.ones(len(points), dtype=bool)
+    start = np.array(ellipse) / [*(4 * [_UNIT.mm_per_px]), 1.0]
+    return FaceArc(
+        face=face,
+        scale=_UNIT,
+        frame=(np.eye(2), np.zeros(2)),
+        tilt=(0.0, _UPRIGHT_STD),
+        points=points[order] / _UNIT.mm_per_px,
+        step_ratio=np.full(len(points), math.nan),
+        pad=every,
+        searched=every,
+        used=every,
+        rejected=~every,
+        marked=~every,
+        erased=np.empty((0, 2)),
+        start=start,
+        ends_known=True,
+        alike=min(max(len(points) // _INDEPENDENT_POINTS, 1), _MOST_ALIKE),
     )
 
 

@@ -22,6 +22,7 @@ PHOTOGRAPH_FLAGS: Mapping[str, str] = {
     "many_outliers": "more than 15 percent of the arc's points were left out",
     "low_contrast": "the finger has little contrast with the backdrop",
     "soft_edges": "the edge is blurred over more than 1 percent of the smaller semi-axis",
+    "few_points": "too few points to tell whether the outline is an ellipse: each semi-axis by 8 percent",
     "touches_border": "the arc ends where the frame cuts the finger",
     "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
     "not_an_ellipse": "the outline is more pointed or blunter than an ellipse",

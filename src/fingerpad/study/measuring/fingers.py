@@ -13,6 +13,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
+    PHOTOGRAPH_FLAGS,
     FaceSemiAxes,
     OutlineSemiAxes,
     PhotographFit,
@@ -353,6 +354,7 @@ def _face(
         covariance=np.array(record["covariance"]),
         relative_scale_std=record["relative_scale_std"],
         scale=scale.name,
+        flags=frozenset(record["flags"]).intersection(PHOTOGRAPH_FLAGS),
     )
     return axes, PhotographResult(
         manifest=photograph,

@@ -190,6 +190,7 @@ def _faces(outlines: OutlineSemiAxes) -> list[dict[str, Any]]:
             "face": one.face,
             **{f"{axis}_mm": float(length) for axis, length in zip(off, one.semi_axes, strict=True)},
             **{f"{axis}_relative_difference": value for axis, value in off.items()},
+            "flags": sorted(one.flags),
         }
         for one, off in zip(outlines.faces, outlines.disagreements, strict=True)
     ]

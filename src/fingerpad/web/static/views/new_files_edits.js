@@ -61,10 +61,9 @@ export function newScaleWords(scale) {
 
 /** Where a proposed scale comes from, in words. */
 export function guessedScaleWords(scale) {
-  if (isNewScale(scale)) return `${newScaleWords(scale)} as its file says`;
-  const why =
-    workspace.study.scales.length > 1 ? "with the resolution in its file" : "the only one of the study";
-  return `scale ${scale}, ${why}`;
+  return isNewScale(scale)
+    ? `${newScaleWords(scale)} as its file says`
+    : `scale ${scale}, the only one of the study`;
 }
 
 export const isNewScale = (scale) => /^(ppi|mm|coin):/.test(scale ?? "");
