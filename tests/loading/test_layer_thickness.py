@@ -55,6 +55,7 @@ def test_a_half_space_leaves_the_thickness_open_above() -> None:
     assert deep.layer_weight < 0.6
     record = deep.as_record()
     assert record["thickness_mm_ci95"] == [deep.thickness.lower, None]
+    assert record["thickness_mm"] is None  # a best value of a kilometre tells nothing
     assert deep.conclusion.startswith(f"tissue thicker than {deep.thickness.lower:.3g} mm")
 
 

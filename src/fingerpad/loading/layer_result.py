@@ -23,8 +23,8 @@ class LayerThicknessFit(Recorded):
     Attributes
     ----------
     thickness : Quantity
-        Effective thickness t, mm. The upper end of its interval is infinite where the curve says only how
-        thick the tissue is at least, its value too where a half-space fits best.
+        Effective thickness t, mm. The upper end of its interval and its value are infinite where the curve
+        says only how thick the tissue is at least.
     youngs_modulus : Quantity
         E of the tissue, MPa.
     contact_offset : Quantity

@@ -285,8 +285,8 @@ def _modulus(model: JointFit, *, exact: bool) -> Estimate:
 
 
 def _thickness(inverse: Estimate, widest: float) -> Estimate:
-    """Return t from 1/t, with an end beyond the range of the laws open."""
-    value = 1 / inverse.value if inverse.value > 0 else math.inf
+    """Return t from 1/t, with an end beyond the range of the laws open; infinite on a possible half-space."""
+    value = 1 / inverse.value if inverse.lower > 0 else math.inf
     return Estimate(
         value=value,
         std=inverse.std * value**2,

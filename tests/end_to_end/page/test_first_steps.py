@@ -207,3 +207,33 @@ def test_a_scale_can_be_saved_on_a_low_screen(example_tab: Tab) -> None:
     page.set_viewport_size({"width": 1024, "height": 600})
     place = box(page.get_by_role("button", name="Save scale"))
     assert place["y"] + place["height"] <= 600
+
+
+def test_all_columns_of_new_files_are_in_view_and_what_a_file_states_is_read_after_a_reload(
+    example_tab: Tab, example
+) -> None:
+    (example / "uploads").mkdir()
+    Image.open(example / "contact_1N.png").save(example / "uploads" / "scan_500ppi.png", dpi=(500, 500))
+    page = example_tab.open()
+    scale = page.get_by_label("Scale of scan_500ppi.png")
+    stated = scale.locator("option", has_text="500 ppi, from the file")
+    stated.wait_for(state="attached")
+    page.reload()
+    stated.wait_for(state="attached")
+    expect(scale).to_have_value("reader")
+    for width in (1280, 1024, 768):
+        page.set_viewport_size({"width": width, "height": 768})
+        table = page.get_by_role("group", name="New files")
+        assert table.evaluate("one => one.scrollWidth <= one.clientWidth"), width
+    page.get_by_label("Finger on scan_500ppi.png").fill("synthetic_pad")
+    page.get_by_role("button", name="Add to study").click()
+    page.get_by_text("scale reader, with the resolution in its file").wait_for()
+
+
+def test_the_picture_keeps_its_height_beside_the_traces(tab: Tab) -> None:
+    page = tab.open(SEQUENCE)
+    numbers(page)
+    for width in (1024, 1366):
+        page.set_viewport_size({"width": width, "height": 768})
+        page.wait_for_function("() => document.querySelector('.stage').clientHeight > 280")
+        assert box(page.get_by_role("slider", name="Time of the frame"))["width"] > 300

@@ -1,7 +1,7 @@
 // Labels and filters of the filmstrip of contact images.
 
 import { plain } from "../core/quantity.js";
-import { describeCode, workspace } from "../core/workspace.js";
+import { describeCode } from "../core/workspace.js";
 import { reviewMarks } from "./review.js";
 
 export const FILTERS = [
@@ -20,8 +20,11 @@ export const FILTER_TESTS = {
   rejected: (entry) => Boolean(entry.rejected),
 };
 
-/** @param {Partial<Omit<Observation, "status" | "file"> & Frame>} entry */
-export function describe(entry) {
+/**
+ * @param {Partial<Omit<Observation, "status" | "file"> & Frame>} entry
+ * @param {{ named?: boolean }} [options] whether the finger is named
+ */
+export function describe(entry, { named = false } = {}) {
   const framed = entry.frame !== undefined;
   const state = entry.rejected ? "rejected" : entry.status;
   const marks = [];
@@ -30,7 +33,7 @@ export function describe(entry) {
   marks.push(...reviewMarks(entry));
   const load =
     entry.load_N === null || entry.load_N === undefined ? "" : `${Number(entry.load_N.toPrecision(3))} N`;
-  const finger = framed || workspace.study.fingers.length < 2 ? "" : entry.finger;
+  const finger = named && entry.finger;
   return {
     above: finger,
     label: framed

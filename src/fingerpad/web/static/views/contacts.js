@@ -141,7 +141,7 @@ class Contacts extends Review {
       tools: TOOLS,
       radius: 14,
       measureDragged: (change) => post("/api/measure/contact", { item: this.entry.item, change }),
-      describe,
+      describe: (entry) => describe(entry, { named: !this.fingers.hidden }),
       inspector: new ContactInspector(this),
       bar: [
         this.traces.root,

@@ -89,10 +89,8 @@ export class NewFiles {
     const uploaded = unused.filter(({ file }) => file.startsWith("uploads/"));
     for (const each of uploaded) {
       const { file, kind } = each;
-      if (!this.drafts.has(file)) {
-        this.drafts.set(file, draftOf(each));
-        if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
-      }
+      if (!this.drafts.has(file)) this.drafts.set(file, draftOf(each));
+      if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
       if (!this.drafts.get(file).guesses && !this.lookedAt.has(file)) this.#lookAt(file);
     }
     const names = new Set(uploaded.map(({ file }) => file));

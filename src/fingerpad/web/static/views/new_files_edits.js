@@ -61,9 +61,10 @@ export function newScaleWords(scale) {
 
 /** Where a proposed scale comes from, in words. */
 export function guessedScaleWords(scale) {
-  return isNewScale(scale)
-    ? `${newScaleWords(scale)} as its file says`
-    : `scale ${scale}, the only one of the study`;
+  if (isNewScale(scale)) return `${newScaleWords(scale)} as its file says`;
+  const why =
+    workspace.study.scales.length > 1 ? "with the resolution in its file" : "the only one of the study";
+  return `scale ${scale}, ${why}`;
 }
 
 export const isNewScale = (scale) => /^(ppi|mm|coin):/.test(scale ?? "");

@@ -13,7 +13,7 @@ import { Table } from "./results_table.js";
 /** @typedef {View & { load(): Promise<void>, search?(): void, theme?(): void }} Part */
 /** @type {[key: string, title: string, part: new (root: Element) => Part][]} */
 const PARTS = [
-  ["plot", "Corrected radius", Plots],
+  ["plot", "Plots", Plots],
   ["table", "Table", Table],
   ["figures", "Figures", Figures],
   ["budget", "Uncertainty", Budget],
@@ -44,7 +44,7 @@ class Results {
       this.body,
     );
     bindHere([
-      ["p", "Corrected radius against load", () => (location.hash = "#/results/plot")],
+      ["p", "Plots against load", () => (location.hash = "#/results/plot")],
       ["t", "Table", () => (location.hash = "#/results/table")],
       ["f", "All figures of the report", () => (location.hash = "#/results/figures")],
       ["b", "Uncertainty budget", () => (location.hash = "#/results/budget")],

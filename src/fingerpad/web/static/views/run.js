@@ -200,11 +200,7 @@ class Run {
     render(
       this.line,
       h("span", `${counted}${duration(run.seconds ?? 0)}${left}`),
-      h(
-        "span",
-        `${phaseOf(run)} `,
-        h("strong", { "data-live": "file" }, run.file || fileOf(run.current)),
-      ),
+      h("span", `${phaseOf(run)} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current))),
     );
   }
 
