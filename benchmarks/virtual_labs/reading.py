@@ -189,7 +189,8 @@ def compare(truth: Truth, results: Path) -> list[Comparison]:
     for row in rows:
         reader.image(row)
     for finger in summary["fingers"]:
-        reader.semi_axes(finger)
+        if finger["palmar_mm"] is not None:  # refused, with its reason, where faces contradict each other
+            reader.semi_axes(finger)
     flags = next(_finger_flags(f) for f in summary["fingers"] if f["finger"] == "finger")
     for record in summary["summaries"]:
         here = [r for r in rows if float(r["wedge_angle_deg"]) == record["wedge_angle_deg"]]
