@@ -117,7 +117,9 @@ def test_fast_laws_say_nothing_beyond_their_range() -> None:
 )
 def test_layer_table(ratio: float, expected: tuple[float, ...]) -> None:
     ball = ("--semi-axes-mm", 100, 100, 100, "--wedge-deg", 0, "--youngs-modulus-kpa", 75, "--grid", 128)
-    record = run_json(*ball, "--thickness-mm", 2 / ratio, "--area-mm2", 4 * math.pi)
+    code, out, err = run(*ball, "--thickness-mm", 2 / ratio, "--area-mm2", 4 * math.pi, "--json")
+    assert (code, "would be a finger 200 mm wide" in err) == (0, True)
+    record = json.loads(out)
     assert record["area_mm2"] == pytest.approx(4 * math.pi, rel=1e-4)
     hertz = 4 / 3 * 0.1
     computed = (

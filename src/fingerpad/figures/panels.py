@@ -34,7 +34,7 @@ _OPTIONS: Final[Mapping[str, frozenset[str]]] = {
     "axhspan": _BAND,
     "axvspan": _BAND,
     "annotate": frozenset(("bbox", "color", "fontsize", "gid", "ha", "style", "textcoords", "va", "weight"))
-    | {"xycoords", "xytext", "zorder"},
+    | {"annotation_clip", "xycoords", "xytext", "zorder"},
     "legend": frozenset(("bbox_to_anchor", "loc", "ncols")),
     "legend_above": frozenset(("columns",)),
     "margins": frozenset(("x", "y")),
