@@ -9,10 +9,17 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from fingerpad.contact import EllipsoidContact, HertzGeometry, hertz_contact, pad_contact
+    from fingerpad.contact import (
+        Contact,
+        Tissue,
+        fast_contact,
+        hertz_contact,
+        solve_contact,
+        youngs_modulus,
+    )
     from fingerpad.exceptions import FingerpadError
     from fingerpad.figures.show import show
-    from fingerpad.geometry import Ellipse, Ellipsoid, Placement
+    from fingerpad.geometry import Ellipse, Ellipsoid, Paraboloid, Placement
     from fingerpad.image import (
         ForceSignal,
         FrameRate,
@@ -32,10 +39,17 @@ if TYPE_CHECKING:
     from fingerpad.uncertainty import Inputs, pad_model, pad_uncertainty, pool, propagate, run_monte_carlo
 
 _MODULES = {
-    "fingerpad.contact": ("EllipsoidContact", "HertzGeometry", "hertz_contact", "pad_contact"),
+    "fingerpad.contact": (
+        "Contact",
+        "Tissue",
+        "fast_contact",
+        "hertz_contact",
+        "solve_contact",
+        "youngs_modulus",
+    ),
     "fingerpad.exceptions": ("FingerpadError",),
     "fingerpad.figures.show": ("show",),
-    "fingerpad.geometry": ("Ellipse", "Ellipsoid", "Placement"),
+    "fingerpad.geometry": ("Ellipse", "Ellipsoid", "Paraboloid", "Placement"),
     "fingerpad.image": (
         "ForceSignal",
         "FrameRate",
@@ -64,19 +78,21 @@ _MODULES = {
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
+    "Contact",
     "Ellipse",
     "Ellipsoid",
-    "EllipsoidContact",
     "FingerpadError",
     "ForceSignal",
     "FrameRate",
-    "HertzGeometry",
     "Inputs",
     "LoadingCurve",
+    "Paraboloid",
     "Placement",
     "Scale",
+    "Tissue",
     "__version__",
     "combine_faces",
+    "fast_contact",
     "fit_loading_curve",
     "hertz_contact",
     "load_results",
@@ -85,7 +101,6 @@ __all__ = [
     "measure_photograph",
     "measure_sequence",
     "open_frames",
-    "pad_contact",
     "pad_model",
     "pad_uncertainty",
     "pool",
@@ -96,6 +111,8 @@ __all__ = [
     "run_monte_carlo",
     "run_study",
     "show",
+    "solve_contact",
+    "youngs_modulus",
 ]
 
 

@@ -210,7 +210,7 @@ class ContactField(Displayed):
             Strain, extension positive.
         """
         return stress.strain(
-            youngs_modulus=self.tissue.youngs_modulus, poisson_ratio=self.tissue.poisson_ratio
+            youngs_modulus=self.tissue.youngs_modulus, poisson_ratio=float(self.tissue.poisson_ratio)
         )
 
     def strain_energy_density(self, stress: StressField) -> FloatArray:
@@ -227,7 +227,7 @@ class ContactField(Displayed):
             Energy per volume, in the unit of the stress.
         """
         return stress.strain_energy_density(
-            youngs_modulus=self.tissue.youngs_modulus, poisson_ratio=self.tissue.poisson_ratio
+            youngs_modulus=self.tissue.youngs_modulus, poisson_ratio=float(self.tissue.poisson_ratio)
         )
 
     def highest_shear_on_axis(self) -> tuple[float, float]:
@@ -242,7 +242,7 @@ class ContactField(Displayed):
         depth : float
             Below the surface.
         """
-        end = min(self.tissue.thickness, 2 * self._mean_radius)
+        end = min(float(self.tissue.thickness), 2 * self._mean_radius)
         low, high, levels = 0.0, end, _LEVELS
         for _ in range(_SEARCHES):
             depths = np.linspace(low, high, levels)
@@ -268,13 +268,13 @@ class ContactField(Displayed):
         width = _WIDE * self._mean_radius
         deepest = (_DEEP if self.tissue.is_deep else _LAYER) * self._mean_radius
         along = np.linspace(-width, width, points)
-        depth = np.linspace(0, min(self.tissue.thickness, deepest), levels)
+        depth = np.linspace(0, min(float(self.tissue.thickness), deepest), levels)
         return ContactSection(
             along=along,
             depth=depth,
             pressure=self.pressure_at(along, np.zeros(points)),
             maximum_shear=self.stress_at(along, 0.0, depth[:, None]).maximum_shear,
-            thickness=self.tissue.thickness,
+            thickness=float(self.tissue.thickness),
         )
 
     @property

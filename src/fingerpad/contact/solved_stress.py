@@ -152,7 +152,7 @@ class _Waves:
         if math.isfinite(tissue.thickness):
             x = np.hypot(*_wave_vectors(shape, sides)) * tissue.thickness
             feels_base = x < _DECAYED
-            constants[feels_base] = _constants(x[feels_base], tissue.poisson_ratio)
+            constants[feels_base] = _constants(x[feels_base], float(tissue.poisson_ratio))
         return cls(
             shape=shape,
             sides=sides,

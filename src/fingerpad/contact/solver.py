@@ -151,8 +151,8 @@ def solve_contact(
     >>> tissue = Tissue(youngs_modulus=0.1, thickness=8.0)
     >>> solved = solve_contact(place, tissue, load=2.0, points=64)
     >>> hertz = hertz_contact(place, tissue, load=2.0)
-    >>> print(f"{solved.area / hertz.area:.2f} of the area, {solved.indentation / hertz.indentation:.2f} of ξ")
-    0.87 of the area, 0.60 of ξ
+    >>> print(f"area × {solved.area / hertz.area:.2f}, ξ × {solved.indentation / hertz.indentation:.2f}")
+    area × 0.87, ξ × 0.60
     """
     check_place(place)
     if place.shape or tissue.shape:
@@ -372,16 +372,16 @@ def _solution(tissue: Tissue, coarser: _Pressed, finest: _Pressed) -> SolvedCont
     direction = turn + angle
     pressure = modulus * finest.pressure
     return SolvedContact(
-        load=load,
-        indentation=finest.indentation,
-        area=outline.area,
-        flag_code=np.int8(0),
+        load=as_float_array(load)[()],
+        indentation=as_float_array(finest.indentation)[()],
+        area=as_float_array(outline.area)[()],
+        flag_code=np.zeros((), dtype=np.int8)[()],
         _find_form=partial(
             Form,
-            semi_major=outline.semi_major,
-            semi_minor=outline.semi_minor,
-            along=abs(math.cos(turn)) >= abs(math.sin(turn)),
-            peak_over_mean_pressure=float(pressure.max()) * outline.area / load,
+            semi_major=as_float_array(outline.semi_major)[()],
+            semi_minor=as_float_array(outline.semi_minor)[()],
+            along=np.array(abs(math.cos(turn)) >= abs(math.sin(turn)))[()],
+            peak_over_mean_pressure=as_float_array(float(pressure.max()) * outline.area / load)[()],
         ),
         tissue=tissue,
         grid=finest.grid,

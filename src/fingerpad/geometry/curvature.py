@@ -8,6 +8,7 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, FloatArray, broadcast, hypotenuse
 from fingerpad._display import Displayed
 
+
 class PrincipalRadii(NamedTuple):
     """Two principal radii of curvature, each a number or an array over points.
 

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, fields
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -67,6 +67,12 @@ class Gap(Displayed):
         for name in ("first_radius", "second_radius"):
             check_all(~(values[name].real <= 0), name, values[name].real, "positive", GeometryError)
         set_fields(self, **values)
+
+    def __getitem__(self, index: Any) -> Self:
+        """Return some of an array of gaps, or the array with more axes."""
+        named = {field.name: np.asarray(getattr(self, field.name)) for field in fields(self)}
+        values = np.broadcast_arrays(*named.values())
+        return type(self)(**{name: value[index] for name, value in zip(named, values, strict=True)})
 
     @property
     def is_paraboloid(self) -> bool:

@@ -137,7 +137,9 @@ def pad_model(
     major, minor = radius * half + edge_offset, radius / half + edge_offset
     normal = platen_normal_kernel(wedge_angle, roll_angle)
     radii = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
-    radii = PrincipalRadii(radii.first * np.exp(in_plane_deviation), radii.second * np.exp(transverse_deviation))
+    radii = PrincipalRadii(
+        radii.first * np.exp(in_plane_deviation), radii.second * np.exp(transverse_deviation)
+    )
     return _observed(radii, major, minor, load, poisson_ratio)
 
 

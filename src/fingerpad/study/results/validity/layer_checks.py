@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad.contact import PadGap, fast_ellipse
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact.laws import law_form, plate_gap
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.results.layer_curve import curve_on_layer
 from fingerpad.study.results.layer_summary import LayerQuantity, LayerSummary
@@ -99,16 +99,17 @@ def _shape_check(place: Place) -> ValidityCheck:
     shape, row, pad = measured_shape(place), place.highest_row, place.pad
     if shape is None or row is None:
         return missing(_SHAPE, _WORDS[_SHAPE], _ON_LAYER, NOTHING_COUNTS)
-    form = fast_ellipse(
-        PadGap.of(
-            Ellipsoid(*pad.semi_axes),
-            wedge_angle=math.radians(row["wedge_angle_deg"]),
-            roll_angle=math.radians(row["roll_angle_deg"]),
-        ),
+    placement = Placement(
+        Ellipsoid(*pad.semi_axes),
+        wedge_angle=math.radians(row["wedge_angle_deg"]),
+        roll_angle=math.radians(row["roll_angle_deg"]),
+    )
+    form = law_form(
+        plate_gap(placement),
         area=math.pi * row["semi_major_mm"] * row["semi_minor_mm"],
         thickness=pad.effective_thickness,
         poisson_ratio=place.study.poisson_ratio,
     )
     ratio = float(form.semi_major / form.semi_minor)
-    predicted = math.log(ratio if form.long_axis == 0 else 1 / ratio)
+    predicted = math.log(ratio if form.along else 1 / ratio)
     return shape.check(_SHAPE, _WORDS[_SHAPE], _ON_LAYER, predicted)
