@@ -64,8 +64,8 @@ class SolvedContact(Contact):
     >>> from fingerpad.geometry import Paraboloid
     >>> tissue = Tissue(youngs_modulus=0.075)
     >>> contact = solve_contact(Paraboloid(10.0, 10.0), tissue, indentation=1.0, points=64)
-    >>> round(contact.load, 4), round(contact.area_over_pi_indentation, 3)
-    (0.4217, 10.011)
+    >>> print(f"{contact.load:.4f} N, {contact.area_over_pi_indentation:.3f} mm")
+    0.4217 N, 10.011 mm
     """
 
     tissue: Tissue
