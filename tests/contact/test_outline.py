@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from fingerpad.contact.grid import contact_outline
 from numpy.testing import assert_allclose
+
+from fingerpad.contact.grid import contact_outline
 
 
 @pytest.mark.parametrize("degrees", [-80, -45, -10, 10, 45, 80])

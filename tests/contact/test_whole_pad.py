@@ -88,7 +88,10 @@ def test_small_contacts_with_curved_bodies_equal_hertz(counterface: Counterface)
 def test_ellipsoid_against_paraboloid() -> None:
     disagreements = []
     for load in (0.2, 2.0):
-        solved, hertz = solve_contact(PLACEMENT, SOFT, load=load, points=64), hertz_contact(PLACEMENT, SOFT, load=load)
+        solved, hertz = (
+            solve_contact(PLACEMENT, SOFT, load=load, points=64),
+            hertz_contact(PLACEMENT, SOFT, load=load),
+        )
         assert solved.area < hertz.area
         assert solved.indentation > hertz.indentation
         disagreements.append(solved.indentation / solved.area / (hertz.indentation / hertz.area))
