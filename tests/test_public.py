@@ -60,7 +60,7 @@ def test_geometry_without_image_and_plotting_packages() -> None:
         "import sys\n"
         "for name in ('cv2', 'PIL', 'matplotlib', 'pydantic', 'pandas'): sys.modules[name] = None\n"
         "import fingerpad as fp\n"
-        "contact = fp.hertz_contact(12, 14, 2, reduced_modulus=0.1)\n"
+        "contact = fp.hertz_contact(fp.Paraboloid(12, 14), fp.Tissue(0.1), load=2)\n"
         "print(contact._repr_html_())\n"
     )
     shown = output_of(script)

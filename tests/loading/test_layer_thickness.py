@@ -4,20 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks.layer_inverse import CASES, TABLE_1, WEDGE, fit_once, whole_pad
+from benchmarks.layer_inverse import CASES, PLACED, fit_once, whole_pad
 from benchmarks.loading_physics import Pad, hertz, layer
 from benchmarks.loading_truth import Condition, make_curve
 
-from fingerpad.contact import PadGap
 from fingerpad.exceptions import LoadingError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 from fingerpad.loading import Estimate, LoadingCurve, Undetermined, fit_layer_thickness
 from fingerpad.loading._prepare import prepare
 from fingerpad.loading.joint import fit_joint
 from fingerpad.loading.layer_result import THICKER_THAN_FINGER, LayerThicknessFit
 
 PAD = Pad(radius=14.0, modulus=0.05)
-SPHERE = PadGap.paraboloid(14.0, 14.0)
+SPHERE = Paraboloid(14.0, 14.0)
 
 
 def curve_on(thickness: float | None, seed: int = 1, pad: Pad = PAD) -> LoadingCurve:
@@ -27,7 +26,7 @@ def curve_on(thickness: float | None, seed: int = 1, pad: Pad = PAD) -> LoadingC
 
 @pytest.fixture(scope="module")
 def on_6_mm():
-    return fit_layer_thickness(curve_on(6.0), gap=SPHERE, radius_std=0.4)
+    return fit_layer_thickness(curve_on(6.0), placement=SPHERE, radius_std=0.4)
 
 
 def test_intervals_hold_thickness_modulus_contact_and_radius(on_6_mm) -> None:
@@ -48,7 +47,7 @@ def test_intervals_hold_thickness_modulus_contact_and_radius(on_6_mm) -> None:
 
 
 def test_a_half_space_leaves_the_thickness_open_above() -> None:
-    deep = fit_layer_thickness(curve_on(None), gap=SPHERE, radius_std=0.4)
+    deep = fit_layer_thickness(curve_on(None), placement=SPHERE, radius_std=0.4)
     assert deep.thickness.upper == np.inf
     assert deep.thickness.lower > 15
     assert deep.youngs_modulus.lower < PAD.modulus < deep.youngs_modulus.upper
@@ -67,13 +66,11 @@ def test_intervals_hold_the_truth_of_random_pads(case) -> None:
 
 
 def test_a_whole_pad_takes_its_own_gap() -> None:
-    gap = PadGap.of(TABLE_1, wedge_angle=WEDGE)
-    radius = 2 / (1 / float(gap.first_radius) + 1 / float(gap.second_radius))
-    pad = Pad(radius=radius, modulus=0.05)
+    pad = Pad(radius=float(PLACED.curvature.mean_curvature_radius), modulus=0.05)
     curve = make_curve(Condition(contact=whole_pad(12.0)), pad, 0.3, np.random.default_rng(3))
     whole, paraboloid = (
-        fit_layer_thickness(curve, gap=one, radius_std=0.2)
-        for one in (gap, PadGap.paraboloid(gap.first_radius, gap.second_radius))
+        fit_layer_thickness(curve, placement=one, radius_std=0.2)
+        for one in (PLACED, Paraboloid(*PLACED.curvature.principal_radii))
     )
     assert whole.thickness.lower < 12 < whole.thickness.upper
     assert whole.youngs_modulus.lower < 0.05 < whole.youngs_modulus.upper
@@ -162,7 +159,7 @@ def test_a_radius_surer_than_a_third_of_its_geometry_is_flagged(on_6_mm) -> None
 def test_without_areas_nothing_is_told() -> None:
     curve = curve_on(6.0)
     bare = LoadingCurve(load=curve.load, indentation=curve.indentation, time=curve.time, area=None)
-    fit = fit_layer_thickness(bare, gap=SPHERE)
+    fit = fit_layer_thickness(bare, placement=SPHERE)
     assert isinstance(fit.thickness, Undetermined)
     assert "no contact area" in fit.thickness.reason
     assert fit.weights == {}
@@ -177,15 +174,16 @@ def test_a_shallow_press_does_not_tell() -> None:
         area=shallow.area[rows],
         time=shallow.time[rows],
     )
-    fit = fit_layer_thickness(curve, gap=SPHERE, radius_std=3.0)
+    fit = fit_layer_thickness(curve, placement=SPHERE, radius_std=3.0)
     assert isinstance(fit.thickness, Undetermined)
     assert isinstance(fit.youngs_modulus, Undetermined)
     assert "half-space fits as well" in fit.thickness.reason
     assert "cannot be separated" in fit.thickness.reason
-    unknown = fit_layer_thickness(curve, gap=SPHERE, radius_std=5.0)
+    unknown = fit_layer_thickness(curve, placement=SPHERE, radius_std=5.0)
     assert "is not known to a third" in unknown.conclusion
-    with pytest.raises(LoadingError, match=r"must be positive, found 14.0 and nan mm"):
-        fit_layer_thickness(curve, gap=replace(SPHERE, second_radius=np.nan), radius_std=1.0)
+    two = Placement(PLACED.ellipsoid, wedge_angle=[0.5, 0.6])
+    with pytest.raises(LoadingError, match=r"of one pad, found placements of shape \(2,\)"):
+        fit_layer_thickness(curve, placement=two, radius_std=1.0)
 
 
 def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
@@ -218,4 +216,4 @@ def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
 )
 def test_bad_arguments_are_named(name, wrong) -> None:
     with pytest.raises(LoadingError, match=name):
-        fit_layer_thickness(curve_on(6.0), gap=SPHERE, **{name: wrong})
+        fit_layer_thickness(curve_on(6.0), placement=SPHERE, **{name: wrong})

@@ -89,12 +89,9 @@ def hertz(
     for radius in radii_mm:
         require_positive("--radii-mm", radius)
     bodies = Paraboloid(*radii_mm)
-    tissue = Tissue.of_reduced_modulus(
-        reduced_modulus_kpa / KPA_PER_MPA,
-        poisson_ratio=poisson_ratio,
-        thickness=math.inf if thickness_mm is None else thickness_mm,
-    )
-    contact = hertz_contact(bodies, tissue, load=load_n, indentation=indentation_mm)
+    modulus = reduced_modulus_kpa / KPA_PER_MPA
+    pressed = {"load": load_n, "indentation": indentation_mm}
+    contact = hertz_contact(bodies, Tissue.of_reduced_modulus(modulus), **pressed)
     size = math.sqrt(contact.semi_major * contact.semi_minor / math.prod(radii_mm))
     record = {
         **contact_record(contact),
@@ -104,8 +101,9 @@ def hertz(
         "F2": indentation_factor(1 / contact.aspect_ratio),
         "contact_size": size,
     }
-    if not tissue.is_deep:
-        on_layer = fast_contact(bodies, tissue, load=load_n, indentation=indentation_mm)
+    if thickness_mm is not None:
+        layer = Tissue.of_reduced_modulus(modulus, poisson_ratio, thickness_mm)
+        on_layer = fast_contact(bodies, layer, **pressed)
         flag = str(on_layer.flags)
         record["on_layer"] = pressed_record(on_layer) | ({"flag": flag or None} if as_json or flag else {})
     print_record(record, as_json)

@@ -17,6 +17,7 @@ from scipy import fft
 from scipy.ndimage import map_coordinates
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast
+from fingerpad._display import Displayed
 from fingerpad.contact.contact import Tissue
 from fingerpad.contact.grid import ContactGrid
 from fingerpad.contact.hertz_pressure import HertzPressure
@@ -35,9 +36,14 @@ _FEW = 4  # points that are summed wave by wave
 _COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SolvedStress:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SolvedStress(Displayed):
     """The stress under a solved contact: made once, and asked for at any points.
+
+    Attributes
+    ----------
+    contact : SolvedContact
+        The contact.
 
     Examples
     --------
@@ -56,12 +62,21 @@ class SolvedStress:
     """
 
     contact: SolvedContact
-    hertz: HertzPressure | None
-    waves: "_Waves"
+    _hertz: HertzPressure | None
+    _waves: "_Waves"
 
     @classmethod
     def of(cls, contact: SolvedContact) -> Self:
         """Split the pressure into one of Hertz theory, on deep tissue, and the waves of the rest.
+
+        Parameters
+        ----------
+        contact : SolvedContact
+            On deep tissue or on a layer.
+
+        Returns
+        -------
+        SolvedStress
 
         Raises
         ------
@@ -71,10 +86,10 @@ class SolvedStress:
         grid, tissue = contact.grid, contact.tissue
         if not tissue.is_deep:
             margin = np.full(2, _MARGIN * float(tissue.thickness))
-            return cls(contact=contact, hertz=None, waves=_Waves.of(contact.pressure, grid, margin, tissue))
+            return cls(contact=contact, _hertz=None, _waves=_Waves.of(contact.pressure, grid, margin, tissue))
         hertz = HertzPressure.of_moments(grid, contact.pressure)
         rest = contact.pressure - hertz.over_cells(grid)
-        return cls(contact=contact, hertz=hertz, waves=_Waves.of(rest, grid, 2 * grid.half_widths, tissue))
+        return cls(contact=contact, _hertz=hertz, _waves=_Waves.of(rest, grid, 2 * grid.half_widths, tissue))
 
     def at(self, along: ArrayLike, across: ArrayLike, depth: ArrayLike) -> StressField:
         """Return the stress at points of the tissue.
@@ -97,10 +112,10 @@ class SolvedStress:
         tissue, grid = self.contact.tissue, self.contact.grid
         inside = (depth >= 0) & (depth <= tissue.thickness)
         own = grid.to_own(along, across)
-        field = _stress_of_waves(self.waves, tissue, own, depth, inside).turned(grid.angle)
-        if self.hertz is None:
+        field = _stress_of_waves(self._waves, tissue, own, depth, inside).turned(grid.angle)
+        if self._hertz is None:
             return field
-        closed = self.hertz.stress(along, across, depth, poisson_ratio=float(tissue.poisson_ratio))
+        closed = self._hertz.stress(along, across, depth, poisson_ratio=float(tissue.poisson_ratio))
         return StressField(tensor=closed.tensor + np.nan_to_num(field.tensor))
 
 

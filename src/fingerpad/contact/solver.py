@@ -38,6 +38,8 @@ class SolvedContact(Contact):
 
     Attributes
     ----------
+    load, indentation, area, flag_code : ndarray
+        As of any `Contact`, one number each.
     tissue : Tissue
         What is pressed.
     grid : ContactGrid
