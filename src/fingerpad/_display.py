@@ -68,6 +68,8 @@ def short_text(value: Any) -> str:
         return f"{value:.6g}"
     if isinstance(value, Displayed):
         return f"{type(value).__name__}(…)" if _is_long(value) else str(value)
+    if isinstance(value, np.bool_):
+        value = bool(value)
     text = value if isinstance(value, str) else repr(value)
     if callable(value):
         return f"<{type(value).__name__}>"

@@ -4,9 +4,9 @@ import html
 import re
 
 import pytest
-from fingerpad.contact.contact import FLAGS
 
 from fingerpad._rounding import value_with_uncertainty
+from fingerpad.contact.contact import FLAGS
 from fingerpad.report import write_report
 from fingerpad.report.layer import comparisons
 from fingerpad.study.pipeline import run_study

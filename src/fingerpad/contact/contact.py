@@ -219,8 +219,9 @@ class Contact(Displayed):
             return self.area / (np.pi * self.indentation)
 
     def _shown(self) -> list[tuple[str, Any]]:
-        names = ("load", "indentation", "area", "semi_major", "semi_minor", "along", "peak_pressure", "flags")
-        return [(name, getattr(self, name)) for name in names]
+        names = ("load", "indentation", "area", "semi_major", "semi_minor", "along", "peak_pressure")
+        flags = sorted({str(flag) for flag in self.flags.ravel()} - {""})
+        return [*((name, getattr(self, name)) for name in names), ("flags", ", ".join(flags) or "none")]
 
 
 def only_given(**given: ArrayLike | None) -> tuple[str, FloatArray]:
