@@ -132,6 +132,15 @@ def check_all(
     raise error(f"{name} must be {expected}, found {values[tuple(first)]:g}{place}")
 
 
+def check_positive(name: str, value: FloatArray, error: type[FingerpadError]) -> None:
+    """Raise `error` unless all are positive and finite."""
+    if not value.size or (
+        value.min() > 0 and value.max() < math.inf
+    ):  # at a fraction of the cost of the rest
+        return
+    check_all((value > 0) & np.isfinite(value), name, value, "positive and finite", error)
+
+
 IN_RADIANS = "angles are in radians; for degrees use np.radians(30)"
 
 

@@ -16,6 +16,7 @@ from fingerpad._arrays import (
     as_float_array,
     broadcast_named,
     check_all,
+    check_positive,
     set_fields,
 )
 from fingerpad._display import Displayed
@@ -71,8 +72,7 @@ class Tissue(Displayed):
         given = {"youngs_modulus": youngs_modulus, "poisson_ratio": poisson_ratio, "thickness": thickness}
         broadcast_named(**given)  # or refuse the shapes
         modulus, nu, depth = map(as_float_array, given.values())
-        finite = np.isfinite(modulus) & (modulus > 0)
-        check_all(finite, "youngs_modulus", modulus, "positive and finite", GeometryError)
+        check_positive("youngs_modulus", modulus, GeometryError)
         check_all((nu >= 0) & (nu <= 0.5), "poisson_ratio", nu, "within [0, 0.5]", GeometryError)
         check_all(depth > 0, "thickness", depth, "positive", GeometryError)
         set_fields(self, youngs_modulus=modulus, poisson_ratio=nu, thickness=depth)

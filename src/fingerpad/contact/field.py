@@ -103,6 +103,7 @@ class ContactField(Displayed):
     tissue: Tissue
     pressure_at: Pressure
     stress_at: Stress
+    _fast_stress_at: Stress | None = None  # near enough for a first search
 
     @classmethod
     def of_solution(cls, contact: SolvedContact) -> Self:
@@ -123,11 +124,13 @@ class ContactField(Displayed):
         GeometryError
             If a layer is so thick beside the contact that it is deep tissue in effect.
         """
+        stress = SolvedStress.of(contact)
         return cls(
             contact=contact,
             tissue=contact.tissue,
             pressure_at=partial(_solved_pressure, contact),
-            stress_at=SolvedStress.of(contact).at,
+            stress_at=stress.at,
+            _fast_stress_at=stress.of_long_waves().at,
         )
 
     @classmethod
@@ -243,13 +246,13 @@ class ContactField(Displayed):
             Below the surface.
         """
         end = min(float(self.tissue.thickness), 2 * self._mean_radius)
-        low, high, levels = 0.0, end, _LEVELS
+        low, high, levels, stress_at = 0.0, end, _LEVELS, self._fast_stress_at or self.stress_at
         for _ in range(_SEARCHES):
             depths = np.linspace(low, high, levels)
-            shear = self.stress_on_axis(depths).maximum_shear
+            shear = stress_at(0.0, 0.0, depths).maximum_shear
             best = int(np.argmax(shear))
             low, high = float(depths[max(best - 1, 0)]), float(depths[min(best + 1, levels - 1)])
-            levels = _NARROWED
+            levels, stress_at = _NARROWED, self.stress_at
         return float(shear[best]), float(depths[best])
 
     def section(self, *, points: int = 181, levels: int = 61) -> ContactSection:

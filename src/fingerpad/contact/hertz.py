@@ -58,31 +58,29 @@ def hertz_contact(
     (array([88.5, 72.6]), array([2.069, 2.276]))
     """
     check_place(place)
-    gap = place.gap
+    first, second = place.relative_radii
     of, value = only_given(load=load, area=area, indentation=indentation)
-    sizes = apply_blockwise(
-        partial(_sizes, of=of), 4, gap.first_radius, gap.second_radius, value, tissue.reduced_modulus
+    force, size, depth, major, minor = apply_blockwise(
+        partial(_sizes, of=of), 5, first, second, value, tissue.reduced_modulus
     )
-    force, major, minor, depth = sizes
     return Contact(
         load=force,
-        area=np.pi * major * minor,
+        area=size,
         indentation=depth,
-        flag_code=np.where(force > 0, 0, FLAGS.index("no_contact")).astype(np.int8)[()],
-        _find_form=partial(
-            Form,
-            semi_major=major,
-            semi_minor=minor,
-            along=np.broadcast_to(gap.first_radius >= gap.second_radius, np.shape(major))[()],
-            peak_over_mean_pressure=np.array(1.5),
-        ),
+        flag_code=np.multiply(~(force > 0), np.int8(FLAGS.index("no_contact"))),
+        _find_form=partial(_form, first, second, major, minor),
     )
+
+
+def _form(first: FloatArray, second: FloatArray, major: FloatArray, minor: FloatArray) -> Form:
+    along = np.broadcast_to(first >= second, np.shape(major))[()]
+    return Form(semi_major=major, semi_minor=minor, along=along, peak_over_mean_pressure=np.array(1.5))
 
 
 def _sizes(
     first: FloatArray, second: FloatArray, value: FloatArray, modulus: FloatArray, *, of: str
 ) -> tuple[FloatArray, ...]:
-    """Return load, semi-axes and indentation of one block."""
+    """Return load, area, indentation and semi-axes of one block."""
     k, K, D = contact_ellipse_kernel(first, second)
     radius_D = np.maximum(first, second) * D
     value = np.where(value >= 0, value, np.nan)
@@ -94,7 +92,8 @@ def _sizes(
         major = np.sqrt(2 * radius_D * value / K)
     load = value if of == "load" else (np.pi / 3) * modulus * major**3 / radius_D
     depth = value if of == "indentation" else 0.5 * major * major * K / radius_D
-    return load, major, k * major, depth
+    minor = k * major
+    return load, np.pi * major * minor, depth, major, minor
 
 
 def hertz_units(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

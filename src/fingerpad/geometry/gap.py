@@ -12,13 +12,14 @@ from fingerpad._arrays import (
     as_float_array,
     broadcast_named,
     check_all,
+    check_positive,
     finite_angle,
     real_number,
     set_fields,
 )
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry.curvature import curvatures_of, principal_curvatures
+from fingerpad.geometry.curvature import PrincipalRadii, curvatures_of, principal_curvatures
 from fingerpad.geometry.ellipsoid import curvature_tensor, support_function, tangents
 
 
@@ -167,14 +168,19 @@ class Paraboloid(Displayed):
 
     def __init__(self, first_radius: ArrayLike, second_radius: ArrayLike) -> None:
         first, second = broadcast_named(first_radius=first_radius, second_radius=second_radius)
-        for name, radius in (("first_radius", first), ("second_radius", second)):
-            check_all(np.isfinite(radius) & (radius > 0), name, radius, "positive and finite", GeometryError)
+        check_positive("first_radius", first, GeometryError)
+        check_positive("second_radius", second, GeometryError)
         set_fields(self, first_radius=first, second_radius=second)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the array of contacts; empty for one."""
         return self.first_radius.shape
+
+    @property
+    def relative_radii(self) -> PrincipalRadii:
+        """The two radii."""
+        return PrincipalRadii(self.first_radius, self.second_radius)
 
     @property
     def gap(self) -> Gap:

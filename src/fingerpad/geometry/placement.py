@@ -17,7 +17,7 @@ from fingerpad._arrays import (
 )
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry.curvature import SurfaceCurvature
+from fingerpad.geometry.curvature import PrincipalRadii, SurfaceCurvature
 from fingerpad.geometry.ellipsoid import Ellipsoid
 from fingerpad.geometry.gap import Counterface, CounterfaceGap, Gap, gap_kernel
 
@@ -167,6 +167,14 @@ class Placement(Displayed):
     def shape(self) -> tuple[int, ...]:
         """Shape of the array of placements; empty for one."""
         return self.point.shape[:-1]
+
+    @property
+    def relative_radii(self) -> PrincipalRadii:
+        """Relative principal radii of the pad and the body that it touches."""
+        if self.counterface is None:
+            return self.curvature.principal_radii
+        gap = self.gap
+        return PrincipalRadii(gap.first_radius, gap.second_radius)
 
     @property
     def gap(self) -> Gap | CounterfaceGap:
