@@ -134,9 +134,8 @@ def check_all(
 
 def check_positive(name: str, value: FloatArray, error: type[FingerpadError]) -> None:
     """Raise `error` unless all are positive and finite."""
-    if not value.size or (
-        value.min() > 0 and value.max() < math.inf
-    ):  # at a fraction of the cost of the rest
+    # Two reductions take a fraction of the time of the comparisons, which find the first offender.
+    if not value.size or (value.min() > 0 and value.max() < math.inf):
         return
     check_all((value > 0) & np.isfinite(value), name, value, "positive and finite", error)
 

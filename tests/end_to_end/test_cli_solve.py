@@ -196,7 +196,7 @@ def test_refuses(arguments: tuple[object, ...], message: str) -> None:
 
 
 def test_what_does_not_converge_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fingerpad.contact.complementarity._STEPS", 2)
+    monkeypatch.setattr("fingerpad.contact.pressure._STEPS", 2)
     code, _, err = run(*PAD, "--load-n", 2, "--grid", 64)
     assert code == 2
     assert re.fullmatch(
