@@ -1,6 +1,5 @@
 """Fit one loading curve."""
 
-import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
