@@ -10,7 +10,7 @@ from benchmarks.contact_law_data import KEPT, circular_contacts
 from benchmarks.contact_laws import AREA_BIAS
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import Tissue, fast_contact, hertz_contact, solve_contact
-from fingerpad.contact.contact import Place
+from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
@@ -81,7 +81,7 @@ def held_out() -> None:
         )
 
 
-def kept_contacts(rows: FloatArray, *, is_pad: bool) -> tuple[Place, Tissue]:
+def kept_contacts(rows: FloatArray, *, is_pad: bool) -> tuple[AnyPlacement, Tissue]:
     """Return placements and tissue of kept contacts, of E* = 1."""
     if not is_pad:
         return Paraboloid(1000.0, rows[:, 2]), Tissue.of_reduced_modulus(1.0, rows[:, 0], thickness=1.0)

@@ -14,7 +14,7 @@ from benchmarks.contact_law_data import KEPT, circular_contacts, layer_spectrum
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.contact import Tissue, curvature_ratio, hertz_contact, solve_contact_ellipse
 from fingerpad.contact import law_coefficients as law
-from fingerpad.contact.contact import Place
+from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.law_factors import LayerFactors, PadFactors, layer_basis, thin_layer
 from fingerpad.contact.laws import plate_gap
 from fingerpad.geometry import Ellipsoid, Gap, Paraboloid, Placement
@@ -47,7 +47,9 @@ class Solved:
         return (1 - self.k) ** 2 / self.k
 
 
-def solved(placement: Place, results: FloatArray, thickness: FloatArray, poisson_ratio: FloatArray) -> Solved:
+def solved(
+    placement: AnyPlacement, results: FloatArray, thickness: FloatArray, poisson_ratio: FloatArray
+) -> Solved:
     """Compare solved contacts with Hertz theory; results as `contact_law_data` keeps them."""
     load, area, indentation, ratio, peak = results.T
     area = area / AREA_BIAS

@@ -23,7 +23,7 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Paraboloid, Placement
 
-Place: TypeAlias = Placement | Paraboloid
+AnyPlacement: TypeAlias = Placement | Paraboloid
 
 # What takes a contact out of the range of a theory, by its code; the numbers are then NaN.
 FLAGS: Final = (
@@ -153,7 +153,7 @@ class Contact(Displayed):
     area : ndarray
         Contact area A.
     flag_code : ndarray
-        Place in `FLAGS` of what takes a contact out of the theory's range; 0 within.
+        Index in `FLAGS` of what takes a contact out of the theory's range; 0 within.
 
     Examples
     --------
@@ -239,16 +239,16 @@ def only_given(**given: ArrayLike | None) -> tuple[str, FloatArray]:
     return name, as_float_array(value, name)
 
 
-def check_place(place: object) -> None:
-    """Refuse what is no place of contact, such as a radius alone.
+def check_placement(placement: object) -> None:
+    """Refuse what is no placement, such as a radius alone.
 
     Raises
     ------
     GeometryError
         If it is none.
     """
-    if not isinstance(place, Placement | Paraboloid):
+    if not isinstance(placement, Placement | Paraboloid):
         raise GeometryError(
             f"the first argument must be a Placement, or a Paraboloid(first_radius, second_radius), "
-            f"found {type(place).__name__}"
+            f"found {type(placement).__name__}"
         )

@@ -10,7 +10,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all
 from fingerpad._display import Displayed
-from fingerpad.contact.contact import Contact, Place, Tissue
+from fingerpad.contact.contact import AnyPlacement, Contact, Tissue
 from fingerpad.contact.hertz import hertz_contact
 from fingerpad.contact.hertz_pressure import HertzPressure
 from fingerpad.contact.solved_stress import SolvedStress
@@ -136,7 +136,7 @@ class ContactField(Displayed):
     @classmethod
     def of_hertz(
         cls,
-        place: Place,
+        placement: AnyPlacement,
         tissue: Tissue,
         *,
         load: float | None = None,
@@ -147,7 +147,7 @@ class ContactField(Displayed):
 
         Parameters
         ----------
-        place, tissue, load, area, indentation
+        placement, tissue, load, area, indentation
             As for `hertz_contact`, of one contact.
 
         Returns
@@ -160,10 +160,10 @@ class ContactField(Displayed):
         GeometryError
             If a value is impossible.
         """
-        contact = hertz_contact(place, tissue, load=load, area=area, indentation=indentation)
+        contact = hertz_contact(placement, tissue, load=load, area=area, indentation=indentation)
         if np.ndim(contact.load) or not contact.load > 0:
             raise GeometryError("the field is that of one contact under a positive load")
-        angle = float(place.gap.angle) + (0.0 if contact.along else math.pi / 2)
+        angle = float(placement.gap.angle) + (0.0 if contact.along else math.pi / 2)
         pressure = HertzPressure.of_contact(contact, angle)
         deep = Tissue(tissue.youngs_modulus, tissue.poisson_ratio)
         return cls(

@@ -11,14 +11,14 @@ import numpy as np
 from numpy.polynomial.chebyshev import cheb2poly, chebfit
 
 from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
-from fingerpad.contact.contact import FLAGS, Contact, Form, Place, Tissue, check_place, only_given
+from fingerpad.contact.contact import FLAGS, AnyPlacement, Contact, Form, Tissue, check_placement, only_given
 from fingerpad.contact.elliptic import contact_ellipse_kernel, factor_products, polynomial
 
 _RANGE, _TERMS = 1.2, 10  # of |ln(R1/R2)|, and of its square's polynomials
 
 
 def hertz_contact(
-    place: Place,
+    placement: AnyPlacement,
     tissue: Tissue,
     *,
     load: ArrayLike | None = None,
@@ -29,7 +29,7 @@ def hertz_contact(
 
     Parameters
     ----------
-    place : Placement or Paraboloid
+    placement : Placement or Paraboloid
         Where the pads touch, or the relative radii of curvature there.
     tissue : Tissue
         What is pressed. A thickness is not taken into account: `fast_contact` and `solve_contact` do.
@@ -57,8 +57,8 @@ def hertz_contact(
     >>> contact.area.round(1), contact.indentation.round(3)
     (array([88.5, 72.6]), array([2.069, 2.276]))
     """
-    check_place(place)
-    first, second = place.relative_radii
+    check_placement(placement)
+    first, second = placement.relative_radii
     of, value = only_given(load=load, area=area, indentation=indentation)
     force, size, depth, major, minor = apply_blockwise(
         partial(_sizes, of=of), 5, first, second, value, tissue.reduced_modulus

@@ -433,7 +433,7 @@ class Laws:
         return factor if self.pad is None else factor * self.pad.peak(radius, u)
 
     def flag(self, radius: FloatArray, k: FloatArray, miss: FloatArray, value: FloatArray) -> FloatArray:
-        """Return the places in `FLAGS`."""
+        """Return the indices in `FLAGS`."""
         code = np.zeros(k.shape)
         found = np.isfinite(radius) & (np.abs(miss) < _LARGEST_MISS)
         ranges = []

@@ -11,11 +11,11 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
 from fingerpad.contact.contact import (
     FLAGS,
+    AnyPlacement,
     Contact,
     Form,
-    Place,
     Tissue,
-    check_place,
+    check_placement,
     from_reduced_modulus,
     only_given,
 )
@@ -31,7 +31,7 @@ ERROR_OF_BOTH: Final = 0.01
 
 
 def fast_contact(
-    place: Place,
+    placement: AnyPlacement,
     tissue: Tissue,
     *,
     load: ArrayLike | None = None,
@@ -46,7 +46,7 @@ def fast_contact(
 
     Parameters
     ----------
-    place : Placement or Paraboloid
+    placement : Placement or Paraboloid
         Where the pads touch a flat plate, or radii of curvature in place of the pads.
     tissue : Tissue
         What is pressed: deep, or a layer bonded to rigid bone.
@@ -77,7 +77,7 @@ def fast_contact(
     'layer_too_thin'
     """
     return press(
-        plate_gap(place),
+        plate_gap(placement),
         reduced_modulus=tissue.reduced_modulus,
         thickness=None if tissue.is_deep else tissue.thickness,
         poisson_ratio=tissue.poisson_ratio,
@@ -88,7 +88,7 @@ def fast_contact(
 
 
 def youngs_modulus(
-    place: Place,
+    placement: AnyPlacement,
     *,
     load: ArrayLike,
     area: ArrayLike | None = None,
@@ -102,7 +102,7 @@ def youngs_modulus(
 
     Parameters
     ----------
-    place : Placement or Paraboloid
+    placement : Placement or Paraboloid
         Where the pads touch a flat plate, or radii of curvature in place of the pads.
     load : array_like
         Normal force W.
@@ -135,7 +135,7 @@ def youngs_modulus(
     """
     tissue = Tissue(1.0, poisson_ratio, thickness)  # or refuse the values
     modulus, _ = find_modulus(
-        plate_gap(place),
+        plate_gap(placement),
         load=load,
         area=area,
         indentation=indentation,
@@ -145,16 +145,16 @@ def youngs_modulus(
     return from_reduced_modulus(modulus, tissue.poisson_ratio)
 
 
-def plate_gap(place: Place) -> Gap:
-    """Return the gap of a place where pads touch a flat plate.
+def plate_gap(placement: AnyPlacement) -> Gap:
+    """Return the gap of placements where pads touch a flat plate.
 
     Raises
     ------
     GeometryError
-        If it is no place, or they touch a curved body.
+        If it is no placement, or they touch a curved body.
     """
-    check_place(place)
-    gap = place.gap
+    check_placement(placement)
+    gap = placement.gap
     if not isinstance(gap, Gap):
         raise GeometryError("the laws hold against a flat plate: leave the counterface out, or solve_contact")
     return gap

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from fingerpad._loading_curve import LoadingCurve
-from fingerpad.contact.contact import Place
+from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.laws import plate_gap
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading._prepare import (
@@ -53,7 +53,7 @@ _NO_AREA: Final = (
 def fit_layer_thickness(
     curve: LoadingCurve,
     *,
-    placement: Place,
+    placement: AnyPlacement,
     radius_std: float = 0.0,
     radius_ratio_std: float = 0.0,
     poisson_ratio: float = 0.5,
@@ -168,7 +168,7 @@ def fit_layer_thickness(
 
 
 def _geometry(
-    placement: Place, radius_std: float, radius_ratio_std: float
+    placement: AnyPlacement, radius_std: float, radius_ratio_std: float
 ) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
     """Return what the geometry fixes, and its radius where that is uncertain."""
     if placement.shape:
