@@ -10,6 +10,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact.laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.results.layer import LAYER_FLAGS
+from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio, known_error
 from fingerpad.study.results.validity.place import (
     HEADLINES,
     INDENTATION,
@@ -20,7 +21,7 @@ from fingerpad.study.results.validity.place import (
     Place,
     missing,
 )
-from fingerpad.uncertainty import ValidityCheck, compare_ratio, known_error, pad_model, propagate
+from fingerpad.uncertainty import pad_model, propagate
 from fingerpad.units import KPA_PER_MPA
 
 _SHAPE: Final = "length along the finger over that across, and of Hertz theory for the pad"

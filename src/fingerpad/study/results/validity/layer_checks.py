@@ -11,10 +11,10 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.results.layer_curve import curve_on_layer
 from fingerpad.study.results.layer_summary import LayerQuantity, LayerSummary
+from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio
 from fingerpad.study.results.validity.geometry_checks import measured_shape
 from fingerpad.study.results.validity.loading_checks import of_curves, without_misfit
 from fingerpad.study.results.validity.place import NO_CURVE, NOTHING_COUNTS, Place, missing
-from fingerpad.uncertainty import ValidityCheck, compare_ratio
 
 _RADIUS, _MODULUS, _SHAPE = "loading_radius_on_layer", "modulus_on_layer", "shape_on_layer"
 _WORDS: Final = {
