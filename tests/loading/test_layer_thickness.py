@@ -91,7 +91,7 @@ def relative_std(quantity: Estimate) -> float:
     ],
 )
 def test_all_that_is_uncertain_widens_what_depends_on_it(on_6_mm, known, wider, kept) -> None:
-    found = fit_layer_thickness(curve_on(6.0), gap=SPHERE, radius_std=0.4, **known)
+    found = fit_layer_thickness(curve_on(6.0), placement=SPHERE, radius_std=0.4, **known)
     for name in wider:
         assert relative_std(getattr(found, name)) > 1.03 * relative_std(getattr(on_6_mm, name)), name
     for name in kept:
@@ -107,7 +107,7 @@ def test_wrong_scales_are_held_by_their_uncertainty() -> None:
         load=1.06 * curve.load, indentation=curve.indentation, time=curve.time, area=0.94 * curve.area
     )
     known = {"area_relative_std": 0.05, "load_relative_std": 0.05}
-    found = fit_layer_thickness(scaled, gap=SPHERE, radius_std=0.4, **known)
+    found = fit_layer_thickness(scaled, placement=SPHERE, radius_std=0.4, **known)
     assert found.thickness.lower < 6 < found.thickness.upper
     assert found.youngs_modulus.lower < PAD.modulus < found.youngs_modulus.upper
     assert not found.flags
@@ -116,7 +116,7 @@ def test_wrong_scales_are_held_by_their_uncertainty() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_hertz_theory_that_explains_a_curve_leaves_no_thickness(seed) -> None:
     # A = πRξ and W ∝ ξ^(3/2) of R = 12 mm, where the geometry has an ellipsoid of 1/H = 13.2 ± 1 mm.
-    gap = PadGap.of(Ellipsoid(8.94, 12.0, 10.0), wedge_angle=0.0)
+    placement = Placement(Ellipsoid(8.94, 12.0, 10.0), wedge_angle=0.0)
     rng = np.random.default_rng([13, seed])
     travel = np.linspace(-0.4, 2.0, 240)
     xi = np.maximum(travel, 0)
@@ -127,7 +127,7 @@ def test_hertz_theory_that_explains_a_curve_leaves_no_thickness(seed) -> None:
         area=np.where(xi > 0, np.pi * 12 * xi + rng.normal(0, 0.8, 240), 0),
         time=travel + 0.4,
     )
-    found = fit_layer_thickness(curve, gap=gap, radius_std=1.0, poisson_ratio=0.48)
+    found = fit_layer_thickness(curve, placement=placement, radius_std=1.0, poisson_ratio=0.48)
     assert isinstance(found.thickness, Undetermined)
     assert isinstance(found.youngs_modulus, Undetermined)
     assert "Hertz theory" in found.conclusion
@@ -150,7 +150,7 @@ def test_one_modulus_is_to_be_believed(on_6_mm) -> None:
 def test_a_radius_surer_than_a_third_of_its_geometry_is_flagged(on_6_mm) -> None:
     assert "radius_narrowed" not in on_6_mm.notes
     exact = {"area_relative_std": 0.0, "stage_compliance": 0.0}
-    narrow = fit_layer_thickness(curve_on(3.0), gap=SPHERE, radius_std=3.0, **exact)
+    narrow = fit_layer_thickness(curve_on(3.0), placement=SPHERE, radius_std=3.0, **exact)
     assert narrow.radius.std < 1
     assert "a third of the geometry's 3 mm" in narrow.notes["radius_narrowed"]
     assert "radius_narrowed" in narrow.flags
