@@ -60,40 +60,42 @@ def hertz_contact(
     check_placement(placement)
     first, second = placement.relative_radii
     of, value = only_given(load=load, area=area, indentation=indentation)
-    force, size, depth, major, minor = apply_blockwise(
-        partial(_sizes, of=of), 5, first, second, value, tissue.reduced_modulus
+    force, size, depth, k = apply_blockwise(
+        partial(_sizes, of=of), 4, first, second, value, tissue.reduced_modulus
     )
     return Contact(
         load=force,
         area=size,
         indentation=depth,
         flag_code=np.multiply(~(force > 0), np.int8(FLAGS.index("no_contact"))),
-        _find_form=partial(_form, first, second, major, minor),
+        _find_form=partial(_form, first, second, k, size),
     )
 
 
-def _form(first: FloatArray, second: FloatArray, major: FloatArray, minor: FloatArray) -> Form:
+@np.errstate(all="ignore")
+def _form(first: FloatArray, second: FloatArray, k: FloatArray, area: FloatArray) -> Form:
+    major = np.sqrt(area / (np.pi * k))
     along = np.broadcast_to(first >= second, np.shape(major))[()]
-    return Form(semi_major=major, semi_minor=minor, along=along, peak_over_mean_pressure=np.array(1.5))
+    return Form(semi_major=major, semi_minor=k * major, along=along, peak_over_mean_pressure=np.array(1.5))
 
 
 def _sizes(
     first: FloatArray, second: FloatArray, value: FloatArray, modulus: FloatArray, *, of: str
 ) -> tuple[FloatArray, ...]:
-    """Return load, area, indentation and semi-axes of one block."""
+    """Return load, area, indentation and axis ratio of one block."""
     k, K, D = contact_ellipse_kernel(first, second)
     radius_D = np.maximum(first, second) * D
     value = np.where(value >= 0, value, np.nan)
     if of == "load":
         major = np.cbrt((3 / np.pi) * (value / modulus) * radius_D)
-    elif of == "area":
-        major = np.sqrt(value / (np.pi * k))
+        square = major * major
     else:
-        major = np.sqrt(2 * radius_D * value / K)
-    load = value if of == "load" else (np.pi / 3) * modulus * major**3 / radius_D
-    depth = value if of == "indentation" else 0.5 * major * major * K / radius_D
-    minor = k * major
-    return load, np.pi * major * minor, depth, major, minor
+        square = value / (np.pi * k) if of == "area" else 2 * radius_D * value / K
+        major = np.sqrt(square)
+    load = value if of == "load" else (np.pi / 3) * modulus * square * major / radius_D
+    area = value if of == "area" else np.pi * k * square
+    depth = value if of == "indentation" else 0.5 * square * K / radius_D
+    return load, area, depth, k
 
 
 def hertz_units(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
