@@ -174,7 +174,7 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Pa
     (tmp_path / "study.toml").write_text(MANIFEST.replace(given, f"photographs = [{faces}]\n"))
     result = run_study(tmp_path / "study.toml", tmp_path / "out")
     placed = placed_pad(result.fingers["f"], 30.0, result.study.uncertainty)
-    first, second = placed.gap.first_radius, placed.gap.second_radius
+    first, second = placed.placement.curvature.principal_radii
     (row,) = result.rows
     assert 2 / (1 / first + 1 / second) == pytest.approx(row["mean_curvature_radius_mm"])
     assert placed.radius_std == pytest.approx(row["mean_curvature_radius_mm_std"], rel=1e-3)
