@@ -113,8 +113,8 @@ def fit(
     tissue over bone, and compared with a half-space.
     """
     from fingerpad._columns import columns_named_by
-    from fingerpad._loading_curve import unread_curve_columns
     from fingerpad.loading import Estimate, fit_layer_thickness, fit_loading_curve, read_loading_curve
+    from fingerpad.loading.curve import unread_curve_columns
 
     require_positive("--radius-mm", radius_mm)
     compliance = _given(

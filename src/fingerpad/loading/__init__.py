@@ -1,9 +1,9 @@
 """Loading curves: force, displacement and contact area, fitted for radius and moduli of the pad."""
 
-from fingerpad._loading_curve import LoadingCurve, read_loading_curve
 from fingerpad.loading.compliance import ContactCompliance, fit_contact_compliance
 from fingerpad.loading.consistency import ShapeCheck, shape_check
 from fingerpad.loading.contact_point import ESTIMATORS
+from fingerpad.loading.curve import LoadingCurve, read_loading_curve
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
 from fingerpad.loading.force_models import FittedForceModel

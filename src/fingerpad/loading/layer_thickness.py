@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._loading_curve import LoadingCurve
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.laws import plate_gap
 from fingerpad.exceptions import LoadingError
@@ -20,6 +19,7 @@ from fingerpad.loading._prepare import (
     start_values,
 )
 from fingerpad.loading.alternatives import FAILURES, FLAGGED, TOO_FEW_RUNS, runs_deviation
+from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate, Undetermined, akaike_weights, average_models
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 from fingerpad.loading.layer_result import EXPLAINS, THICKER_THAN_FINGER, LayerThicknessFit

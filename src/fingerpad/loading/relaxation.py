@@ -13,8 +13,8 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
-from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
+from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Quantity, Undetermined
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
 from fingerpad.loading.segments import Cycle, moving_average

@@ -8,9 +8,9 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._display import Displayed
-from fingerpad._loading_curve import LoadingCurve
 from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
+from fingerpad.loading.curve import LoadingCurve
 
 # Shortest phase, and shortest way back or forth, as shares of the record.
 _MIN_DURATION, _MIN_WAY = 0.02, 0.03

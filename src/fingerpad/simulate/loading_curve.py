@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad._loading_curve import LoadingCurve
 from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.exceptions import LoadingError
 from fingerpad.geometry import Paraboloid
+from fingerpad.loading.curve import LoadingCurve
 
 # Time steps in which relaxation is integrated over one record.
 _RELAXATION_STEPS = 20_000
