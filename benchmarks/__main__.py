@@ -75,13 +75,13 @@ def hertz_speed(count: int = 1_000_000) -> None:
     second = first * np.exp(rng.uniform(0, np.log(1e7), count))
     load, modulus = rng.uniform(0.1, 4, count), rng.uniform(0.05, 0.2, count)
     m = 1 - solve_contact_ellipse(first, second)[0] ** 2
-    bodies, tissue = Paraboloid(first, second), Tissue.of_reduced_modulus(modulus)
+    bodies, tissue = Paraboloid(first, second), Tissue(modulus)
     floor = best(lambda: (ellipk(m), ellipe(m)))
     print(f"\n{count:,} contacts, one thread; floor: SciPy ellipk + ellipe, {1e3 * floor:.0f} ms")
     for name, call in (
         (
             "hertz_contact, all distinct (asked: 3)",
-            lambda: hertz_contact(Paraboloid(first, second), Tissue.of_reduced_modulus(modulus), load=load),
+            lambda: hertz_contact(Paraboloid(first, second), Tissue(modulus), load=load),
         ),
         ("the same of known bodies and tissue", lambda: hertz_contact(bodies, tissue, load=load)),
     ):
