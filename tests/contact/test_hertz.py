@@ -1,5 +1,7 @@
 """Elliptical Hertz contact against a 50-digit reference, limits, scaling laws and round trips."""
 
+from collections.abc import Callable
+
 import mpmath as mp
 import numpy as np
 import pytest
@@ -8,7 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import Contact, Tissue, curvature_ratio, hertz_contact, solve_contact_ellipse
+from fingerpad.contact import (
+    Contact,
+    Tissue,
+    curvature_ratio,
+    fast_contact,
+    hertz_contact,
+    solve_contact,
+    solve_contact_ellipse,
+)
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
@@ -187,9 +197,20 @@ def test_invalid_tissue(tissue: dict[str, float], message: str) -> None:
         Tissue(**tissue)
 
 
-def test_what_is_no_placement_is_refused() -> None:
+@pytest.mark.parametrize("contact", [hertz_contact, fast_contact, solve_contact])
+def test_other_types_and_shapes_are_refused_by_name(contact: Callable[..., Contact]) -> None:
+    place, tissue = Placement(PAD, wedge_angle=[0.5, 0.7]), Tissue(youngs_modulus=0.1)
     with pytest.raises(GeometryError, match="must be a Placement, or a Paraboloid.*, found float"):
-        hertz_contact(12.955, Tissue(youngs_modulus=0.1), load=2.0)
+        contact(12.955, tissue, load=2.0)
+    with pytest.raises(GeometryError, match=r"must be a Tissue\(youngs_modulus\), found float"):
+        contact(place, 0.1, load=2.0)
+    with pytest.raises(GeometryError, match=r"placement \(2,\), tissue \(\), load \(3,\)"):
+        contact(place, tissue, load=[1.0, 2.0, 3.0])
+
+
+def test_one_load_is_solved_at_a_time() -> None:
+    with pytest.raises(GeometryError, match=r"load of shape \(2,\): loop over them"):
+        solve_contact(Placement(PAD, wedge_angle=0.5), Tissue(youngs_modulus=0.1), load=[1.0, 2.0])
 
 
 def test_moduli_invert() -> None:

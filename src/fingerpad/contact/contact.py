@@ -239,6 +239,31 @@ def only_given(**given: ArrayLike | None) -> tuple[str, FloatArray]:
     return name, as_float_array(value, name)
 
 
+def check_pressed(
+    placement: AnyPlacement, tissue: Tissue, **given: ArrayLike | None
+) -> tuple[str, FloatArray]:
+    """Return the name and the value of the one quantity that is given, which broadcasts with what is pressed.
+
+    Raises
+    ------
+    GeometryError
+        If not exactly one is given, an argument is of another type, or the shapes do not broadcast.
+    """
+    check_placement(placement)
+    if not isinstance(tissue, Tissue):
+        raise GeometryError(
+            f"the second argument must be a Tissue(youngs_modulus), found {type(tissue).__name__}"
+        )
+    name, value = only_given(**given)
+    shapes = {"placement": placement.shape, "tissue": tissue.shape, name: value.shape}
+    try:
+        np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        found = ", ".join(f"{each} {shape}" for each, shape in shapes.items())
+        raise GeometryError(f"shapes must broadcast, found {found}") from None
+    return name, value
+
+
 def check_placement(placement: object) -> None:
     """Refuse what is no placement, such as a radius alone.
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import cheb2poly, chebfit
 
 from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
-from fingerpad.contact.contact import FLAGS, AnyPlacement, Contact, Form, Tissue, check_placement, only_given
+from fingerpad.contact.contact import FLAGS, AnyPlacement, Contact, Form, Tissue, check_pressed
 from fingerpad.contact.elliptic import contact_ellipse_kernel, factor_products, polynomial
 
 _RANGE, _TERMS = 1.2, 10  # of |ln(R1/R2)|, and of its square's polynomials
@@ -44,7 +44,8 @@ def hertz_contact(
     Raises
     ------
     GeometryError
-        If not exactly one of load, area and indentation is given, or an argument is of another type.
+        If not exactly one of load, area and indentation is given, an argument is of another type, or
+        the shapes do not broadcast.
 
     Examples
     --------
@@ -57,9 +58,8 @@ def hertz_contact(
     >>> contact.area.round(1), contact.indentation.round(3)
     (array([88.5, 72.6]), array([2.069, 2.276]))
     """
-    check_placement(placement)
+    of, value = check_pressed(placement, tissue, load=load, area=area, indentation=indentation)
     first, second = placement.relative_radii
-    of, value = only_given(load=load, area=area, indentation=indentation)
     force, size, depth, k = apply_blockwise(
         partial(_sizes, of=of), 4, first, second, value, tissue.reduced_modulus
     )

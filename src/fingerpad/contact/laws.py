@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array, broadcast_named
 from fingerpad.contact.contact import (
     FLAGS,
     AnyPlacement,
@@ -16,6 +16,7 @@ from fingerpad.contact.contact import (
     Form,
     Tissue,
     check_placement,
+    check_pressed,
     from_reduced_modulus,
     only_given,
 )
@@ -61,8 +62,8 @@ def fast_contact(
     Raises
     ------
     GeometryError
-        If not exactly one of load, area and indentation is given, an argument is of another type, or the
-        pads touch a curved body.
+        If not exactly one of load, area and indentation is given, an argument is of another type, the
+        shapes do not broadcast, or the pads touch a curved body.
 
     Examples
     --------
@@ -76,14 +77,13 @@ def fast_contact(
     >>> str(fast_contact(place, Tissue(youngs_modulus=0.1024, thickness=0.5), load=2.0).flags)
     'layer_too_thin'
     """
+    name, value = check_pressed(placement, tissue, load=load, area=area, indentation=indentation)
     return press(
         plate_gap(placement),
         reduced_modulus=tissue.reduced_modulus,
         thickness=None if tissue.is_deep else tissue.thickness,
         poisson_ratio=tissue.poisson_ratio,
-        load=load,
-        area=area,
-        indentation=indentation,
+        **{name: value},
     )
 
 
@@ -134,11 +134,13 @@ def youngs_modulus(
     49 kPa
     """
     tissue = Tissue(1.0, poisson_ratio, thickness)  # or refuse the values
+    name, value = only_given(area=area, indentation=indentation)
+    load, value = broadcast_named(load=load, **{name: value})
+    check_pressed(placement, tissue, **{name: value})
     modulus, _ = find_modulus(
         plate_gap(placement),
         load=load,
-        area=area,
-        indentation=indentation,
+        **{name: value},
         thickness=None if tissue.is_deep else tissue.thickness,
         poisson_ratio=tissue.poisson_ratio,
     )

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation
 
 from fingerpad._arrays import FloatArray, as_float_array, check_all, finite_angle
-from fingerpad.contact.contact import AnyPlacement, Contact, Form, Tissue, check_placement, only_given
+from fingerpad.contact.contact import AnyPlacement, Contact, Form, Tissue, check_pressed, only_given
 from fingerpad.contact.grid import FILLED, ContactGrid, ContactOutline, contact_outline
 from fingerpad.contact.hertz import hertz_contact
 from fingerpad.contact.influence import Convolution, influence
@@ -156,13 +156,13 @@ def solve_contact(
     >>> print(f"area × {solved.area / hertz.area:.2f}, ξ × {solved.indentation / hertz.indentation:.2f}")
     area × 0.87, ξ × 0.60
     """
-    check_placement(placement)
-    if placement.shape or tissue.shape:
+    name, value = check_pressed(placement, tissue, load=load, area=area, indentation=indentation)
+    if placement.shape or tissue.shape or value.shape:
         raise GeometryError(
-            f"one contact is solved at a time, found placements of shape {placement.shape} and tissue of "
-            f"shape {tissue.shape}: loop over them, as with place[0], or take fast_contact, which broadcasts"
+            f"one contact is solved at a time, found placements of shape {placement.shape}, tissue of shape "
+            f"{tissue.shape} and {name} of shape {value.shape}: loop over them, as with place[0], or take "
+            "fast_contact, which broadcasts"
         )
-    name, value = only_given(load=load, area=area, indentation=indentation)
     check_all(np.isfinite(value) & (value > 0), name, value, "positive and finite", GeometryError)
     guess = hertz_contact(placement, tissue, **{name: value})
     semi_axes = float(guess.semi_major), float(guess.semi_minor)
