@@ -47,14 +47,15 @@ from benchmarks import (
 )
 from benchmarks.exact import RATIOS, exact_contact
 from benchmarks.timing import best
-from fingerpad.contact import HertzGeometry, hertz_contact, solve_contact_ellipse
+from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
+from fingerpad.geometry import Paraboloid
 
 
 def hertz_accuracy() -> None:
     """Print the largest relative error of each quantity over all curvature ratios."""
     worst = np.zeros(4)
     for ratio in RATIOS:
-        contact = hertz_contact(8.0, 8.0 * ratio, 2.0, reduced_modulus=0.1365)
+        contact = hertz_contact(Paraboloid(8.0, 8.0 * ratio), Tissue.of_reduced_modulus(0.1365), load=2.0)
         found = (contact.semi_major, contact.semi_minor, contact.indentation, contact.peak_pressure)
         exact = exact_contact(ratio, 8.0, 2.0, 0.1365)
         error = [abs(float(mp.mpf(float(a)) / b - 1)) for a, b in zip(found, exact, strict=True)]
@@ -74,16 +75,15 @@ def hertz_speed(count: int = 1_000_000) -> None:
     second = first * np.exp(rng.uniform(0, np.log(1e7), count))
     load, modulus = rng.uniform(0.1, 4, count), rng.uniform(0.05, 0.2, count)
     m = 1 - solve_contact_ellipse(first, second)[0] ** 2
-    geometry = HertzGeometry(first, second)
+    bodies, tissue = Paraboloid(first, second), Tissue(modulus)
     floor = best(lambda: (ellipk(m), ellipe(m)))
     print(f"\n{count:,} contacts, one thread; floor: SciPy ellipk + ellipe, {1e3 * floor:.0f} ms")
     for name, call in (
         (
             "hertz_contact, all distinct (asked: 3)",
-            lambda: hertz_contact(first, second, load, reduced_modulus=modulus),
+            lambda: hertz_contact(Paraboloid(first, second), Tissue(modulus), load=load),
         ),
-        ("HertzGeometry(...)", lambda: HertzGeometry(first, second)),
-        ("under_load on a solved geometry", lambda: geometry.under_load(load, reduced_modulus=modulus)),
+        ("the same of known bodies and tissue", lambda: hertz_contact(bodies, tissue, load=load)),
     ):
         print(f"    {name:<40} {best(call) / floor:.2f} x floor")
 

@@ -14,7 +14,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -25,9 +25,10 @@ from scipy.sparse import bmat
 from scipy.sparse.linalg import splu
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import ElasticBody, PadGap, fast_contact, fast_ellipse
-from fingerpad.contact.outline import contact_outline
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact.grid import contact_outline
+from fingerpad.contact.influence import influence as uniform_influence
+from fingerpad.contact.laws import plate_gap, press
+from fingerpad.geometry import Ellipsoid, Gap, Placement
 
 TABLE_1 = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 # Wedge angle (degrees), printed contact area (mm²), measured axis along the finger over across.
@@ -229,8 +230,7 @@ def influence(bone: Bone, mesh: Mesh) -> FloatArray:
 def exact_influence(mesh: Mesh, thickness: float) -> FloatArray:
     """Return the same of a uniform layer, from the solver's own influence."""
     cell = mesh.reach / _CELLS
-    body = ElasticBody(reduced_modulus=1.0, thickness=thickness, poisson_ratio=mesh.poisson_ratio)
-    kernel = body.influence((cell, cell), (2 * _CELLS, 2 * _CELLS))
+    kernel = uniform_influence((cell, cell), (2 * _CELLS, 2 * _CELLS), thickness, mesh.poisson_ratio)
     at = np.arange(_CELLS)
     ways = np.abs(at[:, None] - at), at[:, None] + at + 1
     total = sum(kernel[one[:, None, :, None], other[None, :, None, :]] for one in ways for other in ways)
@@ -268,17 +268,11 @@ def _moment(polygon: FloatArray, axis: int) -> float:
     return abs(float(np.sum(cross * (u**2 + u * following_u + following_u**2)))) / 12
 
 
-def pad_gap(wedge_deg: float) -> PadGap:
+def pad_gap(wedge_deg: float) -> Gap:
     """Return the gap of the pad of Table 1, made even along the finger: without its skewness."""
-    gap = PadGap.of(TABLE_1, wedge_angle=math.radians(wedge_deg))
     zero = np.zeros(())
-    return PadGap(
-        first_radius=gap.first_radius,
-        second_radius=gap.second_radius,
-        first_skewness=zero,
-        second_skewness=zero,
-        flatness=gap.flatness,
-    )
+    gap = plate_gap(Placement(TABLE_1, wedge_angle=math.radians(wedge_deg)))
+    return replace(gap, first_skewness=zero, second_skewness=zero)
 
 
 def pressed(bone: Bone, mesh: Mesh, wedge_deg: float, area: float) -> Contact:
@@ -311,11 +305,12 @@ class Uniform(NamedTuple):
 
 def uniform(thickness: float, poisson_ratio: float, wedge_deg: float, area: float) -> Uniform:
     """Return the contact of the same gap on a uniform layer."""
-    gap, press = pad_gap(wedge_deg), {"area": area, "thickness": thickness, "poisson_ratio": poisson_ratio}
-    contact, form = fast_contact(gap, reduced_modulus=1.0, **press), fast_ellipse(gap, **press)
-    ratio = float(form.semi_major / form.semi_minor)
+    contact = press(
+        pad_gap(wedge_deg), area=area, reduced_modulus=1.0, thickness=thickness, poisson_ratio=poisson_ratio
+    )
+    ratio = float(contact.aspect_ratio)
     return Uniform(
-        float(contact.area_over_pi_indentation), float(contact.load), 1 / ratio if form.long_axis else ratio
+        float(contact.area_over_pi_indentation), float(contact.load), ratio if contact.along else 1 / ratio
     )
 
 

@@ -5,23 +5,21 @@ Elliptical ones on a layer and whole ellipsoids, solved on grids, are kept in ``
 """
 
 import math
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import (
-    ContactSolution,
-    ElasticBody,
-    EllipsoidContact,
-    HertzGeometry,
+    SolvedContact,
+    Tissue,
     curvature_ratio,
+    hertz_contact,
     layer_compliance_ratio,
     solve_contact,
 )
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
 KEPT = Path(__file__).with_name("contact_laws.npz")
 _POINTS = 128
@@ -82,14 +80,14 @@ def _central_pressure(s: FloatArray, phi: FloatArray) -> float:
     return float(-weight @ chebyshev.chebval(2 * ((node + 1) / 2) ** 2 - 1, slope))
 
 
-def _row(found: ContactSolution, *inputs: float) -> tuple[float, ...]:
+def _row(found: SolvedContact, *inputs: float) -> tuple[float, ...]:
     return (
         *inputs,
-        found.load / found.body.reduced_modulus,
-        found.area,
-        found.indentation,
-        found.axis_ratio,
-        found.peak_pressure / found.body.reduced_modulus,
+        float(found.load / found.tissue.reduced_modulus),
+        float(found.area),
+        float(found.indentation),
+        float(1 / found.aspect_ratio),
+        float(found.peak_pressure / found.tissue.reduced_modulus),
     )
 
 
@@ -113,15 +111,11 @@ def elliptical(size: float, poisson_ratio: float, axis_ratio: float) -> tuple[fl
     """
     large = 1000.0
     small = large / float(curvature_ratio(axis_ratio))
-    hertz = HertzGeometry(large, small).at_area(np.pi * size**2, reduced_modulus=1.0)
+    bodies = Paraboloid(large, small)
+    tissue = Tissue.of_reduced_modulus(1.0, poisson_ratio, thickness=1.0)
+    hertz = hertz_contact(bodies, tissue, area=np.pi * size**2)
     _, indentation, _ = circular_contacts(np.array([size]), poisson_ratio)[0]
-    found = solve_contact(
-        lambda x, y: x**2 / (2 * large) + y**2 / (2 * small),
-        ElasticBody(reduced_modulus=1.0, thickness=1.0, poisson_ratio=poisson_ratio),
-        half_widths=(float(hertz.semi_major), float(hertz.semi_minor)),
-        indentation=indentation * float(hertz.indentation),
-        points=_POINTS,
-    )
+    found = solve_contact(bodies, tissue, indentation=indentation * float(hertz.indentation), points=_POINTS)
     return _row(found, poisson_ratio, axis_ratio, small)
 
 
@@ -149,23 +143,16 @@ def pads(count: int, seed: int, *, on_layer: bool) -> FloatArray:
         wedge, roll = np.radians(rng.uniform([0, -30], [90, 30]))
         relative = rng.uniform(0.05, 0.65)  # to the silhouette
         ratio, poisson_ratio = (rng.uniform(0.05, 3.2), rng.uniform(0.3, 0.5)) if on_layer else (0.0, 0.5)
-        pad = Ellipsoid(*axes)
+        placement = Placement(Ellipsoid(*axes), wedge_angle=wedge, roll_angle=roll)
         normal = np.array([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)])
         silhouette = np.pi * np.prod(axes) * np.sqrt(np.sum((normal / axes) ** 2))
         size = relative * math.sqrt(silhouette / np.pi)
         thickness = size / ratio if on_layer else math.inf
-        hertz = HertzGeometry(*pad.principal_radii_at_normal(normal)).at_area(
-            np.pi * size**2, reduced_modulus=1.0
-        )
+        tissue = Tissue.of_reduced_modulus(1.0, poisson_ratio, thickness)
+        hertz = hertz_contact(placement, tissue, area=np.pi * size**2)
         stiffer = circular_contacts(np.array([ratio]), poisson_ratio)[0, 0] if on_layer else 1.0
-        solve = partial(EllipsoidContact.of, pad, wedge_angle=wedge, roll_angle=roll, reduced_modulus=1.0)
         try:
-            found = solve(
-                thickness=None if math.isinf(thickness) else thickness,
-                poisson_ratio=poisson_ratio,
-                load=stiffer * float(hertz.load),
-                points=_POINTS,
-            ).solution
+            found = solve_contact(placement, tissue, load=stiffer * float(hertz.load), points=_POINTS)
         except GeometryError:  # it reaches the silhouette
             continue
         rows.append(_row(found, *axes, wedge, roll, thickness, poisson_ratio))

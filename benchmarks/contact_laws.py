@@ -12,11 +12,12 @@ import numpy as np
 
 from benchmarks.contact_law_data import KEPT, circular_contacts, layer_spectrum
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad.contact import HertzGeometry, curvature_ratio, solve_contact_ellipse
+from fingerpad.contact import Tissue, curvature_ratio, hertz_contact, solve_contact_ellipse
 from fingerpad.contact import law_coefficients as law
+from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.law_factors import LayerFactors, PadFactors, layer_basis, thin_layer
-from fingerpad.contact.pad_gap import PadGap
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact.laws import plate_gap
+from fingerpad.geometry import Ellipsoid, Gap, Paraboloid, Placement
 
 AREA_BIAS = 1.000545  # of the solver's area at 128² cells, from circular contacts; the median
 _SERIES = 5  # coefficients of a layer's series that are known
@@ -38,7 +39,7 @@ class Solved:
     ratio: FloatArray
     size: FloatArray
     poisson_ratio: FloatArray
-    gap: PadGap
+    gap: Gap
 
     @property
     def slenderness(self) -> FloatArray:
@@ -46,13 +47,14 @@ class Solved:
         return (1 - self.k) ** 2 / self.k
 
 
-def solved(gap: PadGap, results: FloatArray, thickness: FloatArray, poisson_ratio: FloatArray) -> Solved:
+def solved(
+    placement: AnyPlacement, results: FloatArray, thickness: FloatArray, poisson_ratio: FloatArray
+) -> Solved:
     """Compare solved contacts with Hertz theory; results as `contact_law_data` keeps them."""
     load, area, indentation, ratio, peak = results.T
     area = area / AREA_BIAS
-    geometry = HertzGeometry(gap.first_radius, gap.second_radius)
-    hertz = geometry.at_area(area, reduced_modulus=1.0)
-    radius, k = np.sqrt(area / np.pi), geometry.axis_ratio
+    gap, hertz = plate_gap(placement), hertz_contact(placement, Tissue.of_reduced_modulus(1.0), area=area)
+    radius, k = np.sqrt(area / np.pi), 1 / hertz.aspect_ratio
     return Solved(
         k=k,
         radius=radius,
@@ -69,20 +71,21 @@ def solved(gap: PadGap, results: FloatArray, thickness: FloatArray, poisson_rati
 
 def elliptical(rows: FloatArray) -> Solved:
     """Return kept elliptical paraboloids on a layer."""
-    gap = PadGap.paraboloid(1000.0, rows[:, 2])
-    return solved(gap, rows[:, 3:], np.ones(len(rows)), rows[:, 0])
+    return solved(Paraboloid(1000.0, rows[:, 2]), rows[:, 3:], np.ones(len(rows)), rows[:, 0])
 
 
 def pads(rows: FloatArray) -> Solved:
     """Return kept pads, but for those far beyond the laws' range."""
     rows = rows[_is_near(rows)]
-    gap = PadGap.of(Ellipsoid(*rows[:, :3].T), wedge_angle=rows[:, 3], roll_angle=rows[:, 4])
-    return solved(gap, rows[:, 7:], rows[:, 5], rows[:, 6])
+    return solved(_placement(rows), rows[:, 7:], rows[:, 5], rows[:, 6])
+
+
+def _placement(rows: FloatArray) -> Placement:
+    return Placement(Ellipsoid(*rows[:, :3].T), wedge_angle=rows[:, 3], roll_angle=rows[:, 4])
 
 
 def _is_near(rows: FloatArray) -> BoolArray:
-    gap = PadGap.of(Ellipsoid(*rows[:, :3].T), wedge_angle=rows[:, 3], roll_angle=rows[:, 4])
-    k = HertzGeometry(gap.first_radius, gap.second_radius).axis_ratio
+    k, _, _ = solve_contact_ellipse(*_placement(rows).curvature.principal_radii)
     size = np.sqrt(rows[:, 8] / np.pi) / rows[:, 5]
     return (size < 3.05) & (k > np.where(size > 0, 0.49, 0.32))
 

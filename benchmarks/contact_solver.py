@@ -13,17 +13,15 @@ import numpy as np
 import tamaas
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import ContactSolution, ElasticBody, EllipsoidContact, HertzGeometry, solve_contact
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact import ContactField, SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
+from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
 _RADIUS, _MODULUS = 10.0, 0.1
+_HALF_SPACE = Tissue.of_reduced_modulus(_MODULUS)
+_BALL = Paraboloid(_RADIUS, _RADIUS)
 T = TypeVar("T")
 
 _GRIDS = 64, 128, 256, 512
-
-
-def _paraboloid(ratio: float) -> Callable[[FloatArray, FloatArray], FloatArray]:
-    return lambda x, y: (x**2 + y**2 / ratio) / (2 * _RADIUS)
 
 
 def _sphere(x: FloatArray, y: FloatArray) -> FloatArray:
@@ -35,27 +33,30 @@ def exact_solutions() -> None:
     """Print errors of area, load or indentation, and peak pressure, where they are known."""
     print("\nContact solver against exact solutions: relative errors, estimate of the area's")
     print(f"    {'':<28}{'cells':>6}{'area':>10}{'W or ξ':>10}{'peak p':>10}{'estimate':>10}")
-    body = ElasticBody(reduced_modulus=_MODULUS)
     for ratio in (1.0, 1.3, 3.0, 10.0, 30.0):
-        hertz = HertzGeometry(_RADIUS, ratio * _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
-        guess = float(hertz.semi_minor), float(hertz.semi_major)
+        bodies = Paraboloid(_RADIUS, ratio * _RADIUS)
+        hertz = hertz_contact(bodies, _HALF_SPACE, load=0.5)
         for points in _GRIDS:
-            found = solve_contact(_paraboloid(ratio), body, half_widths=guess, load=0.5, points=points)
+            found = solve_contact(bodies, _HALF_SPACE, load=0.5, points=points)
             exact = float(hertz.area), float(hertz.indentation), float(hertz.peak_pressure)
-            values = found.area, found.indentation, found.peak_pressure
+            values = float(found.area), float(found.indentation), float(found.peak_pressure)
             _row(f"Hertz, R''/R' = {ratio:g}", points, values, exact, found)
     for radius in (2.0, 5.0, 8.0):
         log = math.log((_RADIUS + radius) / (_RADIUS - radius))
         load = _MODULUS / 2 * ((_RADIUS**2 + radius**2) * log - 2 * radius * _RADIUS)
         for points in _GRIDS:
-            found = solve_contact(
-                _sphere, body, half_widths=(radius, radius), indentation=radius / 2 * log, points=points
+            found = solve_gap(
+                _sphere,
+                _HALF_SPACE,
+                half_widths=(radius, radius),
+                indentation=radius / 2 * log,
+                points=points,
             )
             exact = math.pi * radius**2, load, math.nan
             _row(
                 f"sphere, a/R = {radius / _RADIUS:g}",
                 points,
-                (found.area, found.load, math.nan),
+                (float(found.area), float(found.load), math.nan),
                 exact,
                 found,
             )
@@ -66,7 +67,7 @@ def _row(
     points: int,
     values: tuple[float, ...],
     exact: tuple[float, ...],
-    found: ContactSolution,
+    found: SolvedContact,
 ) -> None:
     errors = "".join(f"{a / b - 1:>10.1e}" for a, b in zip(values, exact, strict=True))
     print(f"    {name:<28}{points:>6}{errors}{found.relative_error:>10.1e}")
@@ -84,38 +85,28 @@ def layer_table() -> None:
 
 
 def _layer_ratios(ratio: float, poisson_ratio: float, points: int) -> tuple[float, float, float]:
-    body = ElasticBody(reduced_modulus=_MODULUS, thickness=0.3 * _RADIUS / ratio, poisson_ratio=poisson_ratio)
-    area = math.pi * (0.3 * _RADIUS) ** 2
-    found = solve_contact(_paraboloid(1.0), body, half_widths=(3.0, 3.0), area=area, points=points)
+    tissue = Tissue.of_reduced_modulus(_MODULUS, poisson_ratio, thickness=0.3 * _RADIUS / ratio)
+    found = solve_contact(_BALL, tissue, area=math.pi * (0.3 * _RADIUS) ** 2, points=points)
     hertz = 4 / 3 * _MODULUS / _RADIUS
     return (
-        found.area_over_pi_indentation / _RADIUS,
-        found.load / (hertz * (_RADIUS * found.indentation) ** 1.5),
-        found.load / (hertz * (found.area / math.pi) ** 1.5),
+        float(found.area_over_pi_indentation / _RADIUS),
+        float(found.load / (hertz * (_RADIUS * found.indentation) ** 1.5)),
+        float(found.load / (hertz * (found.area / math.pi) ** 1.5)),
     )
 
 
 def speed() -> None:
     """Print the time of the solver and of others on the half-space, and of the solver on a layer."""
     pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    hertz = HertzGeometry(_RADIUS, _RADIUS).under_load(0.5, reduced_modulus=_MODULUS)
+    placement, layer = Placement(pad, wedge_angle=0.5, roll_angle=0.2), Tissue(0.09, thickness=8.0)
+    hertz = hertz_contact(_BALL, _HALF_SPACE, load=0.5)
     radius, exact = float(hertz.semi_major), (float(hertz.area), float(hertz.indentation))
     runs: dict[str, list[tuple[float, float]]] = {}
     print("\nOne contact, one thread, warm: seconds (relative error of area · of indentation)")
     for points in _GRIDS:
-        on_layer, _ = _timed(
-            partial(
-                EllipsoidContact.of,
-                pad,
-                wedge_angle=0.5,
-                roll_angle=0.2,
-                load=2.0,
-                reduced_modulus=0.12,
-                thickness=8.0,
-                points=points,
-            )
-        )
-        cells = [f"whole pad on a layer {on_layer:.3f}"]
+        on_layer, solved_pad = _timed(partial(solve_contact, placement, layer, load=2.0, points=points))
+        search, _ = _timed(partial(_highest_shear, solved_pad))
+        cells = [f"whole pad on a layer {on_layer:.3f}", f"its highest shear {search:.3f}"]
         for name, solved in _solvers().items():
             spent, (area, indentation) = _timed(partial(solved, points, radius, 0.5))
             runs.setdefault(name, []).append((spent, abs(area / exact[0] - 1)))
@@ -141,9 +132,12 @@ def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:
 
 
 def _by_fingerpad(points: int, radius: float, load: float) -> tuple[float, float]:
-    body = ElasticBody(reduced_modulus=_MODULUS)
-    found = solve_contact(_paraboloid(1.0), body, half_widths=(radius, radius), load=load, points=points)
-    return found.area, found.indentation
+    found = solve_gap(_BALL.gap.height, _HALF_SPACE, half_widths=(radius, radius), load=load, points=points)
+    return float(found.area), float(found.indentation)
+
+
+def _highest_shear(contact: SolvedContact) -> tuple[float, float]:
+    return ContactField.of_solution(contact).highest_shear_on_axis()
 
 
 def _by_contact_mechanics(points: int, radius: float, load: float) -> tuple[float, float]:
@@ -164,7 +158,7 @@ def _window(points: int, radius: float) -> tuple[float, FloatArray]:
     """Return the side of a grid a little wider than a contact, and the gap on it."""
     width = 2.2 * radius
     along = (np.arange(points) + 0.5) * width / points - width / 2
-    return width, _paraboloid(1.0)(along[:, None], along)
+    return width, _BALL.gap.height(along[:, None], along)
 
 
 def _timed(call: Callable[[], T]) -> tuple[float, T]:

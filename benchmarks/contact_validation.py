@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from benchmarks.contact_law_data import KEPT, circular_contacts
-from benchmarks.contact_law_errors import hertz_contacts, kept_gaps
+from benchmarks.contact_law_errors import kept_contacts
 from benchmarks.contact_laws import AREA_BIAS
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import ContactSolution, ElasticBody, PadGap, fast_contact, solve_contact
+from fingerpad.contact import SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.figures.style import (
     BLACK,
     BLUE,
@@ -22,10 +22,11 @@ from fingerpad.figures.style import (
     new_figure,
     plain_log_ticks,
 )
+from fingerpad.geometry import Paraboloid
 
 _IMAGES = Path(__file__).parents[1] / "docs" / "images"
 _RADIUS, _MODULUS = 10.0, 0.1
-_GAP = PadGap.paraboloid(_RADIUS, _RADIUS)
+_BALL = Paraboloid(_RADIUS, _RADIUS)
 _COLOURS = {0.5: BLUE, 0.3: VERMILLION}
 _SOLVED = np.array([0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0])
 _LINES = np.geomspace(0.03, 3.0, 300)
@@ -44,7 +45,7 @@ class Circles:
 
     def __init__(self, sizes: FloatArray, poisson_ratio: float) -> None:
         load, depth, _ = circular_contacts(sizes, poisson_ratio).T
-        self.sizes, self.poisson_ratio = sizes, poisson_ratio
+        self.tissue = Tissue.of_reduced_modulus(_MODULUS, poisson_ratio, thickness=1.0)
         self.area, self.indentation = np.pi * sizes**2, sizes**2 / _RADIUS * depth
         self.load = 4 / 3 * _MODULUS * sizes**3 / _RADIUS * load
         self.area_ratio, self.load_at_area, self.load_at_depth = 1 / depth, load, load / depth**1.5
@@ -56,16 +57,10 @@ class Circles:
         )
         return ratio
 
-    def solved(self, *, at_load: bool) -> list[ContactSolution]:
+    def solved(self, *, at_load: bool) -> list[SolvedContact]:
         """Solve the same contacts on 256² cells, by their loads or their indentations."""
-        body = ElasticBody(reduced_modulus=_MODULUS, thickness=1.0, poisson_ratio=self.poisson_ratio)
         given, values = ("load", self.load) if at_load else ("indentation", self.indentation)
-        return [
-            solve_contact(
-                lambda x, y: (x**2 + y**2) / (2 * _RADIUS), body, half_widths=(size, size), **{given: value}
-            )
-            for size, value in zip(self.sizes.tolist(), values.tolist(), strict=True)
-        ]
+        return [solve_contact(_BALL, self.tissue, **{given: value}) for value in values.tolist()]
 
 
 @in_style
@@ -80,11 +75,9 @@ def layer() -> None:
             above, (exact.area_ratio, exact.load_at_depth, exact.load_at_area), strict=True
         ):
             axes.plot(_LINES, line, color=colour, label=f"exact, ν = {nu:g}")
-        fast = fast_contact(_GAP, load=exact.load, thickness=1.0, poisson_ratio=nu, reduced_modulus=_MODULUS)
-        by_depth = fast_contact(
-            _GAP, indentation=exact.indentation, thickness=1.0, poisson_ratio=nu, reduced_modulus=_MODULUS
-        )
-        hertz = hertz_contacts(_GAP, "load", exact.load / _MODULUS)
+        fast = fast_contact(_BALL, exact.tissue, load=exact.load)
+        by_depth = fast_contact(_BALL, exact.tissue, indentation=exact.indentation)
+        hertz = hertz_contact(_BALL, exact.tissue, load=exact.load)
         by_hertz = hertz.area / exact.area, hertz.indentation / exact.indentation, 1 / exact.load_at_depth
         by_law = fast.area / exact.area, fast.indentation / exact.indentation, by_depth.load / exact.load
         by_solver = (
@@ -139,13 +132,13 @@ def pads() -> None:
     kept = np.load(KEPT)
     for row, name in zip((panels[:3], panels[3:]), ("pads_held_out", "layered_held_out"), strict=True):
         data = kept[name]
-        gap, tissue = kept_gaps(data, is_pad=True)
+        placement, tissue = kept_contacts(data, is_pad=True)
         values = {"load": data[:, -5], "area": data[:, -4] / AREA_BIAS, "indentation": data[:, -3]}
-        on_layer = "thickness" in tissue
-        size = np.sqrt(values["area"] / np.pi) / (tissue["thickness"] if on_layer else _silhouette(data))
+        on_layer = not tissue.is_deep
+        size = np.sqrt(values["area"] / np.pi) / (tissue.thickness if on_layer else _silhouette(data))
         for axes, (given, wanted) in zip(row, _GIVEN_WANTED, strict=True):
-            fast = fast_contact(gap, reduced_modulus=1.0, **tissue, **{given: values[given]})
-            hertz = hertz_contacts(gap, given, values[given])
+            fast = fast_contact(placement, tissue, **{given: values[given]})
+            hertz = hertz_contact(placement, tissue, **{given: values[given]})
             inside = fast.flag_code == 0
             for found, colour, words in ((hertz, GREY, "Hertz theory"), (fast, GREEN, "fast law")):
                 error = np.abs(getattr(found, wanted) / values[wanted] - 1)

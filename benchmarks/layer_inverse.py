@@ -8,7 +8,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from types import MappingProxyType
 from typing import NamedTuple
@@ -18,13 +18,13 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.loading_physics import POISSON, Array, Contact, Pad, hertz, layer, pink
 from benchmarks.loading_truth import Condition, make_curve
-from fingerpad.contact import EllipsoidContact, PadGap
+from fingerpad.contact import Tissue, solve_contact
 from fingerpad.exceptions import FingerpadError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 from fingerpad.loading import Estimate, Quantity, fit_layer_thickness
 
 TABLE_1 = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-WEDGE = math.radians(30)
+PLACED = Placement(TABLE_1, wedge_angle=math.radians(30))
 DEEP = math.inf
 
 
@@ -80,18 +80,8 @@ class Found(NamedTuple):
 def solved_pad(thickness: float, points: int = 64) -> tuple[CubicSpline, CubicSpline]:
     """Return load over E* and area of the pad of Table 1 against indentation, by the contact solver."""
     depths = 2.6 * np.linspace(0, 1, 15)[1:] ** 1.3
-    solved = [
-        EllipsoidContact.of(
-            TABLE_1,
-            wedge_angle=WEDGE,
-            reduced_modulus=1.0,
-            thickness=None if thickness == DEEP else thickness,
-            poisson_ratio=POISSON,
-            indentation=float(depth),
-            points=points,
-        ).solution
-        for depth in depths
-    ]
+    tissue = Tissue.of_reduced_modulus(1.0, POISSON, thickness)
+    solved = [solve_contact(PLACED, tissue, indentation=float(depth), points=points) for depth in depths]
     # W/ξ^(3/2) and A/ξ vary little, and are what is interpolated.
     load = CubicSpline(np.sqrt(depths), [one.load / one.indentation**1.5 for one in solved])
     return load, CubicSpline(np.sqrt(depths), [one.area / one.indentation for one in solved])
@@ -113,8 +103,7 @@ def whole_pad(thickness: float) -> Callable[[Pad, float], Contact]:
 def fit_once(case: Case, seed: int) -> Found:
     """Fit one curve of a pad of 30 to 80 kPa, and of 10 to 20 mm unless it is that of Table 1."""
     rng = np.random.default_rng(seed)
-    gap = PadGap.of(TABLE_1, wedge_angle=WEDGE)
-    table_radius = 2 / (1 / float(gap.first_radius) + 1 / float(gap.second_radius))
+    table_radius = float(PLACED.curvature.mean_curvature_radius)
     radius = table_radius if case.whole else rng.uniform(10, 20)
     pad, place = Pad(radius=radius, modulus=rng.uniform(0.03, 0.08)), rng.uniform(-2, 2)
     press = case.press
@@ -122,11 +111,12 @@ def fit_once(case: Case, seed: int) -> Found:
         press = Condition(contact=whole_pad(case.thickness), spectrum=press.spectrum)
     curve = make_curve(press, pad, place, rng)
     scale = rng.normal(1, case.radius_relative_std)
-    if case.whole:
-        known = PadGap.of(Ellipsoid(*(scale * TABLE_1.semi_axes)), wedge_angle=WEDGE)
-    else:
-        known = PadGap.paraboloid(scale * radius, scale * radius)
-    fit = fit_layer_thickness(curve, gap=known, radius_std=case.radius_relative_std * scale * radius)
+    known = (
+        replace(PLACED, ellipsoid=Ellipsoid(*(scale * TABLE_1.semi_axes)))
+        if case.whole
+        else Paraboloid(scale * radius, scale * radius)
+    )
+    fit = fit_layer_thickness(curve, placement=known, radius_std=case.radius_relative_std * scale * radius)
     t = fit.thickness
     there = isinstance(t, Estimate)
     return Found(

@@ -27,8 +27,10 @@ from benchmarks import contact_solver
 from benchmarks.exact import exact_contact
 from benchmarks.independent_images import CONDITIONS, IndependentImage, independent_images
 from benchmarks.timing import best
-from fingerpad.contact import hertz_contact
+from fingerpad._arrays import ArrayLike, as_float_array
+from fingerpad.contact import Contact, Tissue, hertz_contact
 from fingerpad.exceptions import ImageError
+from fingerpad.geometry import Paraboloid
 from fingerpad.image import measure_contact_image
 from fingerpad.uncertainty import pool_random_effects
 
@@ -68,13 +70,17 @@ print(json.dumps([rows, (time.perf_counter() - start) / 20]))
 """
 
 
+def _pressed(ratio: ArrayLike) -> Contact:
+    bodies = Paraboloid(RADIUS * as_float_array(ratio), RADIUS)
+    return hertz_contact(bodies, Tissue.of_reduced_modulus(MODULUS), load=LOAD)
+
+
 def hertz() -> None:
     """Print the largest error of semi-axes and indentation, and the time of a contact, of each peer."""
     exact = np.array([[float(x) for x in exact_contact(r, RADIUS, LOAD, MODULUS)[:3]] for r in RADII_RATIOS])
     ratios = np.tile(RADII_RATIOS, 20_000)
-    ours = hertz_contact(RADIUS * np.array(RADII_RATIOS), RADIUS, LOAD, reduced_modulus=MODULUS)
-    one = 1e6 * best(lambda: hertz_contact(RADIUS * 3.0, RADIUS, LOAD, reduced_modulus=MODULUS))
-    many = best(lambda: hertz_contact(RADIUS * ratios, RADIUS, LOAD, reduced_modulus=MODULUS), repeats=3)
+    ours = _pressed(np.array(RADII_RATIOS))
+    one, many = 1e6 * best(lambda: _pressed(3.0)), best(lambda: _pressed(ratios), repeats=3)
     found = np.stack([ours.semi_major, ours.semi_minor, ours.indentation], axis=1)
     print("Elliptical Hertz contact, R'/R'' from 1 to 100: largest relative error against 50 digits")
     print(f"    {'':<28}{'semi-axes':>11}{'indentation':>13}{'microseconds a contact':>25}")

@@ -4,21 +4,21 @@ The truth is drawn here from the statistics alone: persons, fingers of a person,
 repeats of a session each add an independent normal deviation to the logarithm of a quantity.
 """
 
+import math
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fingerpad._arrays import FloatArray, as_float_array
-from fingerpad.contact import pad_contact
-from fingerpad.geometry import Ellipsoid
+from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.by_load import AtLoad, pool_by_load
 from fingerpad.study.results.repeats import contact_repeatability, study_scatter
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.uncertainty import nested_scatter
+from fingerpad.uncertainty import nested_scatter, pad_model
 
 # One number of repeats per session, the sessions of each finger, the fingers of each person.
 Design = tuple[tuple[tuple[int, ...], ...], ...]
@@ -162,14 +162,19 @@ def draw_repeats(population: Population, drawn: Draws, rng: np.random.Generator)
 def _pairs(at: AtLoad, log_radius: float) -> Iterator[tuple[str, Any, float]]:
     radius = float(np.exp(log_radius))
     yield "area", at.area, np.pi * radius**2
-    contact = pad_contact(
-        Ellipsoid(*PAD),
-        wedge_angle=np.radians(30),
-        load=at.load,
-        semi_major=radius * np.exp(ELONGATION / 2),
-        semi_minor=radius * np.exp(-ELONGATION / 2),
-    )
-    yield "modulus", at.modulus, 1000 * float(contact.youngs_modulus)
+    exact: dict[str, float] = {
+        **dict(zip(SEMI_AXES, PAD.tolist(), strict=True)),
+        "wedge_angle": math.radians(30),
+        "roll_angle": 0.0,
+        "poisson_ratio": 0.5,
+        "image_scale": 1.0,
+        "edge_offset": 0.0,
+        "load": at.load,
+        "contact_radius": radius,
+        "elongation": ELONGATION,
+    }
+    outputs = pad_model(**{name: np.array(value) for name, value in exact.items()})
+    yield "modulus", at.modulus, 1000 * float(outputs["youngs_modulus"])
 
 
 def _contact(

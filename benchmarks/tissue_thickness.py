@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import EllipsoidContact, PadGap, fast_contact
+from fingerpad.contact import Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style, new_figure
+from fingerpad.geometry import Placement
 from fingerpad.published import dzidek2017, expected_loading, fit_tissue_thickness
 from fingerpad.published.dzidek2017 import METHODS, PublishedWedge
 from fingerpad.published.layer_loading import READINGS
@@ -48,11 +49,13 @@ def solver() -> None:
             place = {"wedge_angle": np.radians(angle), "thickness": 8.0}
             loading = expected_loading(pad, area=wedge.area_mm2.value, **place)
             modulus = float(loading.reduced_modulus)
-            solved = EllipsoidContact.of(pad, load=wedge.load_N, reduced_modulus=modulus, **place).solution
-            ratio = solved.area / (np.pi * solved.indentation)
-            aspect = solved.semi_major / solved.semi_minor
-            if abs(np.sin(solved.long_axis_angle)) > np.sqrt(0.5):
-                aspect = 1 / aspect
+            solved = solve_contact(
+                Placement(pad, wedge_angle=np.radians(angle)),
+                Tissue.of_reduced_modulus(modulus, thickness=8.0),
+                load=wedge.load_N,
+            )
+            aspect = solved.aspect_ratio if solved.along else 1 / solved.aspect_ratio
+            ratio = solved.area_over_pi_indentation
             print(
                 f"{method:<8} {angle}°  {loading.ratio:.3f}, {ratio:.3f} mm        {1e3 * modulus:6.1f}    "
                 f"{loading.along_over_across:.3f}, {aspect:.3f}"
@@ -75,19 +78,18 @@ def consequences() -> None:
                 f"shift {loading.contact_shift:.3f} mm; along/across {loading.along_over_across:.3f}",
                 end="",
             )
-    gap = PadGap.of(pad, wedge_angle=np.radians(45))
-    contact = fast_contact(gap, load=2.0, reduced_modulus=moduli[name, 30], thickness=thickness)
+    tissue = Tissue.of_reduced_modulus(moduli[name, 30], thickness=thickness)
+    contact = fast_contact(Placement(pad, wedge_angle=np.radians(45)), tissue, load=2.0)
     print(f"\narea at 45° and 2 N with E* of 30°: {contact.area:.1f} mm²")
     for angle, wedge in _WEDGES.items():
         indentation = wedge.area_mm2.value / (np.pi * wedge.measured_radius_mm.value)
-        gap = PadGap.of(pad, wedge_angle=np.radians(angle))
+        placement = Placement(pad, wedge_angle=np.radians(angle))
         shifted = []
         for error in (-0.1, 0.1):
             radius = wedge.area_mm2.value / (np.pi * (indentation + error))
             depths = np.linspace(4, 14, 1001)
-            ratio = fast_contact(
-                gap, area=wedge.area_mm2.value, reduced_modulus=1.0, thickness=depths
-            ).area_over_pi_indentation
+            pressed = fast_contact(placement, Tissue(1.0, thickness=depths), area=wedge.area_mm2.value)
+            ratio = pressed.area_over_pi_indentation
             shifted.append(float(np.interp(-radius, -ratio, depths)))
         print(f"{angle}°: t with ξ wrong by ∓0.1 mm: {shifted[0]:.1f}, {shifted[1]:.1f} mm")
 
@@ -153,15 +155,14 @@ def area_against_indentation() -> None:
 
 def _area_panel(axes: Axes, angle: int, wedge: PublishedWedge) -> None:
     pad, colour = _SOURCE.semi_axes["ellipse"].ellipsoid, _COLOURS[angle]
-    gap = PadGap.of(pad, wedge_angle=np.radians(angle))
+    placement = Placement(pad, wedge_angle=np.radians(angle))
     last, thickness = wedge.area_mm2.value, fit_tissue_thickness().thickness_mm
     area = np.linspace(0, last, 200)[1:]
 
     def whole_pad(depth: float) -> FloatArray:
-        return np.pi * fast_contact(gap, area=area, reduced_modulus=1.0, thickness=depth).indentation
+        return np.pi * fast_contact(placement, Tissue(1.0, thickness=depth), area=area).indentation
 
-    hertz = PadGap.paraboloid(gap.first_radius, gap.second_radius)
-    paraboloid = np.pi * fast_contact(hertz, area=area, reduced_modulus=1.0).indentation
+    paraboloid = np.pi * hertz_contact(placement, Tissue(1.0), area=area).indentation
     measured, std = wedge.measured_radius_mm.value, wedge.pooled_uncertainty_mm.value
     far = np.array([0, 1.15 * last / measured])
     axes.fill_between(far, far * (measured - std), far * (measured + std), color=BLACK, alpha=0.1, lw=0)

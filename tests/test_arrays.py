@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from fingerpad._arrays import as_float_array
-from fingerpad.contact import HertzGeometry, PadGap, hertz_contact
+from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.exceptions import GeometryError, LoadingError, UncertaintyError
-from fingerpad.geometry import Ellipsoid, Placement, relative_curvature
+from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 from fingerpad.loading import LoadingCurve
 from fingerpad.uncertainty import Inputs, pool, pool_random_effects
 
@@ -25,7 +25,7 @@ def test_masked_entries_become_nan(kind) -> None:
 
 
 def test_kernels_with_masked_entries() -> None:
-    contact = hertz_contact(MASKED, 10.0, 2.0, reduced_modulus=0.1)
+    contact = hertz_contact(Paraboloid(10.0, 10.0), Tissue(0.1), load=MASKED)
     assert np.isnan(contact.indentation).tolist() == [False, True, False]
 
 
@@ -37,7 +37,7 @@ def test_masked_values_refused() -> None:
     with pytest.raises(GeometryError, match="found nan"):
         Ellipsoid(MASKED, 12.0, 13.0)
     with pytest.raises(GeometryError, match="found nan"):
-        relative_curvature(MASKED[:2])
+        Tissue(MASKED)
     with pytest.raises(LoadingError, match="load is not finite in row 2"):
         LoadingCurve(load=MASKED, indentation=np.arange(3.0))
 
@@ -45,10 +45,11 @@ def test_masked_values_refused() -> None:
 @pytest.mark.parametrize(
     ("make", "of"),
     [
-        (lambda a: HertzGeometry(a, 14.0), "first_radius"),
+        (lambda a: Paraboloid(a, 14.0), "first_radius"),
+        (lambda a: Paraboloid(a, 14.0).gap, "first_radius"),
+        (Tissue, "youngs_modulus"),
         (lambda a: Ellipsoid(a, 13.8, 11.8), "palmar"),
         (lambda a: Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=a / 100), "wedge_angle"),
-        (lambda a: PadGap.paraboloid(a, 14.0), "first_radius"),
         (lambda a: LoadingCurve(load=a, indentation=a), "load"),
         (lambda a: Inputs(names=("a", "b"), mean=a, covariance=np.eye(2), groups={}), "mean"),
     ],

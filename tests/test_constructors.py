@@ -10,26 +10,19 @@ import tifffile
 from PIL import Image
 
 from fingerpad.contact import (
-    ContactField,
-    Counterface,
-    ElasticBody,
-    EllipsoidContact,
-    HertzGeometry,
     HertzPressure,
-    PadGap,
+    Tissue,
     curvature_ratio,
     equivalent_radius_from_area,
     equivalent_radius_from_compliance,
     equivalent_radius_from_indentation,
     fast_contact,
     hertz_contact,
-    hertz_displacement,
     indentation_factor,
     layer_compliance_ratio,
-    pad_contact,
-    reduced_modulus,
     size_factor,
     solve_contact,
+    solve_gap,
     youngs_modulus,
 )
 from fingerpad.exceptions import (
@@ -40,7 +33,7 @@ from fingerpad.exceptions import (
     ImageError,
     LoadingError,
 )
-from fingerpad.geometry import Ellipse, Ellipsoid, Placement, relative_curvature
+from fingerpad.geometry import Counterface, Ellipse, Ellipsoid, Gap, Paraboloid, Placement
 from fingerpad.image import (
     BrushStroke,
     FaceSemiAxes,
@@ -84,7 +77,7 @@ from fingerpad.uncertainty import Inputs, pad_model, propagate
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PADS = Ellipsoid(palmar=[7.9, 8.0], distal=13.8, radial_ulnar=11.8)
-SKEW = {"first_skewness": 0.0, "second_skewness": 0.0, "flatness": 0.1}
+SKEW = {"first_skewness": 0.0, "second_skewness": 0.0, "flatness": 0.1, "angle": 0.0}
 GAP = {"first_radius": 12.0, "second_radius": 14.0, **SKEW}
 PRESSURE = {"peak_pressure": 1, "semi_major": 2, "semi_minor": 1, "long_axis_angle": 0, "centre": (0, 0)}
 GRID = {
@@ -97,14 +90,17 @@ FACE = {"face": "palmar", "semi_axes": (11.8, 13.8), "covariance": 0.01 * np.eye
 PIXELS = np.zeros((20, 30), np.uint8)
 PRESSED = {
     "gap": lambda x, y: (x**2 + y**2) / 20,
-    "body": ElasticBody(reduced_modulus=0.1),
+    "tissue": Tissue(0.1),
     "half_widths": (3, 3),
     "load": 1.0,
 }
 
 
+PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(12, 14)
+
+
 def press(pad=PAD, wedge_angle=0.5):
-    return EllipsoidContact.of(pad, wedge_angle=wedge_angle, load=2.0, reduced_modulus=0.1, points=64)
+    return solve_contact(Placement(pad, wedge_angle=wedge_angle), SOFT, load=2.0, points=64)
 
 
 INVALID = {
@@ -157,42 +153,38 @@ INVALID = {
         (lambda: render_sequence([0.0, 0.1], ppi=-1), "ppi must be positive and finite, found -1"),
         (lambda: Ellipsoid(palmar=-7.9, distal=13.8, radial_ulnar=11.8), "palmar .*found -7"),
         (lambda: Ellipse(5.0, 7.4), "semi_minor must be no longer"),
-        (lambda: HertzGeometry([12, -1], 14), "first_radius .*found -1 at index 1"),
+        (lambda: Paraboloid([12, -1], 14), "first_radius .*found -1 at index 1"),
         (lambda: dataclasses.replace(PAD, distal=0), "distal"),
         (lambda: Ellipsoid("a", 13.8, 11.8), "palmar must be numeric, found 'a'"),
         (lambda: Ellipsoid("7.9", 13.8, 11.8), "palmar must be numeric, found '7.9'"),
         (lambda: Ellipsoid([7.9, 8], [13, 14, 15], 11.8), r"palmar \(2,\), distal \(3,\), rad"),
         (lambda: Ellipse([[7], [7, 8]], 5), "semi_major must be numeric"),
-        (lambda: HertzGeometry([12, 13], [14, 15, 16]), r"second_radius \(3,\)"),
-        (lambda: HertzGeometry(12, "x"), "second_radius must be numeric, found 'x'"),
+        (lambda: Paraboloid([12, 13], [14, 15, 16]), r"second_radius \(3,\)"),
+        (lambda: Paraboloid(12, "x"), "second_radius must be numeric, found 'x'"),
         (lambda: Placement(PADS, wedge_angle=[0.1, 0.2, 0.3]), r"ellipsoid \(2,\), wedge_angle \(3"),
         (lambda: Placement(PAD, wedge_angle=[0.1, 0.2], roll_angle=[0, 0, 0]), r"roll_angle \(3,\)"),
         (lambda: Placement(PAD, wedge_angle="a"), "wedge_angle must be numeric, found 'a'"),
-        (lambda: ElasticBody(reduced_modulus=-1), "reduced_modulus must be positive and finite, fou"),
-        (lambda: ElasticBody(reduced_modulus=np.nan), "reduced_modulus must be positive and finite"),
-        (lambda: ElasticBody(reduced_modulus="a"), "reduced_modulus must be numeric, found 'a'"),
-        (lambda: ElasticBody(reduced_modulus=[1, 2]), r"reduced_modulus must be one number, .*\(2,\)"),
-        (lambda: ElasticBody(reduced_modulus=1, thickness=0), "thickness must be positive, found 0"),
-        (lambda: ElasticBody(reduced_modulus=1, thickness=5, poisson_ratio=0.7), "poisson_ratio .*0.7"),
+        (lambda: Tissue(-1), "youngs_modulus must be positive and finite, found -1"),
+        (lambda: Tissue("a"), "youngs_modulus must be numeric, found 'a'"),
+        (lambda: Tissue(1, thickness=0), "thickness must be positive, found 0"),
+        (lambda: Tissue(1, thickness=5, poisson_ratio=0.7), "poisson_ratio .*0.7"),
+        (lambda: Tissue.of_reduced_modulus(-1), "youngs_modulus must be positive and finite, found -0.75"),
         (lambda: Counterface(radius=0), "radius must be positive, found 0"),
         (lambda: Counterface(radius=np.nan), "radius must be positive, found nan"),
         (lambda: Counterface(radius=-5), "radius must be positive, found -5"),
         (lambda: Counterface(radius=5, axis_angle=np.nan), "axis_angle must be finite"),
-        (lambda: PadGap(**GAP | {"first_radius": -1}), "first_radius must be positive, found -1"),
-        (lambda: PadGap(**GAP | {"second_radius": 0}), "second_radius must be positive, found 0"),
-        (lambda: PadGap(**GAP | {"flatness": "x"}), "flatness must be numeric, found 'x'"),
-        (lambda: PadGap.paraboloid([1, 2], [1, 2, 3]), r"first_radius \(2,\)"),
-        (lambda: PadGap.of(PADS, wedge_angle=[0.1, 0.2, 0.3]), r"pad \(2,\), wedge_angle \(3,\)"),
+        (lambda: Gap(**GAP | {"first_radius": -1}), "first_radius must be positive, found -1"),
+        (lambda: Gap(**GAP | {"second_radius": 0}), "second_radius must be positive, found 0"),
+        (lambda: Gap(**GAP | {"flatness": "x"}), "flatness must be numeric, found 'x'"),
         (lambda: HertzPressure(**PRESSURE | {"peak_pressure": 0}), "peak_pressure must be positive"),
         (lambda: HertzPressure(**PRESSURE | {"semi_minor": 3}), "semi_minor must be no longer"),
         (lambda: HertzPressure(**PRESSURE | {"centre": 0.0}), "centre must be two finite num"),
-        (lambda: solve_contact(**PRESSED | {"half_widths": (3, 0)}), "half_widths must be two posit"),
+        (lambda: solve_gap(**PRESSED | {"half_widths": (3, 0)}), "half_widths must be two posit"),
         (lambda: press(wedge_angle=3), "wedge_angle must be between 0 and π/2 .*found 3"),
         (lambda: press(wedge_angle=np.nan), "wedge_angle must be finite"),
-        (lambda: press(wedge_angle=[0.1, 0.2]), r"one pad in one placement .*found shape \(2,\)"),
-        (lambda: press(pad=PADS), r"one pad in one placement .*found shape \(2,\): loop"),
+        (lambda: press(wedge_angle=[0.1, 0.2]), r"one contact is solved at a time, .*shape \(2,\)"),
+        (lambda: press(pad=PADS), r"one contact is solved at a time, .*shape \(2,\).*: loop"),
         (lambda: press(pad=(7.9, 13.8, 11.8)), "ellipsoid must be an Ellipsoid, found tuple"),
-        (lambda: ContactField.of_hertz(PAD, wedge_angle=3, load=1, reduced_modulus=1), "wedge_angle"),
     ],
     LoadingError: [
         (lambda: LoadingCurve(load=[], indentation=[]), "needs one row or more, found none"),
@@ -252,7 +244,7 @@ def test_lists_become_float_arrays() -> None:
 
 def test_pickle_and_replace() -> None:
     placement = Placement(PAD, wedge_angle=[0.4, 0.5])
-    for one in (PAD, placement, HertzGeometry(12, [14, 15]), ForceSignal([0, 1], [0, 1])):
+    for one in (PAD, placement, Paraboloid(12, [14, 15]), SOFT, ForceSignal([0, 1], [0, 1])):
         again = pickle.loads(pickle.dumps(one))
         assert repr(again) == repr(one)
         with pytest.raises(dataclasses.FrozenInstanceError):
@@ -282,17 +274,18 @@ SCALARS = {
     "wedge": lambda: Placement(PAD, wedge_angle=0.5).wedge_angle,
     "u": lambda: Placement(PAD, wedge_angle=0.5).u,
     "in-plane radius": lambda: Placement(PAD, wedge_angle=0.5).curvature.in_plane_radius,
-    "angle": lambda: relative_curvature((10, 12), (8, 9), angle=0.3).angle,
+    "angle": lambda: PLACED.gap.angle,
     "parametric angle": lambda: PAD.parametric_angles([1.0, 0, 0])[0],
-    "load": lambda: hertz_contact(12, 14, 2, reduced_modulus=0.1).load,
-    "indentation": lambda: hertz_contact(12, 14, 2, reduced_modulus=0.1).indentation,
-    "stiffness": lambda: hertz_contact(12, 14, 2, reduced_modulus=0.1).stiffness,
-    "K": lambda: HertzGeometry(12, 14).K,
-    "long axis": lambda: HertzGeometry(12, 14).long_axis,
-    "at area": lambda: HertzGeometry(12, 14).at_area(80, reduced_modulus=0.1).semi_minor,
-    "modulus from area": lambda: HertzGeometry(12, 14).reduced_modulus_from_area(2, 80),
-    "reduced modulus": lambda: reduced_modulus(0.1),
-    "Young's modulus": lambda: youngs_modulus(0.1),
+    **{
+        f"{name} of {model.__name__}": lambda name=name, model=model: getattr(
+            model(PLACED, SOFT, load=1), name
+        )
+        for model in (hertz_contact, fast_contact)
+        for name in ("load", "indentation", "area", "semi_minor", "peak_pressure", "aspect_ratio")
+    },
+    "at area": lambda: hertz_contact(BODIES, SOFT, area=80).semi_minor,
+    "reduced modulus": lambda: SOFT.reduced_modulus,
+    "Young's modulus": lambda: youngs_modulus(PLACED, load=2, area=80),
     "estimate": lambda: (
         propagate(lambda load: {"double": 2 * load}, Inputs.of(load=(2, 0.1)))["double"].value
     ),
@@ -306,24 +299,14 @@ SCALARS = {
     "secant modulus": lambda: secant_modulus(2, 1.8, loading_radius=20),
     "area exponent": lambda: local_area_exponent(2, initial_modulus=0.04, load_coefficient=0.02),
     "radius with the misprint": lambda: radius_with_misprint(PAD, 0.5),
-    "radius of a paraboloid": lambda: PadGap.paraboloid(10, 12).first_radius,
-    "flatness of a paraboloid": lambda: PadGap.paraboloid(10, 12).flatness,
-    "radius of a gap": lambda: PadGap.of(PAD, wedge_angle=0.5).second_radius,
-    "displacement": lambda: hertz_displacement(0, 0, semi_x=1, semi_y=1, peak_pressure=1, reduced_modulus=1),
+    "radius of a paraboloid": lambda: BODIES.first_radius,
+    "flatness of a paraboloid": lambda: BODIES.gap.flatness,
+    "radius of a gap": lambda: PLACED.gap.second_radius,
     "layer compliance": lambda: layer_compliance_ratio(1.0, 0.5),
-    "indentation of a layer": lambda: (
-        fast_contact(PadGap.paraboloid(10, 12), load=1, reduced_modulus=0.1).indentation
-    ),
     "equivalent radius from area": lambda: equivalent_radius_from_area(15, 0.7),
     "equivalent radius from compliance": lambda: equivalent_radius_from_compliance(15, 0.7),
     "equivalent radius from indentation": lambda: equivalent_radius_from_indentation(15, 0.7),
     "load at a time": lambda: ForceSignal([0, 1], [0, 1]).load_at(0.5),
-    **{
-        f"{name} of pad_contact": lambda name=name: getattr(
-            pad_contact(PAD, wedge_angle=0.5, load=2, semi_major=7.4, semi_minor=5), name
-        )
-        for name in ("indentation", "mean_pressure", "predicted_elongation", "radius_from_indentation")
-    },
 }
 
 

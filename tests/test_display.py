@@ -16,7 +16,8 @@ from PIL import Image
 import fingerpad as fp
 from fingerpad._display import Displayed
 from fingerpad._records import record_text
-from fingerpad.contact import ContactField, Counterface, HertzPressure
+from fingerpad.contact import ContactField, HertzPressure
+from fingerpad.geometry import Counterface
 from fingerpad.image import (
     BrushStroke,
     Frame,
@@ -38,6 +39,8 @@ from fingerpad.simulate import (
 PAD = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 CURVE = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
 
+SOFT = fp.Tissue(youngs_modulus=0.1)
+
 
 @cache
 def contact():
@@ -51,11 +54,11 @@ def results() -> dict[str, object]:
         "contact image": fp.measure_contact_image(contact().pixels, fp.Scale.of_ppi(250)),
         "photograph": fp.measure_photograph(finger.pixels, "palmar", 0.1),
         "fit": fp.fit_loading_curve(CURVE),
-        "contact": fp.hertz_contact(12.955, 14.330, [1.0, 2.0], reduced_modulus=0.1365),
+        "contact": fp.hertz_contact(fp.Paraboloid(12.955, 14.330), SOFT, load=[1.0, 2.0]),
         "placement": fp.Placement(PAD, wedge_angle=0.5),
         "curve": CURVE,
-        "many": fp.HertzGeometry(np.linspace(10, 12, 1000), 14.0),
-        "pad contact": fp.pad_contact(PAD, wedge_angle=0.5, load=2, semi_major=7.4, semi_minor=5.0),
+        "many": fp.Paraboloid(np.linspace(10, 12, 1000), 14.0),
+        "many contacts": fp.fast_contact(fp.Placement(PAD, wedge_angle=0.5), SOFT, load=np.ones(1000)),
         "picture": Picture(pixels=contact().pixels, dots_per_inch=250),
     }
 
@@ -115,20 +118,20 @@ def test_public_dataclasses_have_summaries() -> None:
 
 @pytest.fixture(scope="module")
 def large() -> list[object]:
-    solved = fp.EllipsoidContact.of(PAD, wedge_angle=0.5, load=2.0, reduced_modulus=0.1, points=64)
-    fields = [ContactField.of_solution(solved.solution)]
-    fields += [ContactField.of_hertz(PAD, wedge_angle=0.5, load=2.0, reduced_modulus=0.1)]
+    placement = fp.Placement(PAD, wedge_angle=0.5)
+    solved = fp.solve_contact(placement, SOFT, load=2.0, points=64)
+    fields = [ContactField.of_solution(solved), ContactField.of_hertz(placement, SOFT, load=2.0)]
     frames = [Frame(index=k, pixels=contact().pixels) for k in range(3)]
     measured = list(fp.measure_sequence(frames, 0.1))
     stroke = [(row, 10.0) for row in range(1000)]
     printed = dzidek2017()
     return [
-        solved,
-        solved.solution,
         *fields,
+        solved,
+        solved.grid,
         fields[0].section(points=11, levels=5),
         fields[0].stress_on_axis([1.0, 2.0]),
-        HertzPressure.of_moments(solved.solution.grid, solved.solution.pressure),
+        HertzPressure.of_moments(solved.grid, solved.pressure),
         Counterface.cylinder(5.0, axis_angle=0.1),
         *measured,
         sequence_summary(measured),
@@ -157,9 +160,8 @@ def test_reprs_of_large_results_are_short(large: list[object]) -> None:
 
 
 def test_summary_shows_long_results_below(large: list[object]) -> None:
-    assert "solution=ContactSolution(…)" in repr(large[0])
-    assert f"\n\n{large[1].summary().splitlines()[0]}\n" in large[0].summary()
-    assert large[0].summary().endswith(large[0].hertz.summary())
+    assert "contact=SolvedContact(…)" in repr(large[0])
+    assert large[0].contact.summary() in large[0].summary()
 
 
 def test_uncertain_outputs_print_one_line_each() -> None:
@@ -185,7 +187,7 @@ def test_summaries_show_uncertainties(results: dict[str, object]) -> None:
     assert f"{image.gross_area:.1f}" in line
     assert re.search(r"youngs_modulus_kpa +[\d.]+ ± ", fit.summary())
     assert re.search(r"distal_mm +13\.\d+ ± ", results["photograph"].summary())
-    assert "indentation" in results["pad contact"].summary()
+    assert "indentation" in results["many contacts"].summary()
 
 
 def test_notebook_drawings(results: dict[str, object]) -> None:
@@ -237,7 +239,7 @@ def test_show_errors(results, tmp_path: Path) -> None:
     with pytest.raises(fp.FingerpadError, match="a.xyz: cannot be written"):
         fp.show(results["photograph"], tmp_path / "a.xyz")
     with pytest.raises(fp.FingerpadError, match="up to 20 contacts can be drawn, found 30"):
-        fp.show(fp.hertz_contact(12, 14, np.ones(30), reduced_modulus=0.1))
+        fp.show(fp.hertz_contact(fp.Paraboloid(12, 14), SOFT, load=np.ones(30)))
     with pytest.raises(fp.FingerpadError, match="one placement can be drawn, found 2"):
         fp.show(fp.Placement(PAD, wedge_angle=[0.4, 0.5]))
     prepared = prepare_contact_image(contact().pixels, fp.Scale.of_ppi(250))

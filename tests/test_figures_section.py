@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from fingerpad.contact import ContactField, EllipsoidContact
+from fingerpad.contact import ContactField, Tissue, solve_contact
 from fingerpad.figures import mark_receptors, new_figure, plot_contact_pressure, plot_section, section_figure
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Placement
 
-PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-PRESS = {"wedge_angle": np.radians(30), "load": 2.0, "reduced_modulus": 0.09}
-HERTZ = ContactField.of_hertz(PAD, **PRESS)
-LAYER = ContactField.of_solution(EllipsoidContact.of(PAD, thickness=4.0, points=64, **PRESS).solution)
+PLACEMENT = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+TISSUE = Tissue.of_reduced_modulus(0.09, thickness=4.0)
+HERTZ = ContactField.of_hertz(PLACEMENT, TISSUE, load=2.0)
+LAYER = ContactField.of_solution(solve_contact(PLACEMENT, TISSUE, load=2.0, points=64))
 RECEPTORS = {"Pacinian": (1.5, 2.5), "Merkel": (0.7, 1.0), "deep": (30.0, 40.0)}
 
 
@@ -23,8 +23,8 @@ def test_pressure_is_in_kpa() -> None:
     plot_contact_pressure(axes, LAYER.section(points=101, levels=2), hertz=HERTZ.section(levels=2))
     assert axes.get_ylabel() == "pressure (kPa)"
     solved, hertz = axes.get_lines()
-    assert solved.get_ydata().max() == pytest.approx(1000 * LAYER.peak_pressure, rel=0.01)
-    assert hertz.get_ydata().max() == pytest.approx(1000 * HERTZ.peak_pressure, rel=1e-3)
+    assert solved.get_ydata().max() == pytest.approx(1000 * LAYER.contact.peak_pressure, rel=0.01)
+    assert hertz.get_ydata().max() == pytest.approx(1000 * HERTZ.contact.peak_pressure, rel=1e-3)
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["whole pad", "Hertz"]
 
 

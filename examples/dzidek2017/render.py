@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
+from fingerpad.contact import Contact, Tissue, hertz_contact
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.simulate import render_contact_image, render_finger, render_sequence, simulate_loading_curve
 
@@ -41,22 +41,21 @@ def main() -> None:
     render_press(30)
 
 
-def hertz(wedge: float) -> HertzGeometry:
-    """Return the gap between the pad on its wedge and the platen."""
-    radii = Placement(PAD, wedge_angle=np.radians(wedge)).curvature.principal_radii
-    return HertzGeometry(*radii)
+def hertz(wedge: float, load: float) -> Contact:
+    """Return the contact between the pad on its wedge and the platen."""
+    placement = Placement(PAD, wedge_angle=np.radians(wedge))
+    return hertz_contact(placement, Tissue.of_reduced_modulus(REDUCED_MODULUS), load=load)
 
 
 def render_images(wedge: int) -> list[dict[str, object]]:
     """Render a contact image for each load and return the truth about it."""
     rows = []
-    geometry = hertz(wedge)
     for number, load in enumerate(LOADS[wedge]):
-        contact = geometry.under_load(load, reduced_modulus=REDUCED_MODULUS)
+        contact = hertz(wedge, load)
         picture = render_contact_image(
             semi_major=float(contact.semi_major),
             semi_minor=float(contact.semi_minor),
-            orientation=np.pi / 2 * float(geometry.long_axis),
+            orientation=0.0 if contact.along else np.pi / 2,
             ppi=PPI,
             look=LOOKS[wedge],
             seed=100 * wedge + number,
@@ -86,9 +85,7 @@ def render_photographs() -> None:
 
 def render_curves(wedge: int) -> None:
     """Simulate presses at three velocities, of a pad that is viscoelastic and stiffens with load."""
-    radius = float(
-        equivalent_radius_from_compliance(hertz(wedge).geometric_mean_radius, hertz(wedge).axis_ratio)
-    )
+    radius = float(hertz(wedge, 1.0).area_over_pi_indentation)
     for seed, rate in enumerate(RATES, start=7):
         curve = simulate_loading_curve(
             loading_radius=radius,

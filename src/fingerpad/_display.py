@@ -19,12 +19,16 @@ class Displayed:
     __slots__ = ()
 
     def __repr__(self) -> str:
-        shown = ", ".join(f"{name}={short_text(value)}" for name, value in _shown_fields(self))
+        shown = ", ".join(f"{name}={short_text(value)}" for name, value in self._shown())
         return f"{type(self).__name__}({shown})"
+
+    def _shown(self) -> list[tuple[str, Any]]:
+        names = (field.name for field in fields(self) if not field.name.startswith("_"))  # type: ignore[arg-type]
+        return [(name, getattr(self, name)) for name in names]
 
     def summary(self) -> str:
         """Return the contents in words, one line each, and those of long results in them below."""
-        values = _shown_fields(self)
+        values = self._shown()
         own = "\n".join([type(self).__name__, *aligned(values)])
         long = (value for _, value in values if isinstance(value, Displayed) and _is_long(value))
         return "\n\n".join([own, *(value.summary() for value in long)])
@@ -39,11 +43,6 @@ class Displayed:
         except (FingerpadError, ImportError):
             return text
         return f'<img src="data:image/png;base64,{image}" style="max-width: 560px" alt="">{text}'
-
-
-def _shown_fields(shown: Any) -> list[tuple[str, Any]]:
-    names = (field.name for field in fields(shown) if not field.name.startswith("_"))
-    return [(name, getattr(shown, name)) for name in names]
 
 
 def aligned(values: list[tuple[str, Any]]) -> list[str]:
@@ -69,6 +68,8 @@ def short_text(value: Any) -> str:
         return f"{value:.6g}"
     if isinstance(value, Displayed):
         return f"{type(value).__name__}(…)" if _is_long(value) else str(value)
+    if isinstance(value, np.bool_):
+        value = bool(value)
     text = value if isinstance(value, str) else repr(value)
     if callable(value):
         return f"<{type(value).__name__}>"

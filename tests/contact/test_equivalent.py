@@ -5,22 +5,23 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.contact import (
-    HertzGeometry,
+    Tissue,
     equivalent_radius_from_area,
     equivalent_radius_from_compliance,
     equivalent_radius_from_indentation,
     hertz_contact,
 )
+from fingerpad.geometry import Paraboloid
 
 
 @pytest.mark.parametrize("radii", [(10.0, 10.0), (8.361, 12.384), (3.0, 40.0)])
 def test_equivalent_spheres_satisfy_hertz(radii: tuple[float, float]) -> None:
-    geometry = HertzGeometry(*radii)
-    ellipse = geometry.under_load(2.0, reduced_modulus=0.1)
-    base, k = geometry.geometric_mean_radius, geometry.axis_ratio
+    tissue = Tissue(youngs_modulus=0.1)
+    ellipse = hertz_contact(Paraboloid(*radii), tissue, load=2.0)
+    base, k = np.sqrt(np.prod(radii)), 1 / ellipse.aspect_ratio
 
     def sphere(radius):
-        return hertz_contact(radius, radius, 2.0, reduced_modulus=0.1)
+        return hertz_contact(Paraboloid(radius, radius), tissue, load=2.0)
 
     by_indentation = sphere(equivalent_radius_from_indentation(base, k))
     assert_allclose(by_indentation.indentation, ellipse.indentation, rtol=1e-14)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.contact.outline import contact_outline
+from fingerpad.contact.grid import contact_outline
 
 
 @pytest.mark.parametrize("degrees", [-80, -45, -10, 10, 45, 80])

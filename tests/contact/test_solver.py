@@ -9,11 +9,13 @@ import tamaas
 from numpy.testing import assert_allclose
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import ContactSolution, ElasticBody, HertzGeometry, solve_contact
+from fingerpad.contact import SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
 from fingerpad.exceptions import ConvergenceError, FingerpadError, GeometryError
+from fingerpad.geometry import Paraboloid
 
-HALF_SPACE = ElasticBody(reduced_modulus=0.1)
+HALF_SPACE = Tissue.of_reduced_modulus(0.1)
 RADIUS = 10.0
+BALL = Paraboloid(RADIUS, RADIUS)
 
 
 def paraboloid(first: float, second: float) -> Callable[[FloatArray, FloatArray], FloatArray]:
@@ -25,19 +27,17 @@ def sphere(x: FloatArray, y: FloatArray) -> FloatArray:
         return RADIUS - np.sqrt(RADIUS**2 - x**2 - y**2)
 
 
-def on_layer(thickness: float, poisson_ratio: float, *, points: int = 128, **given: float) -> ContactSolution:
-    body = ElasticBody(reduced_modulus=0.1, thickness=thickness, poisson_ratio=poisson_ratio)
-    return solve_contact(paraboloid(RADIUS, RADIUS), body, half_widths=(3, 3), points=points, **given)
+def on_layer(thickness: float, poisson_ratio: float, *, points: int = 128, **given: float) -> SolvedContact:
+    tissue = Tissue.of_reduced_modulus(0.1, poisson_ratio, thickness)
+    return solve_contact(BALL, tissue, points=points, **given)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1.07, 2.0, 5.0, 20.0])
 @pytest.mark.parametrize("points", [64, 128, 256])
 def test_paraboloids_equal_hertz(ratio: float, points: int) -> None:
-    hertz = HertzGeometry(RADIUS, ratio * RADIUS).under_load(0.5, reduced_modulus=0.1)
-    guess = float(hertz.semi_minor), float(hertz.semi_major)
-    found = solve_contact(
-        paraboloid(RADIUS, ratio * RADIUS), HALF_SPACE, half_widths=guess, load=0.5, points=points
-    )
+    bodies = Paraboloid(RADIUS, ratio * RADIUS)
+    hertz = hertz_contact(bodies, HALF_SPACE, load=0.5)
+    found = solve_contact(bodies, HALF_SPACE, load=0.5, points=points)
     fineness = (256 / points) ** 1.6
     assert_allclose(found.area, hertz.area, rtol=3e-4 * fineness)
     assert_allclose(found.semi_major, hertz.semi_major, rtol=2e-4 * fineness)
@@ -49,6 +49,7 @@ def test_paraboloids_equal_hertz(ratio: float, points: int) -> None:
     error = abs(found.area / float(hertz.area) - 1)
     assert error < found.relative_error < 1e-3 * fineness
     if ratio > 1:
+        assert not found.along
         assert_allclose(abs(found.long_axis_angle), math.pi / 2, atol=1e-3)
 
 
@@ -58,7 +59,7 @@ def test_sphere_equals_sneddon() -> None:
     for radius in (2.0, 5.0, 8.0):
         log = math.log((RADIUS + radius) / (RADIUS - radius))
         indentation = radius / 2 * log
-        found = solve_contact(sphere, HALF_SPACE, half_widths=(4, 4), indentation=indentation)
+        found = solve_gap(sphere, HALF_SPACE, half_widths=(4, 4), indentation=indentation)
         assert_allclose(found.load, 0.05 * ((RADIUS**2 + radius**2) * log - 2 * radius * RADIUS), rtol=3e-5)
         assert_allclose(found.area, math.pi * radius**2, rtol=7e-4)
 
@@ -66,7 +67,7 @@ def test_sphere_equals_sneddon() -> None:
 @pytest.mark.parametrize(("power", "factor"), [(4, 8 / 3), (6, 16 / 5)])
 def test_power_law_shapes_equal_sneddon(power: int, factor: float) -> None:
     # Gap r^n: ξ = factor·a^n, W = 2n/(n + 1) E* a ξ (Johnson 1985, Eq. 5.20).
-    found = solve_contact(
+    found = solve_gap(
         lambda x, y: (x**2 + y**2) ** (power // 2) / 1000, HALF_SPACE, half_widths=(3, 3), area=math.pi * 4
     )
     indentation = factor * 2.0**power / 1000
@@ -106,9 +107,7 @@ def test_layer_equals_garcia_series(chi: float, tolerance: float) -> None:
 
 def test_thick_layer_equals_half_space() -> None:
     deep = on_layer(1e5, 0.5, load=0.3)
-    half_space = solve_contact(
-        paraboloid(RADIUS, RADIUS), HALF_SPACE, half_widths=(3, 3), load=0.3, points=128
-    )
+    half_space = solve_contact(BALL, HALF_SPACE, load=0.3, points=128)
     assert_allclose([deep.indentation, deep.area], [half_space.indentation, half_space.area], rtol=1e-4)
 
 
@@ -156,9 +155,9 @@ def test_oblique_contact_direction() -> None:
     along = lambda x, y: x * math.cos(turn) + y * math.sin(turn)  # noqa: E731
     across = lambda x, y: y * math.cos(turn) - x * math.sin(turn)  # noqa: E731
     ellipse = paraboloid(2 * RADIUS, RADIUS)
-    hertz = HertzGeometry(2 * RADIUS, RADIUS).under_load(0.5, reduced_modulus=0.1)
+    hertz = hertz_contact(Paraboloid(2 * RADIUS, RADIUS), HALF_SPACE, load=0.5)
     for angle in (0.0, turn, 1.2):
-        found = solve_contact(
+        found = solve_gap(
             lambda x, y: ellipse(along(x - 1, y), across(x - 1, y)),
             HALF_SPACE,
             half_widths=(2, 4),
@@ -168,11 +167,11 @@ def test_oblique_contact_direction() -> None:
         )
         assert_allclose(found.long_axis_angle, turn, atol=1e-3)
         assert_allclose(found.centre, [1, 0], atol=1e-3)
-        assert_allclose(found.axis_ratio, hertz.semi_minor / hertz.semi_major, rtol=1e-3)
+        assert_allclose(found.aspect_ratio, hertz.aspect_ratio, rtol=1e-3)
 
 
 def test_agrees_with_tamaas() -> None:
-    found = solve_contact(sphere, HALF_SPACE, half_widths=(4, 4), load=1.5, points=128)
+    found = solve_gap(sphere, HALF_SPACE, half_widths=(4, 4), load=1.5, points=128)
     points, width = 128, 12.0
     along = (np.arange(points) + 0.5) * width / points - width / 2
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [width] * 2, [points] * 2)
@@ -191,7 +190,7 @@ def test_agrees_with_tamaas() -> None:
 
 def test_initial_guess_invariance() -> None:
     loads = [
-        solve_contact(
+        solve_gap(
             paraboloid(RADIUS, 3 * RADIUS), HALF_SPACE, half_widths=guess, indentation=0.5, points=64
         ).load
         for guess in ((0.05, 0.05), (2, 4), (60, 1), (80, 90))
@@ -202,7 +201,7 @@ def test_initial_guess_invariance() -> None:
 @pytest.mark.parametrize(
     ("given", "error", "message"),
     [
-        ({}, GeometryError, "give exactly one of load, indentation and area, found 0"),
+        ({}, GeometryError, "give exactly one of load, area, indentation, found 0"),
         ({"load": 1.0, "area": 1.0}, GeometryError, "found 2"),
         ({"load": 0.0}, GeometryError, "load must be positive and finite, found 0"),
         ({"area": math.nan}, GeometryError, "area must be positive and finite, found nan"),
@@ -216,23 +215,8 @@ def test_invalid_arguments(given: dict[str, float], error: type[FingerpadError],
 
 
 def test_too_thin_layer_refused() -> None:
-    with pytest.raises(
-        GeometryError, match="at least a tenth of the contact's mean radius 1.09.*, found 0.1"
-    ):
+    with pytest.raises(GeometryError, match="at least a tenth of the contact's mean radius 1.1.*, found 0.1"):
         on_layer(0.1, 0.3, indentation=0.06, points=64)
-
-
-@pytest.mark.parametrize(
-    ("body", "message"),
-    [
-        ({"reduced_modulus": 0.0}, "reduced_modulus must be positive and finite, found 0"),
-        ({"reduced_modulus": 1.0, "thickness": -2.0}, "thickness must be positive, found -2"),
-        ({"reduced_modulus": 1.0, "poisson_ratio": 0.51}, r"poisson_ratio must be in \[0, 0.5\], found 0.51"),
-    ],
-)
-def test_invalid_bodies(body: dict[str, float], message: str) -> None:
-    with pytest.raises(GeometryError, match=message):
-        ElasticBody(**body)
 
 
 @pytest.mark.parametrize("given", [{"indentation": 1.0}, {"area": 31.4159}, {"load": 0.42164}])
@@ -241,7 +225,7 @@ def test_the_lowest_point_need_not_lie_on_the_first_grid(given: dict[str, float]
     def gap(x: FloatArray, y: FloatArray) -> FloatArray:
         return ((x - offset) ** 2 + y**2) / (2 * RADIUS)
 
-    found = solve_contact(gap, HALF_SPACE, half_widths=(3, 3), points=64, **given)
+    found = solve_gap(gap, HALF_SPACE, half_widths=(3, 3), points=64, **given)
     assert found.area_over_pi_indentation == pytest.approx(RADIUS, rel=3e-3)
     assert found.area == pytest.approx(31.4159, rel=3e-3)
     assert_allclose(found.centre, [offset, 0], atol=1e-3)
@@ -257,9 +241,9 @@ def test_the_lowest_point_need_not_lie_on_the_first_grid(given: dict[str, float]
 )
 def test_a_gap_that_does_not_close_is_refused(gap, given: dict[str, float]) -> None:
     with pytest.raises((GeometryError, ConvergenceError), match="gap"):
-        solve_contact(gap, HALF_SPACE, half_widths=(3, 3), points=64, **given)
+        solve_gap(gap, HALF_SPACE, half_widths=(3, 3), points=64, **given)
 
 
 def test_no_convergence_without_edge() -> None:
     with pytest.raises(ConvergenceError, match="did not settle on the contact"):
-        solve_contact(lambda x, y: 0 * x * y, HALF_SPACE, half_widths=(1, 1), load=1.0, points=64)
+        solve_gap(lambda x, y: 0 * x * y, HALF_SPACE, half_widths=(1, 1), load=1.0, points=64)

@@ -7,11 +7,11 @@ import pytest
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
-from fingerpad.contact import HertzGeometry, PadGap, fast_contact, layered_contact
-from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.contact import Tissue, fast_contact, hertz_contact, youngs_modulus
+from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
 PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30)
-ELLIPSOID = Ellipsoid(7.9, 13.8, 11.8)
+PLACEMENT = Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=math.radians(30))
 KEYS = {
     "load_N",
     "area_mm2",
@@ -41,21 +41,15 @@ def test_both_theories(given: str, thickness: float | None) -> None:
     layer = () if thickness is None else ("--thickness-mm", thickness)
     press = ("--load-n", 1.5, flag, value, "--poisson-ratio", 0.45)
     record = run_json("modulus", *PAD, *press, *layer)
-    whole = layered_contact(
-        ELLIPSOID,
-        wedge_angle=math.radians(30),
-        thickness=thickness or math.inf,
-        poisson_ratio=0.45,
-        load=1.5,
-        **{given: value},
-    )
+    tissue = {"poisson_ratio": 0.45, "thickness": thickness or math.inf}
+    modulus = youngs_modulus(PLACEMENT, load=1.5, **tissue, **{given: value})
+    whole = fast_contact(PLACEMENT, Tissue(modulus, **tissue), load=1.5)
     assert set(record) == {*KEYS, "flag", "thickness_mm", "hertz"}
     assert set(record["hertz"]) == KEYS
     assert record["flag"] is None
-    assert record["youngs_modulus_kpa"] == pytest.approx(1000 * whole.youngs_modulus, rel=1e-3)
+    assert record["youngs_modulus_kpa"] == pytest.approx(1000 * modulus, rel=1e-3)
     assert record["area_over_pi_indentation_mm"] == pytest.approx(whole.area_over_pi_indentation, rel=1e-3)
-    geometry = HertzGeometry(*Placement(ELLIPSOID, wedge_angle=math.radians(30)).curvature.principal_radii)
-    unit = getattr(geometry, f"at_{given}")(value, reduced_modulus=1.0)
+    unit = hertz_contact(PLACEMENT, Tissue.of_reduced_modulus(1.0), **{given: value})
     assert record["hertz"]["reduced_modulus_kpa"] == pytest.approx(1000 * 1.5 / unit.load)
 
 
@@ -87,9 +81,8 @@ def test_refusals(given: tuple[object, ...], words: str) -> None:
 def test_hertz_has_a_layer_beside_it() -> None:
     press = ("hertz", "--radii-mm", 12.9, 14.3, "--load-n", 1, "--reduced-modulus-kpa", 90)
     record, plain = run_json(*press, "--thickness-mm", 6, "--poisson-ratio", 0.48), run_json(*press)
-    found = fast_contact(
-        PadGap.paraboloid(12.9, 14.3), load=1.0, reduced_modulus=0.09, thickness=6.0, poisson_ratio=0.48
-    )
+    tissue = Tissue.of_reduced_modulus(0.09, 0.48, thickness=6.0)
+    found = fast_contact(Paraboloid(12.9, 14.3), tissue, load=1.0)
     layer = record.pop("on_layer")
     assert record == plain
     assert layer["area_mm2"] == pytest.approx(found.area)

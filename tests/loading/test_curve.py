@@ -7,9 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad._columns import ColumnsError
-from fingerpad._loading_curve import unread_curve_columns
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading import LoadingCurve, read_loading_curve
+from fingerpad.loading.curve import unread_curve_columns
 
 
 def write(folder: Path, text: str) -> Path:

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
+from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.geometry import Paraboloid
 from fingerpad.loading import LoadingCurve, find_cycles, fit_contact_compliance
 from fingerpad.simulate import simulate_loading_curve
 
-GEOMETRY = HertzGeometry(12.955, 14.330)
-TRUE_RADIUS = float(equivalent_radius_from_compliance(GEOMETRY.geometric_mean_radius, GEOMETRY.axis_ratio))
+BODIES = Paraboloid(12.955, 14.330)
+TRUE_RADIUS = float(hertz_contact(BODIES, Tissue(0.1), load=1.0).area_over_pi_indentation)
 
 
 def simulated(
@@ -18,7 +19,7 @@ def simulated(
 ) -> LoadingCurve:
     # A modulus that grows with load: R_g must not notice.
     load = np.linspace(0.05, 4, count)
-    contact = GEOMETRY.under_load(load, reduced_modulus=0.05 + 0.02 * load)
+    contact = hertz_contact(BODIES, Tissue(0.05 + 0.02 * load), load=load)
     area = contact.area * (1 + noise * rng.standard_normal(count))
     return LoadingCurve(load=load, indentation=contact.indentation + offset, area=area)
 

@@ -4,20 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks.layer_inverse import CASES, TABLE_1, WEDGE, fit_once, whole_pad
+from benchmarks.layer_inverse import CASES, PLACED, fit_once, whole_pad
 from benchmarks.loading_physics import Pad, hertz, layer
 from benchmarks.loading_truth import Condition, make_curve
 
-from fingerpad.contact import PadGap
 from fingerpad.exceptions import LoadingError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 from fingerpad.loading import Estimate, LoadingCurve, Undetermined, fit_layer_thickness
 from fingerpad.loading._prepare import prepare
 from fingerpad.loading.joint import fit_joint
 from fingerpad.loading.layer_result import THICKER_THAN_FINGER, LayerThicknessFit
 
 PAD = Pad(radius=14.0, modulus=0.05)
-SPHERE = PadGap.paraboloid(14.0, 14.0)
+SPHERE = Paraboloid(14.0, 14.0)
 
 
 def curve_on(thickness: float | None, seed: int = 1, pad: Pad = PAD) -> LoadingCurve:
@@ -27,7 +26,7 @@ def curve_on(thickness: float | None, seed: int = 1, pad: Pad = PAD) -> LoadingC
 
 @pytest.fixture(scope="module")
 def on_6_mm():
-    return fit_layer_thickness(curve_on(6.0), gap=SPHERE, radius_std=0.4)
+    return fit_layer_thickness(curve_on(6.0), placement=SPHERE, radius_std=0.4)
 
 
 def test_intervals_hold_thickness_modulus_contact_and_radius(on_6_mm) -> None:
@@ -48,7 +47,7 @@ def test_intervals_hold_thickness_modulus_contact_and_radius(on_6_mm) -> None:
 
 
 def test_a_half_space_leaves_the_thickness_open_above() -> None:
-    deep = fit_layer_thickness(curve_on(None), gap=SPHERE, radius_std=0.4)
+    deep = fit_layer_thickness(curve_on(None), placement=SPHERE, radius_std=0.4)
     assert deep.thickness.upper == np.inf
     assert deep.thickness.lower > 15
     assert deep.youngs_modulus.lower < PAD.modulus < deep.youngs_modulus.upper
@@ -67,13 +66,11 @@ def test_intervals_hold_the_truth_of_random_pads(case) -> None:
 
 
 def test_a_whole_pad_takes_its_own_gap() -> None:
-    gap = PadGap.of(TABLE_1, wedge_angle=WEDGE)
-    radius = 2 / (1 / float(gap.first_radius) + 1 / float(gap.second_radius))
-    pad = Pad(radius=radius, modulus=0.05)
+    pad = Pad(radius=float(PLACED.curvature.mean_curvature_radius), modulus=0.05)
     curve = make_curve(Condition(contact=whole_pad(12.0)), pad, 0.3, np.random.default_rng(3))
     whole, paraboloid = (
-        fit_layer_thickness(curve, gap=one, radius_std=0.2)
-        for one in (gap, PadGap.paraboloid(gap.first_radius, gap.second_radius))
+        fit_layer_thickness(curve, placement=one, radius_std=0.2)
+        for one in (PLACED, Paraboloid(*PLACED.curvature.principal_radii))
     )
     assert whole.thickness.lower < 12 < whole.thickness.upper
     assert whole.youngs_modulus.lower < 0.05 < whole.youngs_modulus.upper
@@ -94,7 +91,7 @@ def relative_std(quantity: Estimate) -> float:
     ],
 )
 def test_all_that_is_uncertain_widens_what_depends_on_it(on_6_mm, known, wider, kept) -> None:
-    found = fit_layer_thickness(curve_on(6.0), gap=SPHERE, radius_std=0.4, **known)
+    found = fit_layer_thickness(curve_on(6.0), placement=SPHERE, radius_std=0.4, **known)
     for name in wider:
         assert relative_std(getattr(found, name)) > 1.03 * relative_std(getattr(on_6_mm, name)), name
     for name in kept:
@@ -110,7 +107,7 @@ def test_wrong_scales_are_held_by_their_uncertainty() -> None:
         load=1.06 * curve.load, indentation=curve.indentation, time=curve.time, area=0.94 * curve.area
     )
     known = {"area_relative_std": 0.05, "load_relative_std": 0.05}
-    found = fit_layer_thickness(scaled, gap=SPHERE, radius_std=0.4, **known)
+    found = fit_layer_thickness(scaled, placement=SPHERE, radius_std=0.4, **known)
     assert found.thickness.lower < 6 < found.thickness.upper
     assert found.youngs_modulus.lower < PAD.modulus < found.youngs_modulus.upper
     assert not found.flags
@@ -119,7 +116,7 @@ def test_wrong_scales_are_held_by_their_uncertainty() -> None:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_hertz_theory_that_explains_a_curve_leaves_no_thickness(seed) -> None:
     # A = πRξ and W ∝ ξ^(3/2) of R = 12 mm, where the geometry has an ellipsoid of 1/H = 13.2 ± 1 mm.
-    gap = PadGap.of(Ellipsoid(8.94, 12.0, 10.0), wedge_angle=0.0)
+    placement = Placement(Ellipsoid(8.94, 12.0, 10.0), wedge_angle=0.0)
     rng = np.random.default_rng([13, seed])
     travel = np.linspace(-0.4, 2.0, 240)
     xi = np.maximum(travel, 0)
@@ -130,7 +127,7 @@ def test_hertz_theory_that_explains_a_curve_leaves_no_thickness(seed) -> None:
         area=np.where(xi > 0, np.pi * 12 * xi + rng.normal(0, 0.8, 240), 0),
         time=travel + 0.4,
     )
-    found = fit_layer_thickness(curve, gap=gap, radius_std=1.0, poisson_ratio=0.48)
+    found = fit_layer_thickness(curve, placement=placement, radius_std=1.0, poisson_ratio=0.48)
     assert isinstance(found.thickness, Undetermined)
     assert isinstance(found.youngs_modulus, Undetermined)
     assert "Hertz theory" in found.conclusion
@@ -153,7 +150,7 @@ def test_one_modulus_is_to_be_believed(on_6_mm) -> None:
 def test_a_radius_surer_than_a_third_of_its_geometry_is_flagged(on_6_mm) -> None:
     assert "radius_narrowed" not in on_6_mm.notes
     exact = {"area_relative_std": 0.0, "stage_compliance": 0.0}
-    narrow = fit_layer_thickness(curve_on(3.0), gap=SPHERE, radius_std=3.0, **exact)
+    narrow = fit_layer_thickness(curve_on(3.0), placement=SPHERE, radius_std=3.0, **exact)
     assert narrow.radius.std < 1
     assert "a third of the geometry's 3 mm" in narrow.notes["radius_narrowed"]
     assert "radius_narrowed" in narrow.flags
@@ -162,7 +159,7 @@ def test_a_radius_surer_than_a_third_of_its_geometry_is_flagged(on_6_mm) -> None
 def test_without_areas_nothing_is_told() -> None:
     curve = curve_on(6.0)
     bare = LoadingCurve(load=curve.load, indentation=curve.indentation, time=curve.time, area=None)
-    fit = fit_layer_thickness(bare, gap=SPHERE)
+    fit = fit_layer_thickness(bare, placement=SPHERE)
     assert isinstance(fit.thickness, Undetermined)
     assert "no contact area" in fit.thickness.reason
     assert fit.weights == {}
@@ -177,15 +174,16 @@ def test_a_shallow_press_does_not_tell() -> None:
         area=shallow.area[rows],
         time=shallow.time[rows],
     )
-    fit = fit_layer_thickness(curve, gap=SPHERE, radius_std=3.0)
+    fit = fit_layer_thickness(curve, placement=SPHERE, radius_std=3.0)
     assert isinstance(fit.thickness, Undetermined)
     assert isinstance(fit.youngs_modulus, Undetermined)
     assert "half-space fits as well" in fit.thickness.reason
     assert "cannot be separated" in fit.thickness.reason
-    unknown = fit_layer_thickness(curve, gap=SPHERE, radius_std=5.0)
+    unknown = fit_layer_thickness(curve, placement=SPHERE, radius_std=5.0)
     assert "is not known to a third" in unknown.conclusion
-    with pytest.raises(LoadingError, match=r"must be positive, found 14.0 and nan mm"):
-        fit_layer_thickness(curve, gap=replace(SPHERE, second_radius=np.nan), radius_std=1.0)
+    two = Placement(PLACED.ellipsoid, wedge_angle=[0.5, 0.6])
+    with pytest.raises(LoadingError, match=r"of one pad, found placements of shape \(2,\)"):
+        fit_layer_thickness(curve, placement=two, radius_std=1.0)
 
 
 def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
@@ -218,4 +216,4 @@ def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
 )
 def test_bad_arguments_are_named(name, wrong) -> None:
     with pytest.raises(LoadingError, match=name):
-        fit_layer_thickness(curve_on(6.0), gap=SPHERE, **{name: wrong})
+        fit_layer_thickness(curve_on(6.0), placement=SPHERE, **{name: wrong})

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import hertz_contact, indentation_factor, size_factor
-from fingerpad.contact import reduced_modulus as reduced
+from fingerpad.contact import Tissue, hertz_contact, indentation_factor, size_factor
+from fingerpad.geometry import Paraboloid
 from fingerpad.loading import (
     area_from_load,
     indentation_from_load,
@@ -34,7 +34,7 @@ def test_published_contacts_at_2_N(wedge, indentation, modulus_kpa) -> None:
 
 
 def test_hertz_without_load_coefficient() -> None:
-    contact = hertz_contact(14.5, 14.5, 2.0, reduced_modulus=reduced(0.04, 0.5))
+    contact = hertz_contact(Paraboloid(14.5, 14.5), Tissue(0.04), load=2.0)
     found = load_from_indentation(contact.indentation, loading_radius=14.5, initial_modulus=0.04)
     assert_allclose(found, 2.0, rtol=1e-12)
     area = area_from_load(2.0, loading_radius=14.5, initial_modulus=0.04)
@@ -65,8 +65,8 @@ def test_area_exponent_is_logarithmic_slope() -> None:
 
 @pytest.mark.parametrize("ratio", [1.0, 1.2, 2.0])
 def test_shape_check_of_elliptical_contact(ratio: float) -> None:
-    contact = hertz_contact(14.0, 14.0 * ratio, 2.0, reduced_modulus=0.1)
-    k = float(contact.ellipse.semi_minor / contact.ellipse.semi_major)
+    contact = hertz_contact(Paraboloid(14.0, 14.0 * ratio), Tissue(0.075), load=2.0)
+    k = float(1 / contact.aspect_ratio)
     check = shape_check(
         2.0,
         contact.indentation,
@@ -79,7 +79,7 @@ def test_shape_check_of_elliptical_contact(ratio: float) -> None:
 
 
 def test_a_sphere_has_one_modulus_from_area_and_indentation() -> None:
-    sphere = hertz_contact(14.0, 14.0, 2.0, reduced_modulus=0.1)
+    sphere = hertz_contact(Paraboloid(14.0, 14.0), Tissue.of_reduced_modulus(0.1), load=2.0)
     check = shape_check(2.0, sphere.indentation, sphere.area, loading_radius=14.0)
     assert_allclose([check.ratio, check.expected_ratio], 1.0, rtol=1e-12)
     assert_allclose(check.modulus_from_area, 0.1, rtol=1e-12)

@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy import stats
 
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading import (
     Cycle,
     LoadingCurve,
     Segment,
-    baseline_level,
     find_cycles,
     fit_loading_curve,
     hysteresis,
@@ -41,15 +39,6 @@ def test_one_way_record() -> None:
     assert cycle.hold is None
     assert cycle.unloading is None
     assert len(cycle.baseline) + len(cycle.loading) == 300
-
-
-def test_baseline_level_coverage() -> None:
-    curve = simulate_loading_curve(points=400, force_offset=0.2, **NOISE)
-    (cycle,) = find_cycles(curve)
-    level = baseline_level(curve, cycle)
-    assert level.lower < 0.2 < level.upper
-    assert level.std < 0.002
-    assert_allclose(level.std, stats.sem(curve.load[cycle.baseline.rows]), rtol=1e-12)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.6])

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.contact.fast_laws import FLAGS
+from fingerpad.contact.contact import FLAGS
 from fingerpad.report import write_report
 from fingerpad.report.layer import comparisons
 from fingerpad.study.pipeline import run_study

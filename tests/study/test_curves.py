@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from fingerpad._json import dumps
-from fingerpad.contact import PadGap, fast_contact
+from fingerpad.contact import Tissue, fast_contact
 from fingerpad.exceptions import ManifestError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import Estimate, Undetermined
 from fingerpad.report import write_report
 from fingerpad.simulate import outline_points, simulate_loading_curve
@@ -60,9 +60,10 @@ def write_curve(path: Path, *, area: bool = True, points: int = 100, **truth: fl
 
 def write_layer_curve(path: Path) -> None:
     """Write what the fast law makes of the pad on 6 mm of tissue."""
-    gap = PadGap.of(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=np.radians(30))
+    placement = Placement(Ellipsoid(7.9, 13.8, 11.8), wedge_angle=np.radians(30))
     travel, rng = np.linspace(-0.3, 1.6, 120), np.random.default_rng(4)
-    press = fast_contact(gap, indentation=np.maximum(travel, 1e-6), reduced_modulus=0.06, thickness=6.0)
+    tissue = Tissue(youngs_modulus=0.045, thickness=6.0)
+    press = fast_contact(placement, tissue, indentation=np.maximum(travel, 1e-6))
     noise = rng.normal(0, [[0.004], [0.8]], (2, 120))
     columns = travel + 0.3, press.load + noise[0], travel, np.where(travel > 0, press.area + noise[1], 0)
     header = "time_s,force_N,displacement_mm,area_mm2"
@@ -173,7 +174,7 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Pa
     (tmp_path / "study.toml").write_text(MANIFEST.replace(given, f"photographs = [{faces}]\n"))
     result = run_study(tmp_path / "study.toml", tmp_path / "out")
     placed = placed_pad(result.fingers["f"], 30.0, result.study.uncertainty)
-    first, second = placed.gap.first_radius, placed.gap.second_radius
+    first, second = placed.placement.curvature.principal_radii
     (row,) = result.rows
     assert 2 / (1 / first + 1 / second) == pytest.approx(row["mean_curvature_radius_mm"])
     assert placed.radius_std == pytest.approx(row["mean_curvature_radius_mm_std"], rel=1e-3)

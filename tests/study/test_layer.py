@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from fingerpad.contact import EllipsoidContact, PadGap, fast_contact, layered_contact
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.layer import POOLED_ON_LAYER
@@ -64,10 +64,10 @@ def study(
 
 def test_rows_have_both_theories(tmp_path: Path) -> None:
     (row,) = study(tmp_path).rows
-    found = layered_contact(
-        PAD, wedge_angle=math.radians(30), thickness=8.0, load=2.0, area=math.pi * 7.4 * 5.0
-    )
-    assert row["youngs_modulus_on_layer_kpa"] == pytest.approx(1000 * found.youngs_modulus)
+    placement, area = Placement(PAD, wedge_angle=math.radians(30)), math.pi * 7.4 * 5.0
+    modulus = youngs_modulus(placement, load=2.0, area=area, thickness=8.0)
+    found = fast_contact(placement, Tissue(modulus, thickness=8.0), area=area)
+    assert row["youngs_modulus_on_layer_kpa"] == pytest.approx(1000 * modulus)
     assert row["indentation_on_layer_mm"] == pytest.approx(found.indentation)
     assert row["loading_radius_on_layer_mm"] == pytest.approx(found.area_over_pi_indentation)
     assert row["layer_flag"] is None
@@ -210,8 +210,8 @@ def test_tables_are_read_back(tmp_path: Path) -> None:
 def solved_press() -> tuple[PchipInterpolator, PchipInterpolator]:
     """Logarithms of load over E*, and of area, against that of indentation: solved on a grid, not by laws."""
     depths = np.geomspace(0.05, 1.8, 8)
-    press = {"wedge_angle": math.radians(30), "thickness": 8.0, "reduced_modulus": 1.0, "points": 64}
-    found = [EllipsoidContact.of(PAD, **press, indentation=float(depth)).solution for depth in depths]
+    placement, tissue = Placement(PAD, wedge_angle=math.radians(30)), Tissue(0.75, thickness=8.0)
+    found = [solve_contact(placement, tissue, indentation=float(depth), points=64) for depth in depths]
     return tuple(
         PchipInterpolator(np.log(depths), np.log([getattr(one, name) for one in found]), extrapolate=True)
         for name in ("load", "area")
@@ -272,10 +272,9 @@ def test_an_uncertain_roll_changes_the_modulus_of_a_curve_to_second_order(
     layered = found.quantities["youngs_modulus_from_indentation_on_layer"]
 
     def modulus(roll_deg: float) -> float:
-        gap = PadGap.of(PAD, wedge_angle=math.radians(30), roll_angle=math.radians(roll_deg))
+        placement = Placement(PAD, wedge_angle=math.radians(30), roll_angle=math.radians(roll_deg))
         depth = found.indentation + found.contact_shift
-        unit = fast_contact(gap, indentation=depth, reduced_modulus=1.0, thickness=8.0)
-        return 750 * found.load / float(unit.load)
+        return 1000 * float(youngs_modulus(placement, load=found.load, indentation=depth, thickness=8.0))
 
     assert modulus(0) == pytest.approx(layered.value, rel=1e-6)
     # Of a change c in both directions the variance is 2 c².

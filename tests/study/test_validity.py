@@ -22,10 +22,10 @@ from fingerpad.study.results.exclusions import (
     POOLED_IF_REVIEWED,
     WAY_OUT,
 )
+from fingerpad.study.results.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS, Validity
-from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
 
 WRONG = [name for name in CASES if not name.startswith("Hertz") and not name.endswith("with curve")]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import HertzGeometry, layered_contact
+from fingerpad.contact import Tissue, fast_contact, hertz_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.uncertainty import (
     LAYER_OUTPUTS,
@@ -39,17 +39,13 @@ def inputs(thickness=8.0, std=0.8, **changes) -> Inputs:
 
 def test_the_model_is_the_contact_of_the_area_of_the_ellipse() -> None:
     found = propagate(layer_model, inputs())
-    contact = layered_contact(
-        Ellipsoid(**AXES),
-        wedge_angle=math.radians(30),
-        thickness=8.0,
-        poisson_ratio=0.47,
-        load=2.0,
-        area=math.pi * 7.4 * 5.0,
-    )
+    placement, area = Placement(Ellipsoid(**AXES), wedge_angle=math.radians(30)), math.pi * 7.4 * 5.0
+    modulus = youngs_modulus(placement, load=2.0, area=area, thickness=8.0, poisson_ratio=0.47)
+    tissue = Tissue(modulus, poisson_ratio=0.47, thickness=8.0)
+    contact = fast_contact(placement, tissue, area=area)
     values = (
-        contact.reduced_modulus,
-        contact.youngs_modulus,
+        tissue.reduced_modulus,
+        modulus,
         contact.indentation,
         contact.area_over_pi_indentation,
     )
@@ -109,13 +105,11 @@ def pressed(thickness, thickness_std=0.0, contact_shift=0.1) -> Inputs:
 
 def test_moduli_from_a_measured_indentation() -> None:
     found = propagate(indentation_model, pressed(8.0))
-    pad = Ellipsoid(**AXES)
-    radii = Placement(pad, wedge_angle=0.6).curvature.principal_radii
-    hertz = 2.0 / HertzGeometry(radii[0], radii[1]).at_indentation(1.7, reduced_modulus=1.0).load
-    layered = layered_contact(
-        pad, wedge_angle=0.6, thickness=8.0, poisson_ratio=0.49, load=2.0, indentation=1.8
-    )
-    expected = (1 - 0.49**2) * hertz, layered.youngs_modulus, layered.area_over_pi_indentation
+    placement = Placement(Ellipsoid(**AXES), wedge_angle=0.6)
+    hertz = 2.0 / hertz_contact(placement, Tissue(1.0, 0.49), indentation=1.7).load
+    layered = youngs_modulus(placement, load=2.0, indentation=1.8, thickness=8.0, poisson_ratio=0.49)
+    contact = fast_contact(placement, Tissue(layered, 0.49, 8.0), indentation=1.8)
+    expected = hertz, layered, contact.area_over_pi_indentation
     assert_allclose(found.value, expected, rtol=1e-12)
     assert found.value[1] < 0.6 * found.value[0]
     deep = propagate(indentation_model, pressed(1e4, contact_shift=0.0))

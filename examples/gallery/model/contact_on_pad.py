@@ -17,8 +17,8 @@ pad = article.semi_axes["ellipse"].ellipsoid
 
 figure, axes = new_figure(width_mm=170, height_mm=90, columns=2)
 for each, (angle, wedge) in zip(axes, article.wedges.items(), strict=False):
-    radii = fp.Placement(pad, wedge_angle=np.radians(angle)).curvature.principal_radii
-    hertz = fp.hertz_contact(*radii, wedge.load_N, reduced_modulus=0.1365)
+    place = fp.Placement(pad, wedge_angle=np.radians(angle))
+    hertz = fp.hertz_contact(place, fp.Tissue(youngs_modulus=0.1024), load=wedge.load_N)
     plot_pad_with_contact(
         each,
         pad,

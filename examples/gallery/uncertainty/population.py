@@ -16,11 +16,11 @@ random = np.random.default_rng(5)
 palmar, distal, across = np.exp(np.log([[7.9], [13.8], [11.8]]) + 0.1 * random.standard_normal((3, 200)))
 pads = fp.Ellipsoid(palmar=palmar, distal=distal, radial_ulnar=across)
 wedge_deg = np.linspace(0, 60, 61)[:, None]
-radii = fp.Placement(pads, wedge_angle=np.radians(wedge_deg)).curvature.principal_radii
-contact = fp.hertz_contact(*radii, 2.0, reduced_modulus=0.1365)
+place = fp.Placement(pads, wedge_angle=np.radians(wedge_deg))
+contact = fp.hertz_contact(place, fp.Tissue(youngs_modulus=0.1024), load=2.0)
 
 figure, (left, right) = new_figure(width_mm=170, columns=2)
-geometric_mean = np.sqrt(radii.first * radii.second)
+geometric_mean = place.curvature.geometric_mean_radius
 for axes, values, name in (
     (left, geometric_mean, "√(R′R″) (mm), synthetic"),
     (right, contact.area, "contact area at 2 N (mm²), synthetic"),

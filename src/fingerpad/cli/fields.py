@@ -18,11 +18,11 @@ from fingerpad.cli.shared import (
     Thickness,
     WedgeAngle,
     YoungsModulus,
-    checked_pad,
     only_one,
+    placement_of,
     pressed_record,
     print_json,
-    require_positive,
+    tissue_of,
 )
 from fingerpad.exceptions import GeometryError
 from fingerpad.units import KPA_PER_MPA
@@ -30,7 +30,6 @@ from fingerpad.units import KPA_PER_MPA
 if TYPE_CHECKING:
     from fingerpad._arrays import FloatArray
     from fingerpad.contact import ContactField
-    from fingerpad.geometry import Ellipsoid
 
 # Depths of receptors in the fingertip, mm, as the literature has them; they vary from person to person.
 RECEPTORS: Final = {"Meissner": (0.5, 0.7), "Merkel": (0.7, 1.0), "Pacinian": (1.5, 2.5)}
@@ -77,26 +76,17 @@ def fields(
     x points along the finger, y across, z into the tissue; tension is positive. Hertz theory is that of a
     half-space, under the same load, area or indentation.
     """
-    from fingerpad.contact import reduced_modulus
+    from fingerpad.contact import ContactField, solve_contact
 
-    given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
-    only_one(given)
-    for flag, value in (("--youngs-modulus-kpa", youngs_modulus_kpa), ("--thickness-mm", thickness_mm)):
-        require_positive(flag, value)
-    pad = checked_pad(semi_axes_mm)
+    only_one({"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm})
     if not 0 <= poisson_ratio <= 0.5:
         raise GeometryError(f"--poisson-ratio must be from 0 to 0.5, found {poisson_ratio:g}")
-    depths = _depths(depth_mm, np.inf if thickness_mm is None else thickness_mm)
-    press = {
-        "wedge_angle": np.radians(wedge_deg),
-        "roll_angle": np.radians(roll_deg),
-        "reduced_modulus": float(reduced_modulus(youngs_modulus_kpa / KPA_PER_MPA, poisson_ratio)),
-        "poisson_ratio": poisson_ratio,
-        "load": load_n,
-        "area": area_mm2,
-        "indentation": indentation_mm,
-    }
-    solved, hertz = _contacts(pad, thickness_mm, grid, press)
+    tissue = tissue_of(youngs_modulus_kpa, poisson_ratio, thickness_mm)
+    placement = placement_of(semi_axes_mm, wedge_deg, roll_deg)
+    depths = _depths(depth_mm, float(tissue.thickness))
+    pressed = {"load": load_n, "area": area_mm2, "indentation": indentation_mm}
+    hertz = ContactField.of_hertz(placement, tissue, **pressed)
+    solved = ContactField.of_solution(solve_contact(placement, tissue, **pressed, points=grid))
     record = _record(solved, depths) | {"thickness_mm": thickness_mm, "hertz": _record(hertz, depths)}
     if plot is not None:
         _plot_section(solved, hertz, plot)
@@ -104,17 +94,6 @@ def fields(
         print_json(record)
     else:
         _print_fields(record)
-
-
-def _contacts(
-    pad: "Ellipsoid", thickness: float | None, grid: int, press: dict[str, Any]
-) -> "tuple[ContactField, ContactField]":
-    """Return the field of the whole pad, and that of Hertz theory."""
-    from fingerpad.contact import ContactField, EllipsoidContact
-
-    hertz = ContactField.of_hertz(pad, **press)
-    contact = EllipsoidContact.of(pad, thickness=thickness, points=grid, **press)
-    return ContactField.of_solution(contact.solution), hertz
 
 
 def _depths(given: list[float] | None, thickness: float) -> "FloatArray":
@@ -134,8 +113,8 @@ def _record(field: "ContactField", depths: "FloatArray") -> dict[str, Any]:
     strain = field.strain(stress)
     highest, where = field.highest_shear_on_axis()
     record: dict[str, Any] = {
-        **pressed_record(field),
-        "peak_pressure_kpa": KPA_PER_MPA * field.peak_pressure,
+        **pressed_record(field.contact),
+        "peak_pressure_kpa": KPA_PER_MPA * field.contact.peak_pressure,
         "highest_shear_on_axis_kpa": KPA_PER_MPA * highest,
         "highest_shear_on_axis_depth_mm": where,
         "depth_mm": depths,

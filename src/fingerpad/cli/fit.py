@@ -1,6 +1,5 @@
 """Fit one loading curve."""
 
-import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -13,7 +12,7 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli.shared import (
     AsJson,
     WedgeAngle,
-    checked_pad,
+    placement_of,
     print_folder,
     print_json,
     print_note,
@@ -114,9 +113,8 @@ def fit(
     tissue over bone, and compared with a half-space.
     """
     from fingerpad._columns import columns_named_by
-    from fingerpad._loading_curve import unread_curve_columns
-    from fingerpad.contact import PadGap
     from fingerpad.loading import Estimate, fit_layer_thickness, fit_loading_curve, read_loading_curve
+    from fingerpad.loading.curve import unread_curve_columns
 
     require_positive("--radius-mm", radius_mm)
     compliance = _given(
@@ -148,10 +146,9 @@ def fit(
     if semi_axes_mm is not None and thickness_mm is not None:
         raise LoadingError("--semi-axes-mm fits the thickness that --thickness-mm states; give one of them")
     if semi_axes_mm is not None:
-        pad = checked_pad(semi_axes_mm)
         layer = fit_layer_thickness(
             record,
-            gap=PadGap.of(pad, wedge_angle=math.radians(wedge_deg)),
+            placement=placement_of(semi_axes_mm, wedge_deg, 0.0),
             radius_std=pad_radius_mm_std,
             poisson_ratio=poisson_ratio,
             poisson_ratio_std=poisson_ratio_std,

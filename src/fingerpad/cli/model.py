@@ -1,7 +1,8 @@
 """Commands of the model: geometry, hertz, correct, reproduce."""
 
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
@@ -14,8 +15,9 @@ from fingerpad.cli.shared import (
     SemiAxes,
     Thickness,
     WedgeAngle,
-    checked_pad,
+    contact_record,
     only_one,
+    placement_of,
     pressed_record,
     print_folder,
     print_json,
@@ -42,11 +44,7 @@ def geometry(
     the transverse one that across it. The mean-curvature radius 1/H is R_0g of Dzidek et al. (2017), to be
     corrected by `fingerpad correct`; the geometric mean of the principal radii is that of Hertz theory.
     """
-    from fingerpad.geometry import Placement
-
-    placement = Placement(
-        checked_pad(semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg or 0.0)
-    )
+    placement = placement_of(semi_axes_mm, wedge_deg, roll_deg or 0.0)
     curvature = placement.curvature
     record = {
         "u_deg": np.degrees(placement.u),
@@ -82,66 +80,46 @@ def hertz(
 
     With a thickness, also the contact of the same paraboloid on a layer of tissue over bone, by fast laws.
     """
-    from fingerpad.contact import HertzGeometry, indentation_factor, size_factor
+    from fingerpad.contact import Tissue, fast_contact, hertz_contact, indentation_factor, size_factor
+    from fingerpad.geometry import Paraboloid
 
     only_one({"--load-n": load_n, "--indentation-mm": indentation_mm})
-    for flag, value in (("--reduced-modulus-kpa", reduced_modulus_kpa), ("--thickness-mm", thickness_mm)):
-        require_positive(flag, value)
+    for option, value in (("--reduced-modulus-kpa", reduced_modulus_kpa), ("--thickness-mm", thickness_mm)):
+        require_positive(option, value)
     for radius in radii_mm:
         require_positive("--radii-mm", radius)
-    pair = HertzGeometry(*radii_mm)
+    bodies = Paraboloid(*radii_mm)
     modulus = reduced_modulus_kpa / KPA_PER_MPA
-    if load_n is not None:
-        contact = pair.under_load(load_n, reduced_modulus=modulus)
-    else:
-        contact = pair.at_indentation(indentation_mm or 0.0, reduced_modulus=modulus)
-    size = np.sqrt(contact.semi_major * contact.semi_minor) / pair.geometric_mean_radius
+    pressed = {"load": load_n, "indentation": indentation_mm}
+    contact = hertz_contact(bodies, Tissue.of_reduced_modulus(modulus), **pressed)
+    size = math.sqrt(contact.semi_major * contact.semi_minor / math.prod(radii_mm))
     record = {
-        **pressed_record(contact),
-        "semi_major_mm": contact.semi_major,
-        "semi_minor_mm": contact.semi_minor,
-        "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
+        **contact_record(contact),
         "mean_pressure_kpa": KPA_PER_MPA * contact.mean_pressure,
-        "stiffness_N_per_mm": contact.stiffness,
-        "F1": size_factor(pair.axis_ratio),
-        "F2": indentation_factor(pair.axis_ratio),
+        "stiffness_N_per_mm": 1.5 * contact.load / contact.indentation,
+        "F1": size_factor(1 / contact.aspect_ratio),
+        "F2": indentation_factor(1 / contact.aspect_ratio),
         "contact_size": size,
-        "long_axis_along": {0.0: "first", 1.0: "second"}.get(float(pair.long_axis), "either"),
     }
     if thickness_mm is not None:
-        on_layer = _on_layer(
-            radii_mm,
-            reduced_modulus=modulus,
-            thickness=thickness_mm,
-            poisson_ratio=poisson_ratio,
-            load=load_n,
-            indentation=indentation_mm,
-        )
-        if not as_json and on_layer["flag"] is None:
-            del on_layer["flag"]
-        record["on_layer"] = on_layer
+        layer = Tissue.of_reduced_modulus(modulus, poisson_ratio, thickness_mm)
+        on_layer = fast_contact(bodies, layer, **pressed)
+        flag = str(on_layer.flags)
+        record["on_layer"] = pressed_record(on_layer) | ({"flag": flag or None} if as_json or flag else {})
     print_record(record, as_json)
     if not as_json:
-        _print_if_too_large(float(size))
+        _print_if_too_large(size)
 
 
 def _print_if_too_large(size: float) -> None:
     """Say of a contact as wide as the bodies, by its a/R, that Hertz theory does not hold for it."""
-    from fingerpad.contact.fast_laws import WIDEST
+    from fingerpad.contact.law_factors import WIDEST
 
     if size > WIDEST:
         typer.echo(
             f"Hertz theory does not hold here: the contact's radius is {size:.2g} times that of curvature; "
             f"beyond {WIDEST:.1f} not even the error is known: check load, modulus and units"
         )
-
-
-def _on_layer(radii_mm: tuple[float, float], **press: Any) -> dict[str, Any]:
-    """Return the contact of a paraboloid on a layer of tissue over bone."""
-    from fingerpad.contact import PadGap, fast_contact
-
-    contact = fast_contact(PadGap.paraboloid(*radii_mm), **press)
-    return {**pressed_record(contact), "flag": str(contact.flag) or None}
 
 
 def correct(

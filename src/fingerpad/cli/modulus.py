@@ -1,8 +1,7 @@
 """The command that finds a pad's modulus from a load and the contact area or indentation under it."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
-import numpy as np
 import typer
 
 from fingerpad.cli.shared import (
@@ -11,8 +10,8 @@ from fingerpad.cli.shared import (
     SemiAxes,
     Thickness,
     WedgeAngle,
-    checked_pad,
     only_one,
+    placement_of,
     pressed_record,
     print_json,
     print_law_flag,
@@ -20,9 +19,6 @@ from fingerpad.cli.shared import (
     require_positive,
 )
 from fingerpad.units import KPA_PER_MPA
-
-if TYPE_CHECKING:
-    from fingerpad.contact import LayeredContact
 
 
 def modulus(
@@ -45,40 +41,36 @@ def modulus(
     The whole ellipsoid, on deep tissue or on a layer over bone, by fast laws, beside Hertz theory. The laws
     are flagged, and say nothing, beyond their range.
     """
-    from fingerpad.contact.layered import layered_contact_kernel
-    from fingerpad.contact.pad_gap import PadGap
+    from fingerpad.contact.contact import from_reduced_modulus
+    from fingerpad.contact.laws import find_modulus, plate_gap
+    from fingerpad.geometry import Paraboloid
 
     only_one({"--area-mm2": area_mm2, "--indentation-mm": indentation_mm})
-    for flag, value in (("--load-n", load_n), ("--thickness-mm", thickness_mm)):
-        require_positive(flag, value)
-    gap = PadGap.of(
-        checked_pad(semi_axes_mm), wedge_angle=np.radians(wedge_deg), roll_angle=np.radians(roll_deg)
-    )
-    paraboloid = PadGap.paraboloid(gap.first_radius, gap.second_radius)
-    pressed: dict[str, Any] = {
-        "poisson_ratio": poisson_ratio,
-        "load": load_n,
-        "area": area_mm2,
-        "indentation": indentation_mm,
-    }
-    whole, hertz = (
-        _record(layered_contact_kernel(gap, thickness=thickness, **pressed))
-        for gap, thickness in ((gap, thickness_mm), (paraboloid, None))
-    )
-    hertz.pop("flag")
+    for option, value in (("--load-n", load_n), ("--thickness-mm", thickness_mm)):
+        require_positive(option, value)
+    gap = plate_gap(placement_of(semi_axes_mm, wedge_deg, roll_deg))
+    paraboloid = plate_gap(Paraboloid(gap.first_radius, gap.second_radius))
+    records, flag = [], ""
+    for of, thickness in ((paraboloid, None), (gap, thickness_mm)):
+        reduced, contact = find_modulus(
+            of,
+            load=load_n,
+            area=area_mm2,
+            indentation=indentation_mm,
+            thickness=thickness,
+            poisson_ratio=poisson_ratio,
+        )
+        flag = str(contact.flags)
+        records.append(
+            {
+                **pressed_record(contact),
+                "reduced_modulus_kpa": KPA_PER_MPA * reduced,
+                "youngs_modulus_kpa": KPA_PER_MPA * from_reduced_modulus(reduced, poisson_ratio),
+            }
+        )
+    hertz, whole = records
     if as_json:
-        print_json({**whole, "thickness_mm": thickness_mm, "hertz": hertz})
+        print_json({**whole, "flag": flag or None, "thickness_mm": thickness_mm, "hertz": hertz})
     else:
-        flag = whole.pop("flag")
         print_side_by_side({"whole pad": whole, "Hertz": hertz})
         print_law_flag(flag)
-
-
-def _record(contact: "LayeredContact") -> dict[str, Any]:
-    flag = str(contact.flag)
-    return {
-        **pressed_record(contact),
-        "reduced_modulus_kpa": KPA_PER_MPA * contact.reduced_modulus,
-        "youngs_modulus_kpa": KPA_PER_MPA * contact.youngs_modulus,
-        "flag": flag or None,
-    }

@@ -15,9 +15,11 @@ from fingerpad._json import dumps, plain
 from fingerpad._plausible import semi_axes_doubt
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError, GeometryError, is_interrupt, reason_of
+from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
-    from fingerpad.geometry import Ellipsoid
+    from fingerpad.contact import Contact, Tissue
+    from fingerpad.geometry import Ellipsoid, Placement
 
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 
@@ -45,6 +47,7 @@ Indentation: TypeAlias = Annotated[float | None, typer.Option(help="Indentation,
 Grid: TypeAlias = Annotated[int, typer.Option(min=64, max=1024, help="Grid cells along each side.")]
 
 
+_ROUND: Final = 1.001  # aspect ratio below which an ellipse has no direction
 _SMALLEST: Final = 1e-9
 _LARGEST: Final = 1e9
 
@@ -186,6 +189,28 @@ def checked_pad(semi_axes_mm: tuple[float, float, float]) -> "Ellipsoid":
     return Ellipsoid(*semi_axes_mm)
 
 
+def placement_of(semi_axes_mm: tuple[float, float, float], wedge_deg: float, roll_deg: float) -> "Placement":
+    """Return the pad on its wedge."""
+    from fingerpad.geometry import Placement
+
+    return Placement(
+        checked_pad(semi_axes_mm), wedge_angle=math.radians(wedge_deg), roll_angle=math.radians(roll_deg)
+    )
+
+
+def tissue_of(youngs_modulus_kpa: float, poisson_ratio: float, thickness_mm: float | None) -> "Tissue":
+    """Return the tissue of ``--youngs-modulus-kpa`` and its other options, in MPa and mm."""
+    from fingerpad.contact import Tissue
+
+    require_positive("--youngs-modulus-kpa", youngs_modulus_kpa)
+    require_positive("--thickness-mm", thickness_mm)
+    return Tissue(
+        youngs_modulus=youngs_modulus_kpa / KPA_PER_MPA,
+        poisson_ratio=poisson_ratio,
+        thickness=math.inf if thickness_mm is None else thickness_mm,
+    )
+
+
 def require_positive(flag: str, value: float | None) -> None:
     """Refuse a value that is given but not positive and finite."""
     if value is not None and not (value > 0 and math.isfinite(value)):
@@ -207,13 +232,26 @@ def only_one(given: Mapping[str, float | None]) -> str:
     return found[0]
 
 
-def pressed_record(contact: Any) -> dict[str, Any]:
-    """Return how a pad is pressed, from anything that has a load, an area and an indentation."""
+def pressed_record(contact: "Contact") -> dict[str, Any]:
+    """Return how a pad is pressed."""
     return {
         "load_N": contact.load,
         "area_mm2": contact.area,
         "indentation_mm": contact.indentation,
-        "area_over_pi_indentation_mm": contact.area / (math.pi * contact.indentation),
+        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
+    }
+
+
+def contact_record(contact: "Contact") -> dict[str, Any]:
+    """Return one contact, in mm, N and kPa; the long axis lies along either direction of a near-circle."""
+    along = "either" if contact.aspect_ratio < _ROUND else "first" if contact.along else "second"
+    return {
+        **pressed_record(contact),
+        "semi_major_mm": contact.semi_major,
+        "semi_minor_mm": contact.semi_minor,
+        "aspect_ratio": contact.aspect_ratio,
+        "long_axis_along": None if contact.flag_code else along,
+        "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
     }
 
 

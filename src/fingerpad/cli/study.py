@@ -167,8 +167,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         ways_out,
         why_not_pooled,
     )
+    from fingerpad.study.results.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
     from fingerpad.study.results.validity import MODULUS, RADIUS
-    from fingerpad.uncertainty.validity import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
     for summary, validity in zip(result.summaries, result.validities, strict=True):
         pooled = summary.corrected_radius

@@ -1,7 +1,6 @@
-"""The finger pad against a platen: Hertz contact, equivalent spheres, and the whole pad on a layer."""
+"""The finger pad in contact: Hertz theory, fast laws of the whole pad on a layer, and a solver."""
 
-from fingerpad.contact.contact_stress import contact_displacement, contact_stress
-from fingerpad.contact.ellipsoid_contact import EllipsoidContact
+from fingerpad.contact.contact import Contact, Tissue
 from fingerpad.contact.elliptic import (
     complete_integrals,
     curvature_ratio,
@@ -9,67 +8,42 @@ from fingerpad.contact.elliptic import (
     size_factor,
     solve_contact_ellipse,
 )
-from fingerpad.contact.equivalent import (
+from fingerpad.contact.field import ContactField, ContactSection
+from fingerpad.contact.hertz import (
     equivalent_radius_from_area,
     equivalent_radius_from_compliance,
     equivalent_radius_from_indentation,
-    equivalent_radius_ratios,
-)
-from fingerpad.contact.fast_laws import FastContact, FastEllipse, fast_contact, fast_ellipse
-from fingerpad.contact.field import ContactField, ContactSection
-from fingerpad.contact.gap import Counterface, ellipsoid_gap
-from fingerpad.contact.hertz import (
-    HertzContact,
-    HertzGeometry,
     hertz_contact,
-    reduced_modulus,
-    youngs_modulus,
 )
-from fingerpad.contact.hertz_pressure import HertzPressure, hertz_displacement
-from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
-from fingerpad.contact.layered import LayeredContact, layered_contact
-from fingerpad.contact.pad import PadContact, pad_contact
-from fingerpad.contact.pad_gap import PadGap
-from fingerpad.contact.solver import ContactSolution, solve_contact
+from fingerpad.contact.hertz_pressure import HertzPressure
+from fingerpad.contact.influence import layer_compliance_ratio
+from fingerpad.contact.laws import fast_contact, youngs_modulus
+from fingerpad.contact.solved_stress import SolvedStress
+from fingerpad.contact.solver import SolvedContact, solve_contact, solve_gap
 from fingerpad.contact.stress import StressField, hertz_stress
 
 __all__ = [
+    "Contact",
     "ContactField",
     "ContactSection",
-    "ContactSolution",
-    "Counterface",
-    "ElasticBody",
-    "EllipsoidContact",
-    "FastContact",
-    "FastEllipse",
-    "HertzContact",
-    "HertzGeometry",
     "HertzPressure",
-    "LayeredContact",
-    "PadContact",
-    "PadGap",
+    "SolvedContact",
+    "SolvedStress",
     "StressField",
+    "Tissue",
     "complete_integrals",
-    "contact_displacement",
-    "contact_stress",
     "curvature_ratio",
-    "ellipsoid_gap",
     "equivalent_radius_from_area",
     "equivalent_radius_from_compliance",
     "equivalent_radius_from_indentation",
-    "equivalent_radius_ratios",
     "fast_contact",
-    "fast_ellipse",
     "hertz_contact",
-    "hertz_displacement",
     "hertz_stress",
     "indentation_factor",
     "layer_compliance_ratio",
-    "layered_contact",
-    "pad_contact",
-    "reduced_modulus",
     "size_factor",
     "solve_contact",
     "solve_contact_ellipse",
+    "solve_gap",
     "youngs_modulus",
 ]

@@ -10,16 +10,13 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_all
 from fingerpad._display import Displayed
-from fingerpad.contact.contact_stress import contact_stress
-from fingerpad.contact.ellipsoid_contact import hertz_contact_at, hertz_geometry_of_pad, normal_of_one_pad
-from fingerpad.contact.gap import Counterface
-from fingerpad.contact.hertz import youngs_modulus
+from fingerpad.contact.contact import AnyPlacement, Contact, Tissue
+from fingerpad.contact.hertz import hertz_contact
 from fingerpad.contact.hertz_pressure import HertzPressure
-from fingerpad.contact.influence import ElasticBody
-from fingerpad.contact.solver import ContactSolution
+from fingerpad.contact.solved_stress import SolvedStress
+from fingerpad.contact.solver import SolvedContact
 from fingerpad.contact.stress import StressField
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid
 
 _LEVELS = 25  # of the first search for the highest shear
 _NARROWED = 6  # of each later one
@@ -50,8 +47,9 @@ class ContactSection(Displayed):
 
     Examples
     --------
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+    >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
     >>> section = field.section(points=41, levels=11)
     >>> section.maximum_shear.shape
     (11, 41)
@@ -74,10 +72,10 @@ class ContactField(Displayed):
 
     Attributes
     ----------
-    load, area, indentation, peak_pressure : float
-        Normal force W, contact area, mutual approach ξ, highest pressure.
-    body : ElasticBody
-        The tissue.
+    contact : Contact
+        The contact.
+    tissue : Tissue
+        What is pressed; deep in Hertz theory.
     pressure_at : callable
         Pressure at points (along, across) of the surface.
     stress_at : callable
@@ -88,78 +86,69 @@ class ContactField(Displayed):
     The pad of Dzidek et al. (2017) at 2 N: on 8 mm of tissue over bone the shear is higher than Hertz theory
     says, and highest nearer to the surface.
 
-    >>> from fingerpad.contact import EllipsoidContact
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> press = {"wedge_angle": np.radians(30), "load": 2.0, "reduced_modulus": 0.1365}
-    >>> hertz = ContactField.of_hertz(pad, **press)
-    >>> contact = EllipsoidContact.of(pad, thickness=8.0, points=64, **press)
-    >>> for field in (hertz, ContactField.of_solution(contact.solution)):
+    >>> from fingerpad.contact import solve_contact
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+    >>> tissue = Tissue(youngs_modulus=0.1024, thickness=8.0)
+    >>> solved = solve_contact(place, tissue, load=2.0, points=64)
+    >>> hertz = ContactField.of_hertz(place, tissue, load=2.0)
+    >>> for field in (hertz, ContactField.of_solution(solved)):
     ...     shear, depth = field.highest_shear_on_axis()
     ...     print(f"{1000 * shear:.1f} kPa at {depth:.1f} mm")
     9.1 kPa at 2.9 mm
     11.7 kPa at 2.5 mm
     """
 
-    load: float
-    area: float
-    indentation: float
-    peak_pressure: float
-    body: ElasticBody
+    contact: Contact
+    tissue: Tissue
     pressure_at: Pressure
     stress_at: Stress
+    _fast_stress_at: Stress | None = None  # near enough for a first search
 
     @classmethod
-    def of_solution(cls, solution: ContactSolution) -> Self:
+    def of_solution(cls, contact: SolvedContact) -> Self:
         """Return the field of a solved contact.
 
         Parameters
         ----------
-        solution : ContactSolution
-            A contact on a half-space or on a layer.
+        contact : SolvedContact
+            On deep tissue or on a layer.
 
         Returns
         -------
         ContactField
-            In the solution's own coordinates; stress as `contact_stress`, pressure linear between cells.
+            Along the finger and across it; the pressure is linear between cells.
+
+        Raises
+        ------
+        GeometryError
+            If a layer is so thick beside the contact that it is deep tissue in effect.
         """
+        stress = SolvedStress.of(contact)
         return cls(
-            load=solution.load,
-            area=solution.area,
-            indentation=solution.indentation,
-            peak_pressure=solution.peak_pressure,
-            body=solution.body,
-            pressure_at=partial(_solved_pressure, solution),
-            stress_at=partial(contact_stress, solution),
+            contact=contact,
+            tissue=contact.tissue,
+            pressure_at=partial(_solved_pressure, contact),
+            stress_at=stress.at,
+            _fast_stress_at=stress.of_long_waves().at,
         )
 
     @classmethod
     def of_hertz(
         cls,
-        pad: Ellipsoid,
+        placement: AnyPlacement,
+        tissue: Tissue,
         *,
-        wedge_angle: float,
-        roll_angle: float = 0.0,
-        counterface: Counterface | None = None,
-        reduced_modulus: float,
-        poisson_ratio: float = 0.5,
         load: float | None = None,
-        indentation: float | None = None,
         area: float | None = None,
+        indentation: float | None = None,
     ) -> Self:
-        """Return the field by Hertz theory, in a half-space: closed forms throughout.
+        """Return the field by Hertz theory, in deep tissue: closed forms throughout.
 
         Parameters
         ----------
-        pad : Ellipsoid
-            One pad.
-        wedge_angle, roll_angle : float
-            Placement, radians.
-        counterface : Counterface, optional
-            The rigid body; a plate where none is given.
-        reduced_modulus, poisson_ratio : float
-            E* and ν of the tissue.
-        load, indentation, area : float
-            Exactly one of normal force W, mutual approach ξ and contact area.
+        placement, tissue, load, area, indentation
+            As for `hertz_contact`, of one contact.
 
         Returns
         -------
@@ -171,24 +160,17 @@ class ContactField(Displayed):
         GeometryError
             If a value is impossible.
         """
-        body = ElasticBody(reduced_modulus=reduced_modulus, poisson_ratio=poisson_ratio)
-        given = [value for value in (load, indentation, area) if value is not None]
-        if len(given) != 1 or not given[0] > 0:
-            raise GeometryError("give exactly one of load, indentation and area, positive")
-        rigid = Counterface.plate() if counterface is None else counterface
-        geometry, angle = hertz_geometry_of_pad(pad, normal_of_one_pad(pad, wedge_angle, roll_angle), rigid)
-        contact = hertz_contact_at(geometry, reduced_modulus, load, indentation, area)
-        if geometry.long_axis == 1:
-            angle += math.pi / 2
+        contact = hertz_contact(placement, tissue, load=load, area=area, indentation=indentation)
+        if np.ndim(contact.load) or not contact.load > 0:
+            raise GeometryError("the field is that of one contact under a positive load")
+        angle = float(placement.gap.angle) + (0.0 if contact.along else math.pi / 2)
         pressure = HertzPressure.of_contact(contact, angle)
+        deep = Tissue(tissue.youngs_modulus, tissue.poisson_ratio)
         return cls(
-            load=float(contact.load),
-            area=float(contact.area),
-            indentation=float(contact.indentation),
-            peak_pressure=float(contact.peak_pressure),
-            body=body,
+            contact=contact,
+            tissue=deep,
             pressure_at=pressure.at,
-            stress_at=partial(pressure.stress, poisson_ratio=poisson_ratio),
+            stress_at=partial(pressure.stress, poisson_ratio=float(tissue.poisson_ratio)),
         )
 
     def stress_on_axis(self, depth: ArrayLike) -> StressField:
@@ -207,13 +189,13 @@ class ContactField(Displayed):
         Raises
         ------
         GeometryError
-            If a depth is outside the body.
+            If a depth is outside the tissue.
         """
         depths = as_float_array(depth)
-        place = f"in the layer, from 0 to its thickness {self.body.thickness:g}"
-        if math.isinf(self.body.thickness):
+        place = f"in the layer, from 0 to its thickness {self.tissue.thickness:g}"
+        if self.tissue.is_deep:
             place = "finite and not negative"
-        good = (depths >= 0) & (depths <= self.body.thickness) & np.isfinite(depths)
+        good = (depths >= 0) & (depths <= self.tissue.thickness) & np.isfinite(depths)
         check_all(good, "depth", depths, place, GeometryError)
         return self.stress_at(0.0, 0.0, depths)
 
@@ -230,7 +212,9 @@ class ContactField(Displayed):
         ndarray, shape (..., 3, 3)
             Strain, extension positive.
         """
-        return stress.strain(youngs_modulus=self._modulus, poisson_ratio=self.body.poisson_ratio)
+        return stress.strain(
+            youngs_modulus=self.tissue.youngs_modulus, poisson_ratio=float(self.tissue.poisson_ratio)
+        )
 
     def strain_energy_density(self, stress: StressField) -> FloatArray:
         """Return the energy stored in the tissue under a stress, by volume.
@@ -246,12 +230,8 @@ class ContactField(Displayed):
             Energy per volume, in the unit of the stress.
         """
         return stress.strain_energy_density(
-            youngs_modulus=self._modulus, poisson_ratio=self.body.poisson_ratio
+            youngs_modulus=self.tissue.youngs_modulus, poisson_ratio=float(self.tissue.poisson_ratio)
         )
-
-    @property
-    def _modulus(self) -> FloatArray:
-        return youngs_modulus(self.body.reduced_modulus, self.body.poisson_ratio)
 
     def highest_shear_on_axis(self) -> tuple[float, float]:
         """Return the highest maximum shear stress on the axis, and its depth.
@@ -265,14 +245,14 @@ class ContactField(Displayed):
         depth : float
             Below the surface.
         """
-        end = min(self.body.thickness, 2 * self._mean_radius)
-        low, high, levels = 0.0, end, _LEVELS
+        end = min(float(self.tissue.thickness), 2 * self._mean_radius)
+        low, high, levels, stress_at = 0.0, end, _LEVELS, self._fast_stress_at or self.stress_at
         for _ in range(_SEARCHES):
             depths = np.linspace(low, high, levels)
-            shear = self.stress_on_axis(depths).maximum_shear
+            shear = stress_at(0.0, 0.0, depths).maximum_shear
             best = int(np.argmax(shear))
             low, high = float(depths[max(best - 1, 0)]), float(depths[min(best + 1, levels - 1)])
-            levels = _NARROWED
+            levels, stress_at = _NARROWED, self.stress_at
         return float(shear[best]), float(depths[best])
 
     def section(self, *, points: int = 181, levels: int = 61) -> ContactSection:
@@ -289,22 +269,22 @@ class ContactField(Displayed):
             Of width 3.5 times the contact's mean radius.
         """
         width = _WIDE * self._mean_radius
-        deepest = (_DEEP if math.isinf(self.body.thickness) else _LAYER) * self._mean_radius
+        deepest = (_DEEP if self.tissue.is_deep else _LAYER) * self._mean_radius
         along = np.linspace(-width, width, points)
-        depth = np.linspace(0, min(self.body.thickness, deepest), levels)
+        depth = np.linspace(0, min(float(self.tissue.thickness), deepest), levels)
         return ContactSection(
             along=along,
             depth=depth,
             pressure=self.pressure_at(along, np.zeros(points)),
             maximum_shear=self.stress_at(along, 0.0, depth[:, None]).maximum_shear,
-            thickness=self.body.thickness,
+            thickness=float(self.tissue.thickness),
         )
 
     @property
     def _mean_radius(self) -> float:
-        return math.sqrt(self.area / math.pi)
+        return math.sqrt(self.contact.area / math.pi)
 
 
-def _solved_pressure(solution: ContactSolution, along: ArrayLike, across: ArrayLike) -> FloatArray:
+def _solved_pressure(contact: SolvedContact, along: ArrayLike, across: ArrayLike) -> FloatArray:
     """Return the solved pressure at points of the surface, zero beyond its grid."""
-    return solution.grid.sample(solution.pressure, solution.grid.to_own(*broadcast(along, across)))
+    return contact.grid.sample(contact.pressure, contact.grid.to_own(*broadcast(along, across)))

@@ -1,341 +1,247 @@
-"""Elliptical Hertz contact, forward and inverse (Johnson 1985, section 4.2)."""
+"""Elliptical Hertz contact (Johnson 1985, section 4.2), and the spheres that are equivalent to one.
 
-from dataclasses import dataclass, field
+The shape of the contact ellipse depends on the ratio of the relative radii alone. Its size follows from
+ℓd³ = 3WR'D/(πE*) and the indentation from ξ = 3WK/(2πE*ℓd), R' being the larger relative radius: Johnson's
+Eqs 4.26 rearranged so that nothing cancels at the circle.
+"""
+
+from functools import cache, partial
 
 import numpy as np
+from numpy.polynomial.chebyshev import cheb2poly, chebfit
 
-from fingerpad._arrays import (
-    ArrayLike,
-    FloatArray,
-    apply_blockwise,
-    as_float_array,
-    broadcast,
-    broadcast_named,
-    check_all,
-    set_fields,
-)
-from fingerpad._display import Displayed
-from fingerpad.contact.elliptic import contact_ellipse_kernel, solve_contact_ellipse
-from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipse
+from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
+from fingerpad.contact.contact import FLAGS, AnyPlacement, Contact, Form, Tissue, check_pressed
+from fingerpad.contact.elliptic import contact_ellipse_kernel, factor_products, polynomial
+
+_RANGE, _TERMS = 1.2, 10  # of |ln(R1/R2)|, and of its square's polynomials
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class HertzContact(Displayed):
-    """A loaded elliptical contact.
-
-    Attributes
-    ----------
-    load : ndarray
-        Normal force W.
-    reduced_modulus : ndarray
-        E*, with 1/E* = (1 − ν1²)/E1 + (1 − ν2²)/E2.
-    semi_major, semi_minor : ndarray
-        Semi-axes ℓd ≥ ℓe of the contact ellipse.
-    indentation : ndarray
-        Mutual approach ξ of the two bodies.
-
-    Examples
-    --------
-    >>> contact = hertz_contact(12.955, 14.330, 2.0, reduced_modulus=0.1365)  # mm, N, MPa
-    >>> print(f"{contact.area:.1f} mm², {1000 * contact.peak_pressure:.1f} kPa")
-    88.6 mm², 33.9 kPa
-    """
-
-    load: FloatArray
-    reduced_modulus: FloatArray
-    semi_major: FloatArray
-    semi_minor: FloatArray
-    indentation: FloatArray
-
-    @property
-    def ellipse(self) -> Ellipse:
-        """The contact ellipse; a `GeometryError` where a contact has no size, as without load."""
-        return Ellipse(semi_major=self.semi_major, semi_minor=self.semi_minor)
-
-    @property
-    def area(self) -> FloatArray:
-        """Contact area A = π ℓd ℓe."""
-        return np.pi * self.semi_major * self.semi_minor
-
-    @property
-    def mean_pressure(self) -> FloatArray:
-        """Mean pressure W/A; NaN without load."""
-        with np.errstate(all="ignore"):
-            return self.load / self.area
-
-    @property
-    def peak_pressure(self) -> FloatArray:
-        """Peak pressure p0 = 3W/(2π ℓd ℓe), at the centre."""
-        return 1.5 * self.mean_pressure
-
-    @property
-    def stiffness(self) -> FloatArray:
-        """Normal contact stiffness dW/dξ = 3W/(2ξ); NaN without load."""
-        with np.errstate(all="ignore"):
-            return 1.5 * self.load / self.indentation
-
-
-@dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
-class HertzGeometry(Displayed):
-    r"""The undeformed gap of two bodies, with its contact ellipse solved once for all loads.
-
-    The shape of the ellipse depends on the curvature ratio alone. Its size follows from
-    :math:`\ell_d^3 = 3WR'D/(\pi E^*)` and the indentation from :math:`\xi = 3WK/(2\pi E^*\ell_d)`, R' being
-    the larger relative radius: Johnson's Eqs 4.26 rearranged so that nothing cancels at the circle.
+def hertz_contact(
+    placement: AnyPlacement,
+    tissue: Tissue,
+    *,
+    load: ArrayLike | None = None,
+    area: ArrayLike | None = None,
+    indentation: ArrayLike | None = None,
+) -> Contact:
+    """Press pads, as paraboloids, into deep tissue: Hertz theory, which holds for small contacts.
 
     Parameters
     ----------
-    first_radius, second_radius : array_like
-        Relative principal radii, in either order of size, of any shapes that broadcast.
+    placement : Placement or Paraboloid
+        Where the pads touch, or the relative radii of curvature there.
+    tissue : Tissue
+        What is pressed. A thickness is not taken into account: `fast_contact` and `solve_contact` do.
+    load, area, indentation : array_like
+        Exactly one of normal force W, contact area A and mutual approach ξ; a negative one gives NaN.
 
-    Attributes
-    ----------
-    axis_ratio : ndarray
-        k = ℓe/ℓd of the contact ellipse, at any load.
-    K, D : ndarray
-        Complete elliptic integrals of modulus √(1 − k²).
+    Returns
+    -------
+    Contact
+        Shapes broadcast.
 
     Raises
     ------
     GeometryError
-        If a radius is not positive and finite.
+        If not exactly one of load, area and indentation is given, an argument is of another type, or
+        the shapes do not broadcast.
 
     Examples
     --------
-    A pad of Dzidek et al. (2017), Table 1, on a 30° wedge, under 2 N (mm, N, MPa):
+    The pad of Dzidek et al. (2017) on wedges of 30° and 45°, under 2 N (mm, N, MPa):
 
-    >>> geometry = HertzGeometry(12.955, 14.330)
-    >>> contact = geometry.under_load(2.0, reduced_modulus=0.1365)
-    >>> print(f"{contact.semi_major:.3f} × {contact.semi_minor:.3f} mm, {contact.indentation:.3f} mm")
-    5.491 × 5.134 mm, 2.069 mm
-    >>> int(geometry.long_axis)  # the long axis lies along the second, here the transverse, direction
-    1
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    >>> place = Placement(pad, wedge_angle=np.radians([30, 45]))
+    >>> contact = hertz_contact(place, Tissue(youngs_modulus=0.1024), load=2.0)
+    >>> contact.area.round(1), contact.indentation.round(3)
+    (array([88.5, 72.6]), array([2.069, 2.276]))
     """
-
-    first_radius: FloatArray
-    second_radius: FloatArray
-    axis_ratio: FloatArray = field(init=False)
-    K: FloatArray = field(init=False)
-    D: FloatArray = field(init=False)
-
-    def __init__(self, first_radius: ArrayLike, second_radius: ArrayLike) -> None:
-        first, second = broadcast_named(first_radius=first_radius, second_radius=second_radius)
-        for name, radius in (("first_radius", first), ("second_radius", second)):
-            check_all(np.isfinite(radius) & (radius > 0), name, radius, "positive and finite", GeometryError)
-        k, K, D = solve_contact_ellipse(first, second)
-        set_fields(self, first_radius=first, second_radius=second, axis_ratio=k, K=K, D=D)
-
-    @property
-    def long_axis(self) -> FloatArray:
-        """Index of the principal direction along which the long axis lies: 0 or 1, NaN for a circle."""
-        sign = np.sign(self.second_radius - self.first_radius)
-        return np.where(sign == 0, np.nan, (sign + 1) / 2)[()]
-
-    @property
-    def geometric_mean_radius(self) -> FloatArray:
-        """Johnson's R_e = √(R'R'')."""
-        return np.sqrt(self.first_radius * self.second_radius)
-
-    def under_load(self, load: ArrayLike, *, reduced_modulus: ArrayLike) -> HertzContact:
-        """Return the contact under a normal force.
-
-        Parameters
-        ----------
-        load, reduced_modulus : array_like
-            W and E*; NaN is returned where either is negative.
-
-        Returns
-        -------
-        HertzContact
-            Shapes broadcast.
-        """
-        W, E = as_float_array(load), as_float_array(reduced_modulus)
-        with np.errstate(all="ignore"):
-            sizes = _size_under_load(self._larger_radius * self.D, self.axis_ratio, self.K, W, E)
-        return _contact(W, E, *sizes)
-
-    def at_indentation(self, indentation: ArrayLike, *, reduced_modulus: ArrayLike) -> HertzContact:
-        """Return the contact at a mutual approach.
-
-        Parameters
-        ----------
-        indentation, reduced_modulus : array_like
-            ξ and E*; NaN is returned where either is negative.
-
-        Returns
-        -------
-        HertzContact
-            Shapes broadcast.
-        """
-        return self._of_size(self._semi_major_from_indentation(indentation), reduced_modulus)
-
-    def at_area(self, area: ArrayLike, *, reduced_modulus: ArrayLike) -> HertzContact:
-        """Return the contact of a given area.
-
-        Parameters
-        ----------
-        area, reduced_modulus : array_like
-            A and E*; NaN is returned where either is negative.
-
-        Returns
-        -------
-        HertzContact
-            Shapes broadcast.
-        """
-        return self._of_size(self._semi_major_from_area(area), reduced_modulus)
-
-    def reduced_modulus_from_indentation(self, load: ArrayLike, indentation: ArrayLike) -> FloatArray:
-        """Return E* from a normal force and its indentation.
-
-        Parameters
-        ----------
-        load, indentation : array_like
-            W and ξ.
-
-        Returns
-        -------
-        ndarray
-            E*.
-        """
-        return self._reduced_modulus(load, self._semi_major_from_indentation(indentation))
-
-    def reduced_modulus_from_area(self, load: ArrayLike, area: ArrayLike) -> FloatArray:
-        """Return E* from a normal force and its contact area.
-
-        Parameters
-        ----------
-        load, area : array_like
-            W and A.
-
-        Returns
-        -------
-        ndarray
-            E*.
-        """
-        return self._reduced_modulus(load, self._semi_major_from_area(area))
-
-    @property
-    def _larger_radius(self) -> FloatArray:
-        return np.maximum(self.first_radius, self.second_radius)
-
-    def _semi_major_from_indentation(self, indentation: ArrayLike) -> FloatArray:
-        with np.errstate(invalid="ignore"):
-            return np.sqrt(2 * self._larger_radius * self.D * as_float_array(indentation) / self.K)
-
-    def _semi_major_from_area(self, area: ArrayLike) -> FloatArray:
-        with np.errstate(invalid="ignore"):
-            return np.sqrt(as_float_array(area) / (np.pi * self.axis_ratio))
-
-    def _reduced_modulus(self, load: ArrayLike, major: FloatArray) -> FloatArray:
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return (3 / np.pi) * as_float_array(load) * self._larger_radius * self.D / major**3
-
-    @np.errstate(all="ignore")
-    def _of_size(self, major: FloatArray, reduced_modulus: ArrayLike) -> HertzContact:
-        modulus = as_float_array(reduced_modulus)
-        modulus = np.where(modulus >= 0, modulus, np.nan)
-        radius = self._larger_radius
-        load = (np.pi / 3) * modulus * major**3 / (radius * self.D)
-        return _contact(
-            load, modulus, major, self.axis_ratio * major, 0.5 * major**2 * self.K / (radius * self.D)
-        )
-
-
-def hertz_contact(
-    first_radius: ArrayLike, second_radius: ArrayLike, load: ArrayLike, *, reduced_modulus: ArrayLike
-) -> HertzContact:
-    """Return the contacts of distinct geometries, each under its own load.
-
-    The same as ``HertzGeometry(first_radius, second_radius).under_load(load, ...)``, in one pass over the
-    arrays; values out of range give NaN, not an error.
-
-    Parameters
-    ----------
-    first_radius, second_radius : array_like
-        Relative principal radii, in either order of size.
-    load, reduced_modulus : array_like
-        Normal force W and E*.
-
-    Returns
-    -------
-    HertzContact
-        Shapes broadcast.
-
-    Examples
-    --------
-    >>> contact = hertz_contact(12.955, 14.330, [1.0, 2.0], reduced_modulus=0.1365)
-    >>> contact.area.round(1)
-    array([55.8, 88.6])
-    """
-
-    def kernel(*values: FloatArray) -> tuple[FloatArray, ...]:
-        first, second, W, E = values
-        k, K, D = contact_ellipse_kernel(first, second)
-        return _size_under_load(np.maximum(first, second) * D, k, K, W, E)
-
-    return _contact(
-        load, reduced_modulus, *apply_blockwise(kernel, 3, first_radius, second_radius, load, reduced_modulus)
+    of, value = check_pressed(placement, tissue, load=load, area=area, indentation=indentation)
+    first, second = placement.relative_radii
+    force, size, depth, k = apply_blockwise(
+        partial(_sizes, of=of), 4, first, second, value, tissue.reduced_modulus
     )
-
-
-def _size_under_load(
-    radius_D: FloatArray, k: FloatArray, K: FloatArray, W: FloatArray, E: FloatArray
-) -> tuple[FloatArray, ...]:
-    """Return semi-axes and indentation; `radius_D` is R'D."""
-    major = np.cbrt((3 / np.pi) * np.where((W >= 0) & (E >= 0), W / E, np.nan) * radius_D)
-    return major, k * major, 0.5 * major * major * K / radius_D
-
-
-def _contact(*values: ArrayLike) -> HertzContact:
-    load, modulus, major, minor, indentation = (value[()] for value in broadcast(*values))
-    return HertzContact(
-        load=load, reduced_modulus=modulus, semi_major=major, semi_minor=minor, indentation=indentation
+    return Contact(
+        load=force,
+        area=size,
+        indentation=depth,
+        flag_code=np.multiply(~(force > 0), np.int8(FLAGS.index("no_contact"))),
+        _find_form=partial(_form, first, second, k, size),
     )
 
 
 @np.errstate(all="ignore")
-def reduced_modulus(youngs_modulus: ArrayLike, poisson_ratio: ArrayLike = 0.5) -> FloatArray:
-    """Return E* = E/(1 − ν²) of a body pressed against a rigid one.
+def _form(first: FloatArray, second: FloatArray, k: FloatArray, area: FloatArray) -> Form:
+    major = np.sqrt(area / (np.pi * k))
+    along = np.broadcast_to(first >= second, np.shape(major))[()]
+    return Form(semi_major=major, semi_minor=k * major, along=along, peak_over_mean_pressure=np.array(1.5))
+
+
+def _sizes(
+    first: FloatArray, second: FloatArray, value: FloatArray, modulus: FloatArray, *, of: str
+) -> tuple[FloatArray, ...]:
+    """Return load, area, indentation and axis ratio of one block."""
+    k, K, D = contact_ellipse_kernel(first, second)
+    radius_D = np.maximum(first, second) * D
+    good = value >= 0
+    if not good.all():
+        value = np.where(good, value, np.nan)
+    if of == "load":
+        major = np.cbrt((3 / np.pi) * (value / modulus) * radius_D)
+        square = major * major
+    else:
+        square = value / (np.pi * k) if of == "area" else 2 * radius_D * value / K
+        major = np.sqrt(square)
+    load = value if of == "load" else (np.pi / 3) * modulus * square * major / radius_D
+    area = value if of == "area" else np.pi * k * square
+    depth = value if of == "indentation" else 0.5 * square * K / radius_D
+    return load, area, depth, k
+
+
+def hertz_units(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the axis ratio of Hertz theory, load over E* a³ and indentation over a².
+
+    By polynomials where the radii differ little enough: to the last digits, in a fraction of the time.
+    """
+    x = np.log(first / second)
+    if not (np.abs(x.real) <= _RANGE).all():
+        return _exact_units(first, second)
+    x = np.where(x.real < 0, -x, x)
+    at, mean = (2 / _RANGE**2) * (x * x) - 1, np.sqrt(first * second)
+    slope, load, depth = (polynomial(each, at) for each in _polynomials())
+    return np.exp(x * slope), load / mean, depth / mean
+
+
+def _exact_units(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    k, integral, D = contact_ellipse_kernel(first, second)
+    radius_D = np.maximum(first, second) * D * k
+    return k, (np.pi / 3) / (radius_D * np.sqrt(k)), 0.5 * integral / radius_D
+
+
+@cache
+def _polynomials() -> tuple[FloatArray, ...]:
+    """Return ln(k)/x, load and indentation of R1 R2 = 1 as polynomials in x² = ln²(R1/R2)."""
+    at = np.cos((np.arange(_TERMS) + 0.5) * np.pi / _TERMS)
+    x = _RANGE * np.sqrt((1 + at) / 2)
+    k, load, depth = _exact_units(np.exp(x / 2), np.exp(-x / 2))
+    fitted = (cheb2poly(chebfit(at, values, _TERMS - 1)) for values in (np.log(k) / x, load, depth))
+    return tuple(map(as_float_array, fitted))
+
+
+# The three spheres equivalent to an elliptical contact.
+#
+# A sphere can be chosen to give the same indentation under the same load, the same area under the same load,
+# or the same area at the same indentation. Each radius is the base radius R times a function of the observed
+# contact ellipse. The base is the mean-curvature radius R_0g = 1/H in Dzidek et al. (2017), the geometric
+# mean R_e = √(R'R'') in exact Hertz theory, for which the three relations are identities.
+
+
+@np.errstate(all="ignore")
+def equivalent_radius_ratios(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+    r"""Return R_δ/R, R_A/R and R_Aξ/R, the three equivalent radii over their base radius, in one pass.
+
+    In Johnson's factors they are :math:`F_2^{-3}`, :math:`F_1^3` and :math:`F_1^2/F_2`, computed without a
+    cube root: :math:`F_1^3 = \frac{4}{\pi}\sqrt{kBD}` and :math:`F_1 F_2 = \frac{2}{\pi}\sqrt{k}K`.
 
     Parameters
     ----------
-    youngs_modulus : array_like
-        E.
-    poisson_ratio : array_like
-        ν.
+    axis_ratio : array_like
+        k = ℓe/ℓd of the contact ellipse, in (0, 1]; NaN is returned elsewhere.
+
+    Returns
+    -------
+    from_indentation, from_area, from_compliance : ndarray
+        R_δ/R ≥ 1, R_A/R ≤ 1 and R_Aξ/R ≤ 1.
+
+    Examples
+    --------
+    >>> [round(float(ratio), 4) for ratio in equivalent_radius_ratios(5.0 / 7.4)]
+    [1.0145, 0.9858, 0.9953]
+    """
+    area, product = factor_products(axis_ratio)
+    return area / product**3, area, area / product
+
+
+def equivalent_radius_from_indentation(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return the radius of the sphere with the same indentation under the same load.
+
+    :math:`R_\delta = R F_2^{-3} \ge R`. Dzidek et al. (2017), Eq. (2), print :math:`F^{+3}` with F ≥ 1; their
+    ξ(e) gives :math:`F^{-3}` with Johnson's F2 ≤ 1.
+
+    Parameters
+    ----------
+    base_radius : array_like
+        R_0g (Dzidek et al. 2017) or R_e (exact Hertz theory), positive; NaN is returned elsewhere.
+    axis_ratio : array_like
+        k = ℓe/ℓd of the contact ellipse, in (0, 1]; NaN is returned elsewhere.
 
     Returns
     -------
     ndarray
-        E*, in the unit of E.
+        R_δ, in the unit of `base_radius`.
 
     Examples
     --------
-    >>> float(reduced_modulus(0.1024))
-    0.13653333333333334
+    >>> round(float(equivalent_radius_from_indentation(18.7, 5.0 / 7.4)), 2)
+    18.97
     """
-    return as_float_array(youngs_modulus) / (1 - as_float_array(poisson_ratio) ** 2)
+    return _convex(base_radius) * equivalent_radius_ratios(axis_ratio)[0]
 
 
-def youngs_modulus(reduced_modulus: ArrayLike, poisson_ratio: ArrayLike = 0.5) -> FloatArray:
-    """Return E = E*(1 − ν²) of a body pressed against a rigid one.
+def equivalent_radius_from_area(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return the radius of the sphere with the same area under the same load.
+
+    :math:`R_A = R F_1^3 \le R`.
 
     Parameters
     ----------
-    reduced_modulus : array_like
-        E*.
-    poisson_ratio : array_like
-        ν.
+    base_radius : array_like
+        R_0g (Dzidek et al. 2017) or R_e (exact Hertz theory), positive; NaN is returned elsewhere.
+    axis_ratio : array_like
+        k = ℓe/ℓd of the contact ellipse, in (0, 1]; NaN is returned elsewhere.
 
     Returns
     -------
     ndarray
-        E, in the unit of E*.
+        R_A, in the unit of `base_radius`.
 
     Examples
     --------
-    >>> round(float(youngs_modulus(0.1365)), 4)
-    0.1024
+    >>> round(float(equivalent_radius_from_area(18.7, 5.0 / 7.4)), 2)
+    18.43
     """
-    return as_float_array(reduced_modulus) * (1 - as_float_array(poisson_ratio) ** 2)
+    return _convex(base_radius) * equivalent_radius_ratios(axis_ratio)[1]
+
+
+def equivalent_radius_from_compliance(base_radius: ArrayLike, axis_ratio: ArrayLike) -> FloatArray:
+    r"""Return the radius of the sphere with the same area at the same indentation, R = A/(πξ).
+
+    :math:`R_{A\xi} = R F_1^2/F_2`, slightly below R. It is the one to compare with R_g, the slope of A
+    against πξ.
+
+    Parameters
+    ----------
+    base_radius : array_like
+        R_0g (Dzidek et al. 2017) or R_e (exact Hertz theory), positive; NaN is returned elsewhere.
+    axis_ratio : array_like
+        k = ℓe/ℓd of the contact ellipse, in (0, 1]; NaN is returned elsewhere.
+
+    Returns
+    -------
+    ndarray
+        R_Aξ, in the unit of `base_radius`.
+
+    Examples
+    --------
+    >>> round(float(equivalent_radius_from_compliance(18.7, 5.0 / 7.4)), 2)
+    18.61
+    """
+    return _convex(base_radius) * equivalent_radius_ratios(axis_ratio)[2]
+
+
+def _convex(base_radius: ArrayLike) -> FloatArray:
+    """Return positive radii as they are, and NaN for the others."""
+    radius = as_float_array(base_radius)
+    return np.where(radius.real > 0, radius, np.nan)

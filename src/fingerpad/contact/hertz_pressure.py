@@ -1,4 +1,4 @@
-"""The pressure of Hertz theory in the plane of contact, and how it displaces the surface of a half-space."""
+"""The pressure of Hertz theory in the plane of contact."""
 
 import math
 from dataclasses import dataclass, replace
@@ -6,7 +6,6 @@ from itertools import product
 from typing import Self
 
 import numpy as np
-from scipy.special import elliprd, elliprf
 
 from fingerpad._arrays import (
     ArrayLike,
@@ -18,70 +17,13 @@ from fingerpad._arrays import (
     set_fields,
 )
 from fingerpad._display import Displayed
+from fingerpad.contact.contact import Contact
 from fingerpad.contact.grid import ContactGrid
-from fingerpad.contact.hertz import HertzContact
 from fingerpad.contact.stress import StressField, hertz_stress
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipse
 
 _SAMPLES = 4  # along each side of a cell
-
-
-@np.errstate(all="ignore")
-def hertz_displacement(
-    x: ArrayLike,
-    y: ArrayLike,
-    *,
-    semi_x: ArrayLike,
-    semi_y: ArrayLike,
-    peak_pressure: ArrayLike,
-    reduced_modulus: ArrayLike,
-) -> FloatArray:
-    r"""Return the normal displacement of the surface under p0 √(1 − x²/a² − y²/b²), inside and outside.
-
-    .. math:: u = \frac{a b p_0}{2 E^*} \int_\lambda^\infty
-        \left(1 - \frac{x^2}{a^2 + s} - \frac{y^2}{b^2 + s}\right) \frac{ds}{\sqrt{(a^2 + s)(b^2 + s) s}}
-
-    (Johnson 1985, section 3.5), with λ zero inside the contact and the root of the bracket outside;
-    two of Carlson's integrals.
-
-    Parameters
-    ----------
-    x, y : array_like
-        Points of the surface.
-    semi_x, semi_y : array_like
-        Semi-axes a and b of the contact ellipse along x and y, in either order of size.
-    peak_pressure : array_like
-        p0.
-    reduced_modulus : array_like
-        E*.
-
-    Returns
-    -------
-    ndarray
-        Displacement into the body; NaN where a semi-axis is not positive.
-
-    Examples
-    --------
-    A circle sinks by twice as much in the middle as at its edge:
-
-    >>> u = hertz_displacement([0.0, 1.0], 0.0, semi_x=1, semi_y=1, peak_pressure=1, reduced_modulus=1)
-    >>> (u / np.pi).round(12)
-    array([0.5 , 0.25])
-    """
-    x, y, a, b, p0, modulus = broadcast(x, y, semi_x, semi_y, peak_pressure, reduced_modulus)
-    good = (a > 0) & (b > 0)
-    scale = np.where(good, np.maximum(a, b), np.nan)
-    xx, yy, aa, bb = (x / scale) ** 2, (y / scale) ** 2, (a / scale) ** 2, (b / scale) ** 2
-    half = (aa + bb - xx - yy) / 2
-    product = aa * bb - xx * bb - yy * aa  # of the roots; negative outside the contact
-    root = np.sqrt(half**2 - np.minimum(product, 0))
-    root = np.where(product < 0, np.where(half > 0, -product / (half + root), root - half), 0)
-    integral = 2 * elliprf(aa + root, bb + root, root)
-    integral_x = 2 / 3 * elliprd(bb + root, root, aa + root)
-    integral_y = 2 / 3 * elliprd(aa + root, root, bb + root)
-    shape: FloatArray = integral - xx * integral_x - yy * integral_y
-    return a * b / scale * p0 / (2 * modulus) * shape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -136,12 +78,12 @@ class HertzPressure(Displayed):
         )
 
     @classmethod
-    def of_contact(cls, contact: HertzContact, long_axis_angle: float) -> Self:
+    def of_contact(cls, contact: Contact, long_axis_angle: float) -> Self:
         """Return the pressure of one Hertz contact, whose long axis lies at an angle to the finger.
 
         Parameters
         ----------
-        contact : HertzContact
+        contact : Contact
             One contact.
         long_axis_angle : float
             From the finger's axis to the long axis, radians.
@@ -259,30 +201,6 @@ class HertzPressure(Displayed):
             poisson_ratio=poisson_ratio,
         )
         return field.turned(self.long_axis_angle)
-
-    def displacement(self, along: ArrayLike, across: ArrayLike, *, reduced_modulus: float) -> FloatArray:
-        """Return the normal displacement of the half-space's surface, as `hertz_displacement`.
-
-        Parameters
-        ----------
-        along, across : array_like
-            Coordinates along the finger and across, of any shapes that broadcast.
-        reduced_modulus : float
-            E*, in the unit of the pressure.
-
-        Returns
-        -------
-        ndarray
-            Displacement into the body.
-        """
-        x, y = self._own(*broadcast(along, across))
-        return hertz_displacement(
-            *(x, y),
-            semi_x=self.semi_major,
-            semi_y=self.semi_minor,
-            peak_pressure=self.peak_pressure,
-            reduced_modulus=reduced_modulus,
-        )
 
     def _own(self, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return coordinates along the ellipse's own axes."""

@@ -6,7 +6,6 @@ Green's functions. The convolution is zero-padded, so that no periodic images ta
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -18,13 +17,7 @@ from fingerpad._arrays import (
     ArrayLike,
     FloatArray,
     as_float_array,
-    check_all,
-    positive_number,
-    real_number,
-    set_fields,
 )
-from fingerpad._display import Displayed
-from fingerpad.exceptions import GeometryError
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -128,60 +121,30 @@ def layer_influence(
     return half_space_influence(spacing, shape) + difference * cell / (4 * np.pi * thickness)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class ElasticBody(Displayed):
-    """An elastic half-space, or a layer of it bonded to a rigid base.
+def influence(
+    spacing: tuple[float, float], shape: tuple[int, int], thickness: float, poisson_ratio: float
+) -> FloatArray:
+    """Return the displacement of each cell under unit pressure on the first, times E*.
 
-    Attributes
+    Parameters
     ----------
-    reduced_modulus : float
-        E* = E/(1 − ν²).
+    spacing : tuple of float
+        Sides of a cell.
+    shape : tuple of int
+        Number of cells along each side.
     thickness : float
-        Thickness of the layer; infinite for the half-space.
+        Of a layer; infinite for a half-space.
     poisson_ratio : float
-        ν in [0, 0.5]; without effect on the surface of a half-space, which depends on E* alone.
+        ν, which matters to a layer alone.
 
-    Raises
-    ------
-    GeometryError
-        If modulus or thickness is not positive, or ν not in [0, 0.5].
-
-    Examples
-    --------
-    >>> ElasticBody(reduced_modulus=0.1, thickness=8.0)
-    ElasticBody(reduced_modulus=0.1, thickness=8, poisson_ratio=0.5)
+    Returns
+    -------
+    ndarray
+        Of the given shape, in the unit of length.
     """
-
-    reduced_modulus: float
-    thickness: float = math.inf
-    poisson_ratio: float = 0.5
-
-    def __post_init__(self) -> None:
-        modulus = positive_number(self.reduced_modulus, "reduced_modulus", GeometryError)
-        depth = real_number(self.thickness, "thickness", GeometryError)
-        check_all(depth > 0, "thickness", depth, "positive", GeometryError)
-        ratio = real_number(self.poisson_ratio, "poisson_ratio", GeometryError)
-        check_all(0 <= ratio <= 0.5, "poisson_ratio", ratio, "in [0, 0.5]", GeometryError)
-        set_fields(self, reduced_modulus=modulus, thickness=depth, poisson_ratio=ratio)
-
-    def influence(self, spacing: tuple[float, float], shape: tuple[int, int]) -> FloatArray:
-        """Return the displacement of each cell under unit pressure on the first, times E*.
-
-        Parameters
-        ----------
-        spacing : tuple of float
-            Sides of a cell.
-        shape : tuple of int
-            Number of cells along each side.
-
-        Returns
-        -------
-        ndarray
-            Of the given shape, in the unit of length.
-        """
-        if math.isinf(self.thickness):
-            return half_space_influence(spacing, shape)
-        return layer_influence(spacing, shape, self.thickness, self.poisson_ratio)
+    if math.isinf(thickness):
+        return half_space_influence(spacing, shape)
+    return layer_influence(spacing, shape, thickness, poisson_ratio)
 
 
 class Convolution:

@@ -6,18 +6,29 @@ Those of the layer are, with x = √(A/π)/t and u = x/(1 + x/C),
 
 N and q are those of a thin layer, compressible or not. The first coefficients of P and Q are the series of a
 thick layer; the others are fitted to solved contacts, as are the powers of the contact's size, times the
-numbers of `PadGap`, that make the factors of the ellipsoid. For a sphere these are Sneddon's (1965).
+numbers of `Gap`, that make the factors of the ellipsoid. For a sphere these are Sneddon's (1965).
 benchmarks/contact_laws.py derives all coefficients, and measures what they leave.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Self
 
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.contact import law_coefficients as law
+from fingerpad.contact.contact import FLAGS
 from fingerpad.contact.elliptic import polynomial
 
+WIDEST: Final = 0.601  # √(A/A_s), A_s being the area of the pad's silhouette seen along the plate's normal
+MOST_SKEW: Final = 0.2  # (μ1 a1)² + (μ2 a2)²
+MOST_SLENDER: Final = 0.33  # axis ratio in Hertz theory, of a whole ellipsoid
+MOST_SLENDER_ON_LAYER: Final = 0.5
+THINNEST: Final = 3.01  # √(A/π)/t, 3 with the laws' own error
+LOWEST_POISSON_RATIO: Final = 0.3
+_LARGEST_MISS = 0.01
+_STEPS = 2  # of Newton's method: the first guess is within some per cent
 Value = tuple[FloatArray, FloatArray]  # and its slope over the logarithm of the contact's mean radius
 
 
@@ -307,3 +318,141 @@ def _powers(at: FloatArray, count: int) -> FloatArray:
     for power in range(1, count):
         np.multiply(powers[power - 1], at, out=powers[power])
     return powers
+
+
+def _has_law(poisson_ratio: FloatArray) -> BoolArray:
+    """Return whether ν is one for which a layer has laws."""
+    within: BoolArray = (poisson_ratio.real >= LOWEST_POISSON_RATIO) & (poisson_ratio.real <= 0.5)
+    return within
+
+
+_POWERS: Final = {"load": 3, "indentation": 2, "area": 2}  # of the mean radius, in Hertz theory
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Laws:
+    """The factors that hold for one block of contacts."""
+
+    elongation: FloatArray
+    layer: LayerFactors | None
+    pad: PadFactors | None
+
+    @classmethod
+    def of(
+        cls,
+        first: FloatArray,
+        second: FloatArray,
+        k: FloatArray,
+        rest: tuple[FloatArray, ...],
+        *,
+        whole: bool,
+        poisson_ratio: FloatArray | None,
+        form: bool = False,
+    ) -> Self:
+        """Take the numbers of the gap, if it is a whole ellipsoid's, then thickness and ν, if any."""
+        layer, pad, elongation = None, None, 0 * k
+        if whole or form:
+            longer_first = first.real > second.real
+            elongation = np.where(longer_first, 0.5, -0.5) * (1 - k * k) / k
+        if whole:
+            pad = PadFactors(
+                first, second, *rest[:3], stretch=np.where(longer_first, 1 / k, k), elongation=elongation
+            )
+            rest = rest[3:]
+        if rest:
+            nu = rest[1] if poisson_ratio is None else poisson_ratio
+            ignored = np.isinf(rest[0]) & ~_has_law(nu)  # ν matters to a layer alone
+            if ignored.any():
+                nu = np.where(ignored, 0.5, nu)
+            layer = LayerFactors(rest[0], nu, (1 - k) * (1 - k) / k)
+        return cls(elongation=elongation, layer=layer, pad=pad)
+
+    def factor(self, of: str, radius: FloatArray) -> FloatArray:
+        """Return the factor on load, indentation or area."""
+        factor: FloatArray = np.ones(())
+        u = None
+        if of == "area":
+            return factor
+        if self.layer is not None:
+            u = self.layer.size(radius)
+            factor = self.layer.value(of, radius)
+        return factor if self.pad is None else factor * np.exp(self.pad.value(of, radius, u))
+
+    def mean_radius(self, of: str, value: FloatArray, unit: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the radius √(A/π) at a load, indentation or area, and by how much Newton's method missed."""
+        power = _POWERS[of]
+        ratio = np.where(value.real > 0, value, np.nan) / unit
+        if power == 2:
+            hertz = np.sqrt(ratio)
+        else:
+            hertz = ratio ** (1 / 3) if np.iscomplexobj(ratio) else np.cbrt(ratio)
+        change = np.zeros_like(hertz)
+        if of == "area" or (self.layer is None and self.pad is None):
+            return hertz, change
+        radius = hertz
+        if self.layer is not None:
+            radius = hertz * np.exp(self.layer.first_guess(of, hertz))
+        if self.pad is not None:
+            radius = radius * np.exp(self.pad.value(of, radius, None) / -power)
+        factor, slope = self._factor_and_slope(of, radius)
+        for step in range(_STEPS):
+            if step:
+                factor = self.factor(of, radius)
+            square = radius * radius
+            miss = np.log(ratio / (factor * (square if power == 2 else square * radius))) / (power + slope)
+            radius = radius * np.exp(miss)
+        return radius, miss
+
+    def _factor_and_slope(self, of: str, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the factor on load or indentation, and the slope of its logarithm."""
+        factor, slope, u = np.ones(()), np.zeros(()), None
+        if self.layer is not None:
+            u = self.layer.size(radius)
+            factor, slope = self.layer.value_and_slope(of, radius)
+        if self.pad is not None:
+            factor = factor * np.exp(self.pad.value(of, radius, u))
+            slope = slope + self.pad.slope(of, radius, u)
+        return factor, slope
+
+    def axis_ratio(self, radius: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return √(a/b) ≥ 1, and (a/b − b/a)/2 with a sign: positive along the first direction."""
+        along, u = self.elongation, None
+        if self.layer is not None:
+            along, u = along * self.layer.roundness(radius), self.layer.size(radius)
+        half = along * np.sign(along.real)
+        if self.pad is not None:
+            along, turned = self.pad.elongations(radius, u, along)
+            half = np.sqrt(along * along + turned * turned)
+        return np.sqrt(half + np.sqrt(1 + half * half)), along
+
+    def peak(self, radius: FloatArray) -> FloatArray:
+        """Return the factor on the peak pressure 3W/(2A)."""
+        factor, u = 1 + 0 * radius, None
+        if self.layer is not None:
+            factor, u = self.layer.peak(radius), self.layer.size(radius)
+        return factor if self.pad is None else factor * self.pad.peak(radius, u)
+
+    def flag(self, radius: FloatArray, k: FloatArray, miss: FloatArray, value: FloatArray) -> FloatArray:
+        """Return the indices in `FLAGS`."""
+        code = np.zeros(k.shape)
+        found = np.isfinite(radius) & (np.abs(miss) < _LARGEST_MISS)
+        ranges = []
+        if self.layer is not None:
+            ratio = self.layer.ratio(radius).real
+            ranges += [
+                ("layer_too_thin", found & (ratio >= 0) & (ratio <= THINNEST)),
+                ("contact_too_slender", (k.real >= MOST_SLENDER_ON_LAYER) | self.layer.is_half_space),
+            ]
+        if self.pad is not None:
+            ranges += [
+                ("contact_too_slender", (k.real >= MOST_SLENDER) | ~self.pad.whole),
+                ("contact_too_skew", self.pad.skewness(radius).real <= MOST_SKEW),
+                ("contact_too_wide", found & (self.pad.width(radius).real <= WIDEST)),
+            ]
+        if self.layer is not None:  # the reason for what the other ranges miss
+            ranges.append(("poisson_ratio_out_of_range", _has_law(self.layer.poisson_ratio)))
+        ranges.append(("no_contact", (value.real > 0) & np.isfinite(value) & np.isfinite(k)))
+        for name, inside in ranges:
+            if not inside.all():
+                code[~inside] = FLAGS.index(name)
+        return code

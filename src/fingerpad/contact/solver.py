@@ -8,19 +8,20 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.ndimage import binary_dilation
 
 from fingerpad._arrays import FloatArray, as_float_array, check_all, finite_angle
-from fingerpad._display import Displayed
-from fingerpad.contact.complementarity import solve_pressure
-from fingerpad.contact.grid import FILLED, ContactGrid
-from fingerpad.contact.influence import Convolution, ElasticBody
-from fingerpad.contact.outline import ContactOutline, contact_outline
+from fingerpad.contact.contact import AnyPlacement, Contact, Form, Tissue, check_pressed, only_given
+from fingerpad.contact.grid import FILLED, ContactGrid, ContactOutline, contact_outline
+from fingerpad.contact.hertz import hertz_contact
+from fingerpad.contact.influence import Convolution, influence
+from fingerpad.contact.pressure import solve_pressure
 from fingerpad.exceptions import ConvergenceError, GeometryError
 
-Gap = Callable[[FloatArray, FloatArray], FloatArray]
+GapHeight: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
 
 _MOVES = 30  # of a grid, before it is given up
 _COARSEST = 32  # cells along each side of the first grid
@@ -31,26 +32,20 @@ _EDGE_ERROR = 0.3  # of the area, with the cells along a semi-axis to the power 
 _THINNEST = 0.1  # thickness over the contact's mean radius
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class ContactSolution(Displayed):
-    """A solved contact.
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SolvedContact(Contact):
+    """A contact that was solved on a grid.
 
     Attributes
     ----------
-    body : ElasticBody
-        The deformed body.
+    load, indentation, area, flag_code : ndarray
+        As of any `Contact`, one number each.
+    tissue : Tissue
+        What is pressed.
     grid : ContactGrid
-        Grid of `pressure`.
+        Grid of `pressure`. The plane's first coordinate points along the finger, its second across.
     pressure : ndarray, shape (points, points)
         Contact pressure, zero outside the contact.
-    load : float
-        Normal force W.
-    indentation : float
-        Mutual approach ξ.
-    area : float
-        Contact area.
-    semi_major, semi_minor : float
-        Semi-axes of the ellipse with the contact's area and ratio of second moments.
     long_axis_angle : float
         From the plane's first coordinate to the ellipse's long axis, in (−π/2, π/2], radians.
     centre : ndarray, shape (2,)
@@ -66,52 +61,26 @@ class ContactSolution(Displayed):
 
     Examples
     --------
-    A sphere of radius 10 mm on a half-space, Hertz: W = (4/3)E* R^{1/2} ξ^{3/2} = 0.4216 N, A = πRξ:
+    A sphere of radius 10 mm on deep tissue, Hertz: W = (4/3)E* R^{1/2} ξ^{3/2} = 0.4216 N, A = πRξ:
 
-    >>> contact = solve_contact(
-    ...     lambda x, y: (x**2 + y**2) / 20,
-    ...     ElasticBody(reduced_modulus=0.1),
-    ...     half_widths=(3, 3),
-    ...     indentation=1.0,
-    ...     points=64,
-    ... )
-    >>> round(contact.load, 4), round(contact.area_over_pi_indentation, 3)
-    (0.4217, 10.012)
+    >>> from fingerpad.geometry import Paraboloid
+    >>> tissue = Tissue(youngs_modulus=0.075)
+    >>> contact = solve_contact(Paraboloid(10.0, 10.0), tissue, indentation=1.0, points=64)
+    >>> print(f"{contact.load:.4f} N, {contact.area_over_pi_indentation:.3f} mm")
+    0.4217 N, 10.011 mm
     """
 
-    body: ElasticBody
+    tissue: Tissue
     grid: ContactGrid
     pressure: FloatArray
-    load: float
-    indentation: float
-    area: float
-    semi_major: float
-    semi_minor: float
     long_axis_angle: float
     centre: FloatArray
     outline: FloatArray
     elastic_energy: float
     relative_error: float
 
-    @property
-    def peak_pressure(self) -> float:
-        """Highest pressure."""
-        return float(self.pressure.max())
-
-    @property
-    def mean_pressure(self) -> float:
-        """Mean pressure W/A."""
-        return self.load / self.area
-
-    @property
-    def axis_ratio(self) -> float:
-        """Semi-minor over semi-major axis."""
-        return self.semi_minor / self.semi_major
-
-    @property
-    def area_over_pi_indentation(self) -> float:
-        """A/(πξ), the loading radius of this one load; the radius of the sphere in Hertz theory."""
-        return self.area / (math.pi * self.indentation)
+    def _shown(self) -> list[tuple[str, Any]]:
+        return [*Contact._shown(self), ("relative_error", self.relative_error)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -139,87 +108,147 @@ class _Pressed:
 
 
 def solve_contact(
-    gap: Gap,
-    body: ElasticBody,
+    placement: AnyPlacement,
+    tissue: Tissue,
+    *,
+    load: float | None = None,
+    area: float | None = None,
+    indentation: float | None = None,
+    points: int = 256,
+) -> SolvedContact:
+    """Press one whole pad against a plate or another rigid body, without friction, and solve on a grid.
+
+    Parameters
+    ----------
+    placement : Placement or Paraboloid
+        Where one pad touches.
+    tissue : Tissue
+        What is pressed: deep, or a layer bonded to rigid bone.
+    load, area, indentation : float
+        Exactly one of normal force W, contact area A and mutual approach ξ.
+    points : int
+        Cells along each side of the finest grid.
+
+    Returns
+    -------
+    SolvedContact
+        With pressure, grid and an estimate of its error.
+
+    Raises
+    ------
+    GeometryError
+        If there are several pads, the given quantity is not positive and finite, the contact reaches the
+        silhouette, or the layer is pressed through or too thin beside the contact.
+    ConvergenceError
+        If the pressure is not found.
+
+    Examples
+    --------
+    The pad of Dzidek et al. (2017) at 2 N. On 8 mm of tissue over bone Hertz theory reads a higher modulus
+    from the indentation than from the area:
+
+    >>> from fingerpad.contact import hertz_contact
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+    >>> tissue = Tissue(youngs_modulus=0.1, thickness=8.0)
+    >>> solved = solve_contact(place, tissue, load=2.0, points=64)
+    >>> hertz = hertz_contact(place, tissue, load=2.0)
+    >>> print(f"area × {solved.area / hertz.area:.2f}, ξ × {solved.indentation / hertz.indentation:.2f}")
+    area × 0.87, ξ × 0.60
+    """
+    name, value = check_pressed(placement, tissue, load=load, area=area, indentation=indentation)
+    if placement.shape or tissue.shape or value.shape:
+        raise GeometryError(
+            f"one contact is solved at a time, found placements of shape {placement.shape}, tissue of shape "
+            f"{tissue.shape} and {name} of shape {value.shape}: loop over them, as with place[0], or take "
+            "fast_contact, which broadcasts"
+        )
+    check_all(np.isfinite(value) & (value > 0), name, value, "positive and finite", GeometryError)
+    guess = hertz_contact(placement, tissue, **{name: value})
+    semi_axes = float(guess.semi_major), float(guess.semi_minor)
+    gap = placement.gap
+    return solve_gap(
+        gap.height,
+        tissue,
+        half_widths=semi_axes if guess.along else semi_axes[::-1],
+        angle=float(gap.angle),
+        points=points,
+        **{name: float(value)},
+    )
+
+
+def solve_gap(
+    gap: GapHeight,
+    tissue: Tissue,
     *,
     half_widths: tuple[float, float],
     angle: float = 0.0,
     load: float | None = None,
-    indentation: float | None = None,
     area: float | None = None,
+    indentation: float | None = None,
     points: int = 256,
-) -> ContactSolution:
-    """Press a rigid shape and an elastic body together, without friction.
+) -> SolvedContact:
+    """Press a rigid body and tissue together whose gap is any smooth function, without friction.
 
     Parameters
     ----------
     gap : callable
         Gap of the undeformed surfaces at plane coordinates (x, y), arrays; NaN where there is no surface.
         Zero at its lowest point.
-    body : ElasticBody
-        Half-space or layer.
+    tissue : Tissue
+        What is pressed.
     half_widths : tuple of float
         A first guess of the contact's semi-axes along the grid's sides.
     angle : float
         From the plane's first coordinate to the grid's first side, radians. Elongated contacts are solved
         best on a grid that lies along them.
-    load, indentation, area : float
-        Exactly one of normal force, mutual approach and contact area.
-    points : int
-        Cells along each side of the finest grid.
+    load, area, indentation, points
+        As for `solve_contact`.
 
     Returns
     -------
-    ContactSolution
+    SolvedContact
         On the finest grid.
 
     Raises
     ------
-    GeometryError
-        If the given quantity is not positive and finite, the angle is beyond a full turn, as degrees are, the
-        contact reaches the end of the surfaces, or the layer is pressed through or too thin beside the
-        contact.
-    ConvergenceError
-        If the conjugate gradients do not converge.
+    GeometryError, ConvergenceError
+        As `solve_contact`.
 
     Examples
     --------
-    A sphere of radius 10 mm on tissue of E* = 0.1 MPa, 5 mm thick, carries more than on a half-space:
+    A sphere of radius 10 mm on tissue of E* = 0.1 MPa, 5 mm thick, carries more than on deep tissue:
 
     >>> sphere = lambda x, y: (x**2 + y**2) / 20
-    >>> half_space = ElasticBody(reduced_modulus=0.1)
-    >>> layer = ElasticBody(reduced_modulus=0.1, thickness=5.0)
     >>> loads = [
-    ...     solve_contact(sphere, body, half_widths=(3, 3), indentation=1.0, points=64).load
-    ...     for body in (half_space, layer)
+    ...     solve_gap(sphere, Tissue(0.075, thickness=t), half_widths=(3, 3), indentation=1.0, points=64).load
+    ...     for t in (np.inf, 5.0)
     ... ]
     >>> print(f"{loads[0]:.3f} N, {loads[1]:.3f} N")
     0.422 N, 1.158 N
     """
-    given = {"load": load, "indentation": indentation, "area": area}
-    wanted = [(name, value) for name, value in given.items() if value is not None]
-    if len(wanted) != 1:
-        raise GeometryError(f"give exactly one of load, indentation and area, found {len(wanted)}")
-    name, value = wanted[0]
+    name, number = only_given(load=load, area=area, indentation=indentation)
+    value = float(number)
     check_all(np.isfinite(value) and value > 0, name, value, "positive and finite", GeometryError)
     if points < 2 * _COARSEST:
         raise GeometryError(f"points must be at least {2 * _COARSEST}, found {points}")
     if np.shape(half_widths) != (2,) or not (as_float_array(half_widths, "half_widths") > 0).all():
         raise GeometryError(f"half_widths must be two positive lengths, found {half_widths}")
     angle = finite_angle("angle", angle)
-    problem = _Problem(gap, body, name, value / body.reduced_modulus if name == "load" else value)
+    problem = _Problem(gap, tissue, name, value / float(tissue.reduced_modulus) if name == "load" else value)
     levels = [points >> shift for shift in range(3, 0, -1) if points >> shift >= _COARSEST]
     found = [problem.first(half_widths, angle, levels[0])]
     for count in [*levels[1:], points]:
         found.append(problem.finer(found[-1], count))
-    return _solution(body, found[-2], found[-1])
+    return _solution(tissue, found[-2], found[-1])
 
 
 class _Problem:
     """One contact, solved on grid after grid."""
 
-    def __init__(self, gap: Gap, body: ElasticBody, given: str, target: float) -> None:
-        self._gap, self._body, self._given, self._target = gap, body, given, target
+    def __init__(self, gap: GapHeight, tissue: Tissue, given: str, target: float) -> None:
+        self._gap, self._given, self._target = gap, given, target
+        self._thickness, self._poisson_ratio = float(tissue.thickness), float(tissue.poisson_ratio)
 
     def first(self, half_widths: tuple[float, float], angle: float, points: int) -> _Pressed:
         """Solve on a coarse grid, moved until the contact fills it."""
@@ -282,7 +311,7 @@ class _Problem:
         gap = self._gap(*grid.coordinates)
         missing = np.isnan(gap)
         gap[missing] = 10 * grid.half_widths.max()
-        convolution = Convolution(self._body.influence(grid.spacing, gap.shape))
+        convolution = Convolution(influence(grid.spacing, gap.shape, self._thickness, self._poisson_ratio))
         near_silhouette = binary_dilation(missing, np.ones((3, 3)))
 
         def solved(start: FloatArray, load: float | None, indentation: float | None = None) -> _Pressed:
@@ -293,7 +322,7 @@ class _Problem:
                     f"the {self._given} would flatten the pad to its silhouette, or that of the body it is "
                     "pressed against: check load, modulus and sizes"
                 )
-            outline = contact_outline(*grid.sides, pressure, decay_length=self._body.thickness)
+            outline = contact_outline(*grid.sides, pressure, decay_length=self._thickness)
             return _Pressed(grid=grid, pressure=pressure, indentation=approach, gap=gap, outline=outline)
 
         if self._given == "load":
@@ -304,7 +333,7 @@ class _Problem:
             cells = min(int(self._target / grid.cell_area), gap.size - 1)
             guess = 2 * float(np.sort(gap, axis=None)[cells])
             # A thin layer deforms less: the exact ratio is not needed, but twice it can reach the silhouette.
-            guess /= 1 + math.sqrt(self._target / math.pi) / self._body.thickness
+            guess /= 1 + math.sqrt(self._target / math.pi) / self._thickness
         return _at_area(partial(solved, start, None), guess, self._target)
 
 
@@ -322,35 +351,43 @@ def _at_area(solved: Callable[[float], _Pressed], indentation: float, area: floa
     return found
 
 
-def _solution(body: ElasticBody, coarser: _Pressed, finest: _Pressed) -> ContactSolution:
+def _solution(tissue: Tissue, coarser: _Pressed, finest: _Pressed) -> SolvedContact:
     """Return the finest grid's results, with the error estimated from the coarser one."""
-    outline = finest.outline
+    outline, thickness = finest.outline, float(tissue.thickness)
     mean_radius = math.sqrt(outline.area / math.pi)
-    if not finest.indentation < body.thickness:
+    if not finest.indentation < thickness:
         raise GeometryError(
             f"an indentation of {finest.indentation:g} would press through the layer's thickness of "
-            f"{body.thickness:g}: check load, modulus and thickness"
+            f"{thickness:g}: check load, modulus and thickness"
         )
-    if not body.thickness >= _THINNEST * mean_radius:
+    if not thickness >= _THINNEST * mean_radius:
         raise GeometryError(
             f"thickness must be at least a tenth of the contact's mean radius {mean_radius:g}, "
-            f"found {body.thickness:g}"
+            f"found {thickness:g}"
         )
     change = float(np.abs(coarser.values / finest.values - 1).max())
     cells = FILLED * finest.grid.points / 2
     displacement = finest.indentation - finest.gap
     energy = 0.5 * float(np.sum(finest.pressure * displacement)) * finest.grid.cell_area
-    modulus, angle = body.reduced_modulus, finest.grid.angle
-    direction = outline.long_axis_angle + angle
-    return ContactSolution(
-        body=body,
+    modulus, angle = float(tissue.reduced_modulus), finest.grid.angle
+    load, turn = modulus * finest.load, outline.long_axis_angle
+    direction = turn + angle
+    pressure = modulus * finest.pressure
+    return SolvedContact(
+        load=as_float_array(load)[()],
+        indentation=as_float_array(finest.indentation)[()],
+        area=as_float_array(outline.area)[()],
+        flag_code=np.zeros((), dtype=np.int8)[()],
+        _find_form=partial(
+            Form,
+            semi_major=as_float_array(outline.semi_major)[()],
+            semi_minor=as_float_array(outline.semi_minor)[()],
+            along=np.array(abs(math.cos(turn)) >= abs(math.sin(turn)))[()],
+            peak_over_mean_pressure=as_float_array(float(pressure.max()) * outline.area / load)[()],
+        ),
+        tissue=tissue,
         grid=finest.grid,
-        pressure=modulus * finest.pressure,
-        load=modulus * finest.load,
-        indentation=finest.indentation,
-        area=outline.area,
-        semi_major=outline.semi_major,
-        semi_minor=outline.semi_minor,
+        pressure=pressure,
         long_axis_angle=math.pi / 2 - (math.pi / 2 - direction) % math.pi,
         centre=finest.grid.to_plane(outline.centre),
         outline=finest.grid.to_plane(outline.points),

@@ -49,9 +49,11 @@ def plot_contact_pressure(
     Examples
     --------
     >>> import matplotlib.pyplot as plt
-    >>> from fingerpad.geometry import Ellipsoid
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
     >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> place = Placement(pad, wedge_angle=np.radians(30))
+    >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
     >>> axes = plot_contact_pressure(plt.figure().subplots(), field.section())
     >>> axes.get_ylabel()
     'pressure (kPa)'
@@ -92,9 +94,11 @@ def plot_section(
     Examples
     --------
     >>> import matplotlib.pyplot as plt
-    >>> from fingerpad.geometry import Ellipsoid
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
     >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> place = Placement(pad, wedge_angle=np.radians(30))
+    >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
     >>> filled = plot_section(plt.figure().subplots(), field.section())
     >>> filled.levels[-1] > 5  # kPa
     np.True_
@@ -161,9 +165,11 @@ def mark_receptors(axes: Axes, receptors: Mapping[str, tuple[float, float]], *, 
     Examples
     --------
     >>> import matplotlib.pyplot as plt
-    >>> from fingerpad.geometry import Ellipsoid
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
     >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> place = Placement(pad, wedge_angle=np.radians(30))
+    >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
     >>> axes = plt.figure().subplots()
     >>> _ = plot_section(axes, field.section())
     >>> mark_receptors(axes, {"Merkel": (0.7, 1.0)}, spacing=0.8)
@@ -247,9 +253,11 @@ def section_figure(
 
     Examples
     --------
-    >>> from fingerpad.geometry import Ellipsoid
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
     >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> field = ContactField.of_hertz(pad, wedge_angle=np.radians(30), load=2.0, reduced_modulus=0.1365)
+    >>> place = Placement(pad, wedge_angle=np.radians(30))
+    >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
     >>> figure = section_figure(field, receptors={"Merkel": (0.7, 1.0)})
     >>> [axes.get_ylabel() for axes in figure.axes]
     ['pressure (kPa)', 'depth (mm)', '']

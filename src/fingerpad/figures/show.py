@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from fingerpad._arrays import broadcast
-from fingerpad.contact import HertzContact
+from fingerpad.contact import Contact
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.loading import FORCE_MODEL_NAMES, plot_load_indentation
 from fingerpad.figures.style import BLUE, in_style, new_figure
@@ -98,7 +98,7 @@ def show(result: object, path: str | PathLike[str] | None = None) -> Drawing:
 
     Parameters
     ----------
-    result : ContactImageResult, PhotographFit, LoadingFit, HertzContact or Placement
+    result : ContactImageResult, PhotographFit, LoadingFit, Contact or Placement
         From `measure_contact_image`, `measure_photograph`, `fit_loading_curve` or `hertz_contact`, or a
         `Placement`.
     path : path-like, optional
@@ -115,8 +115,9 @@ def show(result: object, path: str | PathLike[str] | None = None) -> Drawing:
 
     Examples
     --------
-    >>> from fingerpad.contact import hertz_contact
-    >>> show(hertz_contact(12.955, 14.330, 2.0, reduced_modulus=0.1365))
+    >>> from fingerpad.contact import Tissue, hertz_contact
+    >>> from fingerpad.geometry import Paraboloid
+    >>> show(hertz_contact(Paraboloid(12.955, 14.330), Tissue(youngs_modulus=0.1024), load=2.0))
     <Drawing: a notebook shows it; fp.show(result, 'file.png') saves it>
     """
     drawing = draw(result)
@@ -184,7 +185,7 @@ def _(result: Placement) -> Drawing:
 
 
 @draw.register
-def _(result: HertzContact) -> Drawing:
+def _(result: Contact) -> Drawing:
     contacts = [array.ravel() for array in broadcast(result.semi_major, result.semi_minor, result.load)]
     if contacts[0].size > _MAX_CONTACTS:
         raise FingerpadError(f"up to {_MAX_CONTACTS} contacts can be drawn, found {contacts[0].size}")

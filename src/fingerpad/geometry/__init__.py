@@ -1,24 +1,20 @@
-"""The finger pad as a surface: ellipsoid, curvature, placement on a wedge, and the plane ellipse."""
+"""The finger pad as a surface: ellipsoid, curvature, placement on a wedge, and the gap to what it touches."""
 
-from fingerpad.geometry.curvature import (
-    PrincipalRadii,
-    RelativeCurvature,
-    SurfaceCurvature,
-    principal_curvatures,
-    relative_curvature,
-)
+from fingerpad.geometry.curvature import PrincipalRadii, SurfaceCurvature, principal_curvatures
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.geometry.ellipsoid import Ellipsoid
+from fingerpad.geometry.gap import Counterface, Gap, Paraboloid
 from fingerpad.geometry.placement import Placement, platen_normal
 
 __all__ = [
+    "Counterface",
     "Ellipse",
     "Ellipsoid",
+    "Gap",
+    "Paraboloid",
     "Placement",
     "PrincipalRadii",
-    "RelativeCurvature",
     "SurfaceCurvature",
     "platen_normal",
     "principal_curvatures",
-    "relative_curvature",
 ]

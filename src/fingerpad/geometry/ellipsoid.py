@@ -199,10 +199,10 @@ class Ellipsoid(Displayed):
         )
 
     def _curvature_tensor(self, normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        return _curvature_tensor(self.palmar, self.distal, self.radial_ulnar, normal)
+        return curvature_tensor(self.palmar, self.distal, self.radial_ulnar, normal)
 
     def _support(self, normal: FloatArray) -> FloatArray:
-        return _support(self.palmar, self.distal, self.radial_ulnar, normal)
+        return support_function(self.palmar, self.distal, self.radial_ulnar, normal)
 
 
 def principal_radii_kernel(
@@ -212,10 +212,10 @@ def principal_radii_kernel(
 
     Random draws and complex steps of an uncertainty need it: no single draw may stop the others.
     """
-    return inverse_of(curvatures_of(*_curvature_tensor(palmar, distal, radial_ulnar, normal)))
+    return inverse_of(curvatures_of(*curvature_tensor(palmar, distal, radial_ulnar, normal)))
 
 
-def _curvature_tensor(
+def curvature_tensor(
     palmar: FloatArray, distal: FloatArray, radial_ulnar: FloatArray, normal: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the curvatures along and across the finger, and the mixed one.
@@ -224,7 +224,7 @@ def _curvature_tensor(
     Q/‖Qp‖, and 1/‖Qp‖ is the support function h(n) = √(Σ ℓ²n²).
     """
     y, radius, cosine, sine = _parts(normal)
-    support = _support(palmar, distal, radial_ulnar, normal)
+    support = support_function(palmar, distal, radial_ulnar, normal)
     flatness_x, flatness_y, flatness_z = 1 / palmar**2, 1 / distal**2, 1 / radial_ulnar**2
     return (
         support * (y**2 * (cosine**2 * flatness_x + sine**2 * flatness_z) + radius**2 * flatness_y),
@@ -233,7 +233,7 @@ def _curvature_tensor(
     )
 
 
-def _support(
+def support_function(
     palmar: FloatArray, distal: FloatArray, radial_ulnar: FloatArray, normal: FloatArray
 ) -> FloatArray:
     """Return the support function h(n), the distance from the centre to the tangent plane."""

@@ -1,9 +1,9 @@
 """Loading curves: force, displacement and contact area, fitted for radius and moduli of the pad."""
 
-from fingerpad._loading_curve import LoadingCurve, read_loading_curve
 from fingerpad.loading.compliance import ContactCompliance, fit_contact_compliance
 from fingerpad.loading.consistency import ShapeCheck, shape_check
 from fingerpad.loading.contact_point import ESTIMATORS
+from fingerpad.loading.curve import LoadingCurve, read_loading_curve
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
 from fingerpad.loading.force_models import FittedForceModel
@@ -21,11 +21,9 @@ from fingerpad.loading.modulus_range import Secant
 from fingerpad.loading.relaxation import (
     PronyTerm,
     Relaxation,
-    RidgeGrowth,
     fit_relaxation,
-    fit_ridge_growth,
 )
-from fingerpad.loading.segments import Cycle, Hysteresis, Segment, baseline_level, find_cycles, hysteresis
+from fingerpad.loading.segments import Cycle, Hysteresis, Segment, find_cycles, hysteresis
 
 __all__ = [
     "ESTIMATORS",
@@ -41,13 +39,11 @@ __all__ = [
     "PronyTerm",
     "Quantity",
     "Relaxation",
-    "RidgeGrowth",
     "Secant",
     "Segment",
     "ShapeCheck",
     "Undetermined",
     "area_from_load",
-    "baseline_level",
     "contact_points",
     "effective_count",
     "find_cycles",
@@ -56,7 +52,6 @@ __all__ = [
     "fit_least_squares",
     "fit_loading_curve",
     "fit_relaxation",
-    "fit_ridge_growth",
     "hysteresis",
     "indentation_from_load",
     "load_from_indentation",

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._display import Displayed
-from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
+from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.segments import choose_cycle, rows_in_contact
 
 # An area that grows by less than this share of itself does not grow.

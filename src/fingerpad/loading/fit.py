@@ -7,7 +7,6 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from fingerpad._loading_curve import LoadingCurve
 from fingerpad._records import Recorded
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading._prepare import (
@@ -20,6 +19,7 @@ from fingerpad.loading._prepare import (
 )
 from fingerpad.loading.alternatives import allow_for_bend, compare, fit_growing
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
+from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.force_models import FittedForceModel
 from fingerpad.loading.joint import JointFit, fit_joint

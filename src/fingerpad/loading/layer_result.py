@@ -49,11 +49,11 @@ class LayerThicknessFit(Recorded):
 
     Examples
     --------
-    >>> from fingerpad.contact import PadGap
+    >>> from fingerpad.geometry import Paraboloid
     >>> from fingerpad.loading import fit_layer_thickness
     >>> from fingerpad.simulate import simulate_loading_curve
     >>> curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1, load_coefficient=0)
-    >>> deep = fit_layer_thickness(curve, gap=PadGap.paraboloid(15.0, 15.0), radius_std=0.3)
+    >>> deep = fit_layer_thickness(curve, placement=Paraboloid(15.0, 15.0), radius_std=0.3)
     >>> deep.thickness.upper, round(sum(deep.weights.values()), 6)
     (inf, 1.0)
     """

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._loading_curve import LoadingCurve
-from fingerpad.contact import PadGap
+from fingerpad.contact.contact import AnyPlacement
+from fingerpad.contact.laws import plate_gap
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading._prepare import (
     Press,
@@ -19,6 +19,7 @@ from fingerpad.loading._prepare import (
     start_values,
 )
 from fingerpad.loading.alternatives import FAILURES, FLAGGED, TOO_FEW_RUNS, runs_deviation
+from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate, Undetermined, akaike_weights, average_models
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 from fingerpad.loading.layer_result import EXPLAINS, THICKER_THAN_FINGER, LayerThicknessFit
@@ -52,7 +53,7 @@ _NO_AREA: Final = (
 def fit_layer_thickness(
     curve: LoadingCurve,
     *,
-    gap: PadGap,
+    placement: AnyPlacement,
     radius_std: float = 0.0,
     radius_ratio_std: float = 0.0,
     poisson_ratio: float = 0.5,
@@ -83,8 +84,8 @@ def fit_layer_thickness(
     ----------
     curve : LoadingCurve
         The record.
-    gap : PadGap
-        The pad: `PadGap.of` for an ellipsoid on its wedge, `PadGap.paraboloid` for two radii of curvature.
+    placement : Placement or Paraboloid
+        Where one pad touches a flat plate, or its two radii of curvature there.
     radius_std : float
         Standard uncertainty of its mean-curvature radius 1/H, mm, from all sources: semi-axes, angles, and
         that no finger is an ellipsoid. A whole pad is larger or smaller with it.
@@ -115,22 +116,24 @@ def fit_layer_thickness(
 
     Examples
     --------
-    >>> from fingerpad.contact import fast_contact
-    >>> gap, rng = PadGap.paraboloid(14.0, 14.0), np.random.default_rng(1)
+    >>> from fingerpad.contact import Tissue, fast_contact
+    >>> from fingerpad.geometry import Paraboloid
+    >>> pad, rng = Paraboloid(14.0, 14.0), np.random.default_rng(1)
     >>> travel = np.linspace(-0.3, 1.5, 100)
-    >>> contact = fast_contact(gap, indentation=np.maximum(travel, 1e-6), reduced_modulus=0.05, thickness=6.0)
+    >>> tissue = Tissue(youngs_modulus=0.0375, thickness=6.0)
+    >>> contact = fast_contact(pad, tissue, indentation=np.maximum(travel, 1e-6))
     >>> curve = LoadingCurve(
     ...     load=contact.load + rng.normal(0, 0.005, 100),
     ...     indentation=travel,
     ...     area=contact.area + rng.normal(0, 0.5, 100),
     ...     time=travel + 0.3,
     ... )
-    >>> fit = fit_layer_thickness(curve, gap=gap, radius_std=0.4)
+    >>> fit = fit_layer_thickness(curve, placement=pad, radius_std=0.4)
     >>> thickness = fit.thickness
     >>> thickness.lower < 6 < thickness.upper < 9, fit.layer_weight > 0.99
     (True, True)
     """
-    held, prior = _geometry(gap, radius_std, radius_ratio_std)
+    held, prior = _geometry(placement, radius_std, radius_ratio_std)
     if not 0.3 <= poisson_ratio <= 0.5:
         raise LoadingError(f"poisson_ratio must be 0.3 to 0.5 on a layer, found {poisson_ratio}")
     for name, std in (
@@ -165,9 +168,12 @@ def fit_layer_thickness(
 
 
 def _geometry(
-    gap: PadGap, radius_std: float, radius_ratio_std: float
+    placement: AnyPlacement, radius_std: float, radius_ratio_std: float
 ) -> tuple[dict[str, Estimate], dict[str, Estimate]]:
     """Return what the geometry fixes, and its radius where that is uncertain."""
+    if placement.shape:
+        raise LoadingError(f"a curve is that of one pad, found placements of shape {placement.shape}")
+    gap = plate_gap(placement)
     first, second = float(gap.first_radius), float(gap.second_radius)
     if not (first > 0 and second > 0 and math.isfinite(first + second)):
         raise LoadingError(f"the radii of curvature must be positive, found {first} and {second} mm")

@@ -1,4 +1,4 @@
-r"""Time dependence of a held contact: relaxation of the force, and growth of the ridges' area.
+r"""Relaxation of the force of a held contact.
 
 A pad that is linearly viscoelastic in time has the load
 :math:`W(t) = \int g(t - s)\,dW_e(s)`, with the elastic load
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
-from fingerpad._loading_curve import LoadingCurve
 from fingerpad.exceptions import FitError
+from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Quantity, Undetermined
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
 from fingerpad.loading.segments import Cycle, moving_average
@@ -217,79 +217,3 @@ def _relax(time: FloatArray, elastic: FloatArray, shares: FloatArray, times: Flo
         kept = np.exp(-step / tau)
         load = load + share * signal.lfilter([tau / step * (1 - kept)], [1.0, -kept], steps)
     return np.asarray(load)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class RidgeGrowth(Displayed):
-    """Ridge area that grows as A∞ − (A∞ − A0) exp(−t/τ).
-
-    Attributes
-    ----------
-    initial_area, final_area : Quantity
-        A0 and A∞, mm².
-    time : Quantity
-        τ, s.
-    fit : LeastSquaresFit
-        With parameters ``initial_area``, ``final_area``, ``log_time``.
-
-    Examples
-    --------
-    >>> time = np.linspace(0, 60, 40)
-    >>> growth = fit_ridge_growth(time, 60 - 20 * np.exp(-time / 15) + 0.1 * np.cos(7 * time))
-    >>> print(f"{growth.initial_area.value:.0f} to {growth.final_area.value:.0f} mm²")
-    40 to 60 mm²
-    """
-
-    initial_area: Quantity
-    final_area: Quantity
-    time: Quantity
-    fit: LeastSquaresFit
-
-
-def fit_ridge_growth(time: ArrayLike, area: ArrayLike) -> RidgeGrowth:
-    """Fit first-order growth of the ridges' contact area under a held load.
-
-    A = A∞ − (A∞ − A0) exp(−t/τ).
-
-    Parameters
-    ----------
-    time, area : array_like, shape (n,)
-        Times from the start of the hold, s, and areas, mm².
-
-    Returns
-    -------
-    RidgeGrowth
-        Areas and time constant; `Undetermined` where the record is shorter than τ.
-
-    Raises
-    ------
-    FitError
-        If there are fewer than five rows, time or area has no range, or the growth is not determined.
-
-    Examples
-    --------
-    >>> time = np.linspace(0, 60, 40)
-    >>> area = 60 - 20 * np.exp(-time / 15) + 0.1 * np.cos(7 * time)
-    >>> print(f"{fit_ridge_growth(time, area).time.value:.0f} s")
-    15 s
-    """
-    t, A = as_float_array(time), as_float_array(area)
-    if t.size < 5 or not (np.ptp(t) > 0 and np.ptp(A) > 0):
-        raise FitError(f"growth of area needs five rows and a range of times and areas, found {t.size} rows")
-
-    def residuals(p: FloatArray) -> FloatArray:
-        return np.asarray(p[1] - (p[1] - p[0]) * np.exp(-t / np.exp(np.clip(p[2], -15, 15))) - A)
-
-    start = [float(A[0]), float(A[-1]), float(np.log(np.ptp(t) / 3))]
-    fit = fit_least_squares(residuals, start, ["initial_area", "final_area", "log_time"])
-    fit = fit.with_effective_count(effective_count(fit.residuals))
-    tau, whole = float(np.exp(fit.value("log_time"))), float(np.ptp(t))
-    if tau > whole:
-        late = Undetermined(f"slower than the record of {whole:.3g} s: hold for longer to see it")
-        return RidgeGrowth(initial_area=fit.estimate("initial_area"), final_area=late, time=late, fit=fit)
-    return RidgeGrowth(
-        initial_area=fit.estimate("initial_area"),
-        final_area=fit.estimate("final_area"),
-        time=fit.derived(tau, [0.0, 0.0, tau]),
-        fit=fit,
-    )

@@ -8,10 +8,9 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._display import Displayed
-from fingerpad._loading_curve import LoadingCurve
 from fingerpad._motion import FALL, REST, RISE, find_motion, runs, usual_rate
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading.estimate import Estimate
+from fingerpad.loading.curve import LoadingCurve
 
 # Shortest phase, and shortest way back or forth, as shares of the record.
 _MIN_DURATION, _MIN_WAY = 0.02, 0.03
@@ -391,32 +390,3 @@ def _contact_row(curve: LoadingCurve, start: int, end: int) -> int:
         curve.clock[start:end], curve.load[start:end], displacement, tilt=end - start > 12
     )
     return min(int(np.searchsorted(np.maximum.accumulate(displacement), place)), end - start - 1)
-
-
-def baseline_level(curve: LoadingCurve, cycle: Cycle) -> Estimate | None:
-    """Return the mean force before contact.
-
-    Parameters
-    ----------
-    curve : LoadingCurve
-        The record.
-    cycle : Cycle
-        One of its presses.
-
-    Returns
-    -------
-    Estimate or None
-        N, with its uncertainty; None where there is no baseline.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> curve = simulate_loading_curve(points=200, force_offset=0.05)
-    >>> round(baseline_level(curve, find_cycles(curve)[0]).value, 3)
-    0.05
-    """
-    if cycle.baseline is None or len(cycle.baseline) < 2:
-        return None
-    values = curve.load[cycle.baseline.rows]
-    std = float(np.std(values, ddof=1)) / np.sqrt(values.size)
-    return Estimate.symmetric(float(values.mean()), float(std), values.size - 1)

@@ -12,14 +12,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import PadGap, fast_contact
+from fingerpad.contact.laws import press
+from fingerpad.geometry.gap import Gap, paraboloid_gap
 
 # The exact sphere is tabulated to this a/R, a layer to this a/t (its laws hold to 3).
 _WIDEST, _THINNEST = 0.98, 2.95
 _WIDEST_PAD, _KNOTS = 1.2, 48  # a/R to which a pad is tabulated, where its laws hold
 _LEAST = 0.2
 _INCOMPRESSIBLE = 0.5
-# Of the gap of a pad: R1/R2, then skewness and flatness times R (see `PadGap`).
+# Of the gap of a pad: R1/R2, then skewness and flatness times R (see `Gap`).
 PAD_FORM: Final = ("radius_ratio", "first_skewness", "second_skewness", "flatness")
 
 
@@ -79,8 +80,8 @@ def _pad(form: tuple[float, ...], inverse: float, poisson_ratio: float) -> Cubic
     radii = np.array([first, first / form[0]])
     a = np.linspace(0.01, _WIDEST_PAD, _KNOTS) * min(1.0, _THINNEST / (inverse * _WIDEST_PAD + 1e-12))
     skew = dict(zip(PAD_FORM[1:], map(np.asarray, form[1:]), strict=True))
-    contact = fast_contact(
-        PadGap(first_radius=radii[0], second_radius=radii[1], **skew),
+    contact = press(
+        Gap(first_radius=radii[0], second_radius=radii[1], **skew, angle=np.zeros(())),
         area=np.pi * a**2,
         reduced_modulus=1.0,
         thickness=1 / inverse if inverse else None,
@@ -98,7 +99,7 @@ def _pad(form: tuple[float, ...], inverse: float, poisson_ratio: float) -> Cubic
 @lru_cache(maxsize=1024)
 def _first_touch(first: float, second: float) -> tuple[float, float, float]:
     """Return load, indentation and area of a paraboloid of these radii on a half-space."""
-    point = fast_contact(PadGap.paraboloid(first, second), area=np.pi, reduced_modulus=1.0)
+    point = press(paraboloid_gap(np.array(first), np.array(second)), area=np.pi, reduced_modulus=1.0)
     return float(point.load), float(point.indentation), float(point.area)
 
 
@@ -116,8 +117,8 @@ def _sphere() -> CubicSpline:
 def _layer(poisson_ratio: float) -> CubicSpline:
     """Return the factors against √(Rξ)/t on a layer bonded to bone (`fast_contact`)."""
     a = np.linspace(0.02, _THINNEST, 150)
-    contact = fast_contact(
-        PadGap.paraboloid(1.0, 1.0),
+    contact = press(
+        paraboloid_gap(np.ones(()), np.ones(())),
         area=np.pi * a**2,
         reduced_modulus=1.0,
         thickness=1.0,

@@ -1,15 +1,15 @@
 """What pressing a pad on one layer of tissue over bone shows: R_g, read in three ways, and exponents."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad._display import Displayed
-from fingerpad.contact import PadGap, fast_contact, fast_ellipse
+from fingerpad.contact.laws import find_modulus, plate_gap, press
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Placement
 
 READINGS: Final = ("ratio", "slope", "slope_through_origin")
 _LOADS: Final = 64
@@ -134,19 +134,17 @@ def expected_loading(
     check_all(thickness > 0, "thickness", thickness, "positive", GeometryError)
     if not 0 <= min_load < load < np.inf:
         raise GeometryError(f"loads must rise from zero or above, found {min_load:g} to {load:g}")
-    gap = PadGap.of(pad, wedge_angle=wedge_angle)
+    gap = plate_gap(Placement(pad, wedge_angle=wedge_angle))
     tissue = {"thickness": thickness, "poisson_ratio": poisson_ratio}
-    modulus = load / fast_contact(gap, area=area, reduced_modulus=1.0, **tissue).load
+    modulus, highest = find_modulus(gap, load=load, area=area, **tissue)
     loads = np.linspace(min_load, load, _LOADS + 1)[1:]
-    contact = fast_contact(
-        PadGap(**{name: value[..., None] for name, value in asdict(gap).items()}),
+    contact = press(
+        gap[..., None],
         load=loads,
         reduced_modulus=modulus[..., None],
         thickness=thickness[..., None],
         poisson_ratio=as_float_array(poisson_ratio)[..., None],
     )
-    form = fast_ellipse(gap, area=area, **tissue)
-    aspect_ratio = form.semi_major / form.semi_minor
     x, y = np.pi * contact.indentation, contact.area
     slope = _slope(x, y)
     return ExpectedLoading(
@@ -157,7 +155,7 @@ def expected_loading(
         contact_shift=(x.mean(axis=-1) - y.mean(axis=-1) / slope) / np.pi,
         area_exponent=_slope(np.log(loads), np.log(y)),
         load_exponent=_slope(np.log(x), np.log(loads)),
-        along_over_across=np.where(form.long_axis == 0, aspect_ratio, 1 / aspect_ratio),
+        along_over_across=np.where(highest.along, highest.aspect_ratio, 1 / highest.aspect_ratio),
     )
 
 

@@ -3,16 +3,18 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from fingerpad.contact import ContactField, EllipsoidContact, layered_contact, reduced_modulus
+from fingerpad.contact import ContactField, Tissue, solve_contact
+from fingerpad.contact.contact import from_reduced_modulus
+from fingerpad.contact.laws import find_modulus, plate_gap
 from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.figures import plot_layer_effect, section_figure
 from fingerpad.figures.panels import new_panels
 from fingerpad.figures.style import mark_synthetic
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import group_name
 from fingerpad.study.results.layer import HERTZ_OF, LAYER_FLAGS
@@ -130,20 +132,20 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw what would follow for the contact at the highest load that is in the range of the laws."""
     pooled = summary.rows.at(summary.rows.column("pooled"))
     area = np.pi * pooled.column("semi_major_mm") * pooled.column("semi_minor_mm")
-    found = layered_contact(
-        Ellipsoid(*result.fingers[summary.finger].semi_axes),
-        wedge_angle=math.radians(summary.wedge_angle_deg),
-        roll_angle=math.radians(summary.roll_angle_deg),
+    nu = result.study.poisson_ratio
+    reduced, contacts = find_modulus(
+        plate_gap(_placement(result, summary)),
         thickness=_THICKNESSES,
-        poisson_ratio=result.study.poisson_ratio,
+        poisson_ratio=nu,
         load=pooled.column("load_N")[:, None],
         area=area[:, None],
     )
-    known = np.flatnonzero(np.isfinite(found.youngs_modulus).any(axis=-1))
+    known = np.flatnonzero(np.isfinite(reduced).any(axis=-1))
     if not known.size:
         return
     place = int(known[-1])
-    row, modulus, radius = pooled[place], found.youngs_modulus[place], found.area_over_pi_indentation[place]
+    row, radius = pooled[place], contacts.area_over_pi_indentation[place]
+    modulus = from_reduced_modulus(reduced[place], nu)
     figure, (axes,) = new_panels(height_mm=56)
     plot_layer_effect(
         axes,
@@ -164,27 +166,28 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     )
 
 
+def _placement(result: StudyResult, summary: Summary) -> Placement:
+    return Placement(
+        Ellipsoid(*result.fingers[summary.finger].semi_axes),
+        wedge_angle=math.radians(summary.wedge_angle_deg),
+        roll_angle=math.radians(summary.roll_angle_deg),
+    )
+
+
 def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw the section along the finger under the contact at the highest load."""
     layer = summary.layer
     if layer is None or layer.flag:
         return
-    nu, modulus = result.study.poisson_ratio, layer.at_highest_load["youngs_modulus_on_layer"].value
-    press: dict[str, Any] = {
-        "wedge_angle": math.radians(summary.wedge_angle_deg),
-        "roll_angle": math.radians(summary.roll_angle_deg),
-        "load": layer.load,
-        "reduced_modulus": float(reduced_modulus(modulus / KPA_PER_MPA, nu)),
-        "poisson_ratio": nu,
-    }
-    pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)
+    modulus, placement = layer.at_highest_load["youngs_modulus_on_layer"].value, _placement(result, summary)
     try:
-        solved = EllipsoidContact.of(pad, thickness=layer.thickness, points=_CELLS, **press).solution
+        tissue = Tissue(modulus / KPA_PER_MPA, result.study.poisson_ratio, layer.thickness)
+        solved = solve_contact(placement, tissue, load=layer.load, points=_CELLS)
     except (GeometryError, ConvergenceError):
         return
     figure = section_figure(
         ContactField.of_solution(solved),
-        hertz=ContactField.of_hertz(pad, **press),
+        hertz=ContactField.of_hertz(placement, tissue, load=layer.load),
         points=_SECTION_POINTS,
         levels=_SECTION_LEVELS,
     )

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from fingerpad._files import file_stem
-from fingerpad.contact import HertzGeometry
+from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.figures import (
     plot_agreement,
     plot_area_against_indentation,
@@ -284,9 +284,10 @@ def thinned(rows: ResultsTable, most: int) -> ResultsTable:
 def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:
     pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)
     wedge, roll = np.radians([summary.wedge_angle_deg, summary.roll_angle_deg])
-    radii = Placement(pad, wedge_angle=wedge, roll_angle=roll).curvature.principal_radii
+    placement = Placement(pad, wedge_angle=wedge, roll_angle=roll)
     area = np.pi * row["semi_major_mm"] * row["semi_minor_mm"]
-    predicted = HertzGeometry(*radii).at_area(area, reduced_modulus=1.0).ellipse
+    contact = hertz_contact(placement, Tissue(youngs_modulus=1.0), area=area)
+    predicted = Ellipse(contact.semi_major, contact.semi_minor)
     measured = Ellipse(row["semi_major_mm"], row["semi_minor_mm"]) if row["long_axis"] else None
     angle = (
         row["orientation_deg"]

@@ -14,12 +14,12 @@ from fingerpad.study.error_text import counted
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.exclusions import WAY_OUT
 from fingerpad.study.results.loading import loading_radius
+from fingerpad.study.results.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED
 from fingerpad.study.results.rows import IMPLAUSIBLE, RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
-from fingerpad.uncertainty import FAILS, HOLDS, NOT_TESTED, STRAINED
 
 # Why a flag, or a range note, leaves a contact out.
 _EXCLUDING_WORDS: Final[Mapping[str, str]] = {**FLAG_WORDS, **RANGE_NOTES}

@@ -5,9 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad._loading_curve import LoadingCurve
-from fingerpad.contact import HertzGeometry, reduced_modulus
+from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.exceptions import LoadingError
+from fingerpad.geometry import Paraboloid
+from fingerpad.loading.curve import LoadingCurve
 
 # Time steps in which relaxation is integrated over one record.
 _RELAXATION_STEPS = 20_000
@@ -104,9 +105,9 @@ def simulate_loading_curve(
             f"points, one cycle and relaxing shares below one in sum; found {positive}, {points}, "
             f"{cycles}, {relaxation}"
         )
-    sphere = HertzGeometry(loading_radius, loading_radius)
-    top_modulus = reduced_modulus(initial_modulus + load_coefficient * top_load, poisson_ratio)
-    top = float(sphere.under_load(top_load, reduced_modulus=top_modulus).indentation)
+    sphere = Paraboloid(loading_radius, loading_radius)
+    stiffest = Tissue(initial_modulus + load_coefficient * top_load, poisson_ratio)
+    top = float(hertz_contact(sphere, stiffest, load=top_load).indentation)
     way = (top + approach) / rate
     knots = np.cumsum([0.0, way, hold, way if unloading else 0.0])
     heights = [-approach, top, top, -approach if unloading else top]
@@ -118,9 +119,7 @@ def simulate_loading_curve(
         xi = np.interp(phase, knots, heights)
         loss = np.where(phase > knots[2], hysteresis * (1 - xi / top), 0.0)
         # The load that unit Young's modulus would give: W = (E₀ + β W) times it.
-        unit = sphere.at_indentation(
-            np.maximum(xi, 0), reduced_modulus=reduced_modulus(1.0, poisson_ratio)
-        ).load
+        unit = hertz_contact(sphere, Tissue(1.0, poisson_ratio), indentation=np.maximum(xi, 0)).load
         elastic = initial_modulus * unit / (1 - load_coefficient * unit)
         return xi, elastic * (1 - np.clip(loss, 0, 1))
 

@@ -8,8 +8,9 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all, positive_number
 from fingerpad._display import Displayed
-from fingerpad.contact import HertzGeometry
+from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.exceptions import GeometryError
+from fingerpad.geometry import Paraboloid
 from fingerpad.simulate.contact_image import Look, render_contact_image
 from fingerpad.units import MM_PER_INCH
 
@@ -143,7 +144,7 @@ def render_sequence(
     positive_number(ppi, "ppi", GeometryError)
     if radii[1] > radii[0]:
         raise GeometryError(f"the larger radius comes first, found {radii}")
-    contact = HertzGeometry(*radii).under_load(load, reduced_modulus=reduced_modulus)
+    contact = hertz_contact(Paraboloid(*radii), Tissue.of_reduced_modulus(reduced_modulus), load=load)
     return SyntheticSequence(
         load=load,
         semi_major=contact.semi_major,

@@ -12,10 +12,10 @@ from typing import Any, Final, TypeAlias
 
 from fingerpad._columns import columns_in_toml
 from fingerpad._files import make_folder
-from fingerpad._loading_curve import unread_curve_columns
 from fingerpad._plausible import MOST_N, semi_axes_doubt, unit_doubts
 from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
 from fingerpad.image.sequence.force_tables import unread_force_columns
+from fingerpad.loading.curve import unread_curve_columns
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.items import image_of, on_another_image
 from fingerpad.study.corrections.log import CorrectionLog

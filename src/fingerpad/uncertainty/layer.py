@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
-from fingerpad.contact.layered import LayeredContact, layered_contact_kernel
-from fingerpad.contact.pad_gap import PadGap, pad_gap_kernel
+from fingerpad.contact.contact import Contact, from_reduced_modulus
+from fingerpad.contact.laws import find_modulus
+from fingerpad.geometry.gap import Gap, gap_kernel, paraboloid_gap
 from fingerpad.geometry.placement import platen_normal_kernel
 from fingerpad.uncertainty.inputs import Groups, Inputs
 from fingerpad.uncertainty.pad import PAD_SOURCES, pad_model
@@ -37,7 +38,7 @@ def layer_model(*, thickness: FloatArray, **pad: FloatArray) -> dict[str, FloatA
     Returns
     -------
     dict of str to ndarray
-        `LAYER_OUTPUTS`; NaN beyond the range of the fast laws (see `fingerpad.contact.layered_contact`).
+        `LAYER_OUTPUTS`; NaN beyond the range of the fast laws (see `fingerpad.contact.fast_contact`).
 
     Examples
     --------
@@ -59,10 +60,10 @@ def layer_model(*, thickness: FloatArray, **pad: FloatArray) -> dict[str, FloatA
     >>> print(f"{outputs['loading_radius_on_layer']:.2f}")
     20.43
     """
-    contact = _contact_of(thickness, pad)
+    modulus, contact = _contact_of(thickness, pad)
     values = (
-        contact.reduced_modulus,
-        contact.youngs_modulus,
+        modulus,
+        from_reduced_modulus(modulus, _possible(pad["poisson_ratio"])),
         contact.indentation,
         contact.area_over_pi_indentation,
     )
@@ -80,7 +81,7 @@ def layer_flag(inputs: Inputs) -> npt.NDArray[np.str_]:
     Returns
     -------
     ndarray of str
-        Names as in `LayeredContact.flag`.
+        Names as in `Contact.flags`.
 
     Examples
     --------
@@ -91,7 +92,7 @@ def layer_flag(inputs: Inputs) -> npt.NDArray[np.str_]:
     'contact_too_wide'
     """
     named = dict(zip(inputs.names, np.moveaxis(inputs.mean, -1, 0), strict=True))
-    return _contact_of(named.pop("thickness"), named).flag
+    return _contact_of(named.pop("thickness"), named)[1].flags
 
 
 def with_thickness(inputs: Inputs, thickness: ArrayLike, thickness_std: ArrayLike = 0.0) -> Inputs:
@@ -189,37 +190,30 @@ def indentation_model(
     50 ± 10 kPa
     """
     gap = _gap(palmar, distal, radial_ulnar, wedge_angle=wedge_angle, roll_angle=roll_angle)
-    hertz = layered_contact_kernel(
-        PadGap.paraboloid(gap.first_radius, gap.second_radius),
-        thickness=None,
-        poisson_ratio=poisson_ratio,
-        load=load,
-        indentation=indentation,
+    hertz, _ = find_modulus(
+        paraboloid_gap(gap.first_radius, gap.second_radius), load=load, indentation=indentation
     )
-    layered = layered_contact_kernel(
-        gap,
-        thickness=thickness,
-        poisson_ratio=_possible(poisson_ratio),
-        load=load,
-        indentation=indentation + contact_shift,
+    nu = _possible(poisson_ratio)
+    layered, contact = find_modulus(
+        gap, load=load, indentation=indentation + contact_shift, thickness=thickness, poisson_ratio=nu
     )
     return {
-        "youngs_modulus_from_indentation": hertz.youngs_modulus,
-        "youngs_modulus_from_indentation_on_layer": layered.youngs_modulus,
-        "loading_radius_on_layer": layered.area_over_pi_indentation,
+        "youngs_modulus_from_indentation": from_reduced_modulus(hertz, poisson_ratio),
+        "youngs_modulus_from_indentation_on_layer": from_reduced_modulus(layered, nu),
+        "loading_radius_on_layer": contact.area_over_pi_indentation,
     }
 
 
 @np.errstate(all="ignore")
-def _contact_of(thickness: FloatArray, pad: Mapping[str, FloatArray]) -> LayeredContact:
-    """Return the contact of a pad whose area is that of the contact ellipse."""
+def _contact_of(thickness: FloatArray, pad: Mapping[str, FloatArray]) -> tuple[FloatArray, Contact]:
+    """Return E* and the contact of a pad whose area is that of the contact ellipse."""
     # Of a pad that is larger as a whole all radii are larger by as much.
     deviations = (pad.get(name, 0.0) for name in PAD_SOURCES["pad shape"])
     larger = np.exp(sum(deviations) / 2)
     axes = (larger * pad[name] for name in PAD_SOURCES["semi-axes"])
     hertz = pad_model(**pad)
     radius = hertz["contact_radius_ratio"] * hertz["geometric_mean_radius"]
-    return layered_contact_kernel(
+    return find_modulus(
         _gap(*axes, wedge_angle=pad["wedge_angle"], roll_angle=pad["roll_angle"]),
         thickness=thickness,
         poisson_ratio=_possible(pad["poisson_ratio"]),
@@ -228,10 +222,8 @@ def _contact_of(thickness: FloatArray, pad: Mapping[str, FloatArray]) -> Layered
     )
 
 
-def _gap(*semi_axes: FloatArray, wedge_angle: FloatArray, roll_angle: FloatArray) -> PadGap:
-    return pad_gap_kernel(
-        np.stack(broadcast(*semi_axes), axis=-1), platen_normal_kernel(wedge_angle, roll_angle)
-    )
+def _gap(*semi_axes: FloatArray, wedge_angle: FloatArray, roll_angle: FloatArray) -> Gap:
+    return gap_kernel(*broadcast(*semi_axes), normal=platen_normal_kernel(wedge_angle, roll_angle))
 
 
 def _possible(poisson_ratio: FloatArray) -> FloatArray:

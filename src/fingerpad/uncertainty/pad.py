@@ -1,14 +1,16 @@
 """The finger pad as a model of named quantities, and its uncertainty."""
 
 from collections.abc import Mapping
-from dataclasses import fields
 from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import IN_RADIANS, ArrayLike, FloatArray, check_all
-from fingerpad.contact.pad import PadContact, pad_contact_kernel
+from fingerpad._arrays import IN_RADIANS, ArrayLike, FloatArray, broadcast, check_all
+from fingerpad.contact.contact import from_reduced_modulus
+from fingerpad.contact.elliptic import solve_contact_ellipse
+from fingerpad.contact.hertz import equivalent_radius_ratios
 from fingerpad.exceptions import GeometryError, UncertaintyError
+from fingerpad.geometry import PrincipalRadii
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
 from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
 from fingerpad.uncertainty.covariance import covariance_root
@@ -28,7 +30,22 @@ PAD_SOURCES: Final[Groups] = {
     "repeatability": ("radius_deviation", "elongation_deviation"),
     "contact ellipse": ("contact_radius", "elongation"),
 }
-PAD_OUTPUTS: Final = tuple(field.name for field in fields(PadContact))
+PAD_OUTPUTS: Final = (
+    "mean_curvature_radius",
+    "geometric_mean_radius",
+    "radius_from_indentation",
+    "radius_from_area",
+    "radius_from_compliance",
+    "geometric_radius_from_indentation",
+    "geometric_radius_from_area",
+    "geometric_radius_from_compliance",
+    "indentation",
+    "reduced_modulus",
+    "youngs_modulus",
+    "mean_pressure",
+    "contact_radius_ratio",
+    "predicted_elongation",
+)
 
 _ELLIPSE: Final = ("semi_major", "semi_minor")
 _PAD_INPUTS: Final = tuple(name for names in PAD_SOURCES.values() for name in names)
@@ -53,7 +70,7 @@ def pad_model(
     in_plane_deviation: FloatArray | float = 0.0,
     transverse_deviation: FloatArray | float = 0.0,
 ) -> dict[str, FloatArray]:
-    """Return the fields of `PadContact` by name.
+    """Return what follows from a pad on its wedge and an observed contact ellipse.
 
     The contact ellipse enters by its radius √(ℓd ℓe) and elongation ln(ℓd/ℓe), which stays differentiable
     where noise makes the axes of a near-circle change places.
@@ -88,6 +105,13 @@ def pad_model(
     Returns
     -------
     dict of str to ndarray
+        ``mean_curvature_radius`` R_0g = 1/H and ``geometric_mean_radius`` R_e = √(R'R'') of the undeformed
+        pad; ``radius_from_indentation`` (the corrected radius of Dzidek et al. 2017), ``radius_from_area``
+        and ``radius_from_compliance``, spheres equivalent to the contact on R_0g, and the same on R_e as
+        ``geometric_radius_from_…``; ``indentation`` ξ = A/(π R_Aξ), on R_e; ``reduced_modulus``
+        E* = 3 W R_e F1³/(4 (ℓd ℓe)^{3/2}), ``youngs_modulus`` E*(1 − ν²), ``mean_pressure`` W/A;
+        ``contact_radius_ratio`` √(ℓd ℓe)/R_e, which Hertz theory takes to be small; ``predicted_elongation``,
+        the signed ln(ℓd/ℓe) of Hertz theory, positive where the long axis lies along the finger.
 
     Examples
     --------
@@ -110,17 +134,52 @@ def pad_model(
     """
     half = np.exp(0.5 * (elongation + elongation_deviation))
     radius = image_scale * contact_radius * np.exp(radius_deviation)
+    major, minor = radius * half + edge_offset, radius / half + edge_offset
     normal = platen_normal_kernel(wedge_angle, roll_angle)
     radii = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
-    contact = pad_contact_kernel(
-        radii.first * np.exp(in_plane_deviation),
-        radii.second * np.exp(transverse_deviation),
-        load=load,
-        semi_major=radius * half + edge_offset,
-        semi_minor=radius / half + edge_offset,
-        poisson_ratio=poisson_ratio,
+    radii = PrincipalRadii(
+        radii.first * np.exp(in_plane_deviation), radii.second * np.exp(transverse_deviation)
     )
-    return {name: getattr(contact, name) for name in PAD_OUTPUTS}
+    return _observed(radii, major, minor, load, poisson_ratio)
+
+
+@np.errstate(all="ignore")
+def _observed(
+    principal_radii: PrincipalRadii,
+    major: FloatArray,
+    minor: FloatArray,
+    load: FloatArray,
+    poisson_ratio: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return the outputs of `pad_model` from the pad's radii and the observed contact ellipse.
+
+    The axes may change places: the ratio of a near-circle stays differentiable where noise swaps them.
+    """
+    major, minor, load = broadcast(major, minor, load)
+    in_plane, transverse = principal_radii
+    axis_ratio = np.minimum(major, minor) / np.maximum(major, minor)
+    base, exact = 2 / (1 / in_plane + 1 / transverse), np.sqrt(in_plane * transverse)
+    size, area = np.sqrt(major * minor), np.pi * major * minor
+    predicted, _, _ = solve_contact_ellipse(in_plane, transverse)
+    along = np.sign(np.real(in_plane - transverse))
+    from_indentation, from_area, from_compliance = equivalent_radius_ratios(axis_ratio)
+    modulus = 0.75 * load * exact * from_area / size**3
+    return {
+        "mean_curvature_radius": base,
+        "geometric_mean_radius": exact,
+        "radius_from_indentation": base * from_indentation,
+        "radius_from_area": base * from_area,
+        "radius_from_compliance": base * from_compliance,
+        "geometric_radius_from_indentation": exact * from_indentation,
+        "geometric_radius_from_area": exact * from_area,
+        "geometric_radius_from_compliance": exact * from_compliance,
+        "indentation": area / (np.pi * exact * from_compliance),
+        "reduced_modulus": modulus,
+        "youngs_modulus": from_reduced_modulus(modulus, poisson_ratio),
+        "mean_pressure": load / area,
+        "contact_radius_ratio": size / exact,
+        "predicted_elongation": -along * np.log(predicted),
+    }
 
 
 def pad_inputs(measured: Inputs) -> Inputs:
@@ -271,7 +330,7 @@ def pad_uncertainty(
     Returns
     -------
     Propagated
-        Outputs by the names of the fields of `PadContact`.
+        The outputs of `pad_model`, by name.
 
     Raises
     ------

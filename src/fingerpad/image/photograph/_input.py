@@ -7,11 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array
-from fingerpad._srgb import linear_light
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry.faces import Direction, Face
 from fingerpad.image._arguments import picture_array
 from fingerpad.image._levels import LUMA
+from fingerpad.image._srgb import linear_light
 from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph._silhouette import Silhouette
 

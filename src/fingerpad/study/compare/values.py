@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 
 from fingerpad._display import Displayed
 from fingerpad.study.compare.finished import FinishedStudy, not_understood
-from fingerpad.uncertainty import NOT_TESTED
+from fingerpad.study.results.model_checks import NOT_TESTED
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

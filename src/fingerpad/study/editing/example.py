@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from PIL import Image
 
-from fingerpad.contact import HertzGeometry, equivalent_radius_from_compliance
+from fingerpad.contact import Tissue, equivalent_radius_from_compliance, hertz_contact
 from fingerpad.exceptions import ManifestError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, Face
@@ -17,7 +17,7 @@ _PAD: Final = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 _FACES: Final[tuple[Face, ...]] = ("palmar", "distal", "radial")
 _WEDGE_DEG: Final = 30
 _LOADS: Final = (0.5, 1.0, 2.0)
-_REDUCED_MODULUS: Final = 0.09
+_TISSUE: Final = Tissue.of_reduced_modulus(0.09)
 _MM_PER_PX: Final = 0.1
 _PPI: Final = 500.0
 _HEAD: Final = f"""\
@@ -70,21 +70,22 @@ def write_example(folder: Path) -> Path:
         across, along = (float(getattr(_PAD, axis)) for axis in FACE_AXES[face])
         photograph = render_finger(face, semi_axes=(across, along), mm_per_px=_MM_PER_PX, seed=seed)
         Image.fromarray(photograph.pixels).save(folder / f"photograph_{face}.jpg", quality=92)
-    radii = Placement(_PAD, wedge_angle=np.radians(_WEDGE_DEG)).curvature.principal_radii
-    geometry = HertzGeometry(*radii)
+    placement = Placement(_PAD, wedge_angle=np.radians(_WEDGE_DEG))
     for seed, load in enumerate(_LOADS):
-        contact = geometry.under_load(load, reduced_modulus=_REDUCED_MODULUS)
+        contact = hertz_contact(placement, _TISSUE, load=load)
         image = render_contact_image(
             semi_major=float(contact.semi_major),
             semi_minor=float(contact.semi_minor),
-            orientation=np.pi / 2 * float(geometry.long_axis),
+            orientation=0.0 if contact.along else np.pi / 2,
             ppi=_PPI,
             seed=seed,
         )
         Image.fromarray(image.pixels).save(folder / f"contact_{load:g}N.png")
     loading = simulate_loading_curve(
         loading_radius=float(
-            equivalent_radius_from_compliance(geometry.geometric_mean_radius, geometry.axis_ratio)
+            equivalent_radius_from_compliance(
+                placement.curvature.geometric_mean_radius, 1 / contact.aspect_ratio
+            )
         ),
         initial_modulus=0.07,
         load_coefficient=0.005,

@@ -12,7 +12,8 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
-from fingerpad.contact import EllipsoidContact, PadGap, reduced_modulus
+from fingerpad.contact import Tissue, solve_contact
+from fingerpad.contact.contact import reduced_modulus
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
@@ -202,9 +203,9 @@ def curve_tasks(finger: FingerResult, context: RunContext) -> Iterator[Task]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlacedPad:
-    """The pad where a curve presses it: its gap, and standard uncertainties of 1/H (mm) and of R1/R2."""
+    """The pad where a curve presses it, and standard uncertainties of 1/H (mm) and of R1/R2."""
 
-    gap: PadGap
+    placement: Placement
     radius_std: float
     radius_ratio_std: float
 
@@ -235,7 +236,7 @@ def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) 
     # Of a pad that is larger as a whole both radii are larger by as much.
     pad = Ellipsoid(*(finger.semi_axes * math.exp(along / 2)))
     return PlacedPad(
-        gap=PadGap.of(pad, wedge_angle=wedge_angle),
+        placement=Placement(pad, wedge_angle=wedge_angle),
         radius_std=float(known["radius"].std),
         radius_ratio_std=float(known["ratio"].std),
     )
@@ -363,7 +364,7 @@ def _layer(
     try:
         return fit_layer_thickness(
             data,
-            gap=placed.gap,
+            placement=placed.placement,
             radius_std=placed.radius_std,
             radius_ratio_std=placed.radius_ratio_std,
             poisson_ratio_std=given.poisson_ratio_std,
@@ -433,19 +434,15 @@ def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: 
     initial, growth = fit.initial_modulus, fit.load_coefficient
     if pad is None or not isinstance(initial, Estimate) or not isinstance(growth, Estimate):
         return None
-    wedge = math.radians(curve.wedge_angle_deg)
-    radius = float(Placement(pad, wedge_angle=wedge).curvature.geometric_mean_radius)
+    placement = Placement(pad, wedge_angle=math.radians(curve.wedge_angle_deg))
+    radius = float(placement.curvature.geometric_mean_radius)
     loads = np.linspace(0, fit.modulus_load, _SHAPE_LOADS + 1)[1:]
     moduli = reduced_modulus(initial.value + growth.value * loads, poisson_ratio)
     try:
         pressed = [
-            EllipsoidContact.of(
-                pad,
-                wedge_angle=wedge,
-                load=float(load),
-                reduced_modulus=float(modulus),
-                points=_SHAPE_POINTS,
-            ).solution
+            solve_contact(
+                placement, Tissue.of_reduced_modulus(float(modulus)), load=float(load), points=_SHAPE_POINTS
+            )
             for load, modulus in zip(loads, moduli, strict=True)
         ]
     except (GeometryError, ConvergenceError):

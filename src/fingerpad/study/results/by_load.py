@@ -12,6 +12,7 @@ from scipy import special
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART
+from fingerpad.study.results.model_checks import NOT_TESTED
 from fingerpad.study.results.repeats import (
     ContactRepeatability,
     StudyScatter,
@@ -21,7 +22,7 @@ from fingerpad.study.results.repeats import (
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.study.results.validity import MODULUS, Validity
-from fingerpad.uncertainty import NOT_TESTED, ScatterComponent
+from fingerpad.uncertainty import ScatterComponent
 from fingerpad.units import KPA_PER_MPA
 
 _NORMAL_97_5: Final = 1.959963984540054

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import PadGap, fast_contact, layered_contact
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact.laws import find_modulus, plate_gap, press
+from fingerpad.geometry import Ellipsoid, Gap, Placement
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import Estimate, LoadingFit, Secant
 from fingerpad.study.manifest import Study
@@ -99,9 +99,8 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
     inputs = _inputs(study, finger, curve.manifest.wedge_angle_deg, curve.fit, offset.std)
     found = propagate(indentation_model, inputs)
     indentation, shift = inputs.mean[0, inputs.places(["indentation", "contact_shift"])].tolist()
-    contact = layered_contact(
-        Ellipsoid(*finger.semi_axes),
-        wedge_angle=math.radians(curve.manifest.wedge_angle_deg),
+    _, contact = find_modulus(
+        _gap(finger, curve.manifest.wedge_angle_deg),
         thickness=finger.effective_thickness,
         poisson_ratio=study.poisson_ratio,
         load=load,
@@ -113,7 +112,7 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
         indentation=indentation,
         indentation_std=offset.std,
         contact_shift=shift,
-        flag=str(contact.flag) or ("" if known else UNCERTAINTY_OUT_OF_RANGE),
+        flag=str(contact.flags) or ("" if known else UNCERTAINTY_OUT_OF_RANGE),
         quantities={name: quantity_of(found, name) for name in found.names},
     )
 
@@ -124,7 +123,7 @@ def _inputs(
     """Return the inputs of `indentation_model` at the highest load, as one contact."""
     given, secant, load = study.uncertainty, fit.secant, fit.modulus_load
     thickness, thickness_std = finger.effective_thickness or math.nan, finger.effective_thickness_std or 0.0
-    gap = PadGap.of(Ellipsoid(*finger.semi_axes), wedge_angle=math.radians(wedge_angle_deg))
+    gap = _gap(finger, wedge_angle_deg)
     shift, *ends = (
         _contact_shift(gap, secant, at, study.poisson_ratio)
         for at in (thickness, thickness - thickness_std, thickness + thickness_std)
@@ -147,13 +146,17 @@ def _inputs(
     return replace(inputs.with_covariance(("thickness", "contact_shift"), both), groups=_SOURCES)
 
 
-def _contact_shift(gap: PadGap, secant: Secant, thickness: float, poisson_ratio: float) -> float:
+def _gap(finger: FingerResult, wedge_angle_deg: float) -> Gap:
+    return plate_gap(Placement(Ellipsoid(*finger.semi_axes), wedge_angle=math.radians(wedge_angle_deg)))
+
+
+def _contact_shift(gap: Gap, secant: Secant, thickness: float, poisson_ratio: float) -> float:
     """Return by how much the law of the layer puts the place of contact earlier than Hertz theory does."""
     places = np.linspace(0, secant.load.size - 1, min(secant.load.size, _MOST_ROWS)).round().astype(int)
     load, indentation = secant.load[places], secant.indentation[places]
 
     def misfit(shift: float) -> float:
-        law: FloatArray = fast_contact(
+        law: FloatArray = press(
             gap,
             indentation=indentation + shift,
             reduced_modulus=1.0,

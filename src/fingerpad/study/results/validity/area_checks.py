@@ -9,6 +9,13 @@ from scipy import special
 
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.exponent import PressSlope, area_noise, edges_of, items_of
+from fingerpad.study.results.model_checks import (
+    HOLDS,
+    STRAINED_BELOW_P,
+    ValidityCheck,
+    compare_difference,
+    p_value_of,
+)
 from fingerpad.study.results.table import Places
 from fingerpad.study.results.validity.place import (
     HERTZ_EXPONENT,
@@ -18,13 +25,6 @@ from fingerpad.study.results.validity.place import (
     SAME_LOAD,
     Place,
     missing,
-)
-from fingerpad.uncertainty import (
-    HOLDS,
-    STRAINED_BELOW_P,
-    ValidityCheck,
-    compare_difference,
-    p_value_of,
 )
 
 GROWTH: Final = "area_against_load"

@@ -7,9 +7,10 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import PadGap, fast_contact
+from fingerpad.contact.laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.results.layer import LAYER_FLAGS
+from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio, known_error
 from fingerpad.study.results.validity.place import (
     HEADLINES,
     INDENTATION,
@@ -20,7 +21,7 @@ from fingerpad.study.results.validity.place import (
     Place,
     missing,
 )
-from fingerpad.uncertainty import ValidityCheck, compare_ratio, known_error, pad_model, propagate
+from fingerpad.uncertainty import pad_model, propagate
 from fingerpad.units import KPA_PER_MPA
 
 _SHAPE: Final = "length along the finger over that across, and of Hertz theory for the pad"
@@ -113,12 +114,13 @@ def _errors(
 ) -> Iterator[ValidityCheck]:
     """Yield the errors of E and ξ at the contact's load and area, or at the largest area with a law."""
     area = math.pi * row["semi_major_mm"] * row["semi_minor_mm"]
-    angles = {name: math.radians(row[f"{name}_deg"]) for name in ("wedge_angle", "roll_angle")}
-    pad = Ellipsoid(*place.pad.semi_axes)
+    wedge, roll = math.radians(row["wedge_angle_deg"]), math.radians(row["roll_angle_deg"])
+    assumed = Placement(Ellipsoid(*place.pad.semi_axes), wedge_angle=wedge, roll_angle=roll)
     # Where the outline shows another radius than the ellipsoid's, the pad is larger as a whole.
-    larger = row["geometric_mean_radius_mm"] / float(Placement(pad, **angles).curvature.geometric_mean_radius)
-    better = fast_contact(
-        PadGap.of(Ellipsoid(*(larger * place.pad.semi_axes)), **angles),
+    larger = row["geometric_mean_radius_mm"] / float(assumed.curvature.geometric_mean_radius)
+    pad = Ellipsoid(*(larger * place.pad.semi_axes))
+    better = press(
+        plate_gap(Placement(pad, wedge_angle=wedge, roll_angle=roll)),
         reduced_modulus=1.0,
         thickness=thickness,
         poisson_ratio=place.study.poisson_ratio,
@@ -128,7 +130,7 @@ def _errors(
     if thickness is not None:
         a = math.sqrt(area / math.pi)
         size = f"a/t = {a / thickness:.2f}, ξ/t = {row[INDENTATION] / thickness:.2f}"
-    flag = str(better.flag[-1])
+    flag = str(better.flags[-1])
     known = np.flatnonzero(better.flag_code == 0)
     for name, (symbol, of) in _CONCERNS.items():
         check, compared = f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {_BETTER[kind]}"

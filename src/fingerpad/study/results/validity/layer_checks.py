@@ -6,15 +6,15 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad.contact import PadGap, fast_ellipse
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact.laws import law_form, plate_gap
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.results.layer_curve import curve_on_layer
 from fingerpad.study.results.layer_summary import LayerQuantity, LayerSummary
+from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio
 from fingerpad.study.results.validity.geometry_checks import measured_shape
 from fingerpad.study.results.validity.loading_checks import of_curves, without_misfit
 from fingerpad.study.results.validity.place import NO_CURVE, NOTHING_COUNTS, Place, missing
-from fingerpad.uncertainty import ValidityCheck, compare_ratio
 
 _RADIUS, _MODULUS, _SHAPE = "loading_radius_on_layer", "modulus_on_layer", "shape_on_layer"
 _WORDS: Final = {
@@ -99,16 +99,17 @@ def _shape_check(place: Place) -> ValidityCheck:
     shape, row, pad = measured_shape(place), place.highest_row, place.pad
     if shape is None or row is None:
         return missing(_SHAPE, _WORDS[_SHAPE], _ON_LAYER, NOTHING_COUNTS)
-    form = fast_ellipse(
-        PadGap.of(
-            Ellipsoid(*pad.semi_axes),
-            wedge_angle=math.radians(row["wedge_angle_deg"]),
-            roll_angle=math.radians(row["roll_angle_deg"]),
-        ),
+    placement = Placement(
+        Ellipsoid(*pad.semi_axes),
+        wedge_angle=math.radians(row["wedge_angle_deg"]),
+        roll_angle=math.radians(row["roll_angle_deg"]),
+    )
+    form = law_form(
+        plate_gap(placement),
         area=math.pi * row["semi_major_mm"] * row["semi_minor_mm"],
         thickness=pad.effective_thickness,
         poisson_ratio=place.study.poisson_ratio,
     )
     ratio = float(form.semi_major / form.semi_minor)
-    predicted = math.log(ratio if form.long_axis == 0 else 1 / ratio)
+    predicted = math.log(ratio if form.along else 1 / ratio)
     return shape.check(_SHAPE, _WORDS[_SHAPE], _ON_LAYER, predicted)

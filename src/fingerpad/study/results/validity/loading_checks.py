@@ -14,6 +14,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.loading import Estimate, LoadingFit
 from fingerpad.study.results.exponent import area_noise
 from fingerpad.study.results.loading import LoadingRadius
+from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio
 from fingerpad.study.results.table import ResultsTable, numbered
 from fingerpad.study.results.validity.place import (
     INDENTATION,
@@ -27,7 +28,7 @@ from fingerpad.study.results.validity.place import (
     Place,
     missing,
 )
-from fingerpad.uncertainty import ValidityCheck, compare_ratio, pool, pool_random_effects
+from fingerpad.uncertainty import pool, pool_random_effects
 from fingerpad.units import KPA_PER_MPA
 
 _WORDS: Final = {

@@ -1,7 +1,6 @@
 """Stress under solved contacts: point loads, boundaries, equilibrium, limits, and what is refused."""
 
 import math
-from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -11,25 +10,22 @@ from tests.contact.point_loads import point_load_stress
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import (
-    ContactSolution,
-    ElasticBody,
-    EllipsoidContact,
-    contact_displacement,
-    contact_stress,
+    SolvedContact,
+    SolvedStress,
+    StressField,
+    Tissue,
     hertz_stress,
     solve_contact,
+    solve_gap,
 )
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Placement
 
 
-def contact(
-    thickness: float, poisson_ratio: float, *, ratio: float = 1.5, angle: float = 0.0
-) -> ContactSolution:
-    body = ElasticBody(reduced_modulus=0.1, thickness=thickness, poisson_ratio=poisson_ratio)
-    return solve_contact(
+def contact(thickness: float, poisson_ratio: float, *, angle: float = 0.0) -> SolvedContact:
+    return solve_gap(
         lambda x, y: x**2 / 20 + y**2 / 30,
-        body,
+        Tissue.of_reduced_modulus(0.1, poisson_ratio, thickness),
         half_widths=(2, 2.5),
         angle=angle,
         area=4 * math.pi,
@@ -38,26 +34,27 @@ def contact(
 
 
 @cache
-def layer() -> ContactSolution:
+def layer() -> SolvedContact:
     return contact(2.5, 0.4)
 
 
 @cache
-def half_space() -> ContactSolution:
+def half_space() -> SolvedContact:
     return contact(math.inf, 0.3, angle=0.3)
 
 
 @cache
-def ellipsoid() -> EllipsoidContact:
-    return EllipsoidContact.of(
+def ellipsoid() -> SolvedContact:
+    placement = Placement(
         Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8),
         wedge_angle=np.radians(60),
         roll_angle=np.radians(20),
-        load=2.0,
-        reduced_modulus=0.09,
-        poisson_ratio=0.3,
-        points=128,
     )
+    return solve_contact(placement, Tissue.of_reduced_modulus(0.09, 0.3), load=2.0, points=128)
+
+
+def contact_stress(found: SolvedContact, along, across, depth) -> StressField:
+    return SolvedStress.of(found).at(along, across, depth)
 
 
 PLACES = np.array([[0.3, 0.4], [1.0, -0.7], [2.5, 2.0], [-4.0, 0.2]])
@@ -92,7 +89,7 @@ def test_paraboloid_on_a_half_space_is_hertz_s() -> None:
 
 @pytest.mark.parametrize(("depth", "tolerance"), [(0.6, 3e-4), (2.0, 1e-4), (12.0, 3e-5)])
 def test_whole_ellipsoid_on_a_half_space_is_a_sum_of_point_loads(depth: float, tolerance: float) -> None:
-    found = ellipsoid().solution
+    found = ellipsoid()
     x, y = np.random.default_rng(5).uniform(-9, 9, (2, 25))
     stress = contact_stress(found, x, y, depth).tensor
     pressed = found.pressure > 0
@@ -171,42 +168,13 @@ def test_refuses_layers_that_are_half_spaces() -> None:
         contact_stress(contact(500.0, 0.5), 0.0, 0.0, 1.0)
 
 
-@pytest.mark.parametrize("solved", [layer, half_space])
-def test_plate_lies_on_the_surface(solved: Callable[[], ContactSolution]) -> None:
-    found = solved()
-    x, y = found.grid.coordinates
-    gap = found.indentation - contact_displacement(found, x, y)
-    touching = found.pressure > 0.2 * found.peak_pressure
-    assert_allclose(gap[touching], (x**2 / 20 + y**2 / 30)[touching], atol=1e-3 * found.indentation)
-    outside = found.pressure == 0
-    assert (gap - x**2 / 20 - y**2 / 30)[outside].max() < 1e-3 * found.indentation
-
-
-def test_displacement_of_a_half_space_is_a_sum_of_point_loads() -> None:
-    found = ellipsoid().solution
-    x, y = np.array([[7.0, 2.0, 9.0, 40.0], [1.0, -8.0, 9.0, -30.0]])
-    cell_x, cell_y = found.grid.coordinates
-    distance = np.hypot(x[:, None] - cell_x.ravel(), y[:, None] - cell_y.ravel())
-    expected = (found.pressure.ravel() / distance).sum(axis=-1) * found.grid.cell_area / (np.pi * 0.09)
-    assert_allclose(contact_displacement(found, x, y), expected, rtol=1e-4)
-
-
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
-def test_layer_keeps_or_loses_volume(poisson_ratio: float) -> None:
-    # Each column of a layer gives way by pt(1 + ν)(1 − 2ν)/(E(1 − ν)) on the whole.
-    found = contact(2.5, poisson_ratio)
-    side = np.linspace(-16, 16, 321)
-    volume = contact_displacement(found, side[:, None], side).sum() * 0.1**2
-    factor = (1 + poisson_ratio) * (1 - 2 * poisson_ratio) / ((1 - poisson_ratio) * (1 - poisson_ratio**2))
-    assert_allclose(volume, found.load * 2.5 * factor / 0.1, atol=1e-2 * found.load * 2.5 / 0.1)
-
-
 @pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
 def test_strains_down_to_the_base_add_up_to_the_displacement(poisson_ratio: float) -> None:
     found = contact(2.5, poisson_ratio)
     node, weight = np.polynomial.legendre.leggauss(16)
-    depth, x = 1.25 * (node + 1), np.array([0.0, 1.2, 3.0])
+    depth, x = 1.25 * (node + 1), np.array([0.0, 0.7, 1.4])  # in contact, where the plate says how deep
     stress = contact_stress(found, x, 0.4, depth[:, None])
     strain = stress.strain(youngs_modulus=0.1 * (1 - poisson_ratio**2), poisson_ratio=poisson_ratio)
     total = -1.25 * weight @ strain[..., 2, 2]
-    assert_allclose(total, contact_displacement(found, x, 0.4), atol=2e-4 * found.indentation)
+    displacement = found.indentation - x**2 / 20 - 0.4**2 / 30
+    assert_allclose(total, displacement, atol=5e-4 * found.indentation)

@@ -1,4 +1,4 @@
-"""Stress and displacement under a solved contact pressure, in a half-space or a layer bonded to a rigid base.
+"""Stress under a solved contact pressure, in a half-space or a layer bonded to a rigid base.
 
 Each wave of the pressure is a plane problem across the body, of four constants. A layer's response dies away
 as e^(−0.8 r/t) or faster: a margin of six thicknesses on each side keeps periodic images below 1e-4. That of
@@ -17,10 +17,11 @@ from scipy import fft
 from scipy.ndimage import map_coordinates
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast
+from fingerpad._display import Displayed
+from fingerpad.contact.contact import Tissue
 from fingerpad.contact.grid import ContactGrid
 from fingerpad.contact.hertz_pressure import HertzPressure
-from fingerpad.contact.influence import ElasticBody, layer_compliance_ratio
-from fingerpad.contact.solver import ContactSolution
+from fingerpad.contact.solver import SolvedContact
 from fingerpad.contact.stress import StressField
 from fingerpad.exceptions import GeometryError
 
@@ -31,124 +32,103 @@ _MARGIN = 6  # thicknesses on each side of the contact
 _LARGEST = 1700  # cells along a side of the padded grid
 _COARSEST = 32  # cells along a side of the contact's own grid
 _DECAYED = 20.0  # e-folds, after which nothing of a wave is left
+_SHORT = 0.5  # depth in mean radii, of which waves that have died away are short ones
 _FEW = 4  # points that are summed wave by wave
 _COMPONENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
-def contact_stress(
-    solution: ContactSolution, along: ArrayLike, across: ArrayLike, depth: ArrayLike
-) -> StressField:
-    """Return the stress at points of the body under a solved contact.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class SolvedStress(Displayed):
+    """The stress under a solved contact: made once, and asked for at any points.
 
-    Parameters
+    Attributes
     ----------
-    solution : ContactSolution
-        A contact on a half-space or on a layer.
-    along, across : array_like
-        Coordinates in the surface, as those of the contact. In a layer, NaN is returned more than five
-        thicknesses beyond the grid of the contact.
-    depth : array_like
-        Below the surface; NaN is returned outside the body. The cost goes with the number of different
-        depths. Nearer to the surface than a cell of the solution's grid, the stress is that of the cells.
-
-    Returns
-    -------
-    StressField
-        Axes along, across and down.
-
-    Raises
-    ------
-    GeometryError
-        If a layer is so thick beside the contact that it is a half-space in effect.
+    contact : SolvedContact
+        The contact.
 
     Examples
     --------
-    Incompressible tissue over bone is sheared least in the middle of the contact and most at the bone, a
-    half-space under the middle:
+    Incompressible tissue over bone is sheared least in the middle of the contact and most at the bone, deep
+    tissue under the middle:
 
-    >>> from fingerpad.contact import ElasticBody, solve_contact
-    >>> sphere = lambda x, y: (x**2 + y**2) / 20
+    >>> from fingerpad.contact import Tissue, solve_contact
+    >>> from fingerpad.geometry import Paraboloid
     >>> for thickness in (2.0, np.inf):
-    ...     body = ElasticBody(reduced_modulus=0.1, thickness=thickness)
-    ...     contact = solve_contact(sphere, body, half_widths=(3, 3), area=50.0, points=64)
-    ...     shear = contact_stress(contact, [0.0, 2.5], 0.0, 2.0).maximum_shear
+    ...     tissue = Tissue(youngs_modulus=0.075, thickness=thickness)
+    ...     contact = solve_contact(Paraboloid(10.0, 10.0), tissue, area=50.0, points=64)
+    ...     shear = SolvedStress.of(contact).at([0.0, 2.5], 0.0, 2.0).maximum_shear
     ...     print((shear / contact.mean_pressure).round(2))
     [0.   0.42]
     [0.4  0.37]
     """
-    along, across, depth = broadcast(along, across, depth)
-    body, grid = solution.body, solution.grid
-    in_body = (depth >= 0) & (depth <= body.thickness)
-    hertz, waves = _split(solution)
-    own = grid.to_own(along, across)
-    field = _stress_of_waves(waves, body, own, depth, in_body).turned(grid.angle)
-    if hertz is None:
-        return field
-    closed = hertz.stress(along, across, depth, poisson_ratio=body.poisson_ratio)
-    return StressField(tensor=closed.tensor + np.nan_to_num(field.tensor))
 
+    contact: SolvedContact
+    _hertz: HertzPressure | None
+    _waves: "_Waves"
 
-def contact_displacement(solution: ContactSolution, along: ArrayLike, across: ArrayLike) -> FloatArray:
-    """Return the normal displacement of the surface, inside and outside a solved contact.
+    @classmethod
+    def of(cls, contact: SolvedContact) -> Self:
+        """Split the pressure into one of Hertz theory, on deep tissue, and the waves of the rest.
 
-    Parameters
-    ----------
-    solution : ContactSolution
-        A contact on a half-space or on a layer.
-    along, across : array_like
-        Coordinates in the surface, as those of the contact. On a layer, NaN is returned more than five
-        thicknesses beyond the grid of the contact.
+        Parameters
+        ----------
+        contact : SolvedContact
+            On deep tissue or on a layer.
 
-    Returns
-    -------
-    ndarray
-        Displacement into the body: the indentation less the gap, in contact.
+        Returns
+        -------
+        SolvedStress
 
-    Raises
-    ------
-    GeometryError
-        As `contact_stress`.
+        Raises
+        ------
+        GeometryError
+            If a layer is so thick beside the contact that it is deep tissue in effect.
+        """
+        grid, tissue = contact.grid, contact.tissue
+        if not tissue.is_deep:
+            margin = np.full(2, _MARGIN * float(tissue.thickness))
+            return cls(contact=contact, _hertz=None, _waves=_Waves.of(contact.pressure, grid, margin, tissue))
+        hertz = HertzPressure.of_moments(grid, contact.pressure)
+        rest = contact.pressure - hertz.over_cells(grid)
+        return cls(contact=contact, _hertz=hertz, _waves=_Waves.of(rest, grid, 2 * grid.half_widths, tissue))
 
-    Examples
-    --------
-    Incompressible tissue over bone bulges around the contact:
+    def of_long_waves(self) -> Self:
+        """Leave out waves far shorter than the contact, which hardly matter to where the stress is highest.
 
-    >>> from fingerpad.contact import ElasticBody, solve_contact
-    >>> sphere = lambda x, y: (x**2 + y**2) / 20
-    >>> body = ElasticBody(reduced_modulus=0.1, thickness=2.0)
-    >>> contact = solve_contact(sphere, body, half_widths=(3, 3), indentation=0.5, points=64)
-    >>> contact_displacement(contact, [0.0, 2.0, 6.0], 0.0).round(2)
-    array([ 0.5 ,  0.3 , -0.03])
-    """
-    along, across = broadcast(along, across)
-    body = solution.body
-    hertz, waves = _split(solution)
-    wave = np.hypot(*_wave_vectors(waves.shape, waves.sides))
-    wave[0, 0] = 1
-    compliance = 2 / (body.reduced_modulus * wave)
-    if hertz is None:
-        compliance *= layer_compliance_ratio(wave * body.thickness, body.poisson_ratio)
-        compression = (1 - 2 * body.poisson_ratio) / (1 - body.poisson_ratio) ** 2
-        compliance[0, 0] = compression * body.thickness / body.reduced_modulus
-    place = solution.grid.to_own(along, across) - waves.first
-    inside = waves.holds(place)
-    found = np.full(along.shape, np.nan)
-    found[inside] = waves.at(waves.spectrum * compliance, place[inside])
-    if hertz is None:
-        return found
-    closed = hertz.displacement(along, across, reduced_modulus=body.reduced_modulus)
-    closed += np.nan_to_num(found)
-    return closed
+        Returns
+        -------
+        SolvedStress
+            Faster by far near the surface, and there within some per cent.
+        """
+        mean_radius = math.sqrt(self.contact.area / math.pi)
+        return replace(self, _waves=self._waves.without_decayed(_SHORT * mean_radius))
 
+    def at(self, along: ArrayLike, across: ArrayLike, depth: ArrayLike) -> StressField:
+        """Return the stress at points of the tissue.
 
-def _split(solution: ContactSolution) -> "tuple[HertzPressure | None, _Waves]":
-    """Return the pressure as one of Hertz theory, on a half-space, and the waves of the rest."""
-    grid, body = solution.grid, solution.body
-    if math.isfinite(body.thickness):
-        margin = np.full(2, _MARGIN * body.thickness)
-        return None, _Waves.of(solution.pressure, grid, margin, body)
-    hertz = HertzPressure.of_moments(grid, solution.pressure)
-    return hertz, _Waves.of(solution.pressure - hertz.over_cells(grid), grid, 2 * grid.half_widths, body)
+        Parameters
+        ----------
+        along, across : array_like
+            Coordinates in the surface, as those of the contact. In a layer, NaN is returned more than five
+            thicknesses beyond the grid of the contact.
+        depth : array_like
+            Below the surface; NaN is returned outside the tissue. The cost goes with the number of different
+            depths. Nearer to the surface than a cell of the contact's grid, the stress is that of the cells.
+
+        Returns
+        -------
+        StressField
+            Axes along, across and down.
+        """
+        along, across, depth = broadcast(along, across, depth)
+        tissue, grid = self.contact.tissue, self.contact.grid
+        inside = (depth >= 0) & (depth <= tissue.thickness)
+        own = grid.to_own(along, across)
+        field = _stress_of_waves(self._waves, tissue, own, depth, inside).turned(grid.angle)
+        if self._hertz is None:
+            return field
+        closed = self._hertz.stress(along, across, depth, poisson_ratio=float(tissue.poisson_ratio))
+        return StressField(tensor=closed.tensor + np.nan_to_num(field.tensor))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -176,7 +156,7 @@ class _Waves:
     constants: FloatArray
 
     @classmethod
-    def of(cls, pressure: FloatArray, grid: ContactGrid, margin: FloatArray, body: ElasticBody) -> Self:
+    def of(cls, pressure: FloatArray, grid: ContactGrid, margin: FloatArray, tissue: Tissue) -> Self:
         """Return the waves of a pressure over the grid, with so wide a margin on each side of it.
 
         Where that takes too many cells, they are made larger.
@@ -185,7 +165,7 @@ class _Waves:
         while (len(pressure) + 2 * np.ceil(margin / spacing)).max() > _LARGEST:
             if len(pressure) < 2 * _COARSEST:
                 raise GeometryError(
-                    f"thickness {body.thickness:g} is too great beside the contact: leave it out, the "
+                    f"thickness {tissue.thickness:g} is too great beside the contact: leave it out, the "
                     "stress is that in a half-space"
                 )
             pressure, spacing = _half_as_many(pressure), 2 * spacing
@@ -196,10 +176,10 @@ class _Waves:
         spectrum, sides = fft.rfft2(padded), np.array(shape) * spacing
         constants = np.zeros((*spectrum.shape, 4))
         constants[..., :2] = 1  # of a half-space
-        if math.isfinite(body.thickness):
-            x = np.hypot(*_wave_vectors(shape, sides)) * body.thickness
+        if math.isfinite(tissue.thickness):
+            x = np.hypot(*_wave_vectors(shape, sides)) * tissue.thickness
             feels_base = x < _DECAYED
-            constants[feels_base] = _constants(x[feels_base], body.poisson_ratio)
+            constants[feels_base] = _constants(x[feels_base], float(tissue.poisson_ratio))
         return cls(
             shape=shape,
             sides=sides,
@@ -279,16 +259,16 @@ def _half_as_many(pressure: FloatArray) -> FloatArray:
 
 
 def _stress_of_waves(
-    waves: _Waves, body: ElasticBody, own: FloatArray, depth: FloatArray, in_body: BoolArray
+    waves: _Waves, tissue: Tissue, own: FloatArray, depth: FloatArray, in_tissue: BoolArray
 ) -> StressField:
-    """Return the stress at points in the grid's own axes; NaN outside the body and beyond the rectangle."""
+    """Return the stress at points in the grid's own axes; NaN outside the tissue and beyond the rectangle."""
     place = own - waves.first
-    inside = in_body & waves.holds(place)
+    inside = in_tissue & waves.holds(place)
     tensor = np.full((*depth.shape, 3, 3), np.nan)
     for level in np.unique(depth[inside]):
         here = inside & (depth == level)
         left = waves.without_decayed(level)
-        for (row, column), spectrum in zip(_COMPONENTS, _transfer(left, level, body), strict=True):
+        for (row, column), spectrum in zip(_COMPONENTS, _transfer(left, level, tissue), strict=True):
             tensor[here, row, column] = tensor[here, column, row] = left.at(spectrum, place[here])
     return StressField(tensor=tensor)
 
@@ -313,20 +293,20 @@ def _constants(x: FloatArray, poisson_ratio: float) -> FloatArray:
     return constants
 
 
-def _transfer(waves: _Waves, depth: float, body: ElasticBody) -> Iterator[ComplexArray]:
+def _transfer(waves: _Waves, depth: float, tissue: Tissue) -> Iterator[ComplexArray]:
     """Yield the waves of the six components of the stress at a depth."""
     x, y = _wave_vectors(waves.shape, waves.sides)
     wave = np.hypot(x, y)
-    layer = math.isfinite(body.thickness)
-    zeta, eta = wave * depth, wave * (depth - body.thickness if layer else 0.0)
+    layer = math.isfinite(tissue.thickness)
+    zeta, eta = wave * depth, wave * (depth - tissue.thickness if layer else 0.0)
     down, up = np.exp(-zeta), np.exp(eta)
     a, b, c, d = np.moveaxis(waves.constants, -1, 0)
     value = (a + b * zeta) * down + (c + d * eta) * up
     slope = (b - a - b * zeta) * down + (c + d + d * eta) * up
     bend = (a - 2 * b + b * zeta) * down + (c + 2 * d + d * eta) * up
     value[0, 0], slope[0, 0] = 1, 0  # a uniform pressure: no strain sideways
-    bend[0, 0] = -body.poisson_ratio / (1 - body.poisson_ratio)
-    normal = body.poisson_ratio * (bend - value)  # across the wave
+    bend[0, 0] = -tissue.poisson_ratio / (1 - tissue.poisson_ratio)
+    normal = tissue.poisson_ratio * (bend - value)  # across the wave
     wave[0, 0] = 1  # of no direction
     x, y = x / wave, y / wave
     x[0, 0] = 1

@@ -1,0 +1,78 @@
+"""From an observed ellipse to radii, indentation and modulus."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from fingerpad.contact import Tissue, hertz_contact
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.uncertainty import pad_model
+
+AXES = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
+
+
+def seen(*, semi_major, semi_minor, axes=AXES, **given) -> SimpleNamespace:
+    """Return the outputs of the model for an observed ellipse."""
+    return SimpleNamespace(
+        **pad_model(
+            **axes,
+            **{"roll_angle": 0.0, "poisson_ratio": 0.5, "image_scale": 1.0, "edge_offset": 0.0} | given,
+            contact_radius=np.sqrt(semi_major * semi_minor),
+            elongation=np.log(semi_major / semi_minor),
+        )
+    )
+
+
+@given(st.floats(0, 1.5), st.floats(-1, 1), st.floats(0.1, 5), st.floats(0.02, 0.5))
+def test_hertzian_pad_round_trip(wedge: float, roll: float, load: float, modulus: float) -> None:
+    placement = Placement(Ellipsoid(**AXES), wedge_angle=wedge, roll_angle=roll)
+    truth = hertz_contact(placement, Tissue.of_reduced_modulus(modulus), load=load)
+    found = seen(
+        wedge_angle=wedge,
+        roll_angle=roll,
+        load=load,
+        semi_major=truth.semi_major,
+        semi_minor=truth.semi_minor,
+    )
+    assert_allclose(found.indentation, truth.indentation, rtol=1e-12)
+    assert_allclose(found.reduced_modulus, modulus, rtol=1e-12)
+    assert_allclose(found.mean_pressure, truth.mean_pressure, rtol=1e-12)
+    ratio = np.exp(np.abs(found.predicted_elongation))
+    assert_allclose(ratio, truth.semi_major / truth.semi_minor, rtol=1e-12)
+    if ratio > 1 + 1e-9:
+        assert (found.predicted_elongation > 0) == truth.along
+    assert_allclose(
+        found.geometric_radius_from_compliance, truth.area / (np.pi * truth.indentation), rtol=1e-12
+    )
+
+
+def test_published_values_at_2_N() -> None:
+    # Hertz values from the printed areas and R_g, ν = 0.5: the spheres of radius R_g as pads.
+    for radius, area, depth, modulus, pressure in (
+        (20.5, 116.3, 1.806, 102.4, 17.2),
+        (14.5, 69.4, 1.523, 157.1, 28.8),
+    ):
+        circle = np.sqrt(area / np.pi)
+        found = seen(
+            axes=dict.fromkeys(AXES, radius), wedge_angle=0.5, load=2.0, semi_major=circle, semi_minor=circle
+        )
+        assert_allclose(found.indentation, depth, atol=6e-4)
+        assert_allclose(1e3 * found.youngs_modulus, modulus, atol=0.06)
+        assert_allclose(1e3 * found.mean_pressure, pressure, atol=0.06)
+
+
+def test_predicted_long_axis_of_published_pad() -> None:
+    found = seen(wedge_angle=np.radians([30, 45]), load=2.0, semi_major=7.4, semi_minor=5.0)
+    assert_allclose(found.predicted_elongation, -np.log([1.0696, 1.2991]), atol=1e-4)
+
+
+def test_order_of_observed_axes() -> None:
+    straight, swapped = (
+        seen(wedge_angle=0.5, load=2.0, semi_major=a, semi_minor=b) for a, b in ((7.4, 5.0), (5.0, 7.4))
+    )
+    assert straight.radius_from_indentation == pytest.approx(swapped.radius_from_indentation, rel=1e-14)
+    assert straight.indentation == pytest.approx(swapped.indentation, rel=1e-14)
