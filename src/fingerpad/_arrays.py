@@ -108,11 +108,17 @@ def broadcast(*values: ArrayLike) -> tuple[FloatArray, ...]:
 def broadcast_named(**values: ArrayLike) -> tuple[FloatArray, ...]:
     """Return `broadcast` of arguments, and refuse by their names what are no numbers or do not broadcast."""
     arrays = [as_float_array(value, name) for name, value in values.items()]
+    check_shapes(**{name: array.shape for name, array in zip(values, arrays, strict=True)})
+    return tuple(np.broadcast_arrays(*arrays))
+
+
+def check_shapes(**shapes: tuple[int, ...]) -> None:
+    """Refuse by their names arguments of shapes that do not broadcast."""
     try:
-        return tuple(np.broadcast_arrays(*arrays))
+        np.broadcast_shapes(*shapes.values())
     except ValueError as fault:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(values, arrays, strict=True))
-        raise GeometryError(f"shapes must broadcast, found {shapes}") from fault
+        found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise GeometryError(f"shapes must broadcast, found {found}") from fault
 
 
 def check_all(

@@ -197,6 +197,14 @@ def unread_columns(
     return _proposed(table, missing, found, by_unit=_TOLD_BY_UNIT)
 
 
+def unread_notes(unread: Mapping[str, Sequence[str]], way_out: Callable[[str, str], str]) -> Iterator[str]:
+    """Yield a note on each of `unread_columns`, whose way out is given by its quantity and the column."""
+    for name, columns in unread.items():
+        for column in columns:
+            title = column.rpartition(":")[0]
+            yield f"column {title!r} was not read; if it is the {name}{way_out(name, column)}"
+
+
 def _read_table(path: Path, *, head_only: bool = False) -> _Table:
     if path.is_char_device():
         raise LoadingError(f"{path}: is a device, not a file")  # which may have no end

@@ -1,7 +1,7 @@
 """Fit one loading curve."""
 
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -112,7 +112,7 @@ def fit(
     curve does not determine it. With --semi-axes-mm the curve is also fitted by the whole pad on a layer of
     tissue over bone, and compared with a half-space.
     """
-    from fingerpad._columns import columns_named_by
+    from fingerpad._columns import columns_named_by, unread_notes
     from fingerpad.loading import Estimate, fit_layer_thickness, fit_loading_curve, read_loading_curve
     from fingerpad.loading.curve import unread_curve_columns
 
@@ -125,7 +125,9 @@ def fit(
     with columns_named_by(_column_flags):
         record = read_loading_curve(curve, columns)
     doubts = unit_doubts(record.load, record.indentation, record.area)
-    for note in (*doubts, *_unread(unread_curve_columns(curve, columns))):
+    unread = unread_curve_columns(curve, columns)
+    notes = unread_notes(unread, lambda name, column: f": {_column_flags({name: column})}")
+    for note in (*doubts, *notes):
         print_note(note)
     area_std = {} if area_relative_std is None else {"area_relative_std": area_relative_std}
     found = fit_loading_curve(
@@ -207,16 +209,6 @@ def _thickness(text: str | None) -> float | None:
 def _column_flags(columns: Mapping[str, str]) -> str:
     """Return what to write after the command to have columns read."""
     return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
-
-
-def _unread(columns: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """Yield which columns were not read that look as if they should be."""
-    for name, found in columns.items():
-        for column in found:
-            yield (
-                f"column {column.rpartition(':')[0]!r} was not read; if it is the {name}: "
-                f"{_column_flags({name: column})}"
-            )
 
 
 def _loads(text: str) -> tuple[float, float]:

@@ -17,6 +17,7 @@ from fingerpad._arrays import (
     broadcast_named,
     check_all,
     check_positive,
+    check_shapes,
     set_fields,
 )
 from fingerpad._display import Displayed
@@ -255,12 +256,7 @@ def check_pressed(
             f"the second argument must be a Tissue(youngs_modulus), found {type(tissue).__name__}"
         )
     name, value = only_given(**given)
-    shapes = {"placement": placement.shape, "tissue": tissue.shape, name: value.shape}
-    try:
-        np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        found = ", ".join(f"{each} {shape}" for each, shape in shapes.items())
-        raise GeometryError(f"shapes must broadcast, found {found}") from None
+    check_shapes(placement=placement.shape, tissue=tissue.shape, **{name: value.shape})
     return name, value
 
 

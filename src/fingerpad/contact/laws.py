@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array, broadcast_named
+from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array, check_shapes
 from fingerpad.contact.contact import (
     FLAGS,
     AnyPlacement,
@@ -134,11 +134,12 @@ def youngs_modulus(
     49 kPa
     """
     tissue = Tissue(1.0, poisson_ratio, thickness)  # or refuse the values
+    gap = plate_gap(placement)
     name, value = only_given(area=area, indentation=indentation)
-    load, value = broadcast_named(load=load, **{name: value})
-    check_pressed(placement, tissue, **{name: value})
+    load = as_float_array(load, "load")
+    check_shapes(placement=placement.shape, tissue=tissue.shape, load=load.shape, **{name: value.shape})
     modulus, _ = find_modulus(
-        plate_gap(placement),
+        gap,
         load=load,
         **{name: value},
         thickness=None if tissue.is_deep else tissue.thickness,

@@ -79,15 +79,12 @@ class LayerThicknessFit(Recorded):
     @property
     def layer_weight(self) -> float:
         """Akaike weight of all models with a layer, against those of a half-space."""
-        return self._weight_of("layer")
+        return weight_of("layer", self.weights)
 
     @property
     def hertz_weight(self) -> float:
         """Akaike weight of all models of Hertz theory: of a paraboloid on a half-space."""
-        return self._weight_of("paraboloid")
-
-    def _weight_of(self, body: str) -> float:
-        return sum(weight for name, weight in self.weights.items() if name.startswith(body))
+        return weight_of("paraboloid", self.weights)
 
     @property
     def conclusion(self) -> str:
@@ -203,3 +200,8 @@ class LayerThicknessFit(Recorded):
             "notes": dict(self.notes),
             "flags": list(self.flags),
         }
+
+
+def weight_of(body: str, weights: Mapping[str, float]) -> float:
+    """Return the Akaike weight of all models of what is pressed, a ``layer`` or ``paraboloid``, say."""
+    return sum(weight for name, weight in weights.items() if name.startswith(body))

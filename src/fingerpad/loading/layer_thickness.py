@@ -22,7 +22,7 @@ from fingerpad.loading.alternatives import FAILURES, FLAGGED, TOO_FEW_RUNS, runs
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.estimate import Estimate, Undetermined, akaike_weights, average_models
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
-from fingerpad.loading.layer_result import EXPLAINS, THICKER_THAN_FINGER, LayerThicknessFit
+from fingerpad.loading.layer_result import EXPLAINS, THICKER_THAN_FINGER, LayerThicknessFit, weight_of
 from fingerpad.loading.noise import Noise
 from fingerpad.loading.quantities import bounded
 from fingerpad.loading.shapes import PAD_FORM
@@ -243,10 +243,11 @@ def _result(
     weights = dict(zip(aicc, akaike_weights(list(aicc.values())), strict=True))
     layered = [models[name] for name in models if name.startswith("layer") and _possible(models[name], main)]
     shares = akaike_weights([model.aicc for model in layered])
-    inverse, modulus, offset = (
+    inverse, modulus = (
         average_models([of(model, exact=model is main) for model in layered], shares)
-        for of in (_inverse_thickness, _modulus, _contact_offset)
+        for of in (_inverse_thickness, _modulus)
     )
+    offset = average_models([_first_order(model, "contact_offset") for model in layered], shares)
     modulus = modulus.over(load_gain)
     reason = _hertz_explains(inverse, weights)
     notes = {} if reason else _notes(main, models, prior, inverse, widest)
@@ -275,10 +276,6 @@ def _possible(model: JointFit, main: JointFit) -> bool:
 
 def _inverse_thickness(model: JointFit, *, exact: bool) -> Estimate:
     return model.estimate("inverse_thickness") if exact else _first_order(model, "inverse_thickness")
-
-
-def _contact_offset(model: JointFit, *, exact: bool) -> Estimate:  # noqa: ARG001
-    return _first_order(model, "contact_offset")
 
 
 def _modulus(model: JointFit, *, exact: bool) -> Estimate:
@@ -318,7 +315,7 @@ def _correlation(fit: JointFit, name: str) -> float:
 
 def _hertz_explains(inverse: Estimate, weights: Mapping[str, float]) -> str:
     """Return why there need be no bone, if a paraboloid on a half-space explains the curve; else nothing."""
-    hertz = sum(weight for name, weight in weights.items() if name.startswith("paraboloid"))
+    hertz = weight_of("paraboloid", weights)
     if hertz < EXPLAINS or (inverse.lower <= 0 and hertz < 1 - EXPLAINS):
         return ""
     return (

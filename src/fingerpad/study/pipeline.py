@@ -10,7 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from fingerpad._columns import columns_in_toml
+from fingerpad._columns import columns_in_toml, unread_notes
 from fingerpad._files import make_folder
 from fingerpad._plausible import MOST_N, semi_axes_doubt, unit_doubts
 from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
@@ -257,6 +257,10 @@ def _unit_notes(study: Study, curves: Iterable[CurveResult]) -> Iterator[str]:
         yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
 
 
+def _mapped(key: str, columns: Mapping[str, str], name: str, column: str) -> str:
+    return f": {columns_in_toml(key, {**columns, name: column})}"
+
+
 def _column_notes(study: Study, folder: Path) -> Iterator[str]:
     """Yield which columns of tables were not read that look as if they should be."""
     tables: list[tuple[str | None, str, Callable[..., dict[str, list[str]]], Mapping[Any, str]]] = [
@@ -269,12 +273,7 @@ def _column_notes(study: Study, folder: Path) -> Iterator[str]:
             found = unread(folder / file, columns) if file else {}
         except LoadingError:
             continue  # its own result says so
-        for name, choices in found.items():
-            for column in choices:
-                yield (
-                    f"{file}: column {column.rpartition(':')[0]!r} was not read; if it is the {name}: "
-                    f"{columns_in_toml(key, {**columns, name: column})}"
-                )
+        yield from (f"{file}: {note}" for note in unread_notes(found, partial(_mapped, key, columns)))
 
 
 def _first_of(names: list[str]) -> str:

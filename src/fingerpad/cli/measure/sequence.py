@@ -57,7 +57,7 @@ def measure_frames(
     The frames' clock starts at the trigger that the force signal holds, at --start-s, or where the force
     passes --contact-load-n; without any of them, at the force's own start. --times gives each frame its time.
     """
-    from fingerpad._columns import columns_named_by
+    from fingerpad._columns import columns_named_by, unread_notes
     from fingerpad.image import (
         FrameResult,
         measure_sequence,
@@ -76,10 +76,9 @@ def measure_frames(
         signal = None if force is None else read_force_signal(force)
     clock = _clock(frames.frames_per_second, frames_per_second, signal, start_s, contact_load_n, times)
     place = measurement_region(background, seed_px, mask, roi_px)
-    for name, found in ({} if force is None else unread_force_columns(force)).items():
-        for column in found:
-            title = column.rpartition(":")[0]
-            print_note(f"column {title!r} was not read; if it is the {name}, rename it in the first line")
+    unread = {} if force is None else unread_force_columns(force)
+    for note in unread_notes(unread, lambda *_: ", rename it in the first line"):
+        print_note(note)
     if overlay_dir is not None:
         make_folder(overlay_dir)
 

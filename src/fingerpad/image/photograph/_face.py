@@ -121,6 +121,12 @@ class FaceArc:
         """Which points can be pad, without those added manually."""
         return self.pad & ~self.marked
 
+    @property
+    def step_ratios(self) -> FloatArray:
+        """Steps over the noise of the arc's points, without those where no edge was looked for."""
+        ratios = self.step_ratio[self.used]
+        return ratios[np.isfinite(ratios)]
+
     def in_picture(self, points: FloatArray) -> FloatArray:
         """Return points of the face's frame as (row, column), px."""
         axes, place = self.frame
@@ -248,8 +254,7 @@ def _fitted(arc: FaceArc) -> tuple[OutlineFit, dict[str, FloatArray]]:
         certain = (float((-marks).max(initial=0)), float(marks.max(initial=0)))
         every = arc.points[arc.searched & ~arc.rejected]
         fit, ends = average_over_ends(every, fit, middle=middle, tilt=arc.tilt, certain=certain)
-    ratios = arc.step_ratio[used]
-    ratios = ratios[np.isfinite(ratios)]
+    ratios = arc.step_ratios
     shared = least + by_noise / float(np.median(ratios)) if len(ratios) else least
     if arc.marked.any():
         shared = max(shared, _SHARED_MARKED_PX)
@@ -280,8 +285,7 @@ def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
     """Return what makes a measurement doubtful."""
     semi_px = float(found.semi_axes.min()) / found.scale.mm_per_px
     relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
-    ratios = arc.step_ratio[arc.used]
-    ratios = ratios[np.isfinite(ratios)]
+    ratios = arc.step_ratios
     rejected = arc.rejected.sum() / (arc.rejected | arc.used).sum()
     holds = {
         "short_arc": found.arc_deg < _SHORT_ARC_DEG,

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from fingerpad._files import digest_of, sha256_of
+from fingerpad._files import content_stamp, digest_of, sha256_of
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.atomic_files import sync_folder, write_synced
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -175,15 +175,7 @@ def result_files(out: Path) -> list[str]:
 
 def result_set_stamp(out: Path) -> tuple[object, ...]:
     """Return what changes with the result set in a folder, and with its tables, without reading a file."""
-    return tuple(_stamp_of(out / name) for name in (_COMPLETE, *sorted(OUTPUT_NAMES)))
-
-
-def _stamp_of(path: Path) -> tuple[int, ...] | None:
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
+    return tuple(content_stamp(out / name) for name in (_COMPLETE, *sorted(OUTPUT_NAMES)))
 
 
 def result_set_faults(
