@@ -23,8 +23,8 @@ import numpy.typing as npt
 
 from benchmarks.finger_shapes import SIDES
 from fingerpad.exceptions import FingerpadError
-from fingerpad.geometry.faces import SEMI_AXES
 from fingerpad.image import Face, PhotographFit, Scale, combine_faces, measure_photograph
+from fingerpad.image.photograph.orientation import SEMI_AXES
 from fingerpad.uncertainty import ELLIPSOID_STD, Inputs, placement_model, propagate, radius_deviation
 
 Array = npt.NDArray[np.float64]

@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.geometry.faces import Direction
 from fingerpad.image import Face, PhotographFit, Scale, measure_photograph
+from fingerpad.image.photograph.orientation import Direction
 
 Array = npt.NDArray[np.float64]
 

@@ -9,7 +9,6 @@ from PIL import Image
 from tests.image import hand_mesh
 
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.geometry.faces import face_axes
 from fingerpad.image import (
     FACE_AXES,
     PHOTOGRAPH_FLAGS,
@@ -20,6 +19,7 @@ from fingerpad.image import (
     read_colour_image,
     read_image,
 )
+from fingerpad.image.photograph.orientation import face_axes
 from fingerpad.simulate import render_finger
 
 SEMI_AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8), "ulnar": (7.9, 13.8)}

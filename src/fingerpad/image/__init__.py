@@ -1,6 +1,5 @@
 """Measure pictures: contact images, and photographs of a finger's faces."""
 
-from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Direction, Face
 from fingerpad.image._memory import MEMORY_LIMIT
 from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
@@ -38,6 +37,7 @@ from fingerpad.image.photograph.manual import (
     with_marked_points,
 )
 from fingerpad.image.photograph.measure import measure_photograph
+from fingerpad.image.photograph.orientation import FACE_AXES, SEMI_AXES, Direction, Face
 from fingerpad.image.photograph.outline import (
     face_from_outline,
     read_marks,

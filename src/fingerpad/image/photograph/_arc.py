@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
-from fingerpad.geometry.faces import Face
 from fingerpad.image._orthogonal_fit import distances
 from fingerpad.image.ellipse_fit import normalise
+from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, turns_from
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]

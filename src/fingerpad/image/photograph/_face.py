@@ -12,7 +12,6 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
-from fingerpad.geometry.faces import Face
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import PAD_MIDDLE, initial_ellipse
 from fingerpad.image.photograph._arc_averaging import average_over_ends
@@ -25,6 +24,7 @@ from fingerpad.image.photograph._departure import (
     is_significant,
 )
 from fingerpad.image.photograph._lengths import half_width, lengths_contradict, with_lengths
+from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.outline_fit import (
     OutlineFit,
     fit_outline_ellipse,

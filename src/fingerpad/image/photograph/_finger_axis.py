@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.geometry.faces import Face
+from fingerpad.image.photograph.orientation import Face
 
 # From the tip in widths: where the sides begin to run along the finger.
 _SIDES_FROM = {"palmar": 1.15, "radial": 2.1, "ulnar": 2.1}

@@ -8,12 +8,12 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array
 from fingerpad.exceptions import ImageError
-from fingerpad.geometry.faces import Direction, Face
 from fingerpad.image._arguments import picture_array
 from fingerpad.image._levels import LUMA
 from fingerpad.image._srgb import linear_light
 from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph._silhouette import Silhouette
+from fingerpad.image.photograph.orientation import Direction, Face
 
 Window: TypeAlias = tuple[slice, slice]
 IndexArray: TypeAlias = npt.NDArray[np.intp]

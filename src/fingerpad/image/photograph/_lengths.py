@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad.geometry.faces import Face
+from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.result import PhotographFit
 
 # Half of the window about a place where the outline turns back, in radii of curvature; how much of it must be

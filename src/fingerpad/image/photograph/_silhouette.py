@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.geometry.faces import STEPS, Direction
 from fingerpad.image._masks import fill_holes, longest_contour
+from fingerpad.image.photograph.orientation import STEPS, Direction
 
 _SIDE_PX = 900
 _MIN_SIDE_PX = 32

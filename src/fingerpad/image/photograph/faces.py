@@ -28,7 +28,7 @@ from fingerpad._arrays import (
 )
 from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError
-from fingerpad.geometry.faces import FACE_AXES, SEMI_AXES, Face
+from fingerpad.image.photograph.orientation import FACE_AXES, SEMI_AXES, Face
 
 # Semi-axes of any finger pad lie between these.
 PLAUSIBLE_SEMI_AXIS_MM = (2.0, 40.0)

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.geometry.faces import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, colour_levels
 from fingerpad.image.photograph._arc import PAD_MIDDLE, candidate_points, fit_arc, longest_arc
 from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
@@ -29,6 +28,7 @@ from fingerpad.image.photograph._input import (
     within,
 )
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
+from fingerpad.image.photograph.orientation import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.scale import Scale
 

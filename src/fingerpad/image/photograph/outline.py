@@ -10,13 +10,13 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._columns import columns_named_by, read_columns
 from fingerpad.exceptions import FitError, ImageError, LoadingError
-from fingerpad.geometry.faces import Face
 from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph._arc import PAD_MIDDLE
 from fingerpad.image.photograph._departure import ROUGH_STD
 from fingerpad.image.photograph._face import FaceArc, face_from_arc
 from fingerpad.image.photograph.faces import FaceSemiAxes, OutlineSemiAxes, combine_faces
+from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.outline_fit import turns_from
 from fingerpad.image.photograph.result import size_flags
 from fingerpad.image.scale import Scale
