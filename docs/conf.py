@@ -9,10 +9,12 @@ import fingerpad
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_extensions"))
 import generated_reference  # noqa: E402
+import pad_drawing  # noqa: E402
 
 (HERE / "_static").mkdir(exist_ok=True)
 generated_reference.write(HERE / "reference")
 generated_reference.example_figure(HERE / "_static" / "example_area.svg")
+pad_drawing.draw(HERE / "_static" / "pad_to_contact.svg")
 # Real prints are not distributed; gallery scripts show them where they are.
 os.environ.setdefault("FINGERPAD_PRINTS", str(HERE.parents[1] / "shared" / "data"))
 

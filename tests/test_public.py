@@ -55,13 +55,24 @@ def test_geometry_without_image_and_plotting_packages() -> None:
     assert "<img" not in shown
 
 
-def test_readme_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
-    said = re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)
-    (tmp_path / "examples").symlink_to(ROOT / "examples")
-    monkeypatch.chdir(tmp_path)
+def run_page(page: str) -> tuple[list[str], list[str]]:
+    """Run the Python code of a page; return what it prints, and what the page says that it prints."""
+    code = "".join(re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL))
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         exec(code, {})
+    return printed.getvalue().splitlines(), re.findall(r"^print\(.*\)  # (.*)$", code, re.MULTILINE)
+
+
+def test_readme_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    printed, said = run_page("README.md")
     assert len(said) == 3
-    assert printed.getvalue().splitlines() == said
+    assert printed == said
     assert Path("overlay.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_explained_contact_is_what_the_code_prints() -> None:
+    printed, said = run_page("docs/explanation/pad-to-contact.md")
+    assert len(said) == 6
+    assert printed == said

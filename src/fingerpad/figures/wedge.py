@@ -61,9 +61,10 @@ def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: boo
     axes.annotate(
         "place of contact",
         pair(contact),
-        xytext=(6, -15),
+        xytext=(0, -9),
         textcoords="offset points",
-        ha="right",
+        ha="center",
+        va="top",
         fontsize=7,
     )
     axes.margins(0.05)

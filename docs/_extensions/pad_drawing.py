@@ -1,0 +1,66 @@
+"""The drawing of the page "From a pad to a contact": axes, wedge, parametric angle, and a layer over bone."""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+import fingerpad as fp
+from fingerpad.figures import plot_wedge, plot_wedge_in_pad_axes
+from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style
+
+PAD = fp.Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+WEDGE = np.radians(30)
+TISSUE = fp.Tissue(youngs_modulus=0.05, thickness=8.0)
+SKIN, STEEL, BONE = "#f3d9c6", "#c9ced4", "#ece7dc"
+
+
+@in_style
+def draw(path: Path) -> None:
+    """Write the drawing as SVG."""
+    figure, (pad, wedge, layer) = plt.subplots(
+        1, 3, figsize=(10.5, 3.6), layout="constrained", width_ratios=(1, 1, 1.15)
+    )
+    plot_wedge_in_pad_axes(pad, PAD, wedge_angle=WEDGE)
+    pad.set_title("1  the pad's own axes (z across, towards you)")
+    plot_wedge(wedge, PAD, wedge_angle=WEDGE)
+    wedge.set_title("2  on a wedge of angle θ")
+    draw_layer(layer)
+    layer.set_title("3  pressed: contact, indentation ξ, layer t")
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def draw_layer(axes: Axes) -> None:
+    """Draw the section along the finger at the place of contact, with the platen above and the bone below."""
+    place = fp.Placement(PAD, wedge_angle=WEDGE)
+    contact = fp.fast_contact(place, TISSUE, load=2.0)
+    depth, bone = float(contact.indentation), -float(TISSUE.thickness)
+    half = float(contact.semi_major if contact.along else contact.semi_minor)
+    along = np.linspace(-11.0, 6.8, 400)
+    surface = -place.gap.height(along, 0.0)
+    axes.fill_between(along, np.minimum(surface, -depth), bone, color=SKIN, linewidth=0)
+    axes.plot(along, surface, "--", color=GREY, linewidth=0.9)
+    left, width = -11.0, 20.0
+    axes.add_patch(Rectangle((left, -depth), width, 3.6, facecolor=STEEL, edgecolor=BLACK, lw=0.7, alpha=0.6))
+    axes.add_patch(Rectangle((left, bone - 1.8), width, 1.8, facecolor=BONE, edgecolor=BLACK, lw=0.7))
+    axes.plot([-half, half], [-depth, -depth], color=BLUE, linewidth=2.5, solid_capstyle="butt")
+    axes.plot([-8.5, 3.6], [0, 0], ":", color=BLACK, linewidth=0.7)
+    axes.plot(0, 0, "o", color=VERMILLION, markersize=5, markeredgecolor=BLACK, markeredgewidth=0.6)
+    arrow = {"arrowstyle": "<->", "color": BLACK, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (3.0, -depth), (3.0, 0), arrowprops=arrow)
+    axes.annotate("", (-7.5, bone), (-7.5, 0), arrowprops=arrow)
+    for x, y, words, colour in (
+        (0, 0.8, "platen", BLACK),
+        (0, bone - 0.9, "bone", BLACK),
+        (3.4, -depth / 2, "ξ", BLACK),
+        (-7.0, bone / 2 - 1, "t", BLACK),
+        (0, -depth - 0.7, "contact ellipse, along the finger", BLUE),
+        (0, bone / 2 - 1.2, "tissue", BLACK),
+    ):
+        axes.text(x, y, words, ha="center", va="center", fontsize=8, color=colour)
+    axes.text(7.0, -4.0, "pad before\nit is pressed", fontsize=7, color=GREY)
+    axes.set_aspect("equal")
+    axes.axis("off")
