@@ -73,8 +73,8 @@ def fields(
 ) -> None:
     """Find stress and strain below the place of first contact, by Hertz theory and for the whole pad.
 
-    In names of components x is along the finger, y across, z into the tissue; tension is positive. Hertz theory is that of a
-    half-space, under the same load, area or indentation.
+    In names of components x is along the finger, y across, z into the tissue; tension is positive. Hertz
+    theory is that of a half-space, under the same load, area or indentation.
     """
     from fingerpad.contact import ContactField, solve_contact
 
