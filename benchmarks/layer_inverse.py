@@ -18,10 +18,11 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.loading_physics import POISSON, Array, Contact, Pad, hertz, layer, pink
 from benchmarks.loading_truth import Condition, make_curve
+from fingerpad import Estimate
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
-from fingerpad.loading import Estimate, Quantity, fit_layer_thickness
+from fingerpad.loading import fit_layer_thickness
 
 TABLE_1 = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PLACED = Placement(TABLE_1, wedge_angle=math.radians(30))
@@ -118,22 +119,22 @@ def fit_once(case: Case, seed: int) -> Found:
     )
     fit = fit_layer_thickness(curve, placement=known, radius_std=case.radius_relative_std * scale * radius)
     t = fit.thickness
-    there = isinstance(t, Estimate)
+    there = t.known
     return Found(
         thickness_held=_held(t, case.thickness),
         modulus_held=_held(fit.youngs_modulus, pad.modulus),
         offset_held=_held(fit.contact_offset, place),
         width=(t.upper - t.lower) / case.thickness
-        if isinstance(t, Estimate) and t.upper < DEEP > case.thickness
+        if t.known and t.upper < DEEP > case.thickness
         else math.nan,
-        one_sided=isinstance(t, Estimate) and t.upper == DEEP,
+        one_sided=t.known and t.upper == DEEP,
         undetermined=not there,
         weight=fit.layer_weight,
     )
 
 
-def _held(quantity: Quantity, truth: float) -> float:
-    if not isinstance(quantity, Estimate):
+def _held(quantity: Estimate, truth: float) -> float:
+    if not quantity.known:
         return math.nan
     return float(quantity.lower <= truth <= quantity.upper)
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.loading import Estimate, fit_loading_curve
+from fingerpad.loading import fit_loading_curve
 from fingerpad.simulate import simulate_loading_curve
 
 # Force noise that forgets within 20 ms, and white noise of a stage and of areas.
@@ -71,7 +71,7 @@ def coverage_row(points: int, beta: float, seed: int) -> list[tuple[float, float
     row = []
     for name in QUANTITIES:
         found = getattr(fit, name)
-        if isinstance(found, Estimate):
+        if found.known:
             inside = found.lower <= truth[name] <= found.upper
             row.append((float(inside), found.value - truth[name], found.std))
         else:

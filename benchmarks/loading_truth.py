@@ -25,8 +25,9 @@ from benchmarks.loading_physics import (
     pink,
     short_memory,
 )
+from fingerpad import Estimate
 from fingerpad.exceptions import FingerpadError
-from fingerpad.loading import Estimate, LoadingCurve, fit_loading_curve
+from fingerpad.loading import LoadingCurve, fit_loading_curve
 
 # Flags that say what the pad is like, not that a number is in doubt.
 DESCRIPTIVE = {"modulus_depends_on_load"}
@@ -154,7 +155,7 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
     found = {}
     for name, true in truth.items():
         estimate = getattr(fit, name)
-        if isinstance(estimate, Estimate) and np.isfinite(true):
+        if estimate.known and np.isfinite(true):
             error = estimate.value - true
             held = float(estimate.lower <= true <= estimate.upper)
             found[name] = Found(error / true, error / estimate.std, held, flagged)

@@ -84,7 +84,6 @@ PLAIN = {
     "Printed",
     "PronyTerm",
     "SemiAxes",
-    "Undetermined",
 }
 PACKAGES = (
     "geometry",

@@ -6,6 +6,7 @@ from .contact import (
     solve_contact as solve_contact,
     youngs_modulus as youngs_modulus,
 )
+from .estimate import Estimate as Estimate
 from .exceptions import FingerpadError as FingerpadError
 from .figures.show import show as show
 from .geometry import (

@@ -67,18 +67,23 @@ def short_text(value: Any) -> str:
     if isinstance(value, float | np.floating):
         return f"{value:.6g}"
     if isinstance(value, Displayed):
-        return f"{type(value).__name__}(…)" if _is_long(value) else str(value)
+        return f"{type(value).__name__}(…)" if _is_long(value) else _cut(str(value), _MAX_NESTED)
     if isinstance(value, np.bool_):
         value = bool(value)
     text = value if isinstance(value, str) else repr(value)
     if callable(value):
         return f"<{type(value).__name__}>"
-    return text if len(text) <= _MAX_TEXT else f"{text[:_MAX_TEXT]}…"
+    return _cut(text, _MAX_TEXT)
+
+
+def _cut(text: str, length: int) -> str:
+    return text if len(text) <= length else f"{text[:length]}…"
 
 
 def _is_long(value: Displayed) -> bool:
+    """Return whether a result does not fit a line; words of its own, unlike its representation, are cut."""
     text = str(value)
-    return len(text) > _MAX_NESTED or "\n" in text
+    return "\n" in text or (len(text) > _MAX_NESTED and text == repr(value))
 
 
 def _few_items(values: Mapping[Any, Any] | list[Any] | tuple[Any, ...] | frozenset[Any]) -> str:

@@ -8,8 +8,9 @@ import pytest
 from benchmarks.loading_physics import Pad, exact_sphere, layer
 from benchmarks.loading_truth import CONDITIONS, make_curve
 
+from fingerpad import Estimate
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import Estimate, fit_loading_curve
+from fingerpad.loading import fit_loading_curve
 from fingerpad.loading.alternatives import runs_deviation
 from fingerpad.loading.shapes import shape_factors
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fingerpad.loading import Estimate, fit_loading_curve
+from fingerpad import Estimate
+from fingerpad.loading import fit_loading_curve
 from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.manifest import Uncertainty
 from fingerpad.study.results.columns import COLUMNS
@@ -30,7 +31,7 @@ def table(*loads: float, word: str = "a"):
         ([1, [2]], [1, 2]),
         (["ab", "c"], ["a", "bc"]),
         ({"a": 1}, {"b": 1}),
-        (ESTIMATE, replace(ESTIMATE, upper=9.0)),
+        (ESTIMATE, replace(ESTIMATE, interval=(ESTIMATE.lower, 9.0))),
         (np.zeros(2), np.zeros((2, 1))),
         (np.zeros(2), np.zeros(2, dtype=np.float32)),
         (np.array(["a", None], dtype=object), np.array(["a", "None"], dtype=object)),

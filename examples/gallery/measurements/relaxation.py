@@ -7,7 +7,7 @@ Simulated data.
 """
 
 from fingerpad.figures import new_figure, plot_relaxation
-from fingerpad.loading import Estimate, find_cycles, fit_relaxation
+from fingerpad.loading import find_cycles, fit_relaxation
 from fingerpad.simulate import simulate_loading_curve
 
 curve = simulate_loading_curve(
@@ -15,9 +15,7 @@ curve = simulate_loading_curve(
 )
 cycle = find_cycles(curve)[0]
 relaxation = fit_relaxation(curve, cycle, contact_offset=1.0)
-terms = [
-    term for term in relaxation.terms if isinstance(term.time, Estimate)
-]  # others are faster than the ramp
+terms = [term for term in relaxation.terms if term.time.known]  # others are faster than the ramp
 for term in terms:
     print(f"{100 * term.share.value:.0f} % within {term.time.value:.1f} ± {term.time.std:.1f} s")
 

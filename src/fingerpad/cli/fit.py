@@ -21,7 +21,7 @@ from fingerpad.cli.shared import (
 from fingerpad.exceptions import LoadingError
 
 if TYPE_CHECKING:
-    from fingerpad.loading import Estimate
+    from fingerpad.estimate import Estimate
 
 
 def fit(
@@ -113,7 +113,8 @@ def fit(
     tissue over bone, and compared with a half-space.
     """
     from fingerpad._columns import columns_named_by, unread_notes
-    from fingerpad.loading import Estimate, fit_layer_thickness, fit_loading_curve, read_loading_curve
+    from fingerpad.estimate import Estimate
+    from fingerpad.loading import fit_layer_thickness, fit_loading_curve, read_loading_curve
     from fingerpad.loading.curve import unread_curve_columns
 
     require_positive("--radius-mm", radius_mm)
@@ -180,7 +181,7 @@ def fit(
 
 def _given(flag: str, value: float | None, std: float) -> "Estimate | None":
     """Return a quantity with its uncertainty, None without it."""
-    from fingerpad.loading import Estimate
+    from fingerpad.estimate import Estimate
 
     if not std >= 0 or (std and value is None):
         raise LoadingError(f"{flag}-std must not be negative, and goes with {flag}")

@@ -4,7 +4,6 @@ from fingerpad.loading.compliance import ContactCompliance, fit_contact_complian
 from fingerpad.loading.consistency import ShapeCheck, shape_check
 from fingerpad.loading.contact_point import ESTIMATORS
 from fingerpad.loading.curve import LoadingCurve, read_loading_curve
-from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
 from fingerpad.loading.force_models import FittedForceModel
 from fingerpad.loading.layer_result import LayerThicknessFit
@@ -29,7 +28,6 @@ __all__ = [
     "ESTIMATORS",
     "ContactCompliance",
     "Cycle",
-    "Estimate",
     "FittedForceModel",
     "Hysteresis",
     "LayerThicknessFit",
@@ -37,12 +35,10 @@ __all__ = [
     "LoadingCurve",
     "LoadingFit",
     "PronyTerm",
-    "Quantity",
     "Relaxation",
     "Secant",
     "Segment",
     "ShapeCheck",
-    "Undetermined",
     "area_from_load",
     "contact_points",
     "effective_count",

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.estimate import Estimate
 from fingerpad.loading.joint import FitData
 from fingerpad.loading.models import hertz_stiffness
 from fingerpad.loading.segments import (

@@ -13,8 +13,9 @@ from scipy import special
 
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
-from fingerpad.loading.estimate import Estimate, Quantity, akaike_weights, average_models
+from fingerpad.loading.averaging import akaike_weights, average_models
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 from fingerpad.loading.least_squares import effective_count
 
@@ -82,22 +83,22 @@ class Comparison(Displayed):
     doubts: Mapping[str, str]
 
     def widened(
-        self, name: str, estimate: Quantity, gradient: Mapping[str, float], spread: float = 0.0
-    ) -> tuple[Quantity, float]:
+        self, name: str, estimate: Estimate, gradient: Mapping[str, float], spread: float = 0.0
+    ) -> tuple[Estimate, float]:
         """Return a quantity with the uncertainty of all explanations, and what they add to the model's.
 
         Parameters
         ----------
         name : str
             A parameter, for the residuals' own test.
-        estimate : Quantity
+        estimate : Estimate
             From the main fit.
         gradient : mapping of str to float
             Weights of the parameters whose sum it is.
         spread : float
             By how much laws of the force differ in it, as a standard deviation.
         """
-        if not isinstance(estimate, Estimate):
+        if not estimate.known:
             return estimate, 0.0
         found = {
             key: _sum_of(self.best if key == self.best_name else rival, gradient)
@@ -109,7 +110,7 @@ class Comparison(Displayed):
         weights = [self.weights[key] for key in found]
         whole = average_models([own, *found.values()], [1 - sum(weights), *weights], value=own.value)
         # The value stays the model's, however little weight it has, and so does its own uncertainty.
-        whole = replace(whole, lower=min(whole.lower, own.lower), upper=max(whole.upper, own.upper))
+        whole = replace(whole, interval=(min(whole.lower, own.lower), max(whole.upper, own.upper)))
         return whole, math.sqrt(max(whole.std**2 - estimate.std**2, 0.0))
 
 

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
-from fingerpad.loading.estimate import Estimate, Quantity, Undetermined
 from fingerpad.loading.joint import JointFit
 from fingerpad.loading.least_squares import fit_least_squares
 from fingerpad.loading.segments import fit_contact_start
@@ -82,16 +82,16 @@ ESTIMATORS: Final[Mapping[str, Callable[[FloatArray, FloatArray], float]]] = {
 }
 
 
-def estimated_places(fit: JointFit) -> dict[str, Quantity]:
+def estimated_places(fit: JointFit) -> dict[str, Estimate]:
     """Return the place of contact (mm) by each estimator and the joint fit, with errors tried out on it."""
     rng = np.random.default_rng(0)
     trials = [fit.simulated(rng) for _ in range(_TRIALS)]
-    found: dict[str, Quantity] = {"joint": fit.estimate("contact_offset")}
+    found: dict[str, Estimate] = {"joint": fit.estimate("contact_offset")}
     for name, estimator in ESTIMATORS.items():
         try:
             value = estimator(fit.record.displacement, fit.record.load)
         except FitError as error:
-            found[name] = Undetermined(str(error))
+            found[name] = Estimate.unknown(str(error))
             continue
         errors = []
         for displacement, load in trials:
@@ -100,7 +100,7 @@ def estimated_places(fit: JointFit) -> dict[str, Quantity]:
             except FitError:
                 continue
         if len(errors) < _TRIALS // 2:
-            found[name] = Undetermined(
+            found[name] = Estimate.unknown(
                 f"it fails on {_TRIALS - len(errors)} of {_TRIALS} simulated records like this"
             )
             continue

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from fingerpad._records import Recorded
+from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading._prepare import (
     Press,
@@ -20,7 +21,6 @@ from fingerpad.loading._prepare import (
 from fingerpad.loading.alternatives import allow_for_bend, compare, fit_growing
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
 from fingerpad.loading.force_models import FittedForceModel
 from fingerpad.loading.joint import JointFit, fit_joint
 from fingerpad.loading.modulus_range import Secant, increasing_range, modulus_range, secant_of
@@ -35,21 +35,21 @@ _DECISIVE = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class LoadingFit(Recorded):
-    """Results of fitting one press. Quantities are an `Estimate`, or `Undetermined` with the reason.
+    """Results of fitting one press. A quantity that is not known has the reason.
 
     Attributes
     ----------
-    loading_radius : Quantity
+    loading_radius : Estimate
         R_g, mm: from the slope of area against πξ, in the joint fit; or as given.
-    reduced_modulus, youngs_modulus : Quantity
+    reduced_modulus, youngs_modulus : Estimate
         E* and E, MPa, secant at `modulus_load`; for a Hertzian pad the same at every load.
-    contact_offset : Quantity
+    contact_offset : Estimate
         Displacement at first contact, mm.
-    initial_modulus, load_coefficient : Quantity
+    initial_modulus, load_coefficient : Estimate
         E_0g (MPa) and β (MPa/N) of E_g = E_0g + β W.
-    load_exponent : Quantity
+    load_exponent : Estimate
         m of W ∝ ξ^m; 3/2 for Hertz.
-    area_exponent : Quantity
+    area_exponent : Estimate
         n of A ∝ W^n; 2/3 for Hertz.
     modulus_load : float
         Largest load fitted, N.
@@ -86,14 +86,14 @@ class LoadingFit(Recorded):
 
     _title: ClassVar[str] = "Fit of a loading curve"
 
-    loading_radius: Quantity
-    reduced_modulus: Quantity
-    youngs_modulus: Quantity
-    contact_offset: Quantity
-    initial_modulus: Quantity
-    load_coefficient: Quantity
-    load_exponent: Quantity
-    area_exponent: Quantity
+    loading_radius: Estimate
+    reduced_modulus: Estimate
+    youngs_modulus: Estimate
+    contact_offset: Estimate
+    initial_modulus: Estimate
+    load_coefficient: Estimate
+    load_exponent: Estimate
+    area_exponent: Estimate
     modulus_load: float
     fit_load_range: tuple[float, float]
     cycles: tuple[Cycle, ...]
@@ -295,7 +295,7 @@ def contact_points(
     poisson_ratio: float = 0.5,
     loading_radius: float | Estimate | None = None,
     cycle: int = 0,
-) -> dict[str, Quantity]:
+) -> dict[str, Estimate]:
     """Return the place of contact by each estimator of `ESTIMATORS`, and by the joint fit.
 
     The error of each is estimated from twenty records simulated from the joint fit with its noise: the root
@@ -314,7 +314,7 @@ def contact_points(
 
     Returns
     -------
-    dict of str to Quantity
+    dict of str to Estimate
         Displacement at first contact, mm, by estimator.
 
     Raises
@@ -361,7 +361,7 @@ def _main_fit(
     main = _growing_fit(press, held)
     if contact_point != "joint":
         place = estimated_places(main)[contact_point]
-        if isinstance(place, Undetermined):
+        if not place.known:
             raise FitError(f"no place of contact by {contact_point}: {place.reason}")
         held = {**held, "contact_offset": place}
         main = fit_growing(press.record, main.values, held)

@@ -14,7 +14,7 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad._display import Displayed
-from fingerpad.loading.estimate import Estimate
+from fingerpad.estimate import Estimate
 from fingerpad.loading.force_models import FittedForceModel, Values, force_zero, indentation_of, load_at
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, fit_least_squares, minimum
 from fingerpad.loading.models import hertz_stiffness, load_slope
@@ -145,12 +145,7 @@ class JointFit(Displayed):
         stretch = (whole.upper - whole.value) / Estimate.symmetric(
             0.0, own.std, self.fit.degrees_of_freedom
         ).upper
-        return Estimate(
-            value=own.value,
-            std=whole.std,
-            lower=own.value - stretch * (own.value - own.lower),
-            upper=own.value + stretch * (own.upper - own.value),
-        )
+        return replace(own.stretched(stretch), std=whole.std)
 
     def combined(self, value: float, gradient: Values) -> Estimate:
         """Return a function of the parameters from its gradient, to first order (GUM Eq. 13 and G.4)."""

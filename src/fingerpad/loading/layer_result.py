@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Final, Self
 
 from fingerpad._json import plain
 from fingerpad._records import Recorded
-from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, estimates_record
+from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.units import KPA_PER_MPA
 
 # Flag of a thickness that no finger has.
@@ -22,14 +22,14 @@ class LayerThicknessFit(Recorded):
 
     Attributes
     ----------
-    thickness : Quantity
+    thickness : Estimate
         Effective thickness t, mm. The upper end of its interval and its value are infinite where the curve
         says only how thick the tissue is at least.
-    youngs_modulus : Quantity
+    youngs_modulus : Estimate
         E of the tissue, MPa.
-    contact_offset : Quantity
+    contact_offset : Estimate
         Displacement at first contact, mm. Hertz theory finds it later, where there is bone.
-    radius : Quantity
+    radius : Estimate
         1/H of the pad, mm: the given one, improved by the curve.
     contact_over_thickness : float
         a/t at the largest area, by the best thickness; 0 on a half-space.
@@ -60,10 +60,10 @@ class LayerThicknessFit(Recorded):
 
     _title: ClassVar[str] = "Layer of tissue over bone"
 
-    thickness: Quantity
-    youngs_modulus: Quantity
-    contact_offset: Quantity
-    radius: Quantity
+    thickness: Estimate
+    youngs_modulus: Estimate
+    contact_offset: Estimate
+    radius: Estimate
     contact_over_thickness: float
     correlation: float
     aicc: Mapping[str, float]
@@ -90,7 +90,7 @@ class LayerThicknessFit(Recorded):
     def conclusion(self) -> str:
         """Thickness and modulus with their intervals and the evidence, or why they are unknown, as text."""
         t, modulus = self.thickness, self.youngs_modulus.times(KPA_PER_MPA)
-        if isinstance(t, Undetermined):
+        if not t.known:
             return f"thickness of the tissue undetermined: {t.reason}"
         if THICKER_THAN_FINGER in self.notes:
             said = (
@@ -103,9 +103,9 @@ class LayerThicknessFit(Recorded):
             said = f"tissue thicker than {t.lower:.3g} mm (95 %)"
         else:
             said = f"tissue thinner than {t.upper:.3g} mm (95 %)"
-        if isinstance(modulus, Estimate):
+        if modulus.known:
             said += f", E = {modulus.value:.3g} kPa (95 %: {modulus.lower:.3g} to {modulus.upper:.3g} kPa)"
-        if isinstance(self.contact_offset, Estimate):
+        if self.contact_offset.known:
             said += f", contact at {self.contact_offset} mm"
         weight = self.layer_weight
         certain = "above 0.999" if weight > 0.999 else "below 0.001" if weight < 0.001 else f"{weight:.3f}"
@@ -115,7 +115,7 @@ class LayerThicknessFit(Recorded):
     def advice(self) -> str:
         """Which modulus to believe, that of the layer or that of Hertz theory, and why, as text."""
         t = self.thickness
-        if isinstance(t, Undetermined) or isinstance(self.youngs_modulus, Undetermined):
+        if not (t.known and self.youngs_modulus.known):
             if self.hertz_weight > self.layer_weight:
                 return (
                     "believe E and the place of contact of Hertz theory: nothing in the curve speaks for bone"
@@ -160,7 +160,7 @@ class LayerThicknessFit(Recorded):
         >>> LayerThicknessFit.undetermined("no contact area").conclusion
         'thickness of the tissue undetermined: no contact area'
         """
-        unknown = Undetermined(reason)
+        unknown = Estimate.unknown(reason)
         return cls(
             **dict.fromkeys(("thickness", "youngs_modulus", "contact_offset", "radius"), unknown),
             contact_over_thickness=0.0,

@@ -9,6 +9,7 @@ import numpy as np
 
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.laws import plate_gap
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading._prepare import (
     Press,
@@ -19,8 +20,8 @@ from fingerpad.loading._prepare import (
     start_values,
 )
 from fingerpad.loading.alternatives import FAILURES, FLAGGED, TOO_FEW_RUNS, runs_deviation
+from fingerpad.loading.averaging import akaike_weights, average_models
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.estimate import Estimate, Undetermined, akaike_weights, average_models
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 from fingerpad.loading.layer_result import EXPLAINS, THICKER_THAN_FINGER, LayerThicknessFit, weight_of
 from fingerpad.loading.noise import Noise
@@ -105,7 +106,7 @@ def fit_layer_thickness(
     Returns
     -------
     LayerThicknessFit
-        Quantities with their intervals, or `Undetermined` with the reason.
+        Quantities with their intervals, or the reasons why there are none.
 
     Raises
     ------
@@ -252,10 +253,10 @@ def _result(
     reason = _hertz_explains(inverse, weights)
     notes = {} if reason else _notes(main, models, prior, inverse, widest)
     reason = reason or _reason(main, inverse, widest)
-    undetermined = Undetermined(reason)
+    unknown = Estimate.unknown(reason)
     return LayerThicknessFit(
-        thickness=undetermined if reason else _thickness(inverse, widest),
-        youngs_modulus=undetermined if reason else bounded(modulus),
+        thickness=unknown if reason else _thickness(inverse, widest),
+        youngs_modulus=unknown if reason else bounded(modulus),
         contact_offset=offset,
         radius=_first_order(main, "loading_radius"),
         contact_over_thickness=widest * max(inverse.value, 0.0),
@@ -293,8 +294,10 @@ def _thickness(inverse: Estimate, widest: float) -> Estimate:
     return Estimate(
         value=value,
         std=inverse.std * value**2,
-        lower=1 / inverse.upper if inverse.upper * widest < _THINNEST else 0.0,
-        upper=1 / inverse.lower if inverse.lower > 0 else math.inf,
+        interval=(
+            1 / inverse.upper if inverse.upper * widest < _THINNEST else 0.0,
+            1 / inverse.lower if inverse.lower > 0 else math.inf,
+        ),
     )
 
 

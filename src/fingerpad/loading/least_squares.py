@@ -11,8 +11,8 @@ from scipy import linalg, optimize, special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._display import Displayed
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
-from fingerpad.loading.estimate import Estimate
 
 Residuals: TypeAlias = Callable[[FloatArray], FloatArray]
 
@@ -161,8 +161,8 @@ class LeastSquaresFit(Displayed):
         """
         place = self.names.index(name)
         std = math.sqrt(self.covariance[place, place])
-        lower, upper = (_profile_end(self, place, way * std) for way in (-1, 1))
-        return Estimate(value=self.value(name), std=std, lower=lower, upper=upper)
+        interval = _profile_end(self, place, -std), _profile_end(self, place, std)
+        return Estimate(value=self.value(name), std=std, interval=interval)
 
 
 def fit_least_squares(

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
 from fingerpad.loading.alternatives import Comparison
-from fingerpad.loading.estimate import Estimate, Quantity, Undetermined, akaike_weights, average_models
+from fingerpad.loading.averaging import akaike_weights, average_models
 from fingerpad.loading.joint import JointFit
 from fingerpad.loading.least_squares import fit_least_squares
 
@@ -24,7 +25,7 @@ _NO_RADIUS = (
 
 def quantities(
     compared: Comparison, models: Mapping[str, JointFit], *, known: bool
-) -> tuple[dict[str, Quantity], dict[str, float]]:
+) -> tuple[dict[str, Estimate], dict[str, float]]:
     """Return all quantities by name, and what better explanations of the curve add to their uncertainty.
 
     Those that need a radius are unknown where it is not `known`.
@@ -33,7 +34,7 @@ def quantities(
     top = top_load(main)
     whole = {"initial_modulus": 1.0, "load_coefficient": top}
     value = sum(main.values[name] * weight for name, weight in whole.items())
-    found: dict[str, Quantity] = {"youngs_modulus": main.combined(value, whole)}
+    found: dict[str, Estimate] = {"youngs_modulus": main.combined(value, whole)}
     found |= {name: bounded(main.estimate(name)) for name in _PARAMETERS}
     added = {}
     for name in found:
@@ -43,7 +44,7 @@ def quantities(
         found[name], added[name] = compared.widened(name, found[name], gradient, spread)
     if not known:
         unknown = set(found) - {"contact_offset"}
-        found |= dict.fromkeys(unknown, Undetermined(_NO_RADIUS))
+        found |= dict.fromkeys(unknown, Estimate.unknown(_NO_RADIUS))
         added |= dict.fromkeys(unknown, 0.0)
     reduction = 1 / (1 - main.record.poisson_ratio**2)
     found |= {
@@ -51,7 +52,7 @@ def quantities(
         "load_exponent": (
             bounded(models["free_exponent"].estimate("load_exponent"))
             if "free_exponent" in models
-            else Undetermined("a power law with free exponent does not fit the curve")
+            else Estimate.unknown("a power law with free exponent does not fit the curve")
         ),
         "area_exponent": _area_exponent(compared),
     }
@@ -88,18 +89,20 @@ def top_load(main: JointFit) -> float:
     return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
 
 
-def bounded(estimate: Estimate) -> Quantity:
+def bounded(estimate: Estimate) -> Estimate:
     """Return an estimate whose interval has both ends, or say that the curve does not bound it."""
     if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
         return estimate
-    return Undetermined(f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain")
+    return Estimate.unknown(
+        f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain"
+    )
 
 
-def _area_exponent(compared: Comparison) -> Quantity:
+def _area_exponent(compared: Comparison) -> Estimate:
     """Return n by the best explanation, with the uncertainty of where the areas begin."""
     best, name = compared.best, "area_offset"
     found = _exponent(best, best.areas(), zeroed=True)
-    if not isinstance(found, Estimate):
+    if not found.known:
         return found
     if name in best.values:
         other, weight = _exponent(best, best.record.area, zeroed=False), 0.5
@@ -108,12 +111,12 @@ def _area_exponent(compared: Comparison) -> Quantity:
         other, weight = _exponent(late, late.areas(), zeroed=True), compared.weights[name]
     else:
         return found
-    if not isinstance(other, Estimate):
+    if not other.known:
         return found
     return average_models([found, other], [1 - weight, weight], value=found.value)
 
 
-def _exponent(main: JointFit, areas: FloatArray, *, zeroed: bool) -> Quantity:
+def _exponent(main: JointFit, areas: FloatArray, *, zeroed: bool) -> Estimate:
     """Fit A = a W^n to what was measured, with the noise of both and the uncertainty of their zeros."""
     record, noise = main.record, main.noise
     load = main.corrected_load(record.clock, record.load)[record.with_area]
@@ -123,7 +126,7 @@ def _exponent(main: JointFit, areas: FloatArray, *, zeroed: bool) -> Quantity:
     )
     W, A = load[used], areas[used]
     if W.size < 5:
-        return Undetermined(
+        return Estimate.unknown(
             _NO_RADIUS if not record.area.size else f"{W.size} areas under load; five are needed"
         )
     spread = np.hypot(noise.area_std, 0.5 * A * math.hypot(noise.force_std, noise.drift_std) / smooth[used])
@@ -135,7 +138,7 @@ def _exponent(main: JointFit, areas: FloatArray, *, zeroed: bool) -> Quantity:
     try:
         fit = fit_least_squares(residuals, [A.max(), 0.5], ["area", "area_exponent"])
     except FitError as error:
-        return Undetermined(str(error))
+        return Estimate.unknown(str(error))
     by_area = -np.linalg.pinv(fit.jacobian)[1] / spread
     exponent = fit.value("area_exponent")
     std = _exponent_std(main, used, by_area, -exponent * A / smooth[used] * by_area, zeroed=zeroed)

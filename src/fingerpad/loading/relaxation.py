@@ -13,9 +13,9 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.estimate import Quantity, Undetermined
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
 from fingerpad.loading.segments import Cycle, moving_average
 
@@ -32,21 +32,21 @@ class PronyTerm:
 
     Attributes
     ----------
-    share : Quantity
+    share : Estimate
         Part of an instantaneous load that decays.
-    time : Quantity
-        Its time constant, s; `Undetermined` where the record is too slow or too short for it.
+    time : Estimate
+        Its time constant, s; not known where the record is too slow or too short for it.
 
     Examples
     --------
-    >>> from fingerpad.loading import Estimate
+    >>> from fingerpad import Estimate
     >>> term = PronyTerm(share=Estimate.symmetric(0.3, 0.02), time=Estimate.symmetric(2.0, 0.1))
     >>> term.time.value
     2.0
     """
 
-    share: Quantity
-    time: Quantity
+    share: Estimate
+    time: Estimate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -90,7 +90,7 @@ def fit_relaxation(curve: LoadingCurve, cycle: Cycle, contact_offset: float) -> 
 
     :math:`W(t) = \int g(t - s)\,dW_e(s)` with :math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})` and the elastic
     load :math:`W_e = k\,\xi^{3/2}/(1 - b\,\xi^{3/2})` of the recorded motion. A time shorter than the ramp or
-    longer than the hold is `Undetermined`.
+    longer than the hold is not known.
 
     Parameters
     ----------
@@ -194,16 +194,16 @@ def _terms(fit: LeastSquaresFit, ramp: float, hold: float) -> tuple[PronyTerm, .
     for k in range((fit.values.size - 2) // 2):
         time = float(np.exp(fit.value(f"log_time{k}")))
         known = fit.derived(time, time * (np.array(fit.names) == f"log_time{k}"))
-        share: Quantity = fit.derived(
+        share: Estimate = fit.derived(
             fit.value(f"share{k}"), (np.array(fit.names) == f"share{k}").astype(float)
         )
-        seen: Quantity = known
+        seen: Estimate = known
         if time < ramp:
             reason = f"faster than the ramp of {ramp:.3g} s: load the pad faster to see it"
-            seen, share = Undetermined(reason), Undetermined(reason)
+            seen = share = Estimate.unknown(reason)
         elif time > hold:
             reason = f"slower than the hold of {hold:.3g} s: hold for longer to see it"
-            seen, share = Undetermined(reason), Undetermined(reason)
+            seen = share = Estimate.unknown(reason)
         terms.append((time, PronyTerm(share=share, time=seen)))
     return tuple(term for _, term in sorted(terms, key=lambda pair: pair[0]))
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad._rounding import value_with_uncertainty
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
 from fingerpad.figures import (
     plot_contact_compliance,
@@ -16,7 +17,7 @@ from fingerpad.figures import (
     plot_secant_modulus,
 )
 from fingerpad.figures.loading import FORCE_MODEL_NAMES
-from fingerpad.loading import Estimate, LoadingCurve, LoadingFit, Relaxation, fit_relaxation, shape_check
+from fingerpad.loading import LoadingCurve, LoadingFit, Relaxation, fit_relaxation, shape_check
 from fingerpad.report.plot import Plot, panel
 from fingerpad.units import KPA_PER_MPA
 
@@ -67,7 +68,7 @@ def loading_plots(
         f"loading ({where}).",
     )
     if drawn.area is not None:
-        radius = fit.loading_radius if isinstance(fit.loading_radius, Estimate) else None
+        radius = fit.loading_radius
         fitted = drawn.phase == "loading"
         yield Plot(
             name=f"{name}_compliance",
@@ -75,8 +76,8 @@ def loading_plots(
                 plot_contact_compliance,
                 drawn.indentation[fitted],
                 drawn.area[fitted],
-                loading_radius=radius.value if radius else None,
-                loading_radius_std=radius.std if radius else 0.0,
+                loading_radius=radius.value if radius.known else None,
+                loading_radius_std=radius.std if radius.known else 0.0,
                 synthetic=synthetic,
             ),
             caption=f"Contact area against π × indentation; its slope is the loading radius ({where}).",
@@ -133,7 +134,7 @@ def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) ->
     secant, (low, high) = fit.secant, fit.fit_load_range
     line, label = None, "fit"
     initial, growth = fit.initial_modulus, fit.load_coefficient
-    if isinstance(initial, Estimate) and isinstance(growth, Estimate):
+    if initial.known and growth.known:
         loads = np.array([low, high])
         line = (loads, initial.value + growth.value * loads)
         label = rf"$E_\mathrm{{0g}}$ = {_in_kpa(initial)} kPa, β = {_in_kpa(growth)} kPa/N"
@@ -197,8 +198,7 @@ def _relaxation(name: str, where: str, drawn: _Drawn, found: Relaxation, *, synt
     begin = drawn.zeroed.time[hold.start]
     times = [term.time for term in found.terms]
     said = ", ".join(
-        f"{value_with_uncertainty(each.value, each.std)} s" if isinstance(each, Estimate) else each.reason
-        for each in times
+        f"{value_with_uncertainty(each.value, each.std)} s" if each.known else each.reason for each in times
     )
     return Plot(
         name=f"{name}_relaxation",
@@ -209,7 +209,7 @@ def _relaxation(name: str, where: str, drawn: _Drawn, found: Relaxation, *, synt
             fit=(found.time + drawn.zeroed.time[loading.start] - begin, found.load),
             label=f"Prony series of {len(times)} terms" if len(times) != 1 else "Prony series of one term",
             ramp_time=found.ramp_time,
-            time_constants=[time.value for time in times if isinstance(time, Estimate)],
+            time_constants=[time.value for time in times if time.known],
             synthetic=synthetic,
         ),
         caption=f"Load during the hold, with the Prony series through the recorded ramp; time constants: "

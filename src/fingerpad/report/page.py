@@ -15,9 +15,9 @@ from PIL import Image
 
 from fingerpad._arrays import FloatArray
 from fingerpad._rounding import two_digits
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS
-from fingerpad.loading import Quantity, Undetermined
 from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plot
 from fingerpad.report.plots import (
@@ -254,9 +254,9 @@ def _edge(stds: FloatArray) -> str:
     return "–".join(dict.fromkeys(ends))
 
 
-def _quantity(found: Quantity, factor: float = 1.0) -> Markup:
+def _quantity(found: Estimate, factor: float = 1.0) -> Markup:
     """Return a quantity from loading data as a cell, or a dash with the reason."""
-    if isinstance(found, Undetermined):
+    if not found.known:
         return Markup('<span title="{}">–</span>').format(found.reason)
     return Markup("{}").format(signed_with_uncertainty(factor * found.value, factor * found.std))
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from fingerpad._files import file_stem
 from fingerpad.contact import Tissue, hertz_contact
+from fingerpad.estimate import Estimate
 from fingerpad.figures import (
     plot_agreement,
     plot_area_against_indentation,
@@ -21,7 +22,6 @@ from fingerpad.figures import (
 from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_by_wedge
 from fingerpad.figures.panels import PanelFigure, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
-from fingerpad.loading import Estimate
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
 from fingerpad.study.measuring.curves import CurveResult
@@ -181,8 +181,8 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
     """Draw E_0g against velocity for each finger and angle at which there is more than one."""
     groups: dict[tuple[str, float, bool], list[tuple[float, Estimate]]] = {}
     for curve in curves:
-        of, initial = curve.manifest, curve.fit and curve.fit.initial_modulus
-        if isinstance(initial, Estimate) and np.isfinite(curve.velocity):
+        of, initial = curve.manifest, curve.fit.initial_modulus if curve.fit else None
+        if initial is not None and initial.known and np.isfinite(curve.velocity):
             groups.setdefault(of.place, []).append((curve.velocity, initial))
     for (finger, wedge, synthetic), found in groups.items():
         if len({velocity for velocity, _ in found}) < 2:

@@ -18,7 +18,7 @@ from fingerpad.uncertainty.monte_carlo import (
     run_monte_carlo,
     validate_linear_approximation,
 )
-from fingerpad.uncertainty.outputs import Estimate, Outputs
+from fingerpad.uncertainty.outputs import Outputs
 from fingerpad.uncertainty.pad import PAD_OUTPUTS, PAD_SOURCES, pad_inputs, pad_model, pad_uncertainty
 from fingerpad.uncertainty.pad_shape import ELLIPSOID_STD, HIDDEN_STD, radius_deviation
 from fingerpad.uncertainty.placement import placement_model
@@ -48,7 +48,6 @@ __all__ = [
     "PAD_OUTPUTS",
     "PAD_SOURCES",
     "Agreement",
-    "Estimate",
     "Inputs",
     "Model",
     "MonteCarloResult",

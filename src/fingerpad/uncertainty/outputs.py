@@ -1,47 +1,14 @@
 """Named outputs of a model with their joint covariance."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed, aligned
-from fingerpad._rounding import value_with_uncertainty
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import UncertaintyError
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Estimate(Displayed):
-    """One quantity with its uncertainty, which is printed with two digits.
-
-    Attributes
-    ----------
-    value, std : float or ndarray, shape (...)
-        Best estimate and standard uncertainty.
-    interval : ndarray, shape (..., 2)
-        Lower and upper ends of the 95 % interval.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> radius = Estimate(value=np.float64(13.8), std=np.float64(0.3), interval=np.array([13.2, 14.4]))
-    >>> print(radius, f"{radius:.1f}", sep=", ")
-    13.80 ± 0.30, 13.8 ± 0.3
-    """
-
-    value: FloatArray
-    std: FloatArray
-    interval: FloatArray
-
-    def __format__(self, spec: str) -> str:
-        return f"{self.value:{spec}} ± {self.std:{spec}}" if spec else str(self)
-
-    def __str__(self) -> str:
-        if np.ndim(self.value):
-            return repr(self)
-        if not 0 < self.std < np.inf:
-            return f"{self:.4g}"
-        return value_with_uncertainty(float(self.value), float(self.std))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -122,8 +89,7 @@ class Outputs(Displayed):
 
     def __getitem__(self, name: str) -> Estimate:
         place = self.place(name)
-        return Estimate(
-            value=self.value[..., place][()],
-            std=self.std[..., place][()],
-            interval=self.interval[..., place, :],
-        )
+        ends = np.moveaxis(self.interval[..., place, :], -1, 0)
+        columns: tuple[Any, ...] = (self.value[..., place], self.std[..., place], *ends)
+        value, std, lower, upper = (column[()] for column in columns)  # numbers, of one set of inputs
+        return Estimate(value=value, std=std, interval=(lower, upper))

@@ -14,6 +14,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.contact import Tissue, solve_contact
 from fingerpad.contact.contact import reduced_modulus
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
@@ -21,7 +22,6 @@ from fingerpad.geometry.placement import platen_normal_kernel
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import (
     Cycle,
-    Estimate,
     FittedForceModel,
     Hysteresis,
     LayerThicknessFit,
@@ -29,7 +29,6 @@ from fingerpad.loading import (
     LoadingFit,
     Secant,
     Segment,
-    Undetermined,
     fit_contact_compliance,
     fit_layer_thickness,
     fit_loading_curve,
@@ -140,7 +139,6 @@ _KINDS: Final = {
         Secant,
         Segment,
         Shape,
-        Undetermined,
     )
 }
 
@@ -346,14 +344,14 @@ def curve_result(
     found = fit.loading_radius
     return CurveResult(
         manifest=curve,
-        loading_radius=found.value if isinstance(found, Estimate) else math.nan,
-        loading_radius_std=found.std if isinstance(found, Estimate) else math.nan,
+        loading_radius=found.value,
+        loading_radius_std=found.std,
         area_relative_std=known.get("area_relative_std", 0.0) if radius is None else 0.0,
         curve=data,
         fit=fit,
         velocity=_velocity(data, fit, curve.cycle),
         shape=_shape(pad, curve, fit, poisson_ratio),
-        reason=f"{curve.file}: {found.reason}" if isinstance(found, Undetermined) else None,
+        reason=f"{curve.file}: {found.reason}" if found.reason else None,
     )
 
 
@@ -432,7 +430,7 @@ def _velocity(curve: LoadingCurve, fit: LoadingFit, cycle: int) -> float:
 def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: float) -> Shape | None:
     """Return what the pad's true shape makes of the moduli; None without a pad, a modulus or a contact."""
     initial, growth = fit.initial_modulus, fit.load_coefficient
-    if pad is None or not isinstance(initial, Estimate) or not isinstance(growth, Estimate):
+    if pad is None or not (initial.known and growth.known):
         return None
     placement = Placement(pad, wedge_angle=math.radians(curve.wedge_angle_deg))
     radius = float(placement.curvature.geometric_mean_radius)

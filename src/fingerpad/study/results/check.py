@@ -71,19 +71,15 @@ class UncertaintyCheck:
             observation=observation,
             value=float(radius.value),
             std=float(radius.std),
-            interval=_pair(radius.interval),
+            interval=(float(radius.lower), float(radius.upper)),
             simulated_std=float(drawn.std),
-            simulated_interval=_pair(drawn.interval),
+            simulated_interval=(float(drawn.lower), float(drawn.upper)),
             draws=simulated.draws,
             converged=simulated.converged[_RADIUS],
             valid=validate_linear_approximation(first, simulated)[_RADIUS].valid,
             shares={source: float(share) for source, share in first.budget(_RADIUS).items()},
             total=sobol_indices(_corrected_radius, inputs)[_RADIUS].total,
         )
-
-
-def _pair(interval: FloatArray) -> tuple[float, float]:
-    return float(interval[0]), float(interval[1])
 
 
 def _with_independent_groups(inputs: Inputs) -> Inputs:

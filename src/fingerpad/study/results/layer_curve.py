@@ -11,7 +11,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact.laws import find_modulus, plate_gap, press
 from fingerpad.geometry import Ellipsoid, Gap, Placement
 from fingerpad.image import SEMI_AXES
-from fingerpad.loading import Estimate, LoadingFit, Secant
+from fingerpad.loading import LoadingFit, Secant
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
@@ -87,10 +87,11 @@ def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> Cu
     CurveOnLayer or None
         None without a thickness, semi-axes, or a fitted place of contact.
     """
-    offset = curve.fit and curve.fit.contact_offset
+    offset = curve.fit.contact_offset if curve.fit else None
     if (
         curve.fit is None
-        or not (isinstance(offset, Estimate) and math.isfinite(offset.std))
+        or offset is None
+        or not math.isfinite(offset.std)
         or finger.effective_thickness is None
         or not np.isfinite(finger.semi_axes).all()
     ):

@@ -190,8 +190,9 @@ def quantity_record(name: str, quantity: LayerQuantity | None) -> dict[str, Any]
 def quantity_of(propagated: Propagated, name: str) -> LayerQuantity:
     """Return an output of one contact in the unit of the tables."""
     _, factor = unit_of(name)
+    place = propagated.place(name)
     return LayerQuantity(
-        value=factor * float(propagated[name].value[0]),
-        std=factor * float(propagated[name].std[0]),
+        value=factor * float(propagated.value[0, place]),
+        std=factor * float(propagated.std[0, place]),
         budget={source: float(share[0]) for source, share in propagated.budget(name).items()},
     )

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.loading import Estimate, LoadingFit
+from fingerpad.loading import LoadingFit
 from fingerpad.study.results.exponent import area_noise
 from fingerpad.study.results.loading import LoadingRadius
 from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio
@@ -186,13 +186,12 @@ def _at_load(fits: Sequence[LoadingFit], load: float, factor: float) -> _Referen
     for fit in fits:
         law, offset = fit.models["load_dependent"], fit.contact_offset
         radius, top = fit.loading_radius, fit.reduced_modulus
-        assert isinstance(offset, Estimate)  # chosen so
         place_std = _without(offset.std, fit.misfit_std["contact_offset"])
         depth = np.linspace(0, _LARGEST_LOAD * float(fit.secant.indentation.max()), _LAW_POINTS)
         loads = law.load(depth + law.values["contact_offset"])
         xi, deepest = (float(np.interp(at, loads, depth)) for at in (load, fit.modulus_load))
         modulus = math.nan, math.nan
-        if isinstance(radius, Estimate) and isinstance(top, Estimate):
+        if radius.known and top.known:
             e = 0.75 * KPA_PER_MPA * factor * load / (math.sqrt(radius.value) * xi**1.5)
             more = 1.5 * place_std * (1 / xi - 1 / deepest)  # of the place of contact at a smaller load
             at_top = _without(top.std, fit.misfit_std["reduced_modulus"]) / top.value

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final, NamedTuple, Self
 
-from fingerpad.loading import Estimate, LoadingFit
+from fingerpad.loading import LoadingFit
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
@@ -80,7 +80,7 @@ def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
         fit = curve.fit
         if fit is None or curve.manifest.place != of.place:
             continue
-        if isinstance(fit.contact_offset, Estimate) and 0 < fit.contact_offset.std < math.inf:
+        if 0 < fit.contact_offset.std < math.inf:
             yield fit
 
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from fingerpad.loading import Estimate
-from fingerpad.loading.estimate import akaike_weights, average_models
+from fingerpad import Estimate
+from fingerpad.loading.averaging import akaike_weights, average_models
 
 
 def test_akaike_weights_fall_by_exp_of_half_the_difference() -> None:
@@ -17,7 +17,7 @@ def test_akaike_weights_fall_by_exp_of_half_the_difference() -> None:
 
 
 def test_one_model_keeps_its_estimate() -> None:
-    only = Estimate(value=1.0, std=0.3, lower=0.2, upper=2.4)
+    only = Estimate(value=1.0, std=0.3, interval=(0.2, 2.4))
     found = average_models([only, Estimate.symmetric(50.0, 1.0)], [1.0, 0.0])
     assert (found.value, found.std) == pytest.approx((1.0, 0.3))
     assert (found.lower, found.upper) == pytest.approx((0.2, 2.4))
@@ -49,7 +49,7 @@ def test_an_interval_holds_the_stated_value_where_its_model_has_no_weight() -> N
 
 def test_an_end_is_open_where_a_model_of_weight_leaves_it_open() -> None:
     closed = Estimate.symmetric(8.0, 1.0)
-    unbounded = Estimate(value=12.0, std=4.0, lower=6.0, upper=math.inf)
+    unbounded = Estimate(value=12.0, std=4.0, interval=(6.0, math.inf))
     assert average_models([closed, unbounded], [0.9, 0.1]).upper == math.inf
     assert average_models([closed, unbounded], [0.99, 0.01]).upper < 12
     assert average_models([closed, unbounded], [0.9, 0.1]).lower == pytest.approx(6.0, abs=0.2)
@@ -59,13 +59,3 @@ def test_exact_models_are_averaged() -> None:
     found = average_models([Estimate.symmetric(2.0, 0.0), Estimate.symmetric(4.0, 0.0)], [0.5, 0.5])
     assert (found.value, found.std) == (3.0, 1.0)
     assert (found.lower, found.upper) == pytest.approx((2.0, 4.0))
-
-
-def test_an_error_is_added_and_a_width_stretched_on_either_side() -> None:
-    skew = Estimate(value=10.0, std=3.0, lower=7.0, upper=20.0)
-    wider = skew.with_error(4.0)
-    assert (wider.value, wider.std) == (10.0, 5.0)
-    assert wider.lower == pytest.approx(10 - math.hypot(3, 1.96 * 4))
-    assert wider.upper == pytest.approx(10 + math.hypot(10, 1.96 * 4))
-    twice = skew.stretched(2.0)
-    assert (twice.std, twice.lower, twice.upper) == (6.0, 4.0, 30.0)
