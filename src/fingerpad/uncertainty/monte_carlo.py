@@ -38,7 +38,7 @@ class MonteCarloResult(Outputs):
     Examples
     --------
     >>> result = run_monte_carlo(lambda side: {"volume": side**3}, Inputs.of(side=(2.0, 0.1)), seed=1)
-    >>> print(result["volume"].interval.round(1), result.converged)
+    >>> print(np.round(result["volume"].interval, 1), result.converged)
     [ 5.9 10.6] {'volume': True}
     """
 
