@@ -1,37 +1,38 @@
 """Derive the rational first guess of `fingerpad.contact.elliptic` and print its coefficients.
 
-Iteratively reweighted linear least squares on ln k = t P(t)/Q(t), t = ln(R'/R''), until the largest error
-stops falling. Run it with ``python benchmarks/axis_ratio_guess.py``.
+Iteratively reweighted linear least squares on k √(R'/R'') = P(t)/Q(t), t = ln(R'/R''), until the largest
+error stops falling. P and Q are 1 at the circle, so that the guess is exact there. Run it with
+``python -m benchmarks.axis_ratio_guess``.
 """
 
 import numpy as np
 
 from fingerpad.contact.elliptic import curvature_ratio
 
-DEGREES = (5, 4)
-ROUNDS = 200
+DEGREES = (4, 5)
+ROUNDS = 2000
 
 
 def main() -> None:
-    """Print the numerator, the denominator and the largest error in ln k."""
+    """Print the numerator, the denominator and the largest relative error of k."""
     largest = 9.6  # −ln k at R'/R'' = 2e7
-    log_k = -largest * (1 - np.cos(np.linspace(0, np.pi, 6001)))[1:] / 2
-    t = np.log(curvature_ratio(np.exp(log_k)))
-    scaled, target = t / 8, log_k / t
-    numerator = np.vander(scaled, DEGREES[0] + 1, increasing=True)
-    denominator = np.vander(scaled, DEGREES[1] + 1, increasing=True)
-    weight, balance, best = np.ones_like(t), t + 0.02, (np.inf, np.empty(0), np.empty(0))
+    k = np.exp(-largest * (1 - np.cos(np.linspace(0, np.pi, 6001)))[1:] / 2)
+    ratio = curvature_ratio(k)
+    t, target = np.log(ratio), k * np.sqrt(ratio)
+    numerator, denominator = (np.vander(t / 8, degree + 1, increasing=True)[:, 1:] for degree in DEGREES)
+    weight, balance, best = np.ones_like(t), np.ones_like(t), (np.inf, np.empty(0), np.empty(0))
     for _ in range(ROUNDS):
-        system = np.hstack([numerator, -target[:, None] * denominator[:, 1:]]) * (weight * balance)[:, None]
-        solution = np.linalg.lstsq(system, target * weight * balance, rcond=None)[0]
-        p, q = solution[: DEGREES[0] + 1], np.append(1, solution[DEGREES[0] + 1 :])
-        error = np.abs((numerator @ p) / (denominator @ q) - target) * t
+        weighted = weight * balance
+        system = np.hstack([numerator / target[:, None], -denominator]) * weighted[:, None]
+        solution = np.linalg.lstsq(system, (1 - 1 / target) * weighted, rcond=None)[0]
+        p, q = np.split(solution, [DEGREES[0]])
+        error = np.abs((1 + numerator @ p) / (1 + denominator @ q) / target - 1)
         if error.max() < best[0]:
-            best = (error.max(), p / 8.0 ** np.arange(p.size), q / 8.0 ** np.arange(q.size))
-        weight = 1 / np.abs(denominator @ q)
+            best = (error.max(), *(np.append(1, c) / 8.0 ** np.arange(c.size + 1) for c in (p, q)))
+        weight = 1 / np.abs(1 + denominator @ q)
         balance *= np.sqrt(0.3 + error / error.max())
         balance /= balance.max()
-    print(f"largest error in ln k: {best[0]:.2g} up to a curvature ratio of {np.exp(t.max()):.3g}")
+    print(f"largest relative error of k: {best[0]:.2g} up to a curvature ratio of {np.exp(t.max()):.3g}")
     print("numerator  ", tuple(float(f"{c:.9g}") for c in best[1]))
     print("denominator", tuple(float(f"{c:.9g}") for c in best[2]))
 

@@ -185,7 +185,7 @@ def set_fields(frozen: object, **values: object) -> None:
 
 
 # Small enough that a kernel's temporaries stay in cache, large enough to hide the cost of each call.
-_BLOCK = 12_000
+_BLOCK = 16_000
 
 
 def apply_blockwise(
@@ -214,7 +214,7 @@ def apply_blockwise(
     shape = arrays[0].shape
     flat = [array.reshape(-1) for array in arrays]
     kind = np.result_type(*flat)
-    results = tuple(np.empty(flat[0].size, dtype=kind) for _ in range(outputs))
+    results = np.empty((outputs, flat[0].size), dtype=kind)
     with np.errstate(all="ignore"):
         for start in range(0, flat[0].size, _BLOCK):
             block = slice(start, start + _BLOCK)

@@ -85,9 +85,8 @@ def _sizes(
     """Return load, area, indentation and axis ratio of one block."""
     k, K, D = contact_ellipse_kernel(first, second)
     radius_D = np.maximum(first, second) * D
-    good = value >= 0
-    if not good.all():
-        value = np.where(good, value, np.nan)
+    if not value.min() >= 0:  # or NaN
+        value = np.where(value >= 0, value, np.nan)
     if of == "load":
         major = np.cbrt((3 / np.pi) * (value / modulus) * radius_D)
         square = major * major
