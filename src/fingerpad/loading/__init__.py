@@ -5,17 +5,17 @@ from fingerpad.loading.consistency import ShapeCheck, shape_check
 from fingerpad.loading.contact_point import ESTIMATORS
 from fingerpad.loading.curve import LoadingCurve, read_loading_curve
 from fingerpad.loading.fit import LoadingFit, contact_points, fit_loading_curve
-from fingerpad.loading.force_models import FittedForceModel
-from fingerpad.loading.layer_result import LayerThicknessFit
-from fingerpad.loading.layer_thickness import fit_layer_thickness
-from fingerpad.loading.least_squares import LeastSquaresFit, effective_count, fit_least_squares
-from fingerpad.loading.models import (
+from fingerpad.loading.laws import (
+    FittedForceModel,
     area_from_load,
     indentation_from_load,
     load_from_indentation,
     local_area_exponent,
     secant_modulus,
 )
+from fingerpad.loading.layer_result import LayerThicknessFit
+from fingerpad.loading.layer_thickness import fit_layer_thickness
+from fingerpad.loading.least_squares import LeastSquaresFit, effective_count, fit_least_squares
 from fingerpad.loading.modulus_range import Secant
 from fingerpad.loading.relaxation import (
     PronyTerm,

@@ -11,7 +11,7 @@ from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.joint import FitData
-from fingerpad.loading.models import hertz_stiffness
+from fingerpad.loading.laws import hertz_stiffness
 from fingerpad.loading.segments import (
     BOTH_REVERSED,
     Cycle,

@@ -18,13 +18,13 @@ from fingerpad.loading._prepare import (
     prepare,
     start_values,
 )
-from fingerpad.loading.alternatives import allow_for_bend, compare, fit_growing
 from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.force_models import FittedForceModel
 from fingerpad.loading.joint import JointFit, fit_joint
+from fingerpad.loading.laws import FittedForceModel
 from fingerpad.loading.modulus_range import Secant, increasing_range, modulus_range, secant_of
 from fingerpad.loading.quantities import implausible, quantities, top_load
+from fingerpad.loading.rivals import allow_for_bend, compare, fit_growing
 from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
 from fingerpad.units import KPA_PER_MPA
 

@@ -15,11 +15,26 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad._display import Displayed
 from fingerpad.estimate import Estimate
-from fingerpad.loading.force_models import FittedForceModel, Values, force_zero, indentation_of, load_at
-from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, fit_least_squares, minimum
-from fingerpad.loading.models import hertz_stiffness, load_slope
+from fingerpad.loading.laws import (
+    LAWS,
+    PAD_FORM,
+    FittedForceModel,
+    Values,
+    area_at,
+    force_zero,
+    indentation_of,
+    load_on,
+    pull_off_of,
+    slope_at,
+)
+from fingerpad.loading.least_squares import (
+    Bounds,
+    LeastSquaresFit,
+    Residuals,
+    fit_least_squares,
+    minimum,
+)
 from fingerpad.loading.noise import KINDS, Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
-from fingerpad.loading.shapes import PAD_FORM, shape_factors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -36,6 +51,8 @@ class FitData(Displayed):
         Rows that have one, m in all.
     poisson_ratio : float
         ν.
+    attached : ndarray of bool, (n,), or None
+        Rows in which an adhesive contact has not torn off yet; None where the law says it.
     """
 
     clock: FloatArray
@@ -45,6 +62,7 @@ class FitData(Displayed):
     area: FloatArray
     with_area: BoolArray
     poisson_ratio: float
+    attached: BoolArray | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -54,7 +72,7 @@ class JointFit(Displayed):
     Attributes
     ----------
     law : str
-        Key of `FORCE_MODELS`.
+        Key of `LAWS`.
     fit : LeastSquaresFit
         The free parameters.
     held : mapping of str to Estimate
@@ -199,15 +217,17 @@ def find_noise(
         noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, kinds or found)
         if kinds:
             _, residuals = _scaled_residuals(record, law, whole, held, noise, prior=prior)
-            found_values = minimum(residuals, [whole[name] for name in names], names)
+            begin = [whole[name] for name in names]
+            found_values = minimum(residuals, begin, names, bounds=_bounds(law, names))
             whole |= zip(names, found_values.tolist(), strict=True)
     return noise, whole
 
 
 def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
     nu = values.get("poisson_ratio", record.poisson_ratio)
-    xi = indentation_of(values, law, record.displacement, nu)
-    force = record.load - load_at(values, law, np.maximum(xi, 0.0), nu) - force_zero(values, record.clock)
+    xi = indentation_of(values, law, record.displacement, nu, record.attached)
+    load = load_on(values, law, xi, nu, record.attached)
+    force = record.load - load - force_zero(values, record.clock)
     return force, record.area - _area(record, law, values, xi[record.with_area])
 
 
@@ -218,12 +238,11 @@ def _area(record: FitData, law: str, values: Values, xi: FloatArray) -> FloatArr
         before = np.interp(record.clock - delay, record.clock, record.smooth_displacement)
         xi = xi - (record.smooth_displacement - before)[record.with_area]
     nu = values.get("poisson_ratio", record.poisson_ratio)
-    _, factor = shape_factors(law, values, np.maximum(xi, 0.0), nu)
+    area = values.get("area_gain", 1.0) * area_at(values, law, xi, nu)
     if "area_growth" in values and xi.size:
         middle = max(0.5 * float(xi.max()), 1e-9)
         growth = float(np.clip(values["area_growth"], -0.95, 5.0))
-        factor = factor * np.maximum(xi / middle, 1e-6) ** growth
-    area = values.get("area_gain", 1.0) * np.pi * values["loading_radius"] * xi * factor
+        area = area * np.maximum(xi / middle, 1e-6) ** growth
     if "area_edge" in values:
         area = area + 2 * values["area_edge"] * np.sqrt(np.pi * np.maximum(area, 0.0))
     return np.asarray(area + values.get("area_offset", 0.0))
@@ -263,7 +282,8 @@ def _fit(
     given = {name: estimate.value for name, estimate in held.items()}
     names, residuals = _scaled_residuals(record, law, start, held, noise, prior=prior)
     # A law that does not suit the record can have its minimum at infinity.
-    fit = fit_least_squares(residuals, [start[name] for name in names], names, evaluations=300)
+    begin = [start[name] for name in names]
+    fit = fit_least_squares(residuals, begin, names, evaluations=300, bounds=_bounds(law, names))
     response: dict[str, FloatArray] = {}
     for name, estimate in held.items():
         if not estimate.std > 0:
@@ -301,22 +321,27 @@ def _information(names: Sequence[str], prior: Mapping[str, Estimate]) -> FloatAr
 
 
 def _slope(record: FitData, law: str, values: Values) -> FloatArray:
-    """Return dW/dξ, of the law whose modulus grows with load or of Hertz's; of a pad with its own shape."""
-    xi = np.maximum(record.smooth_displacement - values["contact_offset"], 0.0)
-    if PAD_FORM[0] in values:
-        up, down = (load_at(values, law, way * xi, record.poisson_ratio) for way in (1.01, 0.99))
-        return np.asarray((up - down) / (0.02 * np.maximum(xi, 1e-12)))
-    h = hertz_stiffness(max(values["loading_radius"], 1e-9), record.poisson_ratio) * xi**1.5
-    modulus = values.get("initial_modulus", values.get("youngs_modulus", 0.0))
-    return load_slope(xi, h, modulus, values.get("load_coefficient", 0.0))
+    """Return dW/dξ of the rows, zero before contact."""
+    floor = pull_off_of(values, law, record.poisson_ratio)
+    xi = np.maximum(record.smooth_displacement - values["contact_offset"], floor)
+    slope = slope_at(values, law, xi, record.poisson_ratio)
+    return slope if record.attached is None else np.where(record.attached, slope, 0.0)
 
 
 def _area_slope(record: FitData, law: str, values: Values) -> float:
-    """Return dA/dξ, of a pad with its own shape in the mean over its areas."""
-    if PAD_FORM[0] not in values or not record.area.size:
+    """Return dA/dξ, in the mean over the areas where they are not π R ξ."""
+    if not record.area.size or (PAD_FORM[0] not in values and LAWS[law].area is None):
         return math.pi * values["loading_radius"]
     xi = record.smooth_displacement[record.with_area] - values["contact_offset"]
     return float(np.ptp(_area(record, law, values, xi)) / np.ptp(xi))
+
+
+def _bounds(law: str, names: Sequence[str]) -> Bounds | None:
+    """Return the bounds of parameters, None for a law without any."""
+    if not LAWS[law].is_bounded:
+        return None
+    ends = [LAWS[law].parameters.get(name, (-math.inf, math.inf)) for name in names]
+    return np.array([low for low, _ in ends]), np.array([high for _, high in ends])
 
 
 def _first_noise(record: FitData, law: str, values: Values) -> Noise:

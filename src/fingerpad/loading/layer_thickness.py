@@ -19,14 +19,14 @@ from fingerpad.loading._prepare import (
     prepare,
     start_values,
 )
-from fingerpad.loading.alternatives import FAILURES, FLAGGED, TOO_FEW_RUNS, runs_deviation
 from fingerpad.loading.averaging import akaike_weights, average_models
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
+from fingerpad.loading.laws import PAD_FORM
 from fingerpad.loading.layer_result import EXPLAINS, THICKER_THAN_FINGER, LayerThicknessFit, weight_of
 from fingerpad.loading.noise import Noise
 from fingerpad.loading.quantities import bounded
-from fingerpad.loading.shapes import PAD_FORM
+from fingerpad.loading.rivals import FAILURES, FLAGGED, TOO_FEW_RUNS, runs_deviation
 
 # What is pressed, and what may be added to it: nothing, β of a modulus that grows with load, an offset of the
 # areas.

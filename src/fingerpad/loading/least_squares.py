@@ -15,6 +15,8 @@ from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
 
 Residuals: TypeAlias = Callable[[FloatArray], FloatArray]
+# Lower and upper ends of all parameters.
+Bounds: TypeAlias = tuple[FloatArray, FloatArray]
 
 _STEP = np.finfo(float).eps ** (1 / 3)
 # Singular values of the Jacobian, its columns scaled to one, below which parameters are indistinguishable.
@@ -166,7 +168,12 @@ class LeastSquaresFit(Displayed):
 
 
 def fit_least_squares(
-    residuals: Residuals, start: ArrayLike, names: Sequence[str], *, evaluations: int = 2000
+    residuals: Residuals,
+    start: ArrayLike,
+    names: Sequence[str],
+    *,
+    evaluations: int = 2000,
+    bounds: Bounds | None = None,
 ) -> LeastSquaresFit:
     """Minimise the sum of squares of `residuals` by the Levenberg–Marquardt method.
 
@@ -180,6 +187,8 @@ def fit_least_squares(
         Names of the parameters.
     evaluations : int
         Largest number of evaluations of the residuals.
+    bounds : (ndarray, ndarray), optional
+        Lower and upper ends of the parameters, to which a trust region is then kept.
 
     Returns
     -------
@@ -207,7 +216,7 @@ def fit_least_squares(
         raise FitError(
             f"{first.size} data for {values.size} parameters ({', '.join(names)}): record more points"
         )
-    values = minimum(residuals, values, names, evaluations=evaluations)
+    values = minimum(residuals, values, names, evaluations=evaluations, bounds=bounds)
     fit = LeastSquaresFit(
         names=names,
         values=values,
@@ -272,16 +281,22 @@ def minimum(
     *,
     tolerance: float = 1e-14,
     evaluations: int = 300,
+    bounds: Bounds | None = None,
 ) -> FloatArray:
     """Return the parameters of least squares alone. Raise FitError where there are none."""
     start = as_float_array(start)
+    if bounds is not None:
+        low, high = bounds
+        inside = 1e-6 * np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(start), 1e-6))
+        start = np.clip(start, low + inside, high - inside)
     if not np.isfinite(residuals(start)).all():
         raise FitError(f"the model is not finite at {dict(zip(names, start.tolist(), strict=False))}")
     found = optimize.least_squares(
         residuals,
         start,
         jac=partial(_jacobian, residuals),
-        method="lm",
+        method="lm" if bounds is None else "trf",
+        bounds=(-np.inf, np.inf) if bounds is None else bounds,
         x_scale="jac",
         ftol=tolerance,
         xtol=tolerance,

@@ -8,7 +8,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading.joint import FitData, JointFit
-from fingerpad.loading.models import secant_modulus
+from fingerpad.loading.laws import secant_modulus
 
 _BINS, _MIN_ROWS = 12, 5
 # Nearer to contact than this share of the depth its place decides the modulus.

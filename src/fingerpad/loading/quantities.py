@@ -8,10 +8,10 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
-from fingerpad.loading.alternatives import Comparison
 from fingerpad.loading.averaging import akaike_weights, average_models
 from fingerpad.loading.joint import JointFit
 from fingerpad.loading.least_squares import fit_least_squares
+from fingerpad.loading.rivals import Comparison
 
 # Beyond these no finger pad lies, mm and MPa: a wrong unit.
 PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)

@@ -11,8 +11,8 @@ from benchmarks.loading_truth import CONDITIONS, make_curve
 from fingerpad import Estimate
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading import fit_loading_curve
-from fingerpad.loading.alternatives import runs_deviation
-from fingerpad.loading.shapes import shape_factors
+from fingerpad.loading.laws import shape_factors
+from fingerpad.loading.rivals import runs_deviation
 
 PAD = Pad(radius=15.0, modulus=0.05)
 

@@ -17,7 +17,7 @@ from fingerpad.loading import (
     secant_modulus,
     shape_check,
 )
-from fingerpad.loading.force_models import FittedForceModel
+from fingerpad.loading.laws import FittedForceModel
 
 PAD = {"loading_radius": 14.5, "initial_modulus": 0.04, "load_coefficient": 0.02}
 
