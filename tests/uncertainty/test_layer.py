@@ -6,19 +6,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import Tissue, fast_contact, hertz_contact, youngs_modulus
+from fingerpad.contact import Tissue, fast_contact, youngs_modulus
+from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.uncertainty import (
     LAYER_OUTPUTS,
     LAYER_SOURCES,
     Inputs,
-    indentation_model,
     layer_flag,
     layer_model,
     pad_uncertainty,
     propagate,
     run_monte_carlo,
-    with_thickness,
 )
 
 AXES = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
@@ -34,7 +33,7 @@ MEASURED = {
 
 
 def inputs(thickness=8.0, std=0.8, **changes) -> Inputs:
-    return with_thickness(pad_uncertainty(**{**MEASURED, **changes}).inputs, thickness, std)
+    return pad_uncertainty(**{**MEASURED, **changes}, thickness=(thickness, std)).inputs
 
 
 def test_the_model_is_the_contact_of_the_area_of_the_ellipse() -> None:
@@ -49,8 +48,17 @@ def test_the_model_is_the_contact_of_the_area_of_the_ellipse() -> None:
         contact.indentation,
         contact.area_over_pi_indentation,
     )
-    assert found.names == LAYER_OUTPUTS
-    assert_allclose(found.value, values, rtol=1e-12)
+    assert_allclose([found[name].value for name in LAYER_OUTPUTS], values, rtol=1e-12)
+
+
+def test_a_thickness_adds_to_what_hertz_theory_says() -> None:
+    deep, layered = pad_uncertainty(**MEASURED), pad_uncertainty(**MEASURED, thickness=(8.0, 0.8))
+    assert layered.names == (*deep.names, *LAYER_OUTPUTS)
+    assert_allclose(layered.value[: len(deep.names)], deep.value, rtol=1e-14)
+    assert_allclose(layered.std[: len(deep.names)], deep.std, rtol=1e-12)
+    assert_allclose(layered.covariance, propagate(layer_model, layered.inputs).covariance)
+    with pytest.raises(GeometryError, match="thickness must be positive, found -8"):
+        pad_uncertainty(**MEASURED, thickness=-8.0)
 
 
 @pytest.mark.parametrize("name", LAYER_OUTPUTS)
@@ -89,34 +97,9 @@ def test_incompressible_tissue_may_have_an_uncertain_poisson_ratio() -> None:
 
 
 def test_flags_are_named_for_each_contact() -> None:
-    many = with_thickness(pad_uncertainty(**{**MEASURED, "load": ([2.0, 2.0, 0.0], 0.1)}).inputs, [8, 1, 8])
+    many = inputs(thickness=[8.0, 1.0, 8.0], std=0.0, load=([2.0, 2.0, 0.0], 0.1))
     assert layer_flag(many).tolist() == ["", "layer_too_thin", "no_contact"]
-    value = propagate(layer_model, many).value
+    found = propagate(layer_model, many)
+    value = found.value[:, [found.place(name) for name in LAYER_OUTPUTS]]
     assert np.isfinite(value[0]).all()
     assert np.isnan(value[1:]).all()
-
-
-def pressed(thickness, thickness_std=0.0, contact_shift=0.1) -> Inputs:
-    placed = {"wedge_angle": (0.6, 0.01), "roll_angle": 0.0, "poisson_ratio": 0.49}
-    lengths = {name: (value, 0.1) for name, value in AXES.items()}
-    press = {"load": (2.0, 0.04), "indentation": (1.7, 0.05), "contact_shift": contact_shift}
-    return Inputs.of(**lengths, **placed, **press, thickness=(thickness, thickness_std))
-
-
-def test_moduli_from_a_measured_indentation() -> None:
-    found = propagate(indentation_model, pressed(8.0))
-    placement = Placement(Ellipsoid(**AXES), wedge_angle=0.6)
-    hertz = 2.0 / hertz_contact(placement, Tissue(1.0, 0.49), indentation=1.7).load
-    layered = youngs_modulus(placement, load=2.0, indentation=1.8, thickness=8.0, poisson_ratio=0.49)
-    contact = fast_contact(placement, Tissue(layered, 0.49, 8.0), indentation=1.8)
-    expected = hertz, layered, contact.area_over_pi_indentation
-    assert_allclose(found.value, expected, rtol=1e-12)
-    assert found.value[1] < 0.6 * found.value[0]
-    deep = propagate(indentation_model, pressed(1e4, contact_shift=0.0))
-    assert deep.value[1] == pytest.approx(deep.value[0], rel=0.06)  # the true shape alone
-
-
-def test_first_order_agrees_with_monte_carlo_for_an_indentation() -> None:
-    first = propagate(indentation_model, pressed(8.0, 0.8))
-    drawn = run_monte_carlo(indentation_model, pressed(8.0, 0.8), seed=1, max_draws=100_000)
-    assert_allclose(first.std, drawn.std, rtol=0.03)

@@ -52,3 +52,16 @@ def test_flat_and_upright_are_accepted() -> None:
 def test_impossible_values_are_refused(given: dict[str, object], message: str) -> None:
     with pytest.raises(fp.FingerpadError, match=message):
         fp.pad_uncertainty(**GIVEN | {"wedge_angle": 0.5} | given)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"wedge": 0.5}, "no quantity 'wedge'; there are palmar, distal, .*semi_minor, thickness"),
+        ({"contact_radius": 6.0}, "no quantity 'contact_radius'"),
+        ({}, "give wedge_angle too, each as a number or"),
+    ],
+)
+def test_quantities_have_names(changed: dict[str, object], message: str) -> None:
+    with pytest.raises(fp.FingerpadError, match=message):
+        fp.pad_uncertainty(**GIVEN | changed)

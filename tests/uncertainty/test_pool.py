@@ -16,7 +16,6 @@ from fingerpad.uncertainty import (
     pool,
     pool_random_effects,
     proportional_stds,
-    variance_components,
 )
 
 
@@ -133,22 +132,6 @@ def test_fixed_effects_coverage() -> None:
         pooled = pool(20 + stds * rng.normal(size=6) + 0.4 * rng.normal(), stds, np.full((6, 6), 0.16))
         scores.append((pooled.value - 20) / pooled.total_std)
     assert 0.93 <= np.mean(np.abs(scores) < stats.norm.ppf(0.975)) <= 0.97
-
-
-def test_variance_components() -> None:
-    rng = np.random.default_rng(10)
-    loads = np.repeat(np.arange(400), rng.integers(1, 5, 400))
-    values = 12 + 1.5 * rng.normal(size=400)[loads] + 0.5 * rng.normal(size=loads.size)
-    scatter = variance_components(values, loads)
-    assert_allclose(scatter.within_std, 0.5, rtol=0.06)
-    assert_allclose(scatter.between_std, 1.5, rtol=0.08)
-
-
-def test_undetermined_variance_components_are_nan() -> None:
-    assert np.isnan(variance_components([1.0, 2.0, 3.0], [1, 2, 3]).within_std)
-    alone = variance_components([1.0, 2.0], [1, 1])
-    assert alone.within_std == pytest.approx(np.sqrt(0.5))
-    assert np.isnan(alone.between_std)
 
 
 def test_random_effects_of_exact_estimate_refused() -> None:

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import Inputs, pad_inputs, pad_model, pad_uncertainty, propagate
+from fingerpad.uncertainty import Inputs, pad_model, pad_uncertainty, propagate
+from fingerpad.uncertainty.models import pad_inputs
 
 PAD: dict[str, Any] = {
     "palmar": (7.9, 0.1),

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from scipy import stats
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import nested_scatter, variance_components, within_covariance
+from fingerpad.uncertainty import nested_scatter
 
 RNG = np.random.default_rng(7)
 BALANCED = RNG.normal(0, 0.1, (4, 3, 2, 5)).cumsum(axis=0)  # persons, fingers, sessions, repeats
@@ -38,13 +38,14 @@ def test_the_interval_of_repeats_is_exact() -> None:
     assert_allclose(repeat.limit_of_agreement, 1.96 * np.sqrt(2) * repeat.std, rtol=1e-4)
 
 
-def test_one_level_agrees_with_variance_components() -> None:
+def test_one_level_is_the_analysis_of_variance() -> None:
     values, groups = BALANCED[3].ravel() + np.repeat([0.0, 0.3, 0.1], 10), np.repeat(np.arange(3), 10)
-    known, found = variance_components(values, groups), nested_scatter(values, {"finger": groups})
-    assert_allclose(found.components["repeat"].std, known.within_std)
-    assert_allclose(found.components["finger"].std, known.between_std)
-    total = known.within_std**2 + known.between_std**2
-    assert_allclose(found.icc, known.between_std**2 / total)
+    found = nested_scatter(values, {"finger": groups})
+    within = values.reshape(3, 10).var(axis=1, ddof=1).mean()
+    between = values.reshape(3, 10).mean(axis=1).var(ddof=1) - within / 10
+    assert_allclose(found.components["repeat"].std, np.sqrt(within))
+    assert_allclose(found.components["finger"].std, np.sqrt(between))
+    assert_allclose(found.icc, between / (within + between))
     assert found.icc_interval[0] < found.icc < found.icc_interval[1]
 
 
@@ -103,15 +104,6 @@ def test_values_without_a_group_are_refused() -> None:
         nested_scatter([1.0, 2.0, 3.0], {"finger": [0, 1]})
     with pytest.raises(UncertaintyError, match="value"):
         nested_scatter([1.0, np.nan], {"finger": [0, 1]})
-
-
-def test_covariance_of_repeats() -> None:
-    values, group = RNG.normal(size=(12, 2)), np.repeat(np.arange(4), 3)
-    covariance, freedom = within_covariance(values + 10 * group[:, None], group)
-    expected = np.mean([np.cov(values[group == one].T) for one in range(4)], axis=0)
-    assert_allclose(covariance, expected)
-    assert freedom == 8
-    np.testing.assert_array_equal(within_covariance(values, np.arange(12))[0], np.full((2, 2), np.nan))
 
 
 def test_coverage() -> None:

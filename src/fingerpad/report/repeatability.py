@@ -13,7 +13,7 @@ from fingerpad.study.results.repeats import (
 )
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.uncertainty import ScatterComponent
-from fingerpad.uncertainty.repeatability import LIMIT_FACTOR, REPEAT
+from fingerpad.uncertainty.scatter import LIMIT_FACTOR, REPEAT
 
 _MOST_LOADS: Final = 120
 _OUTWARDS: Final = tuple(LEVELS)[::-1]

@@ -1,27 +1,23 @@
 """Uncertainty: models of named quantities, propagation through them, budgets, and pooling."""
 
-from fingerpad.uncertainty.agreement import Agreement, agreement
-from fingerpad.uncertainty.correlated import correlated_values, inputs_from_ufloats
-from fingerpad.uncertainty.covariance import covariance_of, covariance_root
-from fingerpad.uncertainty.inputs import Inputs, Model
-from fingerpad.uncertainty.layer import (
+from fingerpad.uncertainty.models import (
     LAYER_OUTPUTS,
     LAYER_SOURCES,
-    indentation_model,
+    PAD_SOURCES,
     layer_flag,
     layer_model,
-    with_thickness,
+    pad_model,
+    pad_uncertainty,
+    placement_model,
 )
 from fingerpad.uncertainty.monte_carlo import (
     MonteCarloResult,
+    SobolIndices,
     Validation,
     run_monte_carlo,
+    sobol_indices,
     validate_linear_approximation,
 )
-from fingerpad.uncertainty.outputs import Outputs
-from fingerpad.uncertainty.pad import PAD_OUTPUTS, PAD_SOURCES, pad_inputs, pad_model, pad_uncertainty
-from fingerpad.uncertainty.pad_shape import ELLIPSOID_STD, HIDDEN_STD, radius_deviation
-from fingerpad.uncertainty.placement import placement_model
 from fingerpad.uncertainty.pool import (
     Pooled,
     RandomEffects,
@@ -31,21 +27,26 @@ from fingerpad.uncertainty.pool import (
     proportional_stds,
 )
 from fingerpad.uncertainty.propagate import Propagated, propagate
-from fingerpad.uncertainty.repeatability import (
+from fingerpad.uncertainty.quantities import (
+    Inputs,
+    Model,
+    Outputs,
+    correlated_values,
+    covariance_of,
+    covariance_root,
+    inputs_from_ufloats,
+)
+from fingerpad.uncertainty.scatter import (
+    Agreement,
     NestedScatter,
     ScatterComponent,
+    agreement,
     nested_scatter,
-    within_covariance,
 )
-from fingerpad.uncertainty.sobol import SobolIndices, sobol_indices
-from fingerpad.uncertainty.variance_components import VarianceComponents, variance_components
 
 __all__ = [
-    "ELLIPSOID_STD",
-    "HIDDEN_STD",
     "LAYER_OUTPUTS",
     "LAYER_SOURCES",
-    "PAD_OUTPUTS",
     "PAD_SOURCES",
     "Agreement",
     "Inputs",
@@ -60,17 +61,14 @@ __all__ = [
     "SharedErrors",
     "SobolIndices",
     "Validation",
-    "VarianceComponents",
     "agreement",
     "correlated_values",
     "covariance_of",
     "covariance_root",
-    "indentation_model",
     "inputs_from_ufloats",
     "layer_flag",
     "layer_model",
     "nested_scatter",
-    "pad_inputs",
     "pad_model",
     "pad_uncertainty",
     "placement_model",
@@ -78,11 +76,7 @@ __all__ = [
     "pool_random_effects",
     "propagate",
     "proportional_stds",
-    "radius_deviation",
     "run_monte_carlo",
     "sobol_indices",
     "validate_linear_approximation",
-    "variance_components",
-    "with_thickness",
-    "within_covariance",
 ]

@@ -10,7 +10,7 @@ from scipy import optimize, special
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
 from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty.covariance import covariance_of
+from fingerpad.uncertainty.quantities import covariance_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.uncertainty.covariance import covariance_of
-from fingerpad.uncertainty.inputs import Inputs, Model, check_inputs, evaluate
-from fingerpad.uncertainty.outputs import Outputs
+from fingerpad.uncertainty.quantities import Inputs, Model, Outputs, check_inputs, covariance_of, evaluate
 
 # The imaginary part of f(x + ih) is h f'(x) + O(h³). Nothing is subtracted, so h may be tiny.
 _COMPLEX_STEP = 1e-30

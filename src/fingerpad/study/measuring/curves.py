@@ -17,8 +17,6 @@ from fingerpad.contact.contact import reduced_modulus
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.geometry.ellipsoid import principal_radii_kernel
-from fingerpad.geometry.placement import platen_normal_kernel
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import (
     Cycle,
@@ -43,7 +41,7 @@ from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.fingers import FingerResult, photograph_item
 from fingerpad.study.measuring.records import from_plain, to_plain
 from fingerpad.study.measuring.scales import FoundScale, require_scale
-from fingerpad.uncertainty import Inputs, propagate
+from fingerpad.uncertainty import Inputs, placement_model, propagate
 
 # A curve can be damaged in unforeseen ways, which cost it alone.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, OSError, ValueError)
@@ -240,19 +238,11 @@ def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) 
     )
 
 
-def _radii(
-    *,
-    wedge_angle: FloatArray,
-    roll_angle: FloatArray,
-    in_plane_deviation: FloatArray,
-    transverse_deviation: FloatArray,
-    **semi_axes: FloatArray,
-) -> dict[str, FloatArray]:
+def _radii(**inputs: FloatArray) -> dict[str, FloatArray]:
     """Return 1/H and R1/R2 of a pad where it touches a plate."""
-    normal = platen_normal_kernel(wedge_angle, roll_angle)
-    first, second = principal_radii_kernel(**semi_axes, normal=normal)
-    along, across = first * np.exp(in_plane_deviation), second * np.exp(transverse_deviation)
-    return {"radius": 2 / (1 / along + 1 / across), "ratio": along / across}
+    placed = placement_model(**inputs)
+    ratio = placed["in_plane_radius"] / placed["transverse_radius"]
+    return {"radius": placed["mean_curvature_radius"], "ratio": ratio}
 
 
 def _record(

@@ -28,8 +28,8 @@ from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.history import ActiveCorrection, is_rejected
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
+from fingerpad.study.measuring.pad_shape import ELLIPSOID_STD, radius_deviation
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
-from fingerpad.uncertainty import ELLIPSOID_STD, radius_deviation
 
 # Wedge angles between which an outline's radius of curvature is interpolated.
 _WEDGE_STEP_DEG: Final = 5

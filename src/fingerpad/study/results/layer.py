@@ -7,7 +7,7 @@ from typing import Final, Self
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.columns import COLUMNS, ColumnArray
@@ -19,10 +19,8 @@ from fingerpad.uncertainty import (
     Propagated,
     layer_flag,
     layer_model,
-    pad_model,
     propagate,
     run_monte_carlo,
-    with_thickness,
 )
 from fingerpad.units import KPA_PER_MPA
 
@@ -58,13 +56,22 @@ def unit_of(output: str) -> tuple[str, float]:
     return ("kpa", KPA_PER_MPA) if "modulus" in output else ("mm", 1.0)
 
 
-def both_models(*, thickness: FloatArray, **pad: FloatArray) -> dict[str, FloatArray]:
-    """Return the outputs of `layer_model`, and those of Hertz theory beside them."""
-    hertz = pad_model(**pad)
-    return {
-        **{name: hertz[name] for name in HERTZ_OF.values()},
-        **layer_model(thickness=thickness, **pad),
-    }
+def both_models(**inputs: FloatArray) -> dict[str, FloatArray]:
+    """Return what `layer_model` says on the layer, and what Hertz theory says of the same."""
+    outputs = layer_model(**inputs)
+    return {name: outputs[name] for name in (*HERTZ_OF.values(), *LAYER_OUTPUTS)}
+
+
+def with_thickness(inputs: Inputs, thickness: ArrayLike, thickness_std: ArrayLike) -> Inputs:
+    """Return the inputs of `layer_model` from those of `pad_model`; the thickness is independent of them."""
+    shape = np.broadcast_shapes(inputs.mean.shape[:-1], np.shape(thickness), np.shape(thickness_std))
+    count = len(inputs.names)
+    mean, covariance = np.empty((*shape, count + 1)), np.zeros((*shape, count + 1, count + 1))
+    mean[..., :count], mean[..., count] = inputs.mean, thickness
+    covariance[..., :count, :count] = inputs.covariance
+    covariance[..., count, count] = as_float_array(thickness_std) ** 2
+    names = (*inputs.names, *LAYER_SOURCES["thickness"])
+    return Inputs(names=names, mean=mean, covariance=covariance, groups=LAYER_SOURCES)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

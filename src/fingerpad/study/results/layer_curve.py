@@ -7,9 +7,12 @@ from typing import Any, Final
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import FloatArray, broadcast
+from fingerpad.contact.contact import from_reduced_modulus
 from fingerpad.contact.laws import find_modulus, plate_gap, press
 from fingerpad.geometry import Ellipsoid, Gap, Placement
+from fingerpad.geometry.gap import gap_kernel, paraboloid_gap
+from fingerpad.geometry.placement import platen_normal_kernel
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import LoadingFit, Secant
 from fingerpad.study.manifest import Study
@@ -17,7 +20,7 @@ from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import UNCERTAINTY_OUT_OF_RANGE
 from fingerpad.study.results.layer_summary import LayerQuantity, quantity_of, quantity_record
-from fingerpad.uncertainty import LAYER_SOURCES, Inputs, indentation_model, propagate
+from fingerpad.uncertainty import LAYER_SOURCES, Inputs, propagate
 
 _SOURCES: Final = {
     **{
@@ -145,6 +148,55 @@ def _inputs(
     inputs = inputs.with_covariance(SEMI_AXES, finger.covariance)
     both = np.outer(*2 * ([thickness_std, shift_std],))
     return replace(inputs.with_covariance(("thickness", "contact_shift"), both), groups=_SOURCES)
+
+
+def indentation_model(
+    *,
+    palmar: FloatArray,
+    distal: FloatArray,
+    radial_ulnar: FloatArray,
+    wedge_angle: FloatArray,
+    roll_angle: FloatArray,
+    poisson_ratio: FloatArray,
+    load: FloatArray,
+    indentation: FloatArray,
+    contact_shift: FloatArray,
+    thickness: FloatArray,
+) -> dict[str, FloatArray]:
+    """Return what a load and a measured indentation tell of a pad, by Hertz theory and on a layer.
+
+    Parameters
+    ----------
+    palmar, distal, radial_ulnar, wedge_angle, roll_angle, poisson_ratio
+        As for `pad_model`; on the layer a Poisson's ratio above 0.5, which a draw can have, is taken as 0.5.
+    load, indentation : ndarray
+        Normal force W, and indentation ξ from the place of first contact.
+    contact_shift : ndarray
+        By how much ξ is larger on the layer, where its place of first contact was found by Hertz theory: on
+        bone the load rises later, and that place seems deeper than it is.
+    thickness : ndarray
+        Effective thickness of the tissue.
+
+    Returns
+    -------
+    dict of str to ndarray
+        ``youngs_modulus_from_indentation`` of Hertz theory (half-space, paraboloid of the pad's radii), and
+        ``youngs_modulus_from_indentation_on_layer`` and ``loading_radius_on_layer`` of the whole pad.
+    """
+    axes = broadcast(palmar, distal, radial_ulnar)
+    gap = gap_kernel(*axes, normal=platen_normal_kernel(wedge_angle, roll_angle))
+    hertz, _ = find_modulus(
+        paraboloid_gap(gap.first_radius, gap.second_radius), load=load, indentation=indentation
+    )
+    nu = np.where(np.real(poisson_ratio) > 0.5, 0.5, poisson_ratio)
+    layered, contact = find_modulus(
+        gap, load=load, indentation=indentation + contact_shift, thickness=thickness, poisson_ratio=nu
+    )
+    return {
+        "youngs_modulus_from_indentation": from_reduced_modulus(hertz, poisson_ratio),
+        "youngs_modulus_from_indentation_on_layer": from_reduced_modulus(layered, nu),
+        "loading_radius_on_layer": contact.area_over_pi_indentation,
+    }
 
 
 def _gap(finger: FingerResult, wedge_angle_deg: float) -> Gap:

@@ -12,6 +12,7 @@ from fingerpad.study.results.layer import (
     POOLED_ON_LAYER,
     Layered,
     unit_of,
+    with_thickness,
 )
 from fingerpad.study.results.model import OF_THE_DEVICE, OF_THE_PLACEMENT
 from fingerpad.study.results.pooling import mean_within, shared_errors
@@ -22,7 +23,6 @@ from fingerpad.uncertainty import (
     Propagated,
     pool,
     proportional_stds,
-    with_thickness,
 )
 
 # Parts that a contact shares with no other.

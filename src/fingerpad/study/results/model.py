@@ -22,11 +22,11 @@ from fingerpad.uncertainty import (
     Inputs,
     Propagated,
     covariance_root,
-    pad_inputs,
     pad_model,
     propagate,
     run_monte_carlo,
 )
+from fingerpad.uncertainty.models import pad_inputs
 
 # Radii that are pooled over the contacts of a finger at one angle.
 POOLED_OUTPUTS: Final = ("radius_from_indentation", "radius_from_compliance")

@@ -21,9 +21,8 @@ from fingerpad.uncertainty import (
     ScatterComponent,
     covariance_root,
     nested_scatter,
-    within_covariance,
 )
-from fingerpad.uncertainty.repeatability import (
+from fingerpad.uncertainty.scatter import (
     LIMIT_FACTOR,
     MIN_LEVEL_FREEDOM,
     MIN_REPEAT_FREEDOM,
@@ -138,11 +137,14 @@ class ContactRepeatability:
         group : array_like, shape (n,)
             What each is a repeat of.
         """
-        found, freedom = within_covariance(axes, group)
-        _, place, size = np.unique(np.asarray(group), return_inverse=True, return_counts=True)
+        axes = as_float_array(axes)
+        _, place, size = np.unique(group, return_inverse=True, return_counts=True)
+        freedom = len(axes) - size.size
         covariance = np.zeros((2, 2))
         if freedom >= MIN_REPEAT_FREEDOM:
-            share = (1 - 1 / size[place.reshape(-1)]) / freedom
+            means = np.stack([np.bincount(place, of) / size for of in axes.T], axis=-1)
+            off = axes - means[place]
+            found, share = off.T @ off / freedom, (1 - 1 / size[place]) / freedom
             root = covariance_root(found - np.einsum("n,nij->ij", share, as_float_array(noise)))
             covariance = root @ root.T  # without the negative eigenvalues of a difference
         repeated = size[size > 1]

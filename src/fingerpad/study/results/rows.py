@@ -1,6 +1,6 @@
 """One row of results per contact: what was seen of it, and what the model says."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from itertools import islice
@@ -21,7 +21,7 @@ from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, l
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.repeats import ContactRepeatability
 from fingerpad.study.results.table import GrowingArray, Places, ResultsTable, TableBuilder
-from fingerpad.uncertainty import PAD_OUTPUTS, PAD_SOURCES, Inputs
+from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.units import KPA_PER_MPA
 
 # What the rows of one summary have in common.
@@ -45,8 +45,6 @@ IMPLAUSIBLE: Final = ("implausible_size", "implausible_modulus", "deeper_than_pa
 _MEASURED: Final = tuple(field.name for field in fields(Measurement) if field.name in COLUMNS)
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
 _OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
-_IN_MM: Final = tuple(name for name in PAD_OUTPUTS if f"{name}_mm" in COLUMNS)
-_IN_KPA: Final = tuple(name for name in PAD_OUTPUTS if f"{name}_kpa" in COLUMNS)
 # The model's derivatives at so many contacts take tens of megabytes.
 _AT_ONCE: Final = 500
 
@@ -313,10 +311,9 @@ def _modelled(
         **_stated_apart(modelled),
         "indentation_over_thickness": value["indentation"] / thickness,
     }
-    for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):
-        for name in names:
-            columns[f"{name}_{unit}"] = factor * value[name]
-            columns[f"{name}_{unit}_std"] = factor * std[name]
+    for name, unit, factor in _with_columns(value):
+        columns[f"{name}_{unit}"] = factor * value[name]
+        columns[f"{name}_{unit}_std"] = factor * std[name]
     columns["range_notes"] = _range_notes({**seen, **columns}, pads, semi_axes)
     return columns
 
@@ -325,10 +322,18 @@ def _stated_apart(modelled: Modelled) -> dict[str, ColumnArray]:
     """Return the columns of uncertainty from one part alone."""
     found: dict[str, ColumnArray] = {}
     for part, by_output in modelled.std_from.items():
-        for names, unit, factor in ((_IN_MM, "mm", 1.0), (_IN_KPA, "kpa", KPA_PER_MPA)):
-            columns = {f"{name}_{unit}_{part}_std": factor * by_output[name] for name in names}
-            found |= {name: std for name, std in columns.items() if name in COLUMNS}
+        for name, unit, factor in _with_columns(by_output):
+            if f"{name}_{unit}_{part}_std" in COLUMNS:
+                found[f"{name}_{unit}_{part}_std"] = factor * by_output[name]
     return found
+
+
+def _with_columns(outputs: Iterable[str]) -> Iterator[tuple[str, str, float]]:
+    """Yield each output that has a column, with the unit of that and its factor."""
+    for name in outputs:
+        for unit, factor in (("mm", 1.0), ("kpa", KPA_PER_MPA)):
+            if f"{name}_{unit}" in COLUMNS:
+                yield name, unit, factor
 
 
 def _outline_radii(seen: Mapping[str, ColumnArray], pads: Sequence[FingerResult]) -> dict[str, ColumnArray]:

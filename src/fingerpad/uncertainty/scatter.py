@@ -1,5 +1,6 @@
-"""Scatter of repeats, and of what repeats are nested in: sessions, fingers, persons."""
+"""Scatter: of repeats and of what they are nested in, and of two persons or methods about each other."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -19,6 +20,9 @@ MIN_REPEAT_FREEDOM: Final = 3
 MIN_LEVEL_FREEDOM: Final = 2
 # Two values differ by no more standard deviations in 95 % of cases.
 LIMIT_FACTOR: Final = NORMAL_97_5 * 2**0.5
+
+# With fewer pairs a standard deviation says nothing.
+MIN_PAIRS: Final = 3
 
 _LEVELS: Final = (0.025, 0.975)
 _DRAWS: Final = 5_000
@@ -261,44 +265,6 @@ def _intraclass_correlation(
     return sum(found[level] for level in outer) / total, (float(low), float(high))
 
 
-def within_covariance(values: ArrayLike, groups: ArrayLike) -> tuple[FloatArray, int]:
-    """Return the covariance of repeats of several quantities, with its degrees of freedom.
-
-    Parameters
-    ----------
-    values : array_like, shape (n, k)
-        Quantities of each repeat.
-    groups : array_like, shape (n,)
-        What it is a repeat of.
-
-    Returns
-    -------
-    covariance : ndarray, shape (k, k)
-        NaN without a repeat.
-    freedom : int
-        Degrees of freedom.
-
-    Raises
-    ------
-    UncertaintyError
-        If a value is not finite or lacks a group.
-
-    Examples
-    --------
-    >>> within_covariance([[0.0, 1.0], [0.2, 1.2], [5.0, 1.0], [5.2, 1.0]], [0, 0, 1, 1])
-    (array([[0.02, 0.01],
-           [0.01, 0.01]]), 2)
-    """
-    values = as_float_array(values)
-    check_all(np.isfinite(values), "value", values, "finite", UncertaintyError)
-    group = _numbers(groups, len(values))
-    freedom = len(values) - np.unique(group).size
-    if freedom == 0:
-        return np.full(2 * (values.shape[1],), np.nan), 0
-    off = values - np.stack([_means(of, group) for of in values.T], axis=-1)[group]
-    return as_float_array(off.T @ off / freedom), int(freedom)
-
-
 def _numbers(groups: ArrayLike, size: int) -> npt.NDArray[np.intp]:
     """Return groups as numbers from 0."""
     numbers = np.unique(np.asarray(groups).reshape(-1), return_inverse=True)[1].reshape(-1)
@@ -321,3 +287,99 @@ def _members(unit: npt.NDArray[np.intp], above: npt.NDArray[np.intp]) -> npt.NDA
     """Return the number of distinct units in each group of the level above."""
     pairs = np.unique(np.stack([above, unit], axis=-1), axis=0)
     return np.unique(pairs[:, 0], return_counts=True)[1]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Agreement(Displayed):
+    """Relative differences of the second of two values from the first; NaN where there are too few pairs.
+
+    Attributes
+    ----------
+    count : int
+        Number of pairs.
+    bias : float
+        Mean difference, relative: 0.01 is 1 %.
+    bias_interval : (float, float)
+        Its 95 % confidence interval, by Student's t.
+    std : float
+        Standard deviation of the differences.
+    limits : (float, float)
+        Limits of agreement: 95 % of differences lie between them.
+    limits_interval : (float, float)
+        Outer ends of the 95 % confidence intervals of the two limits.
+
+    Examples
+    --------
+    >>> found = agreement([100, 120, 140, 90, 110], [101, 119, 143, 91, 111])
+    >>> print(f"{found.count} pairs: {100 * found.bias:.1f} %, within {100 * found.limits[1]:.1f} %")
+    5 pairs: 0.9 %, within 3.0 %
+    """
+
+    count: int
+    bias: float
+    bias_interval: tuple[float, float]
+    std: float
+    limits: tuple[float, float]
+    limits_interval: tuple[float, float]
+
+
+def agreement(first: ArrayLike, second: ArrayLike) -> Agreement:
+    r"""Compare pairs of positive values as Bland and Altman (1986, 1999) do, on logarithms.
+
+    The differences are :math:`d = \ln(x_2/x_1)`, whose scatter does not grow with the size of what is
+    measured; they are stated as :math:`e^d - 1`. The limits are :math:`\bar d \pm 1.96\,s`; their intervals
+    are exact for normal differences, by the noncentral t distribution (Carkeet 2015).
+
+    Parameters
+    ----------
+    first, second : array_like, shape (n,)
+        The same quantities by either person.
+
+    Returns
+    -------
+    Agreement
+
+    Raises
+    ------
+    UncertaintyError
+        If the arrays differ in shape, or a value is not positive and finite.
+
+    Examples
+    --------
+    >>> found = agreement([1.0, 2.0, 4.0], [1.1, 2.2, 4.4])
+    >>> round(found.bias, 3), round(found.std, 3)
+    (0.1, 0.0)
+    """
+    one, other = as_float_array(first), as_float_array(second)
+    if one.ndim != 1 or one.shape != other.shape:
+        raise UncertaintyError(
+            f"first and second must be pairs of values, found shapes {one.shape} and {other.shape}"
+        )
+    for name, values in {"first": one, "second": other}.items():
+        good = np.isfinite(values) & (values > 0)
+        check_all(good, name, values, "positive and finite", UncertaintyError)
+    count = one.size
+    difference = np.log(other / one)
+    mean = float(difference.mean()) if count else math.nan
+    nothing = (math.nan, math.nan)
+    if count < MIN_PAIRS:
+        return Agreement(
+            count=count,
+            bias=math.expm1(mean),
+            bias_interval=nothing,
+            std=math.nan,
+            limits=nothing,
+            limits_interval=nothing,
+        )
+    std = float(difference.std(ddof=1))
+    quantile = float(special.stdtrit(count - 1, 0.975))
+    of_mean = quantile * std / math.sqrt(count)
+    limit = NORMAL_97_5 * std
+    far = float(special.nctdtrit(count - 1, NORMAL_97_5 * math.sqrt(count), 0.975)) * std / math.sqrt(count)
+    around = {"bias_interval": of_mean, "limits": limit, "limits_interval": far}
+    return Agreement(
+        count=count,
+        bias=math.expm1(mean),
+        std=std,
+        **{name: (math.expm1(mean - half), math.expm1(mean + half)) for name, half in around.items()},
+    )

@@ -1,9 +1,9 @@
-"""Named inputs of a model with their joint covariance."""
+"""Named quantities with their joint covariance: the inputs of a model, and its outputs."""
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self, TypeAlias
+from typing import Any, Final, Self, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,8 @@ from fingerpad._arrays import (
     check_radians,
     set_fields,
 )
-from fingerpad._display import Displayed
+from fingerpad._display import Displayed, aligned
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import UncertaintyError
 
 # Named arrays to named arrays, elementwise.
@@ -27,6 +28,9 @@ Model: TypeAlias = Callable[..., Mapping[str, FloatArray]]
 Quantity: TypeAlias = float | tuple[ArrayLike, ArrayLike]
 
 Groups: TypeAlias = Mapping[str, tuple[str, ...]]
+
+# Rounding may leave the smallest eigenvalue of a correlation matrix below zero by this much.
+_ROUNDING: Final = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -218,6 +222,170 @@ class Inputs(Displayed):
         return replace(self, covariance=whole)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Outputs(Displayed):
+    """Named outputs of a model with their joint covariance; ``outputs[name]`` is one `Estimate`.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the m outputs.
+    value : ndarray, shape (..., m)
+        Their values.
+    covariance : ndarray, shape (..., m, m)
+        Their covariance.
+    interval : ndarray, shape (..., m, 2)
+        Lower and upper ends of the 95 % interval of each.
+
+    Examples
+    --------
+    >>> from fingerpad.uncertainty import Inputs, propagate
+    >>> outputs = propagate(lambda x: {"double": 2 * x, "square": x**2}, Inputs.of(x=(3.0, 0.1)))
+    >>> outputs.names, outputs.covariance.round(3)
+    (('double', 'square'), array([[0.04, 0.12],
+           [0.12, 0.36]]))
+    >>> print(f"{outputs['square']:.1f}")
+    9.0 ± 0.6
+    """
+
+    names: tuple[str, ...]
+    value: FloatArray
+    covariance: FloatArray
+    interval: FloatArray
+
+    def summary(self) -> str:
+        """Return each output with its standard uncertainty.
+
+        Returns
+        -------
+        str
+            One line each.
+        """
+        return "\n".join([type(self).__name__, *aligned([(name, str(self[name])) for name in self.names])])
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    @property
+    def std(self) -> FloatArray:
+        """Standard uncertainty of each output, shape (..., m)."""
+        return np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
+
+    def place(self, name: str) -> int:
+        """Return the place of an output along the last axis.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+
+        Returns
+        -------
+        int
+
+        Raises
+        ------
+        UncertaintyError
+            If there is no output of that name.
+
+        Examples
+        --------
+        >>> from fingerpad.uncertainty import Inputs, propagate
+        >>> propagate(lambda x: {"double": 2 * x, "square": x**2}, Inputs.of(x=3.0)).place("square")
+        1
+        """
+        if name not in self.names:
+            raise UncertaintyError(f"no output {name!r}; there are {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def __getitem__(self, name: str) -> Estimate:
+        place = self.place(name)
+        ends = np.moveaxis(self.interval[..., place, :], -1, 0)
+        columns: tuple[Any, ...] = (self.value[..., place], self.std[..., place], *ends)
+        value, std, lower, upper = (column[()] for column in columns)  # numbers, of one set of inputs
+        return Estimate(value=value, std=std, interval=(lower, upper))
+
+
+def covariance_of(value: ArrayLike) -> FloatArray:
+    """Return `value` as covariance matrices, validated.
+
+    Parameters
+    ----------
+    value : array_like, shape (..., n, n)
+        One matrix or several.
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+
+    Raises
+    ------
+    UncertaintyError
+        If a matrix is not square, finite or symmetric, has a negative variance, a correlation outside
+        [−1, 1], or is not positive semidefinite.
+
+    Examples
+    --------
+    >>> covariance_of([[1.0, 0.5], [0.5, 1.0]]).shape
+    (2, 2)
+    """
+    covariance = as_float_array(value)
+    if covariance.ndim < 2 or covariance.shape[-1] != covariance.shape[-2]:
+        raise UncertaintyError(f"a covariance must be square, found the shape {covariance.shape}")
+    variance = np.diagonal(covariance, axis1=-2, axis2=-1)
+    check_all(np.isfinite(covariance), "covariance", covariance, "finite", UncertaintyError)
+    check_all(variance >= 0, "variance", variance, "positive or zero", UncertaintyError)
+    std = np.sqrt(variance)
+    scale = std[..., :, None] * std[..., None, :]
+    other = np.swapaxes(covariance, -1, -2)
+    symmetric = np.abs(covariance - other) <= _ROUNDING * (scale + np.abs(covariance))
+    check_all(symmetric, "covariance", covariance, "symmetric", UncertaintyError)
+    correlation = np.divide(covariance, scale, out=np.where(covariance == 0, 0.0, np.inf), where=scale > 0)
+    check_all(
+        np.abs(correlation) <= 1 + _ROUNDING, "correlation", correlation, "within [-1, 1]", UncertaintyError
+    )
+    smallest = np.linalg.eigvalsh(correlation)[..., :1]
+    check_all(
+        smallest >= -_ROUNDING * covariance.shape[-1],
+        "smallest eigenvalue of the correlations",
+        smallest,
+        "positive or zero (a covariance is positive semidefinite)",
+        UncertaintyError,
+    )
+    return covariance
+
+
+def covariance_root(covariance: FloatArray) -> FloatArray:
+    """Return F with F Fᵀ = `covariance`, which may be singular.
+
+    In units of the standard deviations F is the symmetric root, which does not depend on the order of the
+    inputs. Negative eigenvalues are taken to be zero, as those that rounding leaves.
+
+    Parameters
+    ----------
+    covariance : ndarray, shape (..., n, n)
+        One matrix or several.
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+        NaN where a matrix is not finite.
+
+    Examples
+    --------
+    >>> covariance_root(np.array([[4.0, 0.0], [0.0, 9.0]]))
+    array([[2., 0.],
+           [0., 3.]])
+    """
+    finite = np.isfinite(covariance).all(axis=(-2, -1), keepdims=True)
+    clean = np.where(finite, covariance, 0.0)
+    variance = np.diagonal(clean, axis1=-2, axis2=-1)
+    unit = np.sqrt(np.where(variance > 0, variance, 1.0))
+    size, direction = np.linalg.eigh(clean / (unit[..., :, None] * unit[..., None, :]))
+    root = direction * np.sqrt(np.maximum(size, 0))[..., None, :] @ np.swapaxes(direction, -1, -2)
+    return np.where(finite, unit[..., :, None] * root, np.nan)
+
+
 def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[tuple[str, ...], FloatArray]:
     """Evaluate a model at points given as one array.
 
@@ -308,3 +476,62 @@ def _value_and_std(name: str, quantity: Any) -> tuple[FloatArray, FloatArray]:
     # NaN is refused with the covariance, where that is propagated.
     check_all(~(std < 0), f"standard uncertainty of {name}", std, "positive or zero", UncertaintyError)
     return value, std
+
+
+def inputs_from_ufloats(**values: Any) -> Inputs:
+    """Return inputs from numbers, some of which may be objects of `uncertainties`.
+
+    Correlations between the objects are kept; a plain number is exact.
+
+    Parameters
+    ----------
+    **values : float or uncertainties.UFloat
+        One number each: `uncertainties.ufloat` and what was computed from them, or a plain number.
+
+    Returns
+    -------
+    Inputs
+
+    Examples
+    --------
+    >>> from uncertainties import ufloat
+    >>> scale = ufloat(1.0, 0.01)
+    >>> inputs = inputs_from_ufloats(semi_major=7.4 * scale, semi_minor=5.0 * scale, load=2.0)
+    >>> print(inputs.mean, inputs.covariance[0, 1].round(6))
+    [7.4 5.  2. ] 0.0037
+    """
+    from uncertainties import UFloat, covariance_matrix, nominal_value
+
+    inputs = Inputs.of(**{name: nominal_value(value) for name, value in values.items()})
+    uncertain = {name: value for name, value in values.items() if isinstance(value, UFloat)}
+    if not uncertain:
+        return inputs
+    return inputs.with_covariance(uncertain, covariance_matrix(list(uncertain.values())))
+
+
+def correlated_values(outputs: Outputs) -> dict[str, Any]:
+    """Return outputs as objects of `uncertainties` that keep their correlations.
+
+    Parameters
+    ----------
+    outputs : Propagated or MonteCarloResult
+        From one set of inputs.
+
+    Returns
+    -------
+    dict of str to uncertainties.UFloat
+
+    Examples
+    --------
+    >>> from fingerpad.uncertainty import propagate
+    >>> axes = Inputs.of(semi_major=(7.4, 0.1), semi_minor=(5.0, 0.1))
+    >>> values = correlated_values(
+    ...     propagate(lambda semi_major, semi_minor: {"a": semi_major, "b": semi_minor}, axes)
+    ... )
+    >>> print(f"{values['a'] / values['b']:.1u}")
+    1.48+/-0.04
+    """
+    import uncertainties
+
+    pairs = uncertainties.correlated_values(outputs.value, outputs.covariance)
+    return dict(zip(outputs.names, pairs, strict=True))
