@@ -8,7 +8,7 @@ import pytest
 from benchmarks.exact import RATIOS, exact_contact
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fingerpad.contact import (
     Contact,
@@ -152,6 +152,20 @@ def test_areas_of_the_published_pad_at_two_angles() -> None:
     placement = Placement(PAD, wedge_angle=np.radians([30, 45]))
     area = hertz_contact(placement, Tissue.of_reduced_modulus(0.1365), load=2.0).area
     assert_allclose(area, [88.56, 72.61], atol=0.01)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.3, 0.5])
+def test_thickness_is_flagged_where_the_layer_is_stiffer(poisson_ratio: float) -> None:
+    thickness = np.array([4.0, 8.0, 100.0, 200.0, np.inf])
+    ball, layer = Paraboloid(10.0, 10.0), Tissue(0.05, poisson_ratio, thickness)
+    found = hertz_contact(ball, layer, area=np.pi * 4.0**2)
+    error = found.indentation / fast_contact(ball, layer, area=found.area).indentation - 1
+    assert found.flags.tolist() == [*3 * ["thickness_ignored"], "", ""]
+    assert_array_equal(found.flags != "", error > 0.02)
+    deep = hertz_contact(ball, Tissue(0.05, poisson_ratio), area=found.area)
+    for name in ("load", "indentation", "semi_major", "peak_pressure"):
+        assert_array_equal(getattr(found, name), getattr(deep, name))
+    assert str(hertz_contact(ball, Tissue(0.05, poisson_ratio, 8.0), load=0.0).flags) == "no_contact"
 
 
 def test_zero_load() -> None:

@@ -250,7 +250,7 @@ def contact_record(contact: "Contact") -> dict[str, Any]:
         "semi_major_mm": contact.semi_major,
         "semi_minor_mm": contact.semi_minor,
         "aspect_ratio": contact.aspect_ratio,
-        "long_axis_along": None if contact.flag_code else along,
+        "long_axis_along": along if contact.load > 0 else None,
         "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
     }
 

@@ -46,9 +46,9 @@ def solve(
     """Press a whole ellipsoidal pad against a flat plate, on deep tissue or on a layer over bone.
 
     Fast laws and Hertz theory answer the same question beside it. The laws are flagged, and say nothing,
-    beyond their range; the error of Hertz theory is its departure from the solved contact. The long axis
-    lies along the first principal direction, the one nearer to the finger's axis, along the second, or
-    along either.
+    beyond their range; the error of Hertz theory is its departure from the solved contact, and its flag
+    says where it ignores a thickness that matters. The long axis lies along the first principal
+    direction, the one nearer to the finger's axis, along the second, or along either.
     """
     from fingerpad.contact import fast_contact, hertz_contact, solve_contact
     from fingerpad.contact.laws import ERROR_OF_BOTH, ERROR_OF_PAD
@@ -77,7 +77,11 @@ def solve(
             "relative_error_estimate": None if flag else error_of_laws,
             "flag": flag or None,
         },
-        "hertz": {**contact_record(hertz), "relative_error_estimate": max(departures)},
+        "hertz": {
+            **contact_record(hertz),
+            "relative_error_estimate": max(departures),
+            "flag": str(hertz.flags) or None,
+        },
     }
     if as_json:
         print_json(record)
@@ -91,3 +95,5 @@ def _print_table(record: Mapping[str, Any]) -> None:
     others = {name: plainly.pop(name) for name in ("fast", "hertz")}
     print_side_by_side({"solved": plainly, **others})
     print_law_flag(others["fast"]["flag"])
+    if others["hertz"]["flag"] == "thickness_ignored":
+        typer.echo("Hertz theory takes the layer for deep tissue")

@@ -26,7 +26,8 @@ from fingerpad.geometry import Paraboloid, Placement
 
 AnyPlacement: TypeAlias = Placement | Paraboloid
 
-# What takes a contact out of the range of a theory, by its code; the numbers are then NaN.
+# What takes a contact out of the range of a theory, by its code. The numbers are then NaN, but for Hertz
+# theory with `thickness_ignored`: they are those of deep tissue.
 FLAGS: Final = (
     "",
     "no_contact",
@@ -35,6 +36,7 @@ FLAGS: Final = (
     "contact_too_slender",
     "layer_too_thin",
     "poisson_ratio_out_of_range",
+    "thickness_ignored",
 )
 
 
@@ -144,6 +146,8 @@ class Form:
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Contact(Displayed):
     """Contacts under load, one or an array of them; NaN beyond the range of the theory, with a flag.
+
+    One flag, ``thickness_ignored``, leaves the numbers: `hertz_contact` has taken a layer for deep tissue.
 
     Attributes
     ----------
