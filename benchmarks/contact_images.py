@@ -172,24 +172,25 @@ def edge_calibration(count: int) -> None:
 
     The errors of both axes and of the area, with the shift taken back, are linear in the three constants.
     """
-    from fingerpad.image.contact_image import _outline, _patch  # noqa: PLC0415
+    from fingerpad.image.contact_image import edge as edges  # noqa: PLC0415
+    from fingerpad.image.contact_image.calibration import EDGE  # noqa: PLC0415
     from fingerpad.image.ellipse import polygon_moments  # noqa: PLC0415
 
-    kept: list[_outline.ContactEdge] = []
-    plain = _outline.edge_shift
+    kept: list[edges.Edge] = []
+    plain = edges.edge_shift
 
-    def watched(edge: _outline.ContactEdge) -> Numbers:
+    def watched(edge: edges.Edge) -> Numbers:
         kept.append(edge)
         return plain(edge)
 
     designs, targets = [], []
     for truth in population(count, seed=7):
-        with patch.object(_patch, "edge_shift", watched):
+        with patch.object(edges, "edge_shift", watched):
             found = values_of(measure_contact_image(truth.pixels, SCALE))[:3]
         edge, size = kept[-1], found / np.array([1, 1, 0.7])
         moments = polygon_moments(edge.points)
         weights = (
-            _outline.axis_weights(moments, edge.points)
+            edges.axis_weights(moments, edge.points)
             * edge.steps[:, None]
             / [*moments.semi_axes, moments.area]
         )
@@ -199,7 +200,7 @@ def edge_calibration(count: int) -> None:
         targets.append((values_of(truth)[:3] - found) / size + weights.T @ (plain(edge) - edge.fade))
     fitted = np.linalg.lstsq(np.concatenate(designs), np.concatenate(targets), rcond=None)[0]
     print("\nEdge constants (ends, following, noise): fitted", np.round(fitted, 3), end=" ")
-    print("in use", (_outline._ENDS, _outline._FOLLOWING, _outline._NOISE))
+    print("in use", (EDGE.ends, EDGE.following, EDGE.noise))
 
 
 def speed(repeats: int = 60) -> None:

@@ -243,8 +243,8 @@ def test_show_errors(results, tmp_path: Path) -> None:
         fp.show(fp.Placement(PAD, wedge_angle=[0.4, 0.5]))
     prepared = prepare_contact_image(contact().pixels, fp.Scale.of_ppi(250))
     with pytest.raises(fp.FingerpadError, match=r"not kept .* draw_overlay\(pixels, result\)"):
-        fp.show(prepared.contact_image)
-    assert prepared.contact_image._repr_html_().startswith("<pre>")
+        fp.show(prepared.measure())
+    assert prepared.measure()._repr_html_().startswith("<pre>")
 
 
 def test_summaries_leave_out_only_what_is_empty() -> None:

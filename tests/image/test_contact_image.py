@@ -11,7 +11,7 @@ from skimage.measure import label, regionprops
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import FLAGS, Scale, measure_contact_image
-from fingerpad.image.contact_image._cropping import crop_image
+from fingerpad.image.contact_image.view import crop
 from fingerpad.simulate import render_contact_image
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
@@ -470,7 +470,7 @@ def test_a_narrow_mask_keeps_the_least_side(column, region, expected):
     pixels = np.add.outer(np.arange(80.0), np.arange(100.0))
     mask = np.zeros(pixels.shape, bool)
     mask[10:70, column] = True
-    part = crop_image(pixels, background=None, mask=mask, region_of_interest=region)
+    part = crop(pixels, mask=mask, region_of_interest=region)
     first, last = expected
     assert part.corner == (10, first)
     np.testing.assert_array_equal(part.pixels, pixels[10:70, first:last])
@@ -481,7 +481,7 @@ def test_a_narrow_mask_keeps_the_least_side(column, region, expected):
 def test_a_polygon_of_small_numbers_is_where_it_was_drawn(kind):
     pixels = np.add.outer(np.arange(130.0), np.arange(140.0))
     corners = np.array([(20, 30), (20, 120), (110, 120), (110, 30)], dtype=kind)
-    part = crop_image(pixels, background=None, mask=corners, region_of_interest=None)
+    part = crop(pixels, mask=corners)
     assert part.corner == (20, 30)
     np.testing.assert_array_equal(part.inside, np.ones((91, 91), bool))
 

@@ -24,7 +24,7 @@ from fingerpad.simulate import render_contact_image
 PPI_500 = Scale.of_ppi(500)
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
 PREPARED = prepare_contact_image(TRUTH.pixels, PPI_500)
-PLAIN = PREPARED.contact_image
+PLAIN = PREPARED.measure()
 CENTRE = PLAIN.centroid
 
 
@@ -47,7 +47,7 @@ def with_smudge():
 def test_smudge_removed():
     pixels = with_smudge()
     prepared = prepare_contact_image(pixels, PPI_500)
-    dirty = prepared.contact_image
+    dirty = prepared.measure()
     assert dirty.gross_area > 1.1 * TRUTH.gross_area
     # A person follows the true outline with a small brush, then clears what lies beyond.
     edge = PLAIN.outline
@@ -55,7 +55,7 @@ def test_smudge_removed():
     near = np.linalg.norm(edge - [CENTRE[0] + 95, CENTRE[1] + 105], axis=1) < 80
     strokes = [stroke("remove", *map(tuple, (edge + 12 * away)[near]), radius=12)]
     strokes += [stroke("remove", *map(tuple, (edge + 50 * away)[near][::5]), radius=42)]
-    clean = prepared.with_corrections(strokes)
+    clean = prepared.measure(strokes)
     assert "edited_manually" in clean.flags
     assert abs(clean.gross_area - TRUTH.gross_area) < 2 * clean.gross_area_std
     assert abs(clean.ellipse.semi_major - 8.0) < 2 * clean.semi_major_std
@@ -75,11 +75,11 @@ def test_cut_part_added():
     bite = np.hypot(*(np.indices(pixels.shape) - np.array([CENTRE[0] - 150, CENTRE[1]])[:, None, None])) < 60
     pixels[bite] = pixels.max()
     prepared = prepare_contact_image(pixels, PPI_500)
-    assert prepared.contact_image.gross_area < 0.97 * TRUTH.gross_area
+    assert prepared.measure().gross_area < 0.97 * TRUTH.gross_area
     within = [point for point in PLAIN.outline if math.dist(point, (CENTRE[0] - 150, CENTRE[1])) < 75]
     inwards = [(row + 15, column) for row, column in within]
     # First the rim with a brush that just touches the true outline, then the middle.
-    mended = prepared.with_corrections(
+    mended = prepared.measure(
         [stroke("add", *inwards, radius=15), stroke("add", (CENTRE[0] - 100, CENTRE[1]), radius=45)]
     )
     assert abs(mended.gross_area - TRUTH.gross_area) < 2 * mended.gross_area_std
@@ -87,11 +87,11 @@ def test_cut_part_added():
 
 
 def test_no_edits_equal_automatic():
-    assert PREPARED.with_corrections().as_record() == measure_contact_image(TRUTH.pixels, PPI_500).as_record()
+    assert PREPARED.measure().as_record() == measure_contact_image(TRUTH.pixels, PPI_500).as_record()
 
 
 def test_painting_inside_changes_nothing():
-    again = PREPARED.with_corrections([stroke("add", CENTRE, radius=60)])
+    again = PREPARED.measure([stroke("add", CENTRE, radius=60)])
     assert again.gross_area == pytest.approx(PLAIN.gross_area, rel=2e-4)
     assert again.ellipse.semi_major == pytest.approx(PLAIN.ellipse.semi_major, rel=2e-4)
     assert again.gross_area_std == pytest.approx(PLAIN.gross_area_std, rel=0.1)
@@ -103,9 +103,7 @@ def test_painting_inside_changes_nothing():
 def test_remove_then_add(radius, row, column, other):
     place = (CENTRE[0] + row, CENTRE[1] + column)
     path = (place, (place[0] + other, place[1]))
-    back = PREPARED.with_corrections(
-        [stroke("remove", *path, radius=radius), stroke("add", *path, radius=radius)]
-    )
+    back = PREPARED.measure([stroke("remove", *path, radius=radius), stroke("add", *path, radius=radius)])
     assert back.gross_area == pytest.approx(PLAIN.gross_area, rel=3e-3)
 
 
@@ -119,11 +117,11 @@ def with_room():
 def test_disk_outside_adds_area(radius, angle):
     """A disk joined to the contact by a thin bridge adds what geometry says."""
     room = with_room()
-    plain = room.contact_image
+    plain = room.measure()
     way = np.array([math.cos(angle), math.sin(angle)])
     edge = float(((plain.outline - plain.centroid) @ way).max())
     centre = plain.centroid + (edge + radius + 4) * way
-    found = room.with_corrections(
+    found = room.measure(
         [stroke("add", tuple(centre), radius=radius), stroke("add", plain.centroid, tuple(centre), radius=3)]
     )
     more = (found.gross_area - plain.gross_area) / PPI_500.mm_per_px**2
@@ -138,7 +136,7 @@ def test_manual_ellipse(orientation_deg):
         semi_axes=(120.5, 80.25),
         orientation=math.radians(orientation_deg),
     )
-    found = PREPARED.with_corrections(ellipse=hand)
+    found = PREPARED.measure(ellipse=hand)
     size = PPI_500.mm_per_px
     assert found.ellipse.semi_major == pytest.approx(120.5 * size, rel=1e-3)
     assert found.ellipse.semi_minor == pytest.approx(80.25 * size, rel=1e-3)
@@ -156,10 +154,10 @@ def test_manual_contact_where_none_found():
     prepared = prepare_contact_image(faint, PPI_500)
     assert "no contact found" in prepared.reason
     with pytest.raises(ImageError, match="no contact found"):
-        prepared.with_corrections()
-    drawn = prepared.with_corrections(ellipse=ImageEllipse(centre=(150, 150), semi_axes=(90, 70)))
+        prepared.measure()
+    drawn = prepared.measure(ellipse=ImageEllipse(centre=(150, 150), semi_axes=(90, 70)))
     assert drawn.gross_area == pytest.approx(math.pi * 90 * 70 * PPI_500.mm_per_px**2, rel=1e-3)
-    painted = prepared.with_corrections([stroke("add", (150, 150), radius=60)])
+    painted = prepared.measure([stroke("add", (150, 150), radius=60)])
     assert painted.gross_area == pytest.approx(math.pi * 60**2 * PPI_500.mm_per_px**2, rel=0.02)
 
 
@@ -192,17 +190,15 @@ def true_outline(count=120):
 
 def test_a_polygon_replaces_the_region():
     outline = true_outline()
-    drawn = PREPARED.with_corrections([stroke("remove", CENTRE, radius=60), polygon("replace", outline)])
+    drawn = PREPARED.measure([stroke("remove", CENTRE, radius=60), polygon("replace", outline)])
     assert drawn.gross_area == pytest.approx(TRUTH.gross_area, rel=3e-3)
     assert drawn.ellipse.semi_major == pytest.approx(8, rel=3e-3)
     assert "edited_manually" in drawn.flags
     # The hand's error: that of an ellipse placed manually, which is drawn all round as well.
     ellipse = ImageEllipse(centre=TRUTH.centroid, semi_axes=(8 / TRUTH.mm_per_px, 6 / TRUTH.mm_per_px))
-    assert drawn.gross_area_std == pytest.approx(
-        PREPARED.with_corrections(ellipse=ellipse).gross_area_std, rel=0.02
-    )
+    assert drawn.gross_area_std == pytest.approx(PREPARED.measure(ellipse=ellipse).gross_area_std, rel=0.02)
     larger = true_outline() + 0.1 * (true_outline() - TRUTH.centroid)
-    assert PREPARED.with_corrections([polygon("replace", larger)]).gross_area == pytest.approx(
+    assert PREPARED.measure([polygon("replace", larger)]).gross_area == pytest.approx(
         1.21 * TRUTH.gross_area, rel=3e-3
     )
 
@@ -210,26 +206,24 @@ def test_a_polygon_replaces_the_region():
 def test_polygons_add_and_remove_what_they_enclose():
     row, column = CENTRE
     box = [(row - 90, column - 25), (row - 90, column + 25), (row - 40, column + 25), (row - 40, column - 25)]
-    hole = PREPARED.with_corrections([polygon("remove", box)])
+    hole = PREPARED.measure([polygon("remove", box)])
     assert hole.gross_area == pytest.approx(PLAIN.gross_area, rel=2e-3)  # a contact has no holes
     notch = np.array([(row - 400, column - 25), (row - 400, column + 25), *box[2:]])
-    cut = PREPARED.with_corrections([polygon("remove", notch)])
+    cut = PREPARED.measure([polygon("remove", notch)])
     top = PLAIN.outline[np.abs(PLAIN.outline[:, 1] - column) < 25][:, 0].min()
     lost = 50 * (row - 40 - top) * PPI_500.mm_per_px**2
     assert PLAIN.gross_area - cut.gross_area == pytest.approx(lost, rel=0.05)
-    back = PREPARED.with_corrections([polygon("remove", notch), polygon("add", notch.clip(top, None))])
+    back = PREPARED.measure([polygon("remove", notch), polygon("add", notch.clip(top, None))])
     assert back.gross_area == pytest.approx(PLAIN.gross_area, rel=0.01)
-    around = PREPARED.with_corrections([polygon("replace", [(-50, -50), (-50, 900), (900, 900), (900, -50)])])
+    around = PREPARED.measure([polygon("replace", [(-50, -50), (-50, 900), (900, 900), (900, -50)])])
     assert around.gross_area > 1.5 * PLAIN.gross_area
 
 
 def test_a_lasso_that_crosses_itself_holds_all_inside():
     outline = true_outline(100)
     tail = [outline[0] + [30, 0], outline[10] + [-60, 20]]  # the ends of the line overlap
-    plain = PREPARED.with_corrections([polygon("replace", outline)])
-    crossed = PREPARED.with_corrections(
-        [polygon("replace", [*tail[:1], *outline[1:], *outline[:10], tail[1]])]
-    )
+    plain = PREPARED.measure([polygon("replace", outline)])
+    crossed = PREPARED.measure([polygon("replace", [*tail[:1], *outline[1:], *outline[:10], tail[1]])])
     assert crossed.gross_area == pytest.approx(plain.gross_area, rel=0.03)
 
 
@@ -243,7 +237,7 @@ def test_lassos_by_an_unsteady_hand_are_covered():
         # Generous or strict all round, and a tremor that wanders along the line.
         tremor = np.fft.irfft(np.fft.rfft(rng.normal(size=300)) * (np.arange(151) < 12)) * 300**0.5 / 24**0.5
         off = period * (rng.uniform(-0.35, 0.35) + 0.03 * tremor)
-        drawn = PREPARED.with_corrections([polygon("replace", outline + off[:, None] * outward)])
+        drawn = PREPARED.measure([polygon("replace", outline + off[:, None] * outward)])
         errors.append((drawn.gross_area - TRUTH.gross_area) / drawn.gross_area_std)
     assert np.max(np.abs(errors)) < 2.2
     assert np.sqrt(np.mean(np.square(errors))) > 0.3  # and not by far too much
@@ -254,7 +248,7 @@ def test_a_manual_threshold_is_as_uncertain_as_its_choice(look):
     truth = render_contact_image(
         semi_major=5.0, semi_minor=4.0, look=look, noise_std=20, blur=0.1, lighting=0.2, seed=8
     )
-    automatic = prepare_contact_image(truth.pixels, PPI_500).contact_image
+    automatic = prepare_contact_image(truth.pixels, PPI_500).measure()
     found = {
         share: measure_contact_image(truth.pixels, PPI_500, threshold=share * automatic.threshold)
         for share in (0.64, 0.8, 0.9, 1.0, 1.25)
@@ -280,15 +274,15 @@ def test_histogram_counts_the_levels_that_a_threshold_parts():
 def test_invalid_edits(case):
     strokes, ellipse, words = BAD[case]
     with pytest.raises(ImageError, match=words):
-        PREPARED.with_corrections(strokes, ellipse)
+        PREPARED.measure(strokes, ellipse)
 
 
 def test_the_edge_and_a_manual_threshold_are_independent():
     prepared = prepare_contact_image(TRUTH.pixels, PPI_500, threshold=90.0)
-    edge_alone = replace(prepared, _nearby=()).with_corrections()
+    edge_alone = replace(prepared, _nearby=()).measure()
     low, high = (
         measure_contact_image(TRUTH.pixels, PPI_500, threshold=level).values for level in (0.8 * 90, 1.2 * 90)
     )
     expected = edge_alone.covariance + np.outer(low - high, low - high) / 4
-    assert prepared.contact_image.covariance == pytest.approx(expected, rel=1e-9)
-    assert prepared.contact_image.edge_offset_std > edge_alone.edge_offset_std
+    assert prepared.measure().covariance == pytest.approx(expected, rel=1e-9)
+    assert prepared.measure().edge_offset_std > edge_alone.edge_offset_std

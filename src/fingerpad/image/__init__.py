@@ -4,16 +4,18 @@ from fingerpad.image._memory import MEMORY_LIMIT
 from fingerpad.image.coin.measure import Coin, measure_coin
 from fingerpad.image.colour import read_colour_image
 from fingerpad.image.contact_image.manual import BrushStroke, RegionPolygon
-from fingerpad.image.contact_image.measure import measure_contact_image
-from fingerpad.image.contact_image.options import ContactImageOptions, MeasurementRegion
+from fingerpad.image.contact_image.measure import (
+    PreparedContactImage,
+    measure_contact_image,
+    prepare_contact_image,
+)
 from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
-from fingerpad.image.contact_image.prepare import PreparedContactImage, prepare_contact_image
 from fingerpad.image.contact_image.result import (
     FLAGS,
     PLAUSIBLE_RIDGE_PERIOD_MM,
     ContactImageResult,
-    ContactImageSettings,
 )
+from fingerpad.image.contact_image.view import ContactImageOptions
 from fingerpad.image.ellipse import (
     ImageEllipse,
     PlaneEllipse,
@@ -79,7 +81,6 @@ __all__ = [
     "Coin",
     "ContactImageOptions",
     "ContactImageResult",
-    "ContactImageSettings",
     "Direction",
     "EllipseFit",
     "Face",
@@ -93,7 +94,6 @@ __all__ = [
     "Frames",
     "Grid",
     "ImageEllipse",
-    "MeasurementRegion",
     "OutlineFit",
     "OutlineSemiAxes",
     "Phase",

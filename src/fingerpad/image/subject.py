@@ -15,7 +15,7 @@ from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.image._arguments import picture_levels
 from fingerpad.image._levels import eight_bit
 from fingerpad.image.coin.measure import measure_coin
-from fingerpad.image.contact_image._texture import LineTexture, line_texture
+from fingerpad.image.contact_image.spectra import LineTexture, line_texture
 from fingerpad.image.inputs import ImageLike, colour_levels
 from fingerpad.image.photograph._input import opponent_light
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette

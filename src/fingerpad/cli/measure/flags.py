@@ -9,7 +9,7 @@ from fingerpad.exceptions import ImageError
 
 if TYPE_CHECKING:
     from fingerpad._arrays import FloatArray
-    from fingerpad.image import MeasurementRegion
+    from fingerpad.image import ContactImageOptions
 
 # No picture has so many rows or columns; NaN is not below it.
 _MOST_PX: Final = 1e9
@@ -59,10 +59,16 @@ def region_of(text: str | None) -> tuple[int, int, int, int] | None:
     return row, column, last_row, last_column
 
 
-def measurement_region(
-    background: Path | None, seed_px: str | None, mask: Path | None, roi: str | None
-) -> "MeasurementRegion":
-    """Return where a contact image is looked at."""
+def contact_options(
+    *,
+    background: Path | None,
+    seed_px: str | None,
+    mask: Path | None,
+    roi_px: str | None,
+    dark_on_light: bool | None,
+    threshold: float | None,
+) -> "ContactImageOptions":
+    """Return how a contact image is measured."""
     from fingerpad.image import read_image
 
     seed = None if seed_px is None else numbers_of("--seed-px", seed_px, 2)
@@ -70,7 +76,9 @@ def measurement_region(
         "background": None if background is None else read_image(background).pixels,
         "seed": None if seed is None else (seed[0], seed[1]),
         "mask": None if mask is None else _corners(mask),
-        "region_of_interest": region_of(roi),
+        "region_of_interest": region_of(roi_px),
+        "dark_on_light": dark_on_light,
+        "threshold": threshold,
     }
 
 

@@ -13,7 +13,7 @@ from fingerpad.cli.measure.flags import (
     Roi,
     Seed,
     Threshold,
-    measurement_region,
+    contact_options,
 )
 from fingerpad.cli.measure.records import (
     overlay_files,
@@ -53,19 +53,20 @@ def measure_prints(
     from fingerpad.image import measure_contact_image, read_image, write_overlay
 
     require_positive("--threshold", threshold)
-    place = measurement_region(background, seed_px, mask, roi_px)
+    options = contact_options(
+        background=background,
+        seed_px=seed_px,
+        mask=mask,
+        roi_px=roi_px,
+        dark_on_light=dark_on_light,
+        threshold=threshold,
+    )
     overlays = overlay_files(images, overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)
         used = scale or _stated_scale(path, picture)
-        contact_image = measure_contact_image(
-            picture.pixels,
-            used,
-            dark_on_light=dark_on_light,
-            threshold=threshold,
-            **place,
-        )
+        contact_image = measure_contact_image(picture.pixels, used, **options)
         if path in overlays:
             write_overlay(overlays[path], picture.pixels, contact_image)
         return {

@@ -15,7 +15,7 @@ from fingerpad.cli.measure.flags import (
     Roi,
     Seed,
     Threshold,
-    measurement_region,
+    contact_options,
 )
 from fingerpad.cli.measure.records import print_if_exact, printed, tracked
 from fingerpad.cli.measure.scale import WAYS, takes_scale
@@ -75,7 +75,14 @@ def measure_frames(
     with columns_named_by(lambda _: ""):  # no flag of this command does
         signal = None if force is None else read_force_signal(force)
     clock = _clock(frames.frames_per_second, frames_per_second, signal, start_s, contact_load_n, times)
-    place = measurement_region(background, seed_px, mask, roi_px)
+    options = contact_options(
+        background=background,
+        seed_px=seed_px,
+        mask=mask,
+        roi_px=roi_px,
+        dark_on_light=dark_on_light,
+        threshold=threshold,
+    )
     unread = {} if force is None else unread_force_columns(force)
     for note in unread_notes(unread, lambda *_: ", rename it in the first line"):
         print_note(note)
@@ -93,10 +100,8 @@ def measure_frames(
         scale,
         clock=clock,
         force=signal,
-        dark_on_light=dark_on_light,
-        threshold=threshold,
         watch=draw,
-        **place,
+        **options,
     )
     shown = printed(tracked(results, len(frames)), as_json, FrameResult.as_record, _print_frame)
     summary = sequence_summary(shown, signal)

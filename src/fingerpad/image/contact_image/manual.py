@@ -9,17 +9,19 @@ import cv2
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float_array, positive_number, real_array, set_fields
+from fingerpad._arrays import FloatArray, as_float_array, positive_number, real_array, set_fields
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, to_fixed_point
-from fingerpad.image.contact_image._outline import (
-    ContactEdge,
+from fingerpad.image.contact_image.edge import (
+    Edge,
+    drawn_edge,
     outward_normals,
     point_spacings,
     running_mean,
 )
-from fingerpad.image.contact_image._working_image import WorkingImage
+from fingerpad.image.contact_image.region import OTHER_REGION, Region
+from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import ImageEllipse, evenly_spaced
 
 # Strokes are drawn on a canvas so many times finer than the working copy.
@@ -97,10 +99,8 @@ class RegionPolygon(Displayed):
 RegionEdit: TypeAlias = BrushStroke | RegionPolygon
 
 
-def outline_of_ellipse(
-    ellipse: ImageEllipse, view: WorkingImage, *, noise: float
-) -> tuple[BoolArray, ContactEdge]:
-    """Return the patch and the edge of an ellipse placed manually.
+def region_of_ellipse(ellipse: ImageEllipse, view: View) -> tuple[Region, Edge]:
+    """Return the region and the edge of an ellipse placed manually.
 
     Raises
     ------
@@ -112,42 +112,37 @@ def outline_of_ellipse(
     _require_near("ellipse: its semi-axes", major, view.shape)
     count = max(64, math.ceil(2 * math.pi * major / min(view.steps)))
     points = view.to_copy(ellipse.points(count)[:, ::-1])
-    return _filled(points, view.values.shape) > 0, _manual_outline(points, view, noise)
+    patch = _filled(points, view.contact.shape) > 0
+    return Region(patch=patch, several=False), drawn_edge(points, view)
 
 
-def outline_after_strokes(
-    before: tuple[BoolArray, ContactEdge] | None,
-    strokes: Sequence[RegionEdit],
-    view: WorkingImage,
-    *,
-    noise: float,
-) -> tuple[BoolArray, ContactEdge, float]:
-    """Return the patch and the edge after some strokes, and the next largest piece's share of the largest.
+def region_after_strokes(
+    before: tuple[Region, Edge] | None, strokes: Sequence[RegionEdit], view: View
+) -> tuple[Region, Edge]:
+    """Return the region and the edge after some strokes.
 
     Strokes and polygons are literal: their rim becomes the edge. Elsewhere the automatic edge is kept, unless
     a polygon replaces the region.
 
     Parameters
     ----------
-    before : (ndarray of bool, ContactEdge) or None
-        The automatic patch.
+    before : (Region, Edge) or None
+        The automatic ones.
     strokes : sequence of BrushStroke and RegionPolygon
         In order.
-    view : WorkingImage
-        The working copy.
-    noise : float
-        Of the picture, in parts of the rise from valley to ridge.
+    view : View
+        The picture.
 
     Raises
     ------
     ImageError
         If a stroke misses the picture, or no contact is left.
     """
-    shape = view.values.shape
+    shape = view.contact.shape
     replaced = max((k for k, edit in enumerate(strokes) if edit.action == "replace"), default=None)
     if replaced is not None:
         before, strokes = None, strokes[replaced:]
-    patch = np.zeros(shape, np.uint8) if before is None else before[0].astype(np.uint8)
+    patch = np.zeros(shape, np.uint8) if before is None else before[0].patch.astype(np.uint8)
     fine = np.zeros((_FINE * shape[0], _FINE * shape[1]), dtype=np.uint8)
     if before is not None:
         fine = _filled(_to_fine_canvas(before[1].points), fine.shape)
@@ -163,12 +158,15 @@ def outline_after_strokes(
     chosen = int(np.argmax(areas))
     rough = (contours[chosen].reshape(-1, 2) + 0.5) / _FINE - 0.5
     other = max((area for k, area in enumerate(areas) if k != chosen), default=0.0) / areas[chosen]
+    region = Region(
+        patch=(patch & _filled(rough, shape)) > 0,
+        several=other > OTHER_REGION or (before is not None and before[0].several),
+    )
     outline = evenly_spaced(running_mean(rough, _FINE))
-    edge = _manual_outline(outline, view, noise) if before is None else _restore_edge(outline, before[1])
-    return (patch & _filled(rough, shape)) > 0, edge, other
+    return region, drawn_edge(outline, view) if before is None else _restored_edge(outline, before[1])
 
 
-def _restore_edge(outline: FloatArray, edge: ContactEdge) -> ContactEdge:
+def _restored_edge(outline: FloatArray, edge: Edge) -> Edge:
     """Return an edited outline, on the automatic edge wherever it follows that."""
     nearest = cKDTree(edge.points).query(outline)[1]
     points, off = edge.points[nearest], np.full(len(outline), np.inf)
@@ -193,22 +191,6 @@ def _restore_edge(outline: FloatArray, edge: ContactEdge) -> ContactEdge:
     )
 
 
-def _manual_outline(points: FloatArray, view: WorkingImage, noise: float) -> ContactEdge:
-    """Return an edge that was drawn manually all round."""
-    return ContactEdge(
-        points=points,
-        normals=outward_normals(points, view.period),
-        steps=point_spacings(points),
-        along=np.zeros(len(points)),
-        period=view.period,
-        noise=noise,
-        softness=0.0,
-        resolved=True,
-        manual=np.ones(len(points), dtype=bool),
-        differs=np.zeros(len(points)),
-    )
-
-
 def _check_drawn(
     what: str, action: str, actions: tuple[str, ...], points: Sequence[tuple[float, float]], *, least: int
 ) -> None:
@@ -221,7 +203,7 @@ def _check_drawn(
         )
 
 
-def _check_edit(edit: RegionEdit, view: WorkingImage) -> tuple[FloatArray, float | None]:
+def _check_edit(edit: RegionEdit, view: View) -> tuple[FloatArray, float | None]:
     """Return an edit's points (x, y) and, of a stroke, its radius in px of the copy."""
     points = as_float_array(edit.points)
     radius = edit.radius if isinstance(edit, BrushStroke) else None
@@ -234,7 +216,7 @@ def _check_edit(edit: RegionEdit, view: WorkingImage) -> tuple[FloatArray, float
     around = 0.0 if radius is not None else float(np.ptp(points, axis=0).max())
     _require_inside(what, points, around + (radius or 0.0), view.shape)
     _require_near(what, float(np.abs(points).max()), view.shape)
-    return view.to_copy(points[:, ::-1]), radius and radius / math.sqrt(view.steps[0] * view.steps[1])
+    return view.to_copy(points[:, ::-1]), radius and radius / view.step
 
 
 def _require_near(what: str, reach: float, shape: tuple[int, int]) -> None:

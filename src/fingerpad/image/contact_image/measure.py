@@ -1,31 +1,53 @@
-"""Measure a contact image: the contact ellipse, gross and ridge areas, and the ridge period."""
+"""Measure a contact image: the contact ellipse, gross and ridge areas, and the ridge period.
 
-from dataclasses import replace
-from typing import Unpack
+Five steps, each with its own type and module:
+
+1. `view_of` (view.py): the picture is checked and cropped, its ridge period found from local spectra
+   (spectra.py), and a copy made in which a period is 4.5 px, the ground is even and contact is bright
+   (background.py): a `View`.
+2. `find_ridges` (ridges.py): where the copy lies above half the local contrast: `Ridges`, also closed over
+   the valleys.
+3. `find_region` (region.py): the largest patch of closed ridges, cut at necks, without appendages: a
+   `Region`.
+4. `trace_edge` (edge.py): its outline to a fraction of a pixel, moved out to where the contact ends: an
+   `Edge`. What a person draws (manual.py) stands in for steps 3 and 4.
+5. `evaluate` (evaluate.py): ridges inside the edge at the picture's own resolution (ridges.py), areas, axes,
+   their uncertainty and doubts about them: a `ContactImageResult`.
+"""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Final, Unpack
 
 import numpy as np
+import numpy.typing as npt
 
-from fingerpad.image.contact_image.options import ContactImageOptions
-from fingerpad.image.contact_image.prepare import prepare_contact_image
+from fingerpad._arrays import FloatArray
+from fingerpad._display import Displayed
+from fingerpad.exceptions import ImageError
+from fingerpad.image.contact_image.edge import Edge, trace_edge
+from fingerpad.image.contact_image.evaluate import LOW_CONTRAST, evaluate
+from fingerpad.image.contact_image.manual import RegionEdit, region_after_strokes, region_of_ellipse
+from fingerpad.image.contact_image.region import Region, find_region
 from fingerpad.image.contact_image.result import ContactImageResult
-from fingerpad.image.inputs import ImageLike, ScaleLike, grey_levels
+from fingerpad.image.contact_image.ridges import Ridges, find_ridges, smoothed
+from fingerpad.image.contact_image.view import ContactImageOptions, View, view_of
+from fingerpad.image.ellipse import ImageEllipse
+from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, grey_levels
+from fingerpad.image.scale import Scale
+
+# Contrast over noise below which no contact is detectable.
+_NO_CONTRAST: Final = 2.5
+# Relative standard uncertainty of a threshold that a person chose.
+_THRESHOLD_STD: Final = 0.2
+_HISTOGRAM_BINS: Final = 128
 
 
 def measure_contact_image(
     image: ImageLike, scale: ScaleLike, **options: Unpack[ContactImageOptions]
 ) -> ContactImageResult:
     """Measure the contact patch in a grey contact image.
-
-    The ridge period is estimated from local spectra of the image, which is then reduced so that a period is
-    4.5 px. Uneven lighting is removed by a smooth surface through the background. Pixels above half the local
-    contrast are ridges; closed with a disk of 1.1 ridge periods they give the gross region, which is cut at
-    necks (joint creases) and freed of appendages narrower than a third of it. The outline is located to a
-    fraction of a pixel where the closed ridges fall through half. Ridge area is, at the resolution of the
-    image, what lies in means along the ridges about half-way from the level of the valleys to that of the
-    ridges around, inside the outline. That level is shifted by what blur does to ridges of such width, by
-    grain within the ridges, and by valleys that the device clips to white; what these leave unknown stands in
-    the uncertainty. Sweat and ink beside a ridge count as ridge: where ridges fill more than 59 % of the
-    contact, the ridge area is flagged as an upper bound, and less certain.
 
     The edge of a contact is where its outermost ridges stop touching. A region closed over ridges ends at
     their ends where the outline crosses them, and at the outer border of the last ridge where it follows one.
@@ -37,6 +59,12 @@ def measure_contact_image(
     shares, and all images of a device. The uncertainty of the semi-axes contains besides what their
     definition leaves open where the outline is no ellipse, and a fade that differs between the tips and the
     sides.
+
+    Ridge area is what lies, in means along the ridges, about half-way from the level of the valleys to that
+    of the ridges around, inside the outline. That level is shifted by what blur does to ridges of such width,
+    by grain within the ridges, and by valleys that the device clips to white; what these leave unknown stands
+    in the uncertainty. Sweat and ink beside a ridge count as ridge: where ridges fill more than 59 % of the
+    contact, the ridge area is flagged as an upper bound, and less certain.
 
     Parameters
     ----------
@@ -70,4 +98,203 @@ def measure_contact_image(
     """
     pixels = grey_levels(image)
     prepared = prepare_contact_image(pixels, scale, **options)
-    return replace(prepared.contact_image, _picture=np.asarray(pixels))
+    return replace(prepared.measure(), _picture=np.asarray(pixels))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PreparedContactImage(Displayed):
+    """A contact image with its ridges found, to be measured with several corrections.
+
+    Attributes
+    ----------
+    scale : Scale
+        Millimetres per pixel.
+    reason : str or None
+        Why no contact was found automatically, or None. A manual outline can still be given.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> prepared = prepare_contact_image(truth.pixels, Scale(truth.mm_per_px))
+    >>> prepared.reason, prepared.measure().flags
+    (None, ())
+    """
+
+    scale: Scale
+    reason: str | None
+    _view: View
+    _ridges: Ridges
+    _found: tuple[Region, Edge] | None
+    _nearby: tuple["PreparedContactImage", ...] = ()
+
+    def level_histogram(self) -> tuple[FloatArray, FloatArray]:
+        """Return how many pixels have which level, to choose a threshold by.
+
+        Returns
+        -------
+        counts : ndarray, shape (n,)
+            Pixels of the part that is measured, at a resolution of some pixels per ridge.
+        edges : ndarray, shape (n + 1,)
+            Of the bins: grey levels from the background towards contact, as `threshold` is given in.
+
+        Examples
+        --------
+        >>> from fingerpad.simulate import render_contact_image
+        >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+        >>> prepared = prepare_contact_image(truth.pixels, Scale(truth.mm_per_px))
+        >>> counts, edges = prepared.level_histogram()
+        >>> bool(edges[0] < 0 < prepared.measure().threshold < edges[-1])
+        True
+        """
+        levels = smoothed(self._view)[self._view.inside]
+        low, high = np.percentile(levels, (0.1, 99.9))
+        counts, edges = np.histogram(levels, _HISTOGRAM_BINS, range=(min(low, 0.0), max(high, 1e-9)))
+        return counts.astype(np.float64), edges
+
+    def measure(
+        self, strokes: Sequence[RegionEdit] = (), ellipse: ImageEllipse | None = None
+    ) -> ContactImageResult:
+        """Measure the contact, with manual corrections where there are any.
+
+        Parameters
+        ----------
+        strokes : sequence of BrushStroke and RegionPolygon
+            Painted one after the other over the automatic region; the largest piece that they leave is the
+            contact, without holes.
+        ellipse : ImageEllipse, optional
+            The contact is this ellipse, whatever the region.
+
+        Returns
+        -------
+        ContactImageResult
+            With the flag ``edited_manually``, and the uncertainty of manual drawing where the outline was
+            drawn; without corrections the automatic result. A threshold is known to 20 %: the edge's place
+            has the uncertainty that this makes.
+
+        Raises
+        ------
+        ImageError
+            If the corrections leave no contact or lie outside the image, or there are none and no contact was
+            found automatically.
+
+        Examples
+        --------
+        >>> from fingerpad.image import BrushStroke, Scale
+        >>> from fingerpad.simulate import render_contact_image
+        >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+        >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
+        >>> automatic = prepared.measure()
+        >>> row, column = automatic.centroid
+        >>> bite = BrushStroke(action="remove", points=[(row - 60, column)], radius=20)
+        >>> prepared.measure([bite]).gross_area < automatic.gross_area
+        True
+        """
+        found = self._found
+        if ellipse is not None:
+            found = region_of_ellipse(ellipse, self._view)
+        elif strokes:
+            found = region_after_strokes(found, strokes, self._view)
+        if found is None:
+            raise ImageError(self.reason)
+        edited = ellipse is not None or bool(strokes)
+        result = evaluate(self._view, self._ridges, *found, edited=edited)
+        if not self._nearby:
+            return result
+        values = np.zeros((2, 4))  # none where there is no contact at that level
+        for row, nearby in zip(values, self._nearby, strict=True):
+            with suppress(ImageError):
+                row[:] = nearby.measure(strokes, ellipse).values
+        return _with_shared_effect(result, (values[0] - values[1]) / 2)
+
+
+def prepare_contact_image(
+    pixels: npt.ArrayLike, scale: ScaleLike, **options: Unpack[ContactImageOptions]
+) -> PreparedContactImage:
+    """Find the ridges and the contact in a grey contact image, ready for manual corrections.
+
+    Parameters
+    ----------
+    pixels : array_like, shape (rows, columns)
+        Grey levels of any real type.
+    scale : Scale or float
+        Millimetres per pixel.
+    **options
+        As for `measure_contact_image`: see `ContactImageOptions`.
+
+    Returns
+    -------
+    PreparedContactImage
+        Also where no contact is found: `reason` says why.
+
+    Raises
+    ------
+    ImageError
+        If the array is not a grey picture, is not finite or all of one level, or an option is not as
+        described.
+
+    Examples
+    --------
+    A manual ellipse replaces the automatic region:
+
+    >>> from fingerpad.image import ImageEllipse
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
+    >>> drawn = ImageEllipse(centre=truth.centroid, semi_axes=(59.0, 49.0))
+    >>> print(f"{prepared.measure(ellipse=drawn).gross_area:.1f} mm²")
+    23.4 mm²
+    """
+    view = view_of(pixels, as_scale(scale), **options)
+    seed, threshold = options.get("seed"), options.get("threshold")
+    if threshold is not None:
+        # One standard uncertainty of the threshold below and above shows what it leaves open.
+        nearby = [(1 + way * _THRESHOLD_STD) * threshold for way in (-1, 1)]
+        first, *others = (_prepared(view, level, seed, None) for level in (threshold, *nearby))
+        return replace(first, _nearby=tuple(others))
+    reason = _contrast_problem(view)
+    if reason is not None:
+        # A manual outline can still be measured: ridges are then those above noise.
+        view = replace(view, contrast=max(view.contrast, view.noise, 1e-3))
+    return _prepared(view, None, seed, reason)
+
+
+def _prepared(
+    view: View, threshold: float | None, seed: tuple[float, float] | None, reason: str | None
+) -> PreparedContactImage:
+    """Tell ridges from valleys, and find the contact unless there is a reason against it."""
+    ridges, found = find_ridges(view, threshold), None
+    if reason is None:
+        try:
+            region = find_region(view, ridges, seed)
+        except ImageError as error:
+            reason = str(error)
+        else:
+            found = region, trace_edge(view, ridges, region)
+    return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=ridges, _found=found)
+
+
+def _contrast_problem(view: View) -> str | None:
+    """Return the reason where nothing stands out of the noise, else None."""
+    if view.contrast > (_NO_CONTRAST if view.resolved else LOW_CONTRAST) * view.noise:
+        return None
+    return (
+        f"no contact found: contrast {view.contrast:.3g} against noise {view.noise:.3g}: "
+        "check that the picture shows a print, or give dark_on_light"
+    )
+
+
+def _with_shared_effect(result: ContactImageResult, effect: FloatArray) -> ContactImageResult:
+    """Add a second, independent effect that images of one device share to that of the edge.
+
+    One vector cannot hold both exactly: it gets the direction in which most of their sum lies, relative to
+    the values, and what is left counts as the image's own, so that the covariance is that of the sum.
+    """
+    size = np.where(result.values > 0, result.values, 1.0)
+    both = np.array([result.edge_effect, effect]) / size
+    _, strength, directions = np.linalg.svd(both, full_matrices=False)
+    shared, rest = strength[:, None] * directions * size
+    shared = shared if shared[0] >= 0 else -shared
+    return replace(
+        result, edge_effect=shared, noise_covariance=result.noise_covariance + np.outer(rest, rest)
+    )

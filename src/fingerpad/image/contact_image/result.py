@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, TypedDict
+from typing import Any, ClassVar
 
 import cv2
 import numpy as np
@@ -11,8 +11,8 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._records import Recorded
 from fingerpad.geometry.ellipse import Ellipse
-from fingerpad.image.contact_image._ridge_map import RidgeMap
-from fingerpad.image.contact_image._working_image import WorkingImage
+from fingerpad.image.contact_image.ridges import RidgeMap
+from fingerpad.image.contact_image.view import ContactImageOptions
 
 FLAGS = (
     "touches_border",
@@ -28,33 +28,6 @@ FLAGS = (
 )
 # Beyond it a ridge period is doubtful, and with it the scale.
 PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)
-
-
-class ContactImageSettings(TypedDict):
-    """Settings that the frames of a sequence share, as keyword arguments of `measure_contact_image`.
-
-    Attributes
-    ----------
-    contrast : float
-        Level of the contact above the background, grey levels.
-    ridge_period : float or None
-        Ridge period, mm.
-    dark_on_light : bool
-        Whether the contact is darker than the background.
-
-    Examples
-    --------
-    >>> from fingerpad.image import measure_contact_image
-    >>> from fingerpad.simulate import render_contact_image
-    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
-    >>> settings = measure_contact_image(truth.pixels, truth.mm_per_px).settings
-    >>> measure_contact_image(truth.pixels, truth.mm_per_px, **settings).settings == settings
-    True
-    """
-
-    contrast: float
-    ridge_period: float | None
-    dark_on_light: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -135,7 +108,7 @@ class ContactImageResult(Recorded):
     contrast: float
     dark_on_light: bool
     flags: tuple[str, ...]
-    _view: WorkingImage
+    _shape: tuple[int, int]
     _ridges: RidgeMap
     _picture: npt.NDArray[Any] | None = None
 
@@ -214,7 +187,7 @@ class ContactImageResult(Recorded):
     def region(self) -> BoolArray:
         """Mask of the contact, computed from the outline on demand, (rows, columns) of the picture."""
         corners = [np.rint(self.outline[:, ::-1] * 256).astype(np.int32)]
-        canvas, rim = (np.zeros(self._view.shape, dtype=np.uint8) for _ in range(2))
+        canvas, rim = (np.zeros(self._shape, dtype=np.uint8) for _ in range(2))
         cv2.fillPoly(canvas, corners, 1, shift=8)
         # OpenCV fills every pixel that the outline touches; only those whose centre is inside count.
         cv2.polylines(rim, corners, True, 1, 1, shift=8)
@@ -226,10 +199,10 @@ class ContactImageResult(Recorded):
     @property
     def ridges(self) -> BoolArray:
         """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
-        return np.asarray(self.region & self._ridges.in_picture(self._view.shape))
+        return np.asarray(self.region & self._ridges.in_picture(self._shape))
 
     @property
-    def settings(self) -> ContactImageSettings:
-        """Contrast, ridge period (mm) and polarity, to measure other frames alike."""
+    def settings(self) -> ContactImageOptions:
+        """Contrast, ridge period (mm) and polarity, as options to measure other frames alike."""
         period = None if math.isnan(self.ridge_period) else self.ridge_period
         return {"contrast": self.contrast, "ridge_period": period, "dark_on_light": self.dark_on_light}

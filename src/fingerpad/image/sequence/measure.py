@@ -12,8 +12,8 @@ from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError, reason_of
 from fingerpad.image._levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
-from fingerpad.image.contact_image.options import MeasurementRegion
 from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.contact_image.view import ContactImageOptions
 from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
@@ -41,10 +41,8 @@ def measure_sequence(
     force: ForceSignal | None = None,
     phases: PhaseIntervals | None = None,
     settings: SequenceSettings | None = None,
-    dark_on_light: bool | None = None,
-    threshold: float | None = None,
     watch: Watcher | None = None,
-    **place: Unpack[MeasurementRegion],
+    **options: Unpack[ContactImageOptions],
 ) -> Iterator[FrameResult]:
     """Measure the contact in each frame of a sequence, one frame in memory at a time.
 
@@ -71,12 +69,11 @@ def measure_sequence(
         Phases on the clock of the force, as a person sets them.
     settings : SequenceSettings, optional
         What `estimate_settings` found; estimated here when None.
-    dark_on_light, threshold
-        As for `estimate_settings`, without `settings`.
     watch : callable, optional
         Called with (index, pixels, contact_image) after each measurement, as for drawing overlays.
-    **place
-        Background, seed, mask and region of interest, as for `measure_contact_image`.
+    **options
+        What is known or wanted, as for `measure_contact_image`. How levels are read is estimated with it for
+        all frames, or as `settings` say.
 
     Returns
     -------
@@ -113,10 +110,8 @@ def measure_sequence(
         raise ImageError("frames are read twice, a generator only once: give a list, or settings")
 
     def results() -> Iterator[FrameResult]:
-        found = settings or estimate_settings(
-            sequence, scale, dark_on_light=dark_on_light, threshold=threshold, **place
-        )
-        measured = measure_frames(sequence, scale, found, watch=watch, **place)
+        found = settings or estimate_settings(sequence, scale, **options)
+        measured = measure_frames(sequence, scale, found, watch=watch, **options)
         yield from assign_times(measured, found.texture, clock=clock, force=force, phases=phases)
 
     return results()
@@ -128,7 +123,7 @@ def measure_frames(
     settings: SequenceSettings,
     *,
     watch: Watcher | None = None,
-    **place: Unpack[MeasurementRegion],
+    **options: Unpack[ContactImageOptions],
 ) -> Iterator[FrameResult]:
     """Measure frame by frame, without time, load or phase; each result depends on its frame alone.
 
@@ -142,8 +137,9 @@ def measure_frames(
         From `estimate_settings` of the whole sequence.
     watch : callable, optional
         Called with (index, pixels, contact_image) after each measurement.
-    **place
-        Background, seed, mask and region of interest, as for `measure_contact_image`.
+    **options
+        Background, seed, mask and region of interest, as for `measure_contact_image`; how levels are read,
+        `settings` say.
 
     Returns
     -------
@@ -161,19 +157,25 @@ def measure_frames(
     >>> [result.measures is None for result in measure_frames(frames, scale, settings)]
     [True, False]
     """
-    return map(partial(_measure_frame, as_scale(scale), settings, watch, place), frames)
+    return map(partial(_measure_frame, as_scale(scale), settings, watch, options), frames)
 
 
 def _measure_frame(
-    scale: Scale, settings: SequenceSettings, watch: Watcher | None, place: MeasurementRegion, frame: Frame
+    scale: Scale,
+    settings: SequenceSettings,
+    watch: Watcher | None,
+    options: ContactImageOptions,
+    frame: Frame,
 ) -> FrameResult:
     if frame.pixels is None:
         return FrameResult(index=frame.index, readable=False, reason=frame.reason)
     try:
-        if texture_of(frame.pixels, scale, place) < settings.min_texture:
+        if texture_of(frame.pixels, scale, options) < settings.min_texture:
             reason = "no contact found: the frame is smooth beside those of the largest contact"
             return FrameResult(index=frame.index, reason=reason)
-        contact_image = measure_contact_image(frame.pixels, scale, **settings.settings, **place)
+        # Frames share a relative level: a threshold has gone into learning the contrast.
+        read: ContactImageOptions = {**options, **settings.settings, "threshold": None}
+        contact_image = measure_contact_image(frame.pixels, scale, **read)
     except MemoryError:  # the limit of the process, not a fault of this frame
         raise
     except Exception as error:  # any error fails this frame only

@@ -14,10 +14,9 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._levels import Pixels
-from fingerpad.image.contact_image._cropping import crop_image
 from fingerpad.image.contact_image.measure import measure_contact_image
-from fingerpad.image.contact_image.options import MeasurementRegion
-from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
+from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.contact_image.view import ContactImageOptions, crop
 from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.frames import Frame, Frames
@@ -87,7 +86,7 @@ class SequenceSettings(Displayed):
 
     Attributes
     ----------
-    settings : ContactImageSettings
+    settings : ContactImageOptions
         Polarity, contrast and ridge period for `measure_contact_image`, the same for all frames, so that they
         do not flicker or differ between a first touch and the largest contact.
     learnt_from : tuple of int
@@ -105,7 +104,7 @@ class SequenceSettings(Displayed):
     True
     """
 
-    settings: ContactImageSettings
+    settings: ContactImageOptions
     learnt_from: tuple[int, ...]
     texture: FloatArray
 
@@ -116,7 +115,7 @@ class SequenceSettings(Displayed):
 
 
 def scan_texture(
-    frames: Iterable[Frame], scale: ScaleLike, **place: Unpack[MeasurementRegion]
+    frames: Iterable[Frame], scale: ScaleLike, **options: Unpack[ContactImageOptions]
 ) -> TextureScan:
     """Measure the texture of each frame, to find those of the largest contact.
 
@@ -126,8 +125,8 @@ def scan_texture(
         A sequence or a part of it.
     scale : Scale or float
         Millimetres per pixel.
-    **place
-        Background, seed, mask and region of interest, as for `measure_contact_image`.
+    **options
+        Background, mask and region of interest count, as for `measure_contact_image`.
 
     Returns
     -------
@@ -148,7 +147,7 @@ def scan_texture(
     for frame in frames:
         index.append(frame.index)
         try:
-            texture.append(math.nan if frame.pixels is None else texture_of(frame.pixels, scale, place))
+            texture.append(math.nan if frame.pixels is None else texture_of(frame.pixels, scale, options))
             reason = frame.reason or reason
         except ImageError as error:
             texture.append(math.nan)
@@ -161,9 +160,7 @@ def estimate_settings(
     scale: ScaleLike,
     *,
     scan: TextureScan | None = None,
-    dark_on_light: bool | None = None,
-    threshold: float | None = None,
-    **place: Unpack[MeasurementRegion],
+    **options: Unpack[ContactImageOptions],
 ) -> SequenceSettings:
     """Estimate one set of settings for a sequence from its frames of largest contact.
 
@@ -179,12 +176,8 @@ def estimate_settings(
         Millimetres per pixel.
     scan : TextureScan, optional
         That of the whole sequence; made here when None.
-    dark_on_light : bool, optional
-        Whether contact is darker than the background, where it is known.
-    threshold : float, optional
-        Grey levels from the background to a ridge, where it is known.
-    **place
-        Background, seed, mask and region of interest, as for `measure_contact_image`.
+    **options
+        What is known or wanted, as for `measure_contact_image`.
 
     Returns
     -------
@@ -206,7 +199,7 @@ def estimate_settings(
     True
     """
     scale = as_scale(scale)
-    scan = scan_texture(frames, scale, **place) if scan is None else scan
+    scan = scan_texture(frames, scale, **options) if scan is None else scan
     if not scan.busiest:
         raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
     seen: list[tuple[int, ContactImageResult]] = []
@@ -215,9 +208,7 @@ def estimate_settings(
         if frame.pixels is None:
             continue  # it could be read when it was surveyed
         try:
-            contact_image = measure_contact_image(
-                frame.pixels, scale, dark_on_light=dark_on_light, threshold=threshold, **place
-            )
+            contact_image = measure_contact_image(frame.pixels, scale, **options)
         except ImageError as error:
             reason = str(error)
             continue
@@ -243,7 +234,7 @@ def _frames_at(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Fr
     return (frame for frame in frames if frame.index in indices)
 
 
-def texture_of(pixels: Pixels, scale: Scale, place: MeasurementRegion) -> float:
+def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> float:
     """Return the power of what is finer than a finger, where the frame is looked at.
 
     Raises
@@ -251,12 +242,7 @@ def texture_of(pixels: Pixels, scale: Scale, place: MeasurementRegion) -> float:
     ImageError
         If it is not a grey picture, or what limits it does not fit it.
     """
-    part = crop_image(
-        pixels,
-        background=place.get("background"),
-        mask=place.get("mask"),
-        region_of_interest=place.get("region_of_interest"),
-    )
+    part = crop(pixels, **options)
     values = part.pixels.astype(np.float32)
     # In a picture narrower than the window all that differs from its mean is texture.
     side = 2 * round(min(_TEXTURE_WINDOW_MM / scale.mm_per_px, 2 * max(values.shape)) / 2) + 1

@@ -10,9 +10,8 @@ import numpy.typing as npt
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import (
+    ContactImageOptions,
     ContactImageResult,
-    ContactImageSettings,
-    MeasurementRegion,
     PhotographFit,
     PreparedContactImage,
     Scale,
@@ -92,10 +91,10 @@ class CorrectedContactImage:
     automatic: ContactImageResult | None
 
 
-def measurement_region_of(
+def contact_options(
     contact: Contact, folder: Path, correction: ContactCorrection = NOTHING
-) -> MeasurementRegion:
-    """Return where a contact's picture is looked at, as the manifest and a person say."""
+) -> ContactImageOptions:
+    """Return how a contact's picture is measured, as the manifest and a person say."""
     window = _first(correction.region_of_interest_px, contact.region_of_interest_px)
     seed = _first(correction.seed_px, contact.seed_px)
     return {
@@ -103,6 +102,8 @@ def measurement_region_of(
         "seed": None if seed is None else (seed[0], seed[1]),
         "mask": _first(correction.mask_px, contact.mask_px),
         "region_of_interest": None if window is None else (window[0], window[1], window[2], window[3]),
+        "dark_on_light": _first(correction.dark_on_light, contact.dark_on_light),
+        "threshold": _first(correction.threshold, contact.threshold),
     }
 
 
@@ -113,7 +114,7 @@ def prepared_contact(
     folder: Path,
     correction: ContactCorrection = NOTHING,
     *,
-    settings: ContactImageSettings | None = None,
+    settings: ContactImageOptions | None = None,
 ) -> PreparedContactImage:
     """Tell the ridges in a contact's picture, as the manifest and a person say.
 
@@ -128,8 +129,8 @@ def prepared_contact(
     folder : Path
         The study folder.
     correction : ContactCorrection
-        What a person wants; strokes and ellipse are for `PreparedContactImage.with_corrections`.
-    settings : ContactImageSettings, optional
+        What a person wants; strokes and ellipse are for `PreparedContactImage.measure`.
+    settings : ContactImageOptions, optional
         How all frames of a sequence are read; a person's polarity goes before it.
 
     Raises
@@ -137,18 +138,15 @@ def prepared_contact(
     ImageError
         If the picture is no good, or an option misses it.
     """
-    reading: dict[str, Any] = dict(settings) if settings is not None else {}
-    polarity = _first(correction.dark_on_light, contact.dark_on_light)
-    if polarity is not None:
-        if reading and reading["dark_on_light"] is not polarity:
+    options = contact_options(contact, folder, correction)
+    if settings is not None:
+        polarity = options["dark_on_light"]
+        # The frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
+        options = {**options, **settings, "threshold": correction.threshold}
+        if polarity is not None and polarity is not settings["dark_on_light"]:
             # Learnt the other way round, the contrast is of something else.
-            reading["contrast"] = None
-        reading["dark_on_light"] = polarity
-    # The frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
-    level = correction.threshold if settings is not None else _first(correction.threshold, contact.threshold)
-    return prepare_contact_image(
-        pixels, scale, threshold=level, **reading, **measurement_region_of(contact, folder, correction)
-    )
+            options = {**options, "dark_on_light": polarity, "contrast": None}
+    return prepare_contact_image(pixels, scale, **options)
 
 
 def measured_under(prepared: PreparedContactImage, correction: ContactCorrection) -> ContactImageResult:
@@ -157,9 +155,9 @@ def measured_under(prepared: PreparedContactImage, correction: ContactCorrection
     Raises
     ------
     ImageError
-        As `PreparedContactImage.with_corrections`.
+        As `PreparedContactImage.measure`.
     """
-    found = prepared.with_corrections(correction.region_edits, correction.manual_ellipse)
+    found = prepared.measure(correction.region_edits, correction.manual_ellipse)
     return correction.widened(found) if isinstance(correction, InterpolatedCorrection) else found
 
 
@@ -170,7 +168,7 @@ def corrected_contact_image(
     folder: Path,
     correction: ContactCorrection = NOTHING,
     *,
-    settings: ContactImageSettings | None = None,
+    settings: ContactImageOptions | None = None,
 ) -> CorrectedContactImage:
     """Measure a contact as a person wants it, and automatically; see `prepared_contact`.
 
@@ -182,7 +180,7 @@ def corrected_contact_image(
     automatic, plain, reason = None, None, None
     try:
         plain = prepared_contact(pixels, scale, contact, folder, settings=settings)
-        automatic = plain.contact_image
+        automatic = plain.measure()
     except ImageError as error:
         reason = str(error)
     if not correction.edits:

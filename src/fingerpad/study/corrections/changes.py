@@ -40,7 +40,7 @@ class RegionStroke(ManifestModel):
 
     @property
     def edit(self) -> BrushStroke | RegionPolygon:
-        """The stroke as `PreparedContactImage.with_corrections` takes it."""
+        """The stroke as `PreparedContactImage.measure` takes it."""
         points = [(row, column) for row, column in self.points_px]
         if self.radius_px is None:
             return RegionPolygon(action=self.action, points=points)
@@ -150,12 +150,12 @@ class ContactCorrection(_Judged):
 
     @property
     def region_edits(self) -> list[BrushStroke | RegionPolygon]:
-        """The strokes as `PreparedContactImage.with_corrections` takes them."""
+        """The strokes as `PreparedContactImage.measure` takes them."""
         return [stroke.edit for stroke in self.strokes]
 
     @property
     def manual_ellipse(self) -> ImageEllipse | None:
-        """The ellipse as `PreparedContactImage.with_corrections` takes it."""
+        """The ellipse as `PreparedContactImage.measure` takes it."""
         if self.ellipse_px is None:
             return None
         (row, column), (major, minor) = self.ellipse_px.centre, self.ellipse_px.semi_axes

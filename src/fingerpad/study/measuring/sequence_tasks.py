@@ -23,8 +23,8 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import (
     NOTHING,
     CorrectedContactImage,
+    contact_options,
     corrected_contact_image,
-    measurement_region_of,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.task import Record
@@ -92,7 +92,7 @@ class SequenceImages:
     def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
         """Look at the texture of a piece's frames."""
         frames = open_frames(folder / self.sequence.file).between(*piece)
-        scan = scan_texture(frames, self.found.scale, **measurement_region_of(self.sequence, folder))
+        scan = scan_texture(frames, self.found.scale, **contact_options(self.sequence, folder))
         return {
             "index": scan.index.tolist(),
             "texture": scan.texture.tolist(),
@@ -105,9 +105,7 @@ class SequenceImages:
             open_frames(folder / self.sequence.file),
             self.found.scale,
             scan=scan,
-            dark_on_light=self.sequence.dark_on_light,
-            threshold=self.sequence.threshold,
-            **measurement_region_of(self.sequence, folder),
+            **contact_options(self.sequence, folder),
         )
         return {"settings": dict(settings.settings), "learnt_from": list(settings.learnt_from)}
 
@@ -128,8 +126,8 @@ class SequenceImages:
                 yield frame
 
         frames = seen(open_frames(folder / self.sequence.file).between(*piece))
-        place = measurement_region_of(self.sequence, folder)
-        results = list(measure_frames(frames, self.found.scale, settings, watch=keep, **place))
+        options = contact_options(self.sequence, folder)
+        results = list(measure_frames(frames, self.found.scale, settings, watch=keep, **options))
         reasons = {result.index: result.reason for result in results}
         for index, one in corrected.items():
             reasons[index] = one.reason

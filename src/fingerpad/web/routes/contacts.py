@@ -10,8 +10,8 @@ import numpy as np
 
 from fingerpad.exceptions import FingerpadError, ImageError
 from fingerpad.image import (
+    ContactImageOptions,
     ContactImageResult,
-    ContactImageSettings,
     ImageEllipse,
     PreparedContactImage,
     SequenceSettings,
@@ -21,8 +21,8 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import (
     contact_correction,
+    contact_options,
     measured_under,
-    measurement_region_of,
     prepared_contact,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
@@ -122,7 +122,7 @@ def levels(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any
     return {
         "counts": counts,
         "edges": edges,
-        "automatic_threshold": None if prepared.reason else prepared.contact_image.threshold,
+        "automatic_threshold": None if prepared.reason else prepared.measure().threshold,
     }
 
 
@@ -181,22 +181,20 @@ def _background_stamp(opened: StudySession, contact: Contact) -> Hashable:
 
 def sequence_settings(
     opened: StudySession, sequence: ContactSequence, found: FoundScale
-) -> ContactImageSettings | None:
+) -> ContactImageOptions | None:
     """Return the settings of a sequence, estimated from some frames; None where that fails."""
     path, count = opened.sequence_path(sequence.file), opened.count_frames(sequence.file) or 0
     some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).round().astype(int)).tolist()
 
     def learn() -> SequenceSettings | None:
         frames = open_frames(path, memory_limit=opened.memory_limit)
-        where = measurement_region_of(sequence, opened.folder)
+        options = contact_options(sequence, opened.folder)
         try:
             return estimate_settings(
                 frames,
                 found.scale,
-                scan=scan_texture(map(frames.at, some), found.scale, **where),
-                dark_on_light=sequence.dark_on_light,
-                threshold=sequence.threshold,
-                **where,
+                scan=scan_texture(map(frames.at, some), found.scale, **options),
+                **options,
             )
         except ImageError:
             return None
@@ -213,7 +211,7 @@ def _automatic(
 ) -> tuple[ContactImageResult | None, str | None]:
     """Return the automatic measurement, or why it failed."""
     try:
-        return _prepared(opened, item, contact, found, ContactCorrection()).contact_image, None
+        return _prepared(opened, item, contact, found, ContactCorrection()).measure(), None
     except ImageError as error:
         return None, str(error)
 

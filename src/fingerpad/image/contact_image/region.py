@@ -1,54 +1,97 @@
-"""From ridges to contact patches: closing at the ridges' scale, cutting at necks, dropping appendages."""
+"""The region of a contact: a patch of closed ridges, cut at necks and freed of appendages."""
 
 import math
+from dataclasses import dataclass
+from typing import Final
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad.image._masks import UInt8, fill_holes, longest_contour
+from fingerpad.exceptions import ImageError
+from fingerpad.image._masks import UInt8, disk, distance_to, fill_holes, largest_piece, longest_contour
+from fingerpad.image.contact_image.ridges import HALF, Ridges
+from fingerpad.image.contact_image.view import View
 
-HALF = 128
-# Radii in ridge periods.
-CLOSING_RADIUS = 1.1
-_OPENING_RADIUS = 0.8
-_MIN_NOTCH = 1.0
+# Radius of the disk that opens patches, ridge periods.
+_OPENING_RADIUS: Final = 0.8
+# A notch is deeper than this, and reaches across if deeper than that, ridge periods.
+_MIN_NOTCH: Final = 1.0
+_DEEP_NOTCH: Final = 4.0
 # A neck is narrower than this share of the narrower of the widths on its two sides.
-_NECK_RATIO = 0.78
-_MIN_PART = 0.03
-# Patches smaller than this share of the largest do not matter.
-_MIN_SHARE = 0.1
+_NECK_RATIO: Final = 0.78
+_MOST_NECKS: Final = 4
+_MIN_PART: Final = 0.03
+# Patches smaller than this share of the largest, or less wide than so many periods, do not matter.
+_MIN_SHARE: Final = 0.1
+_MIN_WIDTH: Final = 3
 # Parts narrower than this share of the patch's width are not finger.
-_APPENDAGE_RATIO = 0.35
-_NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
+_APPENDAGE_RATIO: Final = 0.35
+# A patch wins by its area, less so the further off the centre.
+_OFF_CENTRE: Final = 0.7
+# Beside a patch of this share of the contact's area there are several.
+OTHER_REGION: Final = 0.2
 
 
-def disk(radius: float) -> UInt8:
-    """Return a disk as a kernel."""
-    reach = math.floor(radius)
-    rows, columns = np.ogrid[-reach : reach + 1, -reach : reach + 1]
-    return np.asarray(rows**2 + columns**2 <= radius**2, dtype=np.uint8)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Region:
+    """A contact in the copy.
+
+    Attributes
+    ----------
+    patch : ndarray of bool, (rows, columns)
+        Where it is, without holes.
+    several : bool
+        Whether there is another patch of some size.
+    """
+
+    patch: BoolArray
+    several: bool
 
 
-def close_ridges(amount: UInt8, period: float) -> UInt8:
-    """Return the amount of ridge without specks, closed over the valleys."""
-    closed = np.zeros_like(amount)
-    x, y, columns, rows = cv2.boundingRect((amount >= HALF).astype(np.uint8))
-    if not columns:
-        return closed
-    box = np.s_[max(0, y - 2) : y + rows + 2, max(0, x - 2) : x + columns + 2]
-    # A lone pixel is a speck; what is below half may be the flank of a ridge: it stays.
-    _, most = cv2.threshold(cv2.dilate(amount[box], _NEIGHBOURS), HALF - 1, 255, cv2.THRESH_BINARY)
-    plain = np.minimum(amount[box], np.maximum(most, HALF - 1))
-    radius = CLOSING_RADIUS * period
-    pad = math.ceil(radius) + 1
-    padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_CONSTANT, value=0)
-    closed[box] = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, disk(radius), borderValue=0)[pad:-pad, pad:-pad]
-    return closed
+def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) -> Region:
+    """Find the contact among the closed ridges.
+
+    Raises
+    ------
+    ImageError
+        If there is none, or none at the seed.
+    """
+    patches = _contact_patches(ridges.closed, view.period)
+    if not patches:
+        raise ImageError(
+            "no contact found: nothing is as large as three ridge periods: check scale and polarity"
+        )
+    chosen = _chosen(patches, seed, view)
+    other = max((np.count_nonzero(p) for k, p in enumerate(patches) if k != chosen), default=0)
+    return Region(
+        patch=_without_appendages(patches[chosen], view.period),
+        several=bool(other > OTHER_REGION * np.count_nonzero(patches[chosen])),
+    )
 
 
-def contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
+def _chosen(patches: list[BoolArray], seed: tuple[float, float] | None, view: View) -> int:
+    """Return the number of the wanted patch: at the seed, or the largest with preference for the centre."""
+    if seed is None:
+        return int(np.argmax([_prominence(patch) for patch in patches]))
+    place = view.to_copy_pixel(*seed)
+    for k, patch in enumerate(patches):
+        if place is not None and patch[place]:
+            return k
+    raise ImageError(f"no contact found at seed {seed}: give a (row, column) within the print")
+
+
+def _prominence(patch: BoolArray) -> float:
+    moments = cv2.moments(longest_contour(patch))
+    if not moments["m00"] > 0:
+        return 0.0
+    row, column = moments["m01"] / moments["m00"], moments["m10"] / moments["m00"]
+    off = math.hypot(row / patch.shape[0] - 0.5, column / patch.shape[1] - 0.5)
+    return float(moments["m00"]) * (1 - _OFF_CENTRE * off)
+
+
+def _contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
     """Return the patches of contact that matter, without holes and whiskers, cut at necks, largest first."""
     plain = fill_holes(closed >= HALF).astype(np.uint8)
     # The frame counts as contact, so that a cut patch keeps its corners.
@@ -58,7 +101,7 @@ def contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
     patches: list[BoolArray] = []
     contours, _ = cv2.findContours(opened.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     areas = [cv2.contourArea(contour) for contour in contours]
-    least = max((3 * period) ** 2, _MIN_SHARE * max(areas, default=0.0))
+    least = max((_MIN_WIDTH * period) ** 2, _MIN_SHARE * max(areas, default=0.0))
     for contour, area in zip(contours, areas, strict=True):
         if area < least:
             continue
@@ -71,7 +114,7 @@ def contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
     return sorted(patches, key=np.count_nonzero, reverse=True)
 
 
-def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
+def _bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
     """Return the box round a mask with a margin, inside the picture."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     return (
@@ -80,9 +123,9 @@ def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
     )
 
 
-def remove_appendages(patch: BoolArray, period: float) -> BoolArray:
+def _without_appendages(patch: BoolArray, period: float) -> BoolArray:
     """Drop what is much narrower than the patch: letters, pen marks, stubs of the next phalanx."""
-    box = bounding_box(patch, margin=2)
+    box = _bounding_box(patch, margin=2)
     whole = patch[box]
     # Half the pixels show widths well enough.
     part, period = whole[::2, ::2], period / 2
@@ -94,25 +137,8 @@ def remove_appendages(patch: BoolArray, period: float) -> BoolArray:
     near = (distance_to(core) <= radius + period)[pad:-pad, pad:-pad].astype(np.uint8)
     finger = cv2.resize(near, whole.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     plain = np.zeros_like(patch)
-    plain[box] = largest(np.asarray(whole & finger))
+    plain[box] = largest_piece(np.asarray(whole & finger))
     return plain
-
-
-def distance_to(mask: BoolArray) -> npt.NDArray[np.float32]:
-    """Return the distance of each pixel from the nearest set one."""
-    if not mask.any():
-        return np.full(mask.shape, np.inf, dtype=np.float32)
-    distance = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    return np.asarray(distance, dtype=np.float32)
-
-
-def largest(mask: BoolArray) -> BoolArray:
-    """Return the largest connected piece without its holes."""
-    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    canvas = np.zeros(mask.shape, dtype=np.uint8)
-    if contours:
-        cv2.drawContours(canvas, [max(contours, key=cv2.contourArea)], -1, 1, cv2.FILLED)
-    return canvas > 0
 
 
 def _pieces(mask: BoolArray, share: float) -> list[BoolArray]:
@@ -123,7 +149,7 @@ def _pieces(mask: BoolArray, share: float) -> list[BoolArray]:
     return [labels == k for k in range(1, count) if areas[k - 1] >= least]
 
 
-def _split_at_necks(patch: BoolArray, period: float, depth: int = 4) -> list[BoolArray]:
+def _split_at_necks(patch: BoolArray, period: float, depth: int = _MOST_NECKS) -> list[BoolArray]:
     """Cut a patch where it narrows between two wider parts, as at the crease of a joint."""
     cut = _neck(patch, period) if depth else None
     if cut is None:
@@ -169,7 +195,7 @@ def _opposite(
     """Return the ends that a cut from a notch may have: other notches, or for a deep one the far side."""
     ends = [int(k) for k in notches if k != start]
     count = len(points)
-    if depth > 4 * period:
+    if depth > _DEEP_NOTCH * period:
         away = np.abs((np.arange(count) - start + count // 2) % count - count // 2)
         distance = np.linalg.norm(points - points[start], axis=1)
         distance[away < count // 6] = np.inf

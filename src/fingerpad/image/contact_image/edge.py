@@ -1,49 +1,37 @@
-"""The outline of a contact to a fraction of a pixel, its areas, and their uncertainty."""
+"""The edge of a contact: where ridges end, how far beyond them the contact does, how certain that is."""
 
 import math
 from dataclasses import dataclass, replace
+from typing import Final
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-from fingerpad._arrays import BoolArray, FloatArray, as_float32
-from fingerpad.image._masks import UInt8, longest_contour
-from fingerpad.image.contact_image._region import distance_to
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.image._masks import UInt8, distance_to, longest_contour
+from fingerpad.image.contact_image.calibration import EDGE
+from fingerpad.image.contact_image.region import Region
+from fingerpad.image.contact_image.ridges import Ridges
+from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import AreaMoments, evenly_spaced, signed_area
 
-_HALF_LEVEL = 127.5
-# All lengths in ridge periods. The outline follows a ridge or not over this length.
-_FOLLOWED = 3.0
-_ENDS, _FOLLOWING, _NOISE = 0.084, 0.206, 0.192
-# Standard deviation of the edge's place in a valley, and by how soft the picture is; neighbours share an
-# error over `_STRETCH`.
-_IN_VALLEY, _BY_SOFTNESS, _STRETCH = 0.16, 0.092, 2.75
-# The interior lies deeper than `_DEEP`, the ground between the distances `_GROUND` outside. Ridges are what
-# varies along the outline over less than `_ALONG`, without a `_TRIM`th of it at either end: inside, just
-# outside, and beyond.
-_DEEP, _GROUND, _ALONG, _TRIM = 3.5, (2.0, 3.0), 2.0, 5
-_INSIDE, _OUTSIDE, _BEYOND = (-0.8, -0.2), (0.1, 0.3), (0.4, 0.7)
-# How far the edge lies beyond the outline: for a sharp one, by the ridges just outside in parts of those
-# inside, by those beyond in parts of the interior's contrast, and by how far the outline follows ridges.
-# Means and variations are at least `_LEAST`.
-_FADED, _BY_OUTSIDE, _BY_BEYOND, _BY_FOLLOWING, _LEAST = -0.32, 1.75, 3.9, -0.35, 0.03
-# The standard deviation that the whole edge shares: its least, as a share of that shift, by the rim, and by
-# how uneven the contrast within `_NEAR` outside is between `_SECTORS` of the outline; `_EVEN` is that of a
-# sharp edge.
-_EDGE_STD, _BY_FADE, _RIM_STD, _BY_UNEVENNESS = 0.1, 0.4, 0.7, 1.2
-_NEAR, _SECTORS, _EVEN = 0.5, 24, 0.03
-# By a share of it the edge varies independently of other images, alike over a share of its length; and by how
-# the contrast at the distances `_RIM` differs between such stretches, as where the tips fade more slowly.
-_VARIES, _ALIKE, _RIM, _BY_LACK = 0.7, 0.25, (-1.2, -0.4), 1.0
+_HALF_LEVEL: Final = 127.5
+# How far inside, ridge periods, the amount of ridge is that of a ridge which the outline follows, and of the
+# valley behind it.
+_FIRST_RIDGE: Final = 0.3
+_FIRST_VALLEY: Final = 0.8
+# Samples across a band.
+_ACROSS: Final = 6
+# The amount of ridge is near half within so many levels, of 255.
+_RAMP: Final = 64
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
-_MANUAL = math.sqrt(1 / 12 / 2)
+_MANUAL: Final = math.sqrt(1 / 12 / 2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactEdge:
-    """An outline with what is known at each of its points, all in px of the working copy.
+class Edge:
+    """An outline with what is known at each of its points, all in px of the copy.
 
     Attributes
     ----------
@@ -91,100 +79,132 @@ class ContactEdge:
     differs: FloatArray
     fade: float = 0.0
     rim: float = 0.0
-    unevenness: float = _EVEN
+    unevenness: float = EDGE.even
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
         return np.asarray(self.points + self.normals * np.asarray(outward)[..., None])
 
 
-def contact_outline(
-    patch: BoolArray,
-    closed: UInt8,
-    amount: UInt8,
-    period: float,
-    *,
-    noise: float,
-    softness: float,
-    resolved: bool,
-) -> ContactEdge:
-    """Find the outline of a patch where the closed ridge amount falls through half."""
+def drawn_edge(points: FloatArray, view: View) -> Edge:
+    """Return an edge (x, y) of the copy that was drawn manually all round."""
+    return Edge(
+        points=points,
+        normals=outward_normals(points, view.period),
+        steps=point_spacings(points),
+        along=np.zeros(len(points)),
+        period=view.period,
+        noise=view.relative_noise,
+        softness=0.0,
+        resolved=True,
+        manual=np.ones(len(points), dtype=bool),
+        differs=np.zeros(len(points)),
+    )
+
+
+def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
+    """Trace a region to a fraction of a pixel, and move the outline to where the contact ends."""
+    edge = _outline(view, ridges, region.patch)
+    # A given level says what counts as contact; without ridges nothing tells fading from blur.
+    if view.resolved and ridges.threshold is None:
+        edge = _with_fade(edge, view.contact, region.patch)
+    rows, columns = region.patch.shape
+    return replace(edge, points=edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5]))
+
+
+def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
+    """Return the outline of a patch where the closed ridges fall through half."""
+    period = view.period
     contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
     points = evenly_spaced(running_mean(contour, round(period / 2)))
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
-    field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(closed, grown)), (3, 3), 0))
+    field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(ridges.closed, grown)), (3, 3), 0))
     normals = outward_normals(points, period)
     for _ in range(3):
-        value, slope = _profile(field, points, normals)
+        value, inner, outer = _sample(
+            field, np.stack([points, points - 0.7 * normals, points + 0.7 * normals])
+        )
+        slope = (inner - outer) / 1.4
         off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
         points = points + normals * off[:, None]
     points = evenly_spaced(running_mean(points, 2))
     normals = outward_normals(points, period)
-    levels = as_float32(amount)
-    outer, inner = (_sample(levels, points - normals * (depth * period)) for depth in (0.3, 0.8))
-    along = running_mean((outer - inner)[:, None] / 255, round(_FOLLOWED * period))[:, 0]
-    return ContactEdge(
+    depths = np.array([_FIRST_RIDGE, _FIRST_VALLEY])[:, None, None] * period
+    ridge, valley = _sample(as_float32(ridges.amount), points - normals * depths)
+    return Edge(
         points=points,
         normals=normals,
         steps=point_spacings(points),
-        along=along,
+        along=running_mean((ridge - valley) / 255, round(EDGE.followed * period)),
         period=period,
-        noise=noise,
-        softness=softness,
-        resolved=resolved,
+        noise=view.relative_noise,
+        softness=_softness(ridges.amount, patch),
+        resolved=view.resolved,
         manual=np.zeros(len(points), dtype=bool),
         differs=np.zeros(len(points)),
     )
 
 
-def faded_outline(edge: ContactEdge, patch: BoolArray, contact: npt.NDArray[np.float32]) -> ContactEdge:
-    """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
+def _softness(amount: UInt8, patch: BoolArray) -> float:
+    """Return by what share the ridges' area would change if their level moved by the whole rise."""
+    counts = cv2.calcHist([amount], [0], patch.astype(np.uint8), [256], [0, 256]).ravel().astype(np.float64)
+    near_half = counts[128 - _RAMP // 2 : 128 + _RAMP // 2].sum()
+    return float(near_half) * 255 / _RAMP / max(float(counts[128:].sum()), 1.0)
 
-    `contact` is the contrast of each place with the ground.
+
+def _with_fade(edge: Edge, contact: Float32Array, patch: BoolArray) -> Edge:
+    """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
 
     Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
     contrast. The outline at half the local contrast then lies inside the edge. How far, what still varies
     along it just outside shows: those are ridges, where a halo, a dark rim or stray light is smooth. How much
     the rim lacks of the interior's contrast says little: ridges that thin out slowly may end sharply.
     """
-    parts = min(_SECTORS, len(edge.points))
     depth = distance_to(~patch)
-    interior = contact[depth > min(_DEEP * edge.period, 0.6 * float(depth.max()))].mean()
-
-    def around(start: float, end: float) -> FloatArray:
-        """Return the contrast at some distances outward of each point of the outline, (n, distances)."""
-        distances = np.linspace(start, end, 6) * edge.period
-        return np.stack([_sample(contact, edge.moved(distance)) for distance in distances], axis=-1)
-
-    def variation(values: FloatArray) -> float:
-        """Return the mean variation along the outline without its extreme parts: dirt is in few of them."""
-        varying = np.abs(values - running_mean(values, round(_ALONG * edge.period)))
-        means = np.sort([part.mean() for part in np.array_split(varying, parts)])
-        return float(means[parts // _TRIM : parts - parts // _TRIM].mean())
-
-    ground = around(*_GROUND)
-    plain, floor = float(ground.mean()), variation(ground)
-    contrast = max(interior - plain, 1e-9)
-
-    def ridges(values: FloatArray) -> tuple[float, float]:
-        """Return the variation along the outline, little of it noise, and its ratio to the mean contrast."""
-        above = max(variation(values) ** 2 - floor**2, 0.0)
-        seen = above / max(math.hypot(math.sqrt(above), floor / 2), 1e-9) / contrast
-        return seen, seen / max((float(values.mean()) - plain) / contrast, _LEAST)
-
-    inside, outside, beyond = (ridges(around(*place)) for place in (_INSIDE, _OUTSIDE, _BEYOND))
-    fade = _FADED + _BY_OUTSIDE * outside[0] / max(inside[0], _LEAST) + _BY_BEYOND * beyond[0]
-    fade += _BY_FOLLOWING * float(np.average(edge.along, weights=edge.steps))
-    rim = running_mean(around(*_RIM).mean(axis=1)[:, None], round(_ALIKE * len(edge.points)))[:, 0]
-    near = np.array_split(around(0, _NEAR).mean(axis=1), parts)
+    deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
+    interior = contact[deep].mean()
+    bands = (EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim, EDGE.near)
+    distances = np.concatenate([np.linspace(*band, _ACROSS) for band in bands]) * edge.period
+    levels = _sample(contact, edge.points + edge.normals * distances[:, None, None])
+    ground, inside, outside, beyond, rim, near = levels.reshape(len(bands), _ACROSS, -1)
+    plain = float(ground.mean())
+    contrast = np.float32(max(interior - plain, 1e-9))
+    floor, *variations = _variations([ground, inside, outside, beyond], edge.period)
+    # Of the three bands: the variation along the outline that is not noise, in parts of the contrast, and how
+    # much of the band's mean contrast that is.
+    above = np.maximum(np.square(variations) - floor**2, 0.0)
+    seen = as_float32(above / np.maximum(np.hypot(np.sqrt(above), floor / 2), 1e-9)) / contrast
+    means = as_float32([band.mean() - plain for band in (inside, outside, beyond)]) / contrast
+    standing_out = seen / np.maximum(means, EDGE.least)
+    fade = EDGE.sharp + EDGE.by_outside * seen[1] / np.maximum(seen[0], EDGE.least) + EDGE.by_beyond * seen[2]
+    fade += EDGE.by_following * float(np.average(edge.along, weights=edge.steps))
+    shown = standing_out[1] / np.maximum(standing_out[0], EDGE.least)
+    rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
     return replace(
         edge,
-        differs=_BY_LACK * (rim.mean() - rim) / contrast * edge.period,
-        fade=max(0.0, fade) * edge.period,
-        rim=max(0.0, 1 - outside[1] / max(inside[1], _LEAST)) ** 2,
-        unevenness=float(np.std([part.mean() for part in near]) / contrast),
+        differs=EDGE.lack_std * (rim.mean() - rim) / contrast * edge.period,
+        fade=float(np.maximum(fade, 0) * edge.period),
+        rim=float(np.maximum(1 - shown, 0) ** 2),
+        unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
     )
+
+
+def _variations(bands: list[FloatArray], period: float) -> list[float]:
+    """Return the mean variation of bands along the outline, without extreme sectors: dirt is in few."""
+    values = np.concatenate(bands).T
+    varying = np.abs(values - running_mean(values, round(EDGE.along * period)))
+    means = np.sort(_sector_means(varying.reshape(len(values), len(bands), -1).mean(axis=2)), axis=0)
+    few = int(EDGE.trimmed * len(means))
+    return [float(mean) for mean in means[few : len(means) - few].mean(axis=0)]
+
+
+def _sector_means(values: FloatArray) -> FloatArray:
+    """Return means over equal parts of an outline."""
+    count = min(EDGE.sectors, len(values))
+    lengths = len(values) // count + (np.arange(count) < len(values) % count)
+    sums = np.add.reduceat(values, np.cumsum(lengths) - lengths)
+    return np.asarray(sums / lengths.reshape((-1,) + (1,) * (values.ndim - 1)))
 
 
 def point_spacings(points: FloatArray) -> FloatArray:
@@ -208,22 +228,14 @@ def outward_normals(points: FloatArray, period: float) -> FloatArray:
     return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * (1.0 if signed_area(smooth) > 0 else -1.0)
 
 
-def _profile(
-    field: npt.NDArray[np.float32], points: FloatArray, normals: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the level at points and its fall per px outward."""
-    value = _sample(field, points)
-    inner, outer = _sample(field, points - 0.7 * normals), _sample(field, points + 0.7 * normals)
-    return value, (inner - outer) / 1.4
-
-
-def _sample(field: npt.NDArray[np.float32], points: FloatArray) -> FloatArray:
-    x, y = (np.ascontiguousarray(points[:, k], dtype=np.float32) for k in (0, 1))
+def _sample(field: Float32Array, points: FloatArray) -> FloatArray:
+    """Return the levels at points, (..., n, 2); zero outside the field."""
+    x, y = (np.ascontiguousarray(points[..., k], dtype=np.float32) for k in (0, 1))
     found = cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
-    return np.asarray(found.ravel(), dtype=np.float64)
+    return np.asarray(found, dtype=np.float64)
 
 
-def edge_shift(edge: ContactEdge) -> FloatArray:
+def edge_shift(edge: Edge) -> FloatArray:
     """Return how far the true edge lies beyond the closed ridges on average, at each point, px.
 
     A contact that fades towards its edge reaches further than its outline. Where the outline crosses ridges
@@ -233,11 +245,11 @@ def edge_shift(edge: ContactEdge) -> FloatArray:
     moves the closed region outward. The three terms are fitted to rendered contacts (`edge_calibration` in
     benchmarks/contact_images.py prints them).
     """
-    return _beyond_ridges(edge) - _NOISE * edge.noise * edge.period + edge.fade
+    return _beyond_ridges(edge) - EDGE.noise * edge.noise * edge.period + edge.fade
 
 
-def _beyond_ridges(edge: ContactEdge) -> FloatArray:
-    return (_ENDS + _FOLLOWING * edge.along) * edge.period
+def _beyond_ridges(edge: Edge) -> FloatArray:
+    return (EDGE.ends + EDGE.following * edge.along) * edge.period
 
 
 def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
@@ -249,21 +261,25 @@ def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
     return np.stack([major * (plain + stretch), minor * (plain - stretch), np.ones(len(points))], axis=-1)
 
 
-def edge_offset_std(edge: ContactEdge) -> float:
+def edge_offset_std(edge: Edge) -> float:
     """Return the standard uncertainty of the edge's place that all of the outline shares, px.
 
     It holds the definition of the edge of a contact that fades, a third of the correction for noise and,
     where no ridges are resolved, all of the shift for them. Other images of the same device share it too,
     and so does an edge that a person drew, who sees no more of it.
     """
-    noise = _NOISE * edge.noise * edge.period / 3
-    unknown = 0.0 if edge.resolved else float(np.average(_beyond_ridges(edge), weights=edge.steps))
-    uneven = _BY_UNEVENNESS * edge.unevenness * edge.period
-    rim = _RIM_STD * edge.rim * edge.period
-    return math.hypot(_EDGE_STD * edge.period, _BY_FADE * edge.fade, rim, uneven, noise, unknown)
+    terms = (
+        EDGE.shared_std * edge.period,
+        EDGE.fade_std * edge.fade,
+        EDGE.rim_std * edge.rim * edge.period,
+        EDGE.unevenness_std * edge.unevenness * edge.period,
+        EDGE.noise_std * EDGE.noise * edge.noise * edge.period,
+        0.0 if edge.resolved else float(np.average(_beyond_ridges(edge), weights=edge.steps)),
+    )
+    return math.hypot(*terms)
 
 
-def outline_noise(edge: ContactEdge, weights: FloatArray) -> FloatArray:
+def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     """Return the covariance of (semi_major, semi_minor, area) from errors of one image's outline.
 
     Each stretch of outline has an independent error: where it follows a ridge, that of an edge at random on
@@ -275,14 +291,15 @@ def outline_noise(edge: ContactEdge, weights: FloatArray) -> FloatArray:
     all that was drawn.
     """
     along = edge.along.clip(0, 1)
-    own = edge.period * np.sqrt(along * _IN_VALLEY**2 + (_BY_SOFTNESS * edge.softness) ** 2)
+    soft = EDGE.softness_std * edge.softness
+    own = edge.period * np.sqrt(along * EDGE.in_valley_std**2 + soft**2)
     own = np.where(edge.manual, _MANUAL * edge.period, own)
     # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
     response = weights * (edge.steps * own)[:, None]
-    width = min(max(1, round(_STRETCH * edge.period)), len(response))
+    width = min(max(1, round(EDGE.stretch * edge.period)), len(response))
     spread = running_mean(response, width)
-    varying = weights * (edge.steps * ~edge.manual * _VARIES * edge_offset_std(edge))[:, None]
-    long = max(1, round(_ALIKE * len(varying)))
+    varying = weights * (edge.steps * ~edge.manual * EDGE.varies * edge_offset_std(edge))[:, None]
+    long = max(1, round(EDGE.alike * len(varying)))
     varied = running_mean(varying, long)
     drawn = (weights * (edge.steps * edge.manual * _MANUAL * edge.period)[:, None]).sum(axis=0)
     uneven = weights.T @ (edge.steps * ~edge.manual * edge.differs)

@@ -1,0 +1,220 @@
+"""What is no contact: an even border round the picture, and the ground with its uneven light."""
+
+import math
+from typing import Final, NamedTuple
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.image._masks import distance_to, largest_piece, longest_contour
+
+# An added border: its least share of the picture; ripples that lossy compression leaves in it, as a share of
+# the range.
+_MIN_BORDER: Final = 0.02
+_RIPPLE: Final = 4 / 255
+# An even background behind a print also has one level, but a print is not convex and has no straight sides:
+# least convexity, least share of the outline in sides, least side as a share of the picture's.
+_MIN_CONVEXITY: Final = 0.96
+_MIN_STRAIGHTNESS: Final = 0.7
+_LONG_SIDE: Final = 0.2
+# How far corners may be off, as a share of the longest side: a print in a small picture is not straightened.
+_BLUNTNESS: Final = 0.005
+# A copy of so many px is fine enough for a border; grain that runs into it and letters that stick out, px of
+# it.
+_BORDER_PX: Final = 400
+_GRAIN_PX: Final = 7
+_LETTER_PX: Final = 20
+
+# Side of the blocks that are busy with ridges or quiet, ridge periods.
+_BLOCK: Final = 1.35
+# Fewer quiet blocks than this show a level of the ground, but no slope; more than that are not needed.
+_MIN_QUIET: Final = 40
+_MAX_QUIET: Final = 300
+_SURFACE_ROUNDS: Final = 6
+
+
+def without_added_border(
+    pixels: npt.NDArray[np.uint8] | npt.NDArray[np.float32], shape: tuple[int, int]
+) -> BoolArray:
+    """Return where the picture shows anything: all but the even border that a rotation or a crop has added.
+
+    The border has one level, holds at least three corners, and leaves a convex polygon of long sides.
+    The answer has the given shape.
+    """
+    step = max(1, round(max(pixels.shape) / _BORDER_PX))
+    small = pixels[::step, ::step].astype(np.float32)
+    corners = small[[0, 0, -1, -1], [0, -1, 0, -1]]
+    low, high, _, _ = cv2.minMaxLoc(small)
+    level, width = float(np.median(corners)), _RIPPLE * (high - low)
+    if np.count_nonzero(np.abs(corners - level) <= width) >= 3:
+        even = cv2.inRange(small, level - width, level + width)
+        # Noise that comes near one level here and there leaves no even piece.
+        even = cv2.morphologyEx(even, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
+        if cv2.countNonZero(even) >= _MIN_BORDER * even.size:
+            _, labels = cv2.connectedComponents(np.pad(even, 1, constant_values=1), connectivity=4)
+            card = _smooth_mask((labels != labels[0, 0])[1:-1, 1:-1])
+            if card.any() and card.mean() < 1 - _MIN_BORDER and _is_polygon(card):
+                return cv2.resize(card.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
+    return np.ones(shape, dtype=bool)
+
+
+def _smooth_mask(card: BoolArray) -> BoolArray:
+    """Close grain that runs into the border and drop letters that stick out."""
+    pad = 32
+    mask = np.pad(card, pad)
+    # In a small picture a print must not be rounded into a polygon.
+    scale = min(1.0, max(card.shape) / _BORDER_PX)
+    grain, letter = _GRAIN_PX * scale, _LETTER_PX * scale
+    grown = distance_to(~(distance_to(mask) <= grain)) > grain
+    plain = distance_to(distance_to(~grown) > letter) <= letter
+    return largest_piece(np.asarray(plain[pad:-pad, pad:-pad]))
+
+
+def _is_polygon(card: BoolArray) -> bool:
+    hull = cv2.convexHull(longest_contour(card))
+    if np.count_nonzero(card) < _MIN_CONVEXITY * cv2.contourArea(hull):
+        return False
+    corners = cv2.approxPolyDP(hull, _BLUNTNESS * max(card.shape), True).reshape(-1, 2)
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
+    straight = sides[sides > _LONG_SIDE * math.sqrt(card.size)].sum()
+    return bool(straight > _MIN_STRAIGHTNESS * sides.sum())
+
+
+class Flattened(NamedTuple):
+    """A picture turned so that contact is bright, on an even ground of about zero.
+
+    Attributes
+    ----------
+    values : ndarray of float32, (rows, columns)
+    noise : float
+        Standard deviation of the quiet ground.
+    contrast : float
+        Level of the busy parts' contact above the ground, or what the caller gives.
+    dark_on_light : bool
+        Whether contact was darker than the ground.
+    """
+
+    values: Float32Array
+    noise: float
+    contrast: float
+    dark_on_light: bool
+
+
+def flattened(
+    values: Float32Array,
+    inside: BoolArray,
+    period: float,
+    *,
+    dark_on_light: bool | None,
+    contrast: float | None,
+) -> Flattened:
+    """Turn contact bright, and remove uneven lighting by a smooth surface through the quiet ground."""
+    side = max(2, round(_BLOCK * period))
+    means = block_means(values, side)
+    deviations = np.sqrt(
+        np.maximum(block_means(as_float32(cv2.multiply(values, values)), side) - means * means, 0)
+    )
+    # Blocks that reach over the edge do not count.
+    whole = np.zeros(means.shape, dtype=bool)
+    whole[: values.shape[0] // side, : values.shape[1] // side] = True
+    counted = whole if inside.all() else whole & (block_means(inside * np.uint8(255), side) > 252)
+    if not counted.any():
+        counted = whole
+    limit = _otsu_threshold(deviations[counted])
+    quiet, busy = counted & (deviations <= limit), counted & (deviations > limit)
+    rim = _border_blocks(quiet, values.shape[0] // side, values.shape[1] // side)
+    if dark_on_light is None:
+        dark_on_light = _is_dark_on_light(means, rim, busy)
+    sign = -1.0 if dark_on_light else 1.0
+    places = _sample_blocks(quiet)
+    flat = sign * values - enlarge(_ground_surface(sign * means, places, rim), side, values.shape)
+    noise = float(np.median(deviations.flat[places])) if places.size else 0.0
+    if contrast is None:
+        contrast = _contrast(
+            flat, enlarge(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
+        )
+    return Flattened(as_float32(flat), noise, contrast, dark_on_light)
+
+
+def _contrast(flat: Float32Array, busy: BoolArray) -> float:
+    """Return how far the contact in the busy places lies above what lies between."""
+    sample = flat[::2, ::2][busy[::2, ::2]]
+    threshold = _otsu_threshold(sample)
+    above, below = sample[sample > threshold], sample[sample <= threshold]
+    return float(above.mean() - below.mean()) if above.size and below.size else 0.0
+
+
+def _sample_blocks(quiet: BoolArray) -> npt.NDArray[np.intp]:
+    """Return where some hundred quiet blocks are, as indices of the flat array."""
+    places = np.flatnonzero(quiet)
+    return places[:: max(1, places.size // _MAX_QUIET)]
+
+
+def block_means(values: Float32Array | npt.NDArray[np.uint8], side: int) -> Float32Array:
+    """Return the means of square blocks; the last in a row or column may reach over the edge, mirrored."""
+    over = [-n % side for n in values.shape]
+    whole = cv2.copyMakeBorder(values, 0, over[0], 0, over[1], cv2.BORDER_REFLECT) if any(over) else values
+    rows, columns = (n // side for n in whole.shape)
+    return as_float32(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
+
+
+def enlarge(
+    few: Float32Array, every: int, shape: tuple[int, ...], interpolation: int = cv2.INTER_LINEAR
+) -> Float32Array:
+    """Return values given at every so many pixels at each pixel of an image of this shape."""
+    size = (few.shape[1] * every, few.shape[0] * every)
+    return as_float32(cv2.resize(few, size, interpolation=interpolation))[: shape[0], : shape[1]]
+
+
+def _border_blocks(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
+    """Return the quiet blocks that are ground for sure: those at the rim of the picture's whole blocks.
+
+    A smooth contact is quiet too.
+    """
+    rim = quiet.copy()
+    rim[1 : rows - 1, 1 : columns - 1] = False
+    return rim if rim.any() else quiet
+
+
+def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -> bool:
+    """Return the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
+    if not busy.any() or not ground.any():
+        return True
+    return float(means[busy].mean()) < float(np.median(means[ground]))
+
+
+def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:
+    """Return a quadratic surface through the lowest quiet blocks, and as near as those at the rim lie."""
+    y, x = (np.linspace(-1, 1, n) for n in means.shape)
+    if quiet.size < _MIN_QUIET:
+        # With few ground blocks only a constant can be estimated.
+        return np.full_like(means, np.percentile(means, 20))
+    places = np.union1d(quiet, np.flatnonzero(rim))
+    at_rim = rim.flat[places]
+    rows, columns = np.unravel_index(places, means.shape)
+    design = np.stack(_quadratic_terms(y[rows], x[columns]), axis=-1)
+    level = means[rows, columns].astype(np.float64)
+    surface = np.array([np.percentile(level, 20), 0, 0, 0, 0, 0])
+    for _ in range(_SURFACE_ROUNDS):
+        off = level - design @ surface
+        width = max(2 * float(np.median(np.abs(off[at_rim]))), 1e-6)
+        weight = 1 / (1 + (off / width) ** 2) * np.where(off > width, 0.1, 1.0)
+        weighted = design.T * weight
+        surface = np.linalg.solve(weighted @ design + 1e-9 * np.eye(6), weighted @ level)
+    return as_float32(sum(map(np.multiply, surface, _quadratic_terms(y[:, None], x))))
+
+
+def _quadratic_terms(y: FloatArray, x: FloatArray) -> list[FloatArray]:
+    return [np.ones(np.broadcast_shapes(y.shape, x.shape)), x, y, x * x, x * y, y * y]
+
+
+def _otsu_threshold(values: npt.NDArray[np.floating]) -> float:
+    """Return the level that best parts `values` in two classes (Otsu 1979)."""
+    low, high = float(values.min()), float(values.max())
+    if not high > low:
+        return low
+    levels = np.rint((values - low) * (255 / (high - low))).astype(np.uint8)
+    threshold, _ = cv2.threshold(levels.reshape(1, -1), 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    return low + (float(threshold) + 0.5) * (high - low) / 255

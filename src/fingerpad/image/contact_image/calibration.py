@@ -1,0 +1,128 @@
+"""Constants that were fitted to contact images of known truth, one class per model.
+
+How they were fitted, and how well they do on other images: docs/reference/accuracy.md. Thresholds that are
+plain choices stand beside the functions that use them. Units: "periods" are ridge periods; "rises" are parts
+of the rise from valley to ridge; "contrasts" are parts of the interior's contrast with the ground.
+"""
+
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+# From and to, periods outward of the outline of the closed ridges; below 0 inside.
+Band: TypeAlias = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EdgeModel:
+    """How far the edge of a contact lies beyond the closed ridges, and how uncertain that is."""
+
+    # The shift of the edge outward.
+    ends: float = 0.084  # periods; where the outline crosses ridges
+    following: float = 0.206  # periods; more where it follows one
+    noise: float = 0.192  # periods a rise; less by noise
+    followed: float = 3.0  # periods; over this length an outline follows a ridge or does not
+
+    # What is looked at to tell how a contact fades.
+    ground: Band = (2.0, 3.0)  # the ground
+    interior_depth: float = 3.5  # periods; the interior is deeper
+    inside: Band = (-0.8, -0.2)  # ridges inside
+    outside: Band = (0.1, 0.3)  # ridges just outside
+    beyond: Band = (0.4, 0.7)  # ridges beyond
+    rim: Band = (-1.2, -0.4)  # contrast round the outline
+    near: Band = (0.0, 0.5)  # contrast just outside
+    along: float = 2.0  # periods; ridges are what varies along the outline over less than this
+    sectors: int = 24  # parts of the outline whose means are compared
+    trimmed: float = 0.2  # share of the sectors at either end that does not count
+    least: float = 0.03  # contrasts; variations and means are no less
+
+    # How far the edge of a contact that fades lies further out.
+    sharp: float = -0.32  # periods; for a sharp edge
+    by_outside: float = 1.75  # periods; by the ridges just outside in parts of those inside
+    by_beyond: float = 3.9  # periods a contrast; by the ridges beyond
+    by_following: float = -0.35  # periods; by how far the outline follows ridges
+
+    # Standard deviation of each place of the outline.
+    in_valley_std: float = 0.16  # periods; in a valley that it follows
+    softness_std: float = 0.092  # periods; by the softness of the picture
+    stretch: float = 2.75  # periods; neighbours share that error over this length
+
+    # Standard deviation that all of the edge shares.
+    shared_std: float = 0.1  # periods; at least
+    fade_std: float = 0.4  # share of the shift by the fade
+    rim_std: float = 0.7  # periods; where a rim covers all ridges
+    unevenness_std: float = 1.2  # periods a contrast; by how uneven the contrast just outside is
+    noise_std: float = 1 / 3  # share of the shift by noise
+    even: float = 0.03  # contrasts; unevenness of a sharp edge
+
+    # Standard deviation by which the edge varies within one image.
+    varies: float = 0.7  # share of the shared deviation
+    alike: float = 0.25  # share of the outline over which it is the same
+    lack_std: float = 1.0  # periods a contrast; by how the contrast of the rim differs from elsewhere
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RidgeLevel:
+    """The level above which a place is ridge, at the resolution of the picture."""
+
+    # Means along the ridges.
+    gradient: float = 0.1  # periods; directions are those of gradients smoothed over this
+    direction: float = 0.6  # periods; and averaged over this
+    sample: float = 0.35  # periods; between samples of a mean
+
+    # Levels of valleys and ridges.
+    reach: float = 1.1  # periods; they are the extremes within this
+    smoothing: float = 1.0  # periods; smoothed over this
+
+    # Shift of the level from half by blur: near that of a square wave under a Gaussian of 0.1 periods.
+    by_blur: float = (
+        0.45  # rises; by how far the share of ridges is from half, times its change with the level
+    )
+    cubic: float = 30.0  # by the cube of the same
+    near_half: float = 0.1  # rises; the change is taken within this of half
+
+    # Shift by grain, as if half of it were faint contact; the rest may be gaps.
+    crest: float = 0.7  # rises; ridges above vary more than valleys below its mirror
+    usual_grain: float = 0.12  # rises; that pores and blur make
+    by_grain: float = 0.4  # rises a rise of more grain
+
+    # Shift by valleys that the device clips to white, or black: half of how far they would lie beyond.
+    by_clipping: float = 0.07  # rises; by the square of their share
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RidgeAreaError:
+    """Standard uncertainty of the ridge area inside a given outline, as a share of it."""
+
+    # The level's: its effect is that times the change of the area with the level.
+    level_std: float = 0.025  # rises; at least
+    level_by_grain: float = 0.5  # rises a rise of grain
+    level_by_clipping: float = 0.13  # rises; by the share of clipped valleys
+
+    # The area's own.
+    least_std: float = 0.008  # where the level does not matter
+    by_noise: float = 0.1  # a rise of noise
+    by_rim: float = 0.3  # where a rim covers all ridges
+    by_fade: float = 0.2  # a period by which a fading edge lies further out
+    sharp_fade: float = 0.08  # periods; fade of a sharp edge
+    most_fade: float = 0.2  # periods; more than that tells no more
+    by_moisture: float = 1.2  # by the share of ridges above that of dry ones: sweat or ink may fill valleys
+    dry_share: float = 0.54  # of the contact that dry ridges fill
+
+    at_rim: float = 0.5  # how much of a strip at the outline is ridge, relative to the interior
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrintedMarks:
+    """Letters in the contact. Real prints have no such dark place of more than 1.2 periods."""
+
+    around: float = 10.0  # periods; they are darker than the ridges within this
+    darker: float = 1.1  # by this factor
+    stroke: float = 0.4  # periods; least width of their strokes
+    reach: float = 2.2  # periods; least reach of a stroke along and across
+    fewest: int = 2  # so many are print
+
+
+EDGE: Final = EdgeModel()
+RIDGE_LEVEL: Final = RidgeLevel()
+RIDGE_AREA: Final = RidgeAreaError()
+PRINTED_MARKS: Final = PrintedMarks()

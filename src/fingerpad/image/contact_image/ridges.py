@@ -1,0 +1,373 @@
+"""Ridges of a contact image, told from valleys: roughly in the copy, and finely in the picture.
+
+In the copy, windows of three periods give the levels of valleys and ridges; closed over the valleys, these
+ridges show the region of the contact. In the picture, extremes around each place do, in means along the
+ridges, and narrow ridges and valleys are seen apart: those ridges make the ridge area.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.image._masks import UInt8, disk, filled_polygon
+from fingerpad.image.contact_image.background import block_means, enlarge
+from fingerpad.image.contact_image.calibration import PRINTED_MARKS, RIDGE_LEVEL
+from fingerpad.image.contact_image.view import View
+
+# Amount of ridge that parts ridges from valleys, 0 to 255.
+HALF: Final = 128
+# Radius of the disk over which ridges are closed, ridge periods.
+CLOSING_RADIUS: Final = 1.1
+# Windows of local levels, and the smoothing before, ridge periods; how often the levels are found again.
+_WINDOW: Final = 3.0
+_SMOOTHING: Final = 0.09
+_ROUNDS: Final = 3
+# Weight of the whole picture's levels against a window's own, as a share of the window.
+_PRIOR: Final = 0.03
+# Least rise from valley to ridge, as a share of the picture's contrast.
+_MIN_RISE: Final = 0.3
+# Levels are taken from every other pixel where a period has more than so many.
+_LEAST_FOR_STEP: Final = 4
+# More pixels to a ridge period than this tell nothing more; directions and extremes need fewer.
+_MOST_PER_PERIOD: Final = 12
+_FEWER_PER_PERIOD: Final = 5
+_NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ridges:
+    """Ridges in the copy.
+
+    Attributes
+    ----------
+    amount : ndarray of uint8, (rows, columns)
+        How far each place is from its valley level (0) to its ridge level (255).
+    closed : ndarray of uint8, (rows, columns)
+        The same without specks, closed over the valleys.
+    level : ndarray of float32
+        Level half-way, above the ground, at some places spread over the copy.
+    threshold : float or None
+        That level where the caller gives it.
+    """
+
+    amount: UInt8
+    closed: UInt8
+    level: Float32Array
+    threshold: float | None
+
+    def median_level(self, patch: BoolArray) -> float:
+        """Return the median level in a patch; it varies slowly, and some hundred places show it."""
+        rows, columns = (np.linspace(0, n - 1, min(n, 60)).astype(int) for n in self.level.shape)
+        size = (columns.size, rows.size)
+        inside = cv2.resize(patch.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+        some = self.level[np.ix_(rows, columns)]
+        return float(np.median(some[inside] if inside.any() else some))
+
+
+def find_ridges(view: View, threshold: float | None) -> Ridges:
+    """Tell ridges from valleys in the copy.
+
+    The two levels are means over windows of three periods (Ridler & Calvard's two means, made local); where a
+    window lacks one, the level of the whole picture stands in. With a `threshold` the levels are zero and
+    twice the threshold everywhere. Half-way, 127.5, parts ridges from valleys.
+    """
+    values = smoothed(view)
+    if threshold is not None:
+        amount = _as_uint8(cv2.convertScaleAbs(np.maximum(values, 0), alpha=255 / (2 * threshold)))
+        level = np.full((1, 1), threshold, dtype=np.float32)
+    else:
+        step = 2 if view.period >= _LEAST_FOR_STEP else 1
+        side = max(1, round(_WINDOW * view.period / step / 3))
+        valley, rise = _levels(np.ascontiguousarray(values[::step, ::step]), side, view.contrast)
+        above = np.subtract(values, enlarge(valley, side * step, values.shape))
+        scale = enlarge(as_float32(255 / rise), side * step, values.shape)
+        amount = _as_uint8(cv2.multiply(above, scale, dtype=cv2.CV_8U))
+        level = as_float32(valley + rise / 2)
+    counted = view.shown & view.inside
+    if not counted.all():
+        amount = np.where(counted, amount, np.uint8(0))
+    closed = _closed(amount, view.period)
+    return Ridges(amount=amount, closed=closed, level=level, threshold=threshold)
+
+
+def smoothed(view: View) -> Float32Array:
+    """Return the copy without noise much finer than a ridge."""
+    return as_float32(cv2.GaussianBlur(view.contact, (0, 0), max(0.4, _SMOOTHING * view.period)))
+
+
+def _as_uint8(values: npt.NDArray[Any]) -> UInt8:
+    return np.asarray(values, dtype=np.uint8)
+
+
+def _levels(smooth: Float32Array, side: int, contrast: float) -> tuple[Float32Array, Float32Array]:
+    """Return the local valley level and the local rise from it to the ridges, by blocks of a side.
+
+    A window is three blocks wide.
+    """
+    whole = _window_means(smooth, side)
+    # Where blur fills the valleys, only the local mean lies between the two levels.
+    middle = np.maximum(whole, contrast / 2)
+    for _ in range(_ROUNDS):
+        inside = as_float32(smooth > enlarge(middle, side, smooth.shape))
+        share = _window_means(inside, side)
+        high = _window_means(np.multiply(inside, smooth, out=inside), side)
+        valley = (whole - high) / ((1 + _PRIOR) - share)
+        ridge = (high + _PRIOR * contrast) / (share + _PRIOR)
+        rise = np.maximum(ridge - valley, _MIN_RISE * contrast)
+        middle = valley + rise / 2
+    return as_float32(valley), as_float32(rise)
+
+
+def _window_means(values: Float32Array, side: int) -> Float32Array:
+    return as_float32(cv2.blur(block_means(values, side), (3, 3)))
+
+
+def _closed(amount: UInt8, period: float) -> UInt8:
+    """Return the amount of ridge without specks, closed over the valleys."""
+    closed = np.zeros_like(amount)
+    x, y, columns, rows = cv2.boundingRect((amount >= HALF).astype(np.uint8))
+    if not columns:
+        return closed
+    box = np.s_[max(0, y - 2) : y + rows + 2, max(0, x - 2) : x + columns + 2]
+    # A lone pixel is a speck; what is below half may be the flank of a ridge: it stays.
+    _, most = cv2.threshold(cv2.dilate(amount[box], _NEIGHBOURS), HALF - 1, 255, cv2.THRESH_BINARY)
+    plain = np.minimum(amount[box], np.maximum(most, HALF - 1))
+    radius = CLOSING_RADIUS * period
+    pad = math.ceil(radius) + 1
+    padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_CONSTANT, value=0)
+    closed[box] = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, disk(radius), borderValue=0)[pad:-pad, pad:-pad]
+    return closed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RidgeMap:
+    """Ridges in the box round a contact, at the resolution of the picture or a whole fraction of it.
+
+    Attributes
+    ----------
+    is_ridge, inside : ndarray of bool, (rows, columns)
+        Where ridges are, and what is inside the outline.
+    corner : (int, int)
+        (row, column) of the box in the whole picture.
+    step : int
+        Pixels of the picture in one of the map.
+    softness : float
+        Relative change of the ridges' area for a change of their level, in parts of the rise.
+    grain : float
+        By how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
+    clipped : float
+        Share of the valleys that the device shows as white, or as black where ridges are bright.
+    has_print : bool
+        Whether letters, or other marks darker than ridges, are counted as ridges.
+    """
+
+    is_ridge: BoolArray
+    inside: BoolArray
+    corner: tuple[int, int]
+    step: int
+    softness: float
+    grain: float
+    clipped: float
+    has_print: bool
+
+    def in_picture(self, shape: tuple[int, int]) -> BoolArray:
+        """Return the ridges in a picture of this shape, none outside the box."""
+        whole = np.zeros(shape, dtype=bool)
+        fine = self.is_ridge.repeat(self.step, axis=0).repeat(self.step, axis=1)
+        row, column = self.corner
+        part = whole[row : row + fine.shape[0], column : column + fine.shape[1]]
+        part[:] = fine[: part.shape[0], : part.shape[1]]
+        return whole
+
+    def area(self, smeared: BoolArray, view: View) -> tuple[float, float]:
+        """Return the ridges' area inside the outline, and that of unresolved parts, px of the picture.
+
+        `smeared` are the unresolved parts in the copy: half of them counts as ridge.
+        """
+        turn = _to_copy(self.corner, self.step, view)
+        size = self.inside.shape[::-1]
+        half = self.inside & (_warped(smeared.astype(np.uint8), turn, size, cv2.INTER_NEAREST) > 0)
+        unknown = np.count_nonzero(half)
+        known = np.count_nonzero(self.is_ridge & self.inside & ~half)
+        return (known + unknown / 2) * float(self.step**2), unknown * float(self.step**2)
+
+    def border(self) -> float:
+        """Return the length of the ridges' borders inside the outline, px of the picture.
+
+        By Cauchy and Crofton's formula, from crossings along the rows, the columns and both diagonals.
+        """
+        ridges = self.is_ridge & self.inside
+        straight = np.count_nonzero(ridges[1:] != ridges[:-1]) + np.count_nonzero(
+            ridges[:, 1:] != ridges[:, :-1]
+        )
+        diagonal = np.count_nonzero(ridges[1:, 1:] != ridges[:-1, :-1]) + np.count_nonzero(
+            ridges[1:, :-1] != ridges[:-1, 1:]
+        )
+        return float(math.pi / 8 * (straight + diagonal / math.sqrt(2)) * self.step)
+
+
+def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap:
+    """Find the ridges inside an outline (x, y) of the copy.
+
+    Where no threshold is given, a ridge is what lies, in means along the ridges, about half-way between the
+    levels of the valleys and the ridges around. At the resolution of the copy, narrow ridges and narrow
+    valleys blur into one another.
+    """
+    period = view.period * view.step
+    step = max(1, int(period // _MOST_PER_PERIOD))
+    outline = view.to_picture(edge) - view.corner[::-1]
+    low = np.maximum(np.floor(outline.min(axis=0) - period), 0).astype(int)
+    high = np.minimum(np.ceil(outline.max(axis=0) + period) + 1, view.picture.shape[::-1]).astype(int)
+    columns, rows = ((high - low) // step * step).tolist()
+    box = as_float32(view.picture[low[1] : low[1] + rows, low[0] : low[0] + columns])
+    if step > 1:
+        box = as_float32(cv2.resize(box, (columns // step, rows // step), interpolation=cv2.INTER_AREA))
+    row, column = (int(k) for k in low[::-1] + view.corner)
+    turn = _to_copy((row, column), step, view)
+    turned = -box if view.dark_on_light else box
+    values = as_float32(turned - _warped(view.ground, turn, box.shape[::-1], cv2.INTER_LINEAR))
+    inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape) > 0
+    level, grain, clipped = 0.5, 0.0, 0.0
+    if threshold is not None:
+        amount = as_float32(values / np.float32(2 * threshold))
+    else:
+        means = _mean_along_ridges(values, period / step)
+        valley, rise = _local_levels(means, view.contrast, period / step)
+        amount = as_float32((means - valley) / rise)
+        grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
+        clipped = _clipped_share(box, inside & (amount < level), dark_on_light=view.dark_on_light)
+        level += _blur_shift(amount[inside]) - RIDGE_LEVEL.by_grain * grain
+        level -= RIDGE_LEVEL.by_clipping * clipped**2
+    within, is_ridge = amount[inside], np.asarray(amount > level)
+    return RidgeMap(
+        is_ridge=is_ridge,
+        inside=np.asarray(inside),
+        corner=(row, column),
+        step=step,
+        softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
+        grain=grain,
+        clipped=clipped,
+        has_print=_has_print(values, is_ridge & inside, inside, period / step),
+    )
+
+
+def _to_copy(corner: tuple[int, int], step: int, view: View) -> FloatArray:
+    """Return the affine map from the map's pixels (x, y) to those of the copy."""
+    along = step / np.array(view.steps[::-1])
+    start = (np.array(corner[::-1]) - view.corner[::-1] + step / 2) / view.steps[::-1] - 0.5
+    return np.array([[along[0], 0, start[0]], [0, along[1], start[1]]])
+
+
+def _warped(
+    image: npt.NDArray[Any], turn: FloatArray, size: tuple[int, ...], interpolation: int
+) -> npt.NDArray[Any]:
+    return cv2.warpAffine(
+        image, turn, size, flags=interpolation | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE
+    )
+
+
+def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, period: float) -> bool:
+    """Return whether places darker than the ridges around are as large, and as many, as letters."""
+    side = 2 * round(PRINTED_MARKS.around * period / 2) + 1
+    share = as_float32(ridges)
+    level, count = (cv2.blur(each, (side, side)) for each in (values * share, share))
+    dark = (values * count > np.float32(PRINTED_MARKS.darker) * level) & (count > 0)
+    stroke = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, [max(2, round(PRINTED_MARKS.stroke * period))] * 2)
+    strokes = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, stroke)
+    contours, _ = cv2.findContours(strokes, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    letters = 0
+    for contour in contours:
+        if (
+            len(contour) > 2 * PRINTED_MARKS.reach * period
+            and min(cv2.minAreaRect(contour)[1]) > PRINTED_MARKS.reach * period
+        ):
+            x, y = contour.reshape(-1, 2).mean(axis=0).astype(int)
+            letters += bool(inside[y, x])
+    return letters >= PRINTED_MARKS.fewest
+
+
+def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) -> float:
+    """Return by how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
+
+    `off` is what lies above the means along the ridges. Valleys show the noise.
+    """
+    ridges, valleys = (
+        float(cv2.meanStdDev(off, mask=(where & inside).astype(np.uint8))[1][0, 0])
+        for where in (amount > RIDGE_LEVEL.crest, amount < 1 - RIDGE_LEVEL.crest)
+    )
+    return max(0.0, math.sqrt(max(0.0, ridges**2 - valleys**2)) - RIDGE_LEVEL.usual_grain)
+
+
+def _change_with_level(amount: Float32Array, level: float) -> float:
+    """Return how many pixels fewer would be ridge for each unit of their level."""
+    between = np.count_nonzero(
+        (amount > level - RIDGE_LEVEL.near_half) & (amount <= level + RIDGE_LEVEL.near_half)
+    )
+    return between / (2 * RIDGE_LEVEL.near_half)
+
+
+def _blur_shift(amount: Float32Array) -> float:
+    """Return how far the level at the border of blurred ridges lies above half.
+
+    Blur lowers the crest of ridges narrower than half a period, and raises the floor of narrow valleys.
+    """
+    pixels = max(amount.size, 1)
+    off = 0.5 - np.count_nonzero(amount > 0.5) / pixels
+    return RIDGE_LEVEL.by_blur * (off + RIDGE_LEVEL.cubic * off**3) * _change_with_level(amount, 0.5) / pixels
+
+
+def _clipped_share(box: Float32Array, valleys: BoolArray, *, dark_on_light: bool) -> float:
+    """Return the share of valleys at the end of the range of 8 or 16 bits."""
+    end = float(box.max()) if dark_on_light else 0.0
+    if end not in {0.0, 255.0, 65535.0}:
+        return 0.0
+    return int(np.count_nonzero((box == end) & valleys)) / max(int(np.count_nonzero(valleys)), 1)
+
+
+def _mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
+    """Return means of three samples along the ridges, `RIDGE_LEVEL.sample` apart.
+
+    They leave the width of ridges as it is, while noise, mottle and grain no longer count as gaps.
+    """
+    along = _ridge_direction(values, period)
+    columns, rows = np.meshgrid(*(np.arange(n, dtype=np.float32) for n in values.shape[::-1]), sparse=True)
+    total = values.copy()
+    for way in (-RIDGE_LEVEL.sample * period, RIDGE_LEVEL.sample * period):
+        x, y = (start + np.float32(way) * part for start, part in zip((columns, rows), along, strict=True))
+        total += cv2.remap(values, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return as_float32(total / 3)
+
+
+def _ridge_direction(values: Float32Array, period: float) -> list[Float32Array]:
+    """Return cosine and sine of the angle of the ridges from rightward to downward."""
+    every = max(1, round(period / _FEWER_PER_PERIOD))
+    few = period / every
+    smooth = cv2.GaussianBlur(values[::every, ::every], (0, 0), max(0.5, RIDGE_LEVEL.gradient * few))
+    x, y = cv2.Scharr(smooth, cv2.CV_32F, 1, 0), cv2.Scharr(smooth, cv2.CV_32F, 0, 1)
+    cos2, sin2 = (
+        cv2.GaussianBlur(each, (0, 0), RIDGE_LEVEL.direction * few) for each in (y * y - x * x, -2 * x * y)
+    )
+    angle = np.arctan2(sin2, cos2) / 2
+    return [enlarge(each, every, values.shape, cv2.INTER_NEAREST) for each in (np.cos(angle), np.sin(angle))]
+
+
+def _local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
+    """Return the level of the valleys and the rise from it to the ridges around each pixel.
+
+    They are the extremes within a disk of about a period, which depend little on mottle and on how wide the
+    ridges are, while means of all that is above and below half move with both.
+    """
+    every = max(1, round(period / _FEWER_PER_PERIOD))
+    few = np.ascontiguousarray(values[::every, ::every])
+    around = disk(RIDGE_LEVEL.reach * period / every / 2)
+    sigma = RIDGE_LEVEL.smoothing * period / every
+    low, high = (
+        enlarge(as_float32(cv2.GaussianBlur(extreme(few, around), (0, 0), sigma)), every, values.shape)
+        for extreme in (cv2.erode, cv2.dilate)
+    )
+    return low, as_float32(np.maximum(high - low, _MIN_RISE * contrast))

@@ -1,0 +1,349 @@
+"""Local spectra of a picture: the ridge period, and whether its lines are the ridges of a finger.
+
+Both look at square windows under a taper, and at the strongest peak of each. The period is asked of the
+picture and of smaller copies of it, in windows of 64 px, without a scale; whether there are ridges in windows
+of 2.9 mm that go with their neighbours.
+"""
+
+import math
+from typing import Any, Final, NamedTuple, TypeAlias
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from scipy import fft
+
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.image._masks import filled_polygon
+
+Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
+
+# The period: windows, how far apart, and how many are asked first and last.
+_WINDOW: Final = 64
+_HOP: Final = 32
+_FEW: Final = 12
+_MANY: Final = 48
+# Windows are judged by every fourth pixel.
+_STRIDE: Final = 4
+# Periods that a window shows well at one level of the pyramid, px.
+_SHORTEST: Final = 4.0
+_LONGEST: Final = 12.0
+_MIDDLE: Final = 7.0
+# Bins about the mean that hold light and edges; how far a peak spreads.
+_LIGHT_BINS: Final = 1.5
+_PEAK_BINS: Final = 2.5
+# A white-noise window puts about this share of its power into one spectral peak.
+_MIN_CONCENTRATION: Final = 0.14
+# Share of the variance of the most varied windows from which one is textured.
+_TEXTURED: Final = 0.25
+# A copy speaks more clearly than a finer one by this factor.
+_CLEARER: Final = 1.1
+
+# Of the spectrum, only what is no finer than the shortest period.
+_COLUMNS = round(_WINDOW / _SHORTEST) + 1
+_ROWS = np.r_[0:_COLUMNS, _WINDOW - _COLUMNS + 1 : _WINDOW]
+_PLACE = np.add.outer(1j * np.fft.fftfreq(_WINDOW)[_ROWS], np.fft.rfftfreq(_WINDOW)[:_COLUMNS])
+_PLACE = _PLACE.ravel().astype(np.complex64)
+_FREQUENCY = np.abs(_PLACE)
+_BAND = ((_FREQUENCY >= 1 / _LONGEST) & (_FREQUENCY <= 1 / _SHORTEST)).astype(np.float32)
+_LOW = (_FREQUENCY <= _LIGHT_BINS / _WINDOW).astype(np.float32)
+_MOMENTS = np.stack([np.ones_like(_FREQUENCY), _FREQUENCY], axis=-1)
+_WINDOW_TAPER = np.outer(np.hanning(_WINDOW), np.hanning(_WINDOW)).astype(np.float32)
+# Which places of the band belong to a peak at each place.
+_PEAKS = (np.abs(_PLACE - _PLACE[:, None]) < _PEAK_BINS / _WINDOW) * _BAND
+
+# Ridges: fingers' are 0.3 to 0.7 mm apart; a window's spectrum resolves that to a tenth.
+_PERIODS_MM: Final = (0.28, 0.75)
+# A copy of this pitch is looked at, in square windows; a coarser picture than the last cannot show ridges.
+_PITCH_MM: Final = 0.09
+_COARSEST_MM: Final = 0.12
+_SIDE: Final = 32
+_STEP: Final = 16
+# Fewer windows than this that far apart are taken at half the distance.
+_ENOUGH: Final = 40
+# Bins: below the least lie edges and shading, and a peak spreads so far.
+_LOWEST: Final = 1.5
+_SPREAD: Final = 2.1
+# Least share of a window's power in its peak, and least share of such windows that ridges fill.
+_MIN_SHARE: Final = 0.25
+_MIN_RIDGED: Final = 0.25
+# Neighbours' wave vectors differ by less than this share.
+_BENT: Final = 0.6
+# Lines more alike than these in direction and spacing are print or a grating.
+_PARALLEL: Final = 0.98
+_EVEN: Final = 0.03
+# Fewer windows than this, some 10 mm², tell nothing.
+_TELLING: Final = 20
+# Without a scale, windows are judged by their deviation: this share of the picture's range, so many levels.
+_BUSY_SHARE: Final = 0.08
+_BUSY_LEVELS: Final = 0.7
+_FEWEST: Final = 6
+
+# Half of the spectrum, by the bins from the mean; its first and last column stand for themselves.
+_BINS = np.add.outer(1j * fft.fftfreq(_SIDE), fft.rfftfreq(_SIDE)).ravel() * _SIDE
+_BINS = _BINS.astype(np.complex64)
+_TWICE = as_float32(np.where(np.isin(_BINS.real, (0, _SIDE / 2)), 1.0, 2.0))
+_TAPER = as_float32(np.outer(*[np.hanning(_SIDE + 2)[1:-1]] * 2))
+# Which bins belong to a peak at each bin, and to its mirror image.
+_NEAR = np.abs(_BINS - _BINS[:, None]) < _SPREAD
+_OPPOSITE = np.abs(_BINS + _BINS[:, None]) < _SPREAD
+
+
+def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -> float:
+    """Return the median ridge period, px, NaN where no ridges are found.
+
+    Local spectra of textured 64 px windows, on the picture and on smaller copies of it; each window
+    votes for its strongest ring with the share of its power found there. The copies are those that show the
+    `expected` period (px) and half and twice as much, or all of them where these show nothing. The best is
+    asked again with more windows.
+    """
+    copies = [(pixels, inside)]
+    while min(copies[-1][0].shape) >= _WINDOW:
+        copies.append(_halve(*copies[-1]))
+    middle = math.floor(math.log2(max(expected / _MIDDLE, 1.0)) + 0.5)
+    likely = range(max(0, middle - 1), min(len(copies), middle + 2))
+    for levels, count in ((likely, _FEW), (range(len(copies)), _MANY)):
+        best, best_vote, windows = 0, 0.0, np.empty(0)
+        for level in levels:
+            textured = _textured_windows(*copies[level])
+            vote = _median_period(_pick_evenly(textured, count))[1]
+            if vote > _CLEARER * best_vote:
+                best, best_vote, windows = level, vote, textured
+        if best_vote:
+            return 2.0**best * _median_period(windows)[0]
+    return math.nan
+
+
+def _halve(pixels: Pixels, inside: BoolArray | None) -> tuple[Pixels, BoolArray | None]:
+    rows, columns = (n // 2 * 2 for n in pixels.shape)
+    small = cv2.resize(pixels[:rows, :columns], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+    return _as_pixels(small), None if inside is None else inside[:rows:2, :columns:2]
+
+
+def _as_pixels(values: npt.NDArray[Any]) -> Pixels:
+    return values if values.dtype == np.uint8 else np.asarray(values, dtype=np.float32)
+
+
+def _pick_evenly(items: npt.NDArray[Any], count: int) -> npt.NDArray[Any]:
+    """Return not more than `count` of the items, evenly picked."""
+    return np.asarray(items[np.linspace(0, len(items) - 1, min(count, len(items))).astype(int)])
+
+
+def _textured_windows(pixels: Pixels, inside: BoolArray | None) -> npt.NDArray[Any]:
+    """Return windows of much variance, spread over the picture, (n, 64, 64)."""
+    pad = [(0, max(0, _WINDOW - n)) for n in pixels.shape]
+    if np.any(pad):
+        pixels = _as_pixels(np.pad(pixels, pad, mode="reflect"))
+        inside = None if inside is None else np.pad(inside, pad, mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(pixels, (_WINDOW, _WINDOW))[::_HOP, ::_HOP]
+    some = tuple(slice(0, n // _HOP * _HOP, _STRIDE) for n in pixels.shape)
+    sparse = pixels[some].astype(np.float32)
+    mean = _window_means(sparse)
+    variance = _window_means(sparse * sparse) - mean * mean
+    if inside is not None:
+        variance[_window_means(inside[some].astype(np.float32)) < 0.9] = 0
+    high = np.sort(variance, axis=None)[int(0.95 * (variance.size - 1))]
+    textured = np.argwhere(variance > _TEXTURED * high)
+    rows, columns = _pick_evenly(textured if len(textured) else np.zeros((1, 2), dtype=np.intp), _MANY).T
+    return np.asarray(windows[rows, columns])
+
+
+def _window_means(sparse: Float32Array) -> Float32Array:
+    """Return the mean of each window, half a window apart, of a picture given by every fourth pixel."""
+    side = _HOP // _STRIDE
+    rows, columns = (n // side for n in sparse.shape)
+    quarters = cv2.resize(sparse, (columns, rows), interpolation=cv2.INTER_AREA)
+    return np.asarray(cv2.blur(quarters, (2, 2), anchor=(0, 0))[:-1, :-1], dtype=np.float32)
+
+
+def _median_period(windows: npt.NDArray[Any]) -> tuple[float, float]:
+    """Return the weighted median period of some windows, px, and how clearly they speak for it."""
+    periods, shares = _window_periods(windows.astype(np.float32))
+    clear = shares > _MIN_CONCENTRATION
+    if np.count_nonzero(clear) < 3:
+        return math.nan, 0.0
+    return _weighted_median(periods[clear], shares[clear]), float(shares[clear].sum()) / shares.size
+
+
+def _window_periods(windows: Float32Array) -> tuple[Float32Array, Float32Array]:
+    """Return the ridge period of each window, and the share of its power in that peak.
+
+    The edge of a smooth contact has its peak below the band: it has no share.
+    """
+    tapered = (windows - windows.mean(axis=(1, 2), keepdims=True)) * _WINDOW_TAPER
+    spectrum = fft.fft(fft.rfft(tapered, axis=2)[:, :, :_COLUMNS], axis=1)[:, _ROWS]
+    power = (spectrum.real**2 + spectrum.imag**2).reshape(len(windows), -1)
+    # Parseval's theorem gives the power of the half of the spectrum; its first column stands for itself.
+    square = np.einsum("ijk,ijk->i", tapered, tapered)
+    total = (_WINDOW**2 * square + power[:, ::_COLUMNS].sum(axis=1)) / 2 - power @ _LOW + 1e-12
+    power *= 1 - _LOW
+    peak = power.argmax(axis=1)
+    power *= _PEAKS[peak]
+    weight, moment = (power @ _MOMENTS).T + 1e-12
+    return weight / moment, _BAND[peak] * weight / total
+
+
+def _weighted_median(values: Float32Array, weights: Float32Array) -> float:
+    order = np.argsort(values)
+    total = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(total, total[-1] / 2)])
+
+
+def shows_ridges(picture: Pixels, outline: FloatArray, mm_per_px: float) -> bool:
+    """Return whether ridges as far apart as a finger's fill at least a quarter of an outline.
+
+    Local spectra, as those that the ridge period is found from, but at the scale of the picture: where a
+    window's strongest wave is 0.28 to 0.75 mm long, holds a quarter of the power and turns into the waves of
+    half of the windows next to it, there are ridges. Straight lines evenly spaced are none. A picture too
+    coarse to show ridges is given the benefit of the doubt.
+
+    Parameters
+    ----------
+    picture : ndarray, (rows, columns)
+        Grey levels.
+    outline : ndarray, (n, 2)
+        (x, y), px of the picture.
+    mm_per_px : float
+        Its scale.
+    """
+    if mm_per_px > _COARSEST_MM:
+        return True
+    pitch = max(_PITCH_MM, mm_per_px)
+    copy, places = _copy_of(picture, outline, pitch / mm_per_px)
+    centres, step = _centres(places)
+    inside = _is_inside(places, centres)
+    if np.count_nonzero(inside) < _TELLING:
+        return True
+    share, waves = _waves(copy, centres[inside], pitch)
+    ridged = (share > _MIN_SHARE) & _flows_on(waves, share, inside, _STEP // step)
+    if ridged.mean() < _MIN_RIDGED:
+        return False
+    return not _is_grating(waves[ridged])
+
+
+class LineTexture(NamedTuple):
+    """Windows of a picture that are filled by lines of one spacing, which go on in the windows next to them.
+
+    Attributes
+    ----------
+    share : float
+        Their share of the picture.
+    parallel : float
+        1 where all lines have one direction, about 0 where they have all.
+    spread : float
+        Standard deviation of their spacing over its mean.
+    """
+
+    share: float
+    parallel: float
+    spread: float
+
+
+def line_texture(picture: Float32Array) -> LineTexture:
+    """Return the lines of a picture of unknown scale: of reduced copies, those of which most are seen."""
+    best = LineTexture(0.0, 0.0, 0.0)
+    while min(picture.shape) >= 2 * _SIDE:
+        best = max(best, _lines_of_copy(picture))
+        picture = as_float32(cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
+    return best
+
+
+def _lines_of_copy(copy: Float32Array) -> LineTexture:
+    step = _STEP if copy.size > _ENOUGH * 4 * _STEP**2 else _STEP // 2
+    y, x = (np.arange(_SIDE / 2, n - _SIDE / 2 + 1, step) for n in copy.shape)
+    centres = np.stack(np.meshgrid(x, y), axis=-1)
+    mean = cv2.blur(copy, (_SIDE, _SIDE))
+    deviation = np.sqrt(np.maximum(cv2.blur(copy * copy, (_SIDE, _SIDE)) - mean * mean, 0))
+    low, high = np.percentile(copy, [1, 99])
+    busy = deviation[np.ix_(y.astype(int), x.astype(int))] > max(_BUSY_SHARE * (high - low), _BUSY_LEVELS)
+    if np.count_nonzero(busy) < _FEWEST:
+        return LineTexture(0.0, 0.0, 0.0)
+    share, waves = _waves(copy, centres[busy], _PITCH_MM)
+    lined = (share > _MIN_SHARE) & _flows_on(waves, share, busy, _STEP // step)
+    if np.count_nonzero(lined) < _FEWEST:
+        return LineTexture(0.0, 0.0, 0.0)
+    lengths = np.abs(waves[lined])
+    parallel = abs(((waves[lined] / lengths) ** 2).mean())
+    filled = float(np.count_nonzero(lined) / busy.size)
+    return LineTexture(filled, float(parallel), float(lengths.std() / lengths.mean()))
+
+
+def _copy_of(picture: Pixels, places: FloatArray, reduction: float) -> tuple[Float32Array, FloatArray]:
+    """Return the outline's box with half a window round it, reduced, and the outline in it."""
+    rows, columns = picture.shape
+    margin = math.ceil(_SIDE / 2 * reduction) + 1
+    low = np.floor(places.min(axis=0)).astype(int)
+    high = np.ceil(places.max(axis=0)).astype(int) + 1
+    low, high = low.clip(0, [columns - 1, rows - 1]), high.clip(1, [columns, rows])
+    first, last = np.maximum(low - margin, 0), np.minimum(high + margin, [columns, rows])
+    box = picture[first[1] : last[1], first[0] : last[0]]
+    over = np.maximum(margin - (low - first), 0), np.maximum(margin - (last - high), 0)
+    top, bottom, left, right = (int(n[k]) for k in (1, 0) for n in over)
+    whole = cv2.copyMakeBorder(box, top, bottom, left, right, cv2.BORDER_REFLECT)
+    size = [max(_SIDE + 1, round(n / reduction)) for n in whole.shape[::-1]]
+    steps = np.array(whole.shape[::-1]) / size
+    return as_float32(cv2.resize(whole, size, interpolation=cv2.INTER_AREA)), (
+        places - (first - over[0]) + 0.5
+    ) / steps - 0.5
+
+
+def _centres(places: FloatArray) -> tuple[FloatArray, int]:
+    """Return the centres of the windows, (rows, columns, 2), and how far apart they are, px."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    step = _STEP if np.prod(high - low) > _ENOUGH * _STEP**2 else _STEP // 2
+    x, y = (np.arange(a + (b - a) % step / 2, b + 1e-6, step) for a, b in zip(low, high, strict=True))
+    return np.stack(np.meshgrid(x, y), axis=-1), step
+
+
+def _is_inside(places: FloatArray, centres: FloatArray) -> BoolArray:
+    size = np.ceil(np.maximum(places.max(axis=0), centres.max(axis=(0, 1)))).astype(int) + 2
+    canvas = filled_polygon(places, (int(size[1]), int(size[0])))
+    x, y = np.moveaxis(np.rint(centres).astype(int).clip(0), -1, 0)
+    return np.asarray(canvas[y, x] > 0)
+
+
+def _waves(copy: Float32Array, centres: FloatArray, pitch: float) -> tuple[FloatArray, FloatArray]:
+    """Return each window's strongest wave, 1/mm, and its share of the power, 0 where it is no ridge's."""
+    windows = np.lib.stride_tricks.sliding_window_view(copy, (_SIDE, _SIDE))
+    x, y = np.rint(centres - _SIDE / 2).astype(int).T
+    some = windows[y.clip(0, windows.shape[0] - 1), x.clip(0, windows.shape[1] - 1)]
+    middle = np.einsum("ijk,jk->i", some, _TAPER) / _TAPER.sum()
+    spectrum = fft.rfft2((some - middle[:, None, None]) * _TAPER).reshape(len(some), -1)
+    power = spectrum.real**2 + spectrum.imag**2
+    power[:, np.abs(_BINS) < _LOWEST] = 0
+    highest = power.argmax(axis=1)
+    peak = _BINS[highest]
+    power *= _TWICE
+    near = _NEAR[highest]
+    in_peak = power * (near | _OPPOSITE[highest])
+    total = in_peak.sum(axis=1)
+    share = total / (power.sum(axis=1) + 1e-9)
+    waves = (in_peak * np.where(near, _BINS, -_BINS)).sum(axis=1) / (total + 1e-9) / (_SIDE * pitch)
+    # Periods per window of the longest and the shortest wave that ridges may have.
+    low, high = (_SIDE * pitch / period for period in _PERIODS_MM[::-1])
+    return share * ((np.abs(peak) >= low) & (np.abs(peak) <= high)), waves
+
+
+def _flows_on(waves: FloatArray, share: FloatArray, inside: BoolArray, reach: int) -> BoolArray:
+    """Return for each window inside whether half of its neighbours on the grid have waves like its own."""
+    grid, ridge = np.zeros(inside.shape, dtype=waves.dtype), np.zeros(inside.shape, dtype=bool)
+    grid[inside], ridge[inside] = waves, share > 0
+    pad = [np.pad(each, reach) for each in (grid, ridge, inside)]
+    like, count = np.zeros(inside.shape), np.zeros(inside.shape)
+    rows, columns = inside.shape
+    for down in (0, reach, 2 * reach):
+        for right in (0, reach, 2 * reach):
+            if down == right == reach:
+                continue
+            other, ridged, there = (each[down : down + rows, right : right + columns] for each in pad)
+            off = np.minimum(np.abs(other - grid), np.abs(other + grid))
+            like += ridged & (off < _BENT * np.abs(grid))
+            count += there
+    return np.asarray((like >= count / 2)[inside])
+
+
+def _is_grating(waves: FloatArray) -> bool:
+    """Return whether all waves have one direction and one length."""
+    lengths = np.abs(waves)
+    parallel = abs(((waves / lengths) ** 2).mean())
+    return bool(parallel > _PARALLEL and lengths.std() < _EVEN * lengths.mean())

@@ -1,0 +1,425 @@
+"""A contact image as it is measured: checked, cropped, and reduced to a copy in which contact is bright."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple, TypeAlias, TypedDict, Unpack
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array, real_array
+from fingerpad.exceptions import ImageError
+from fingerpad.image._arguments import picture_array
+from fingerpad.image._masks import disk, filled_polygon
+from fingerpad.image.contact_image.background import flattened, without_added_border
+from fingerpad.image.contact_image.spectra import ridge_period_px
+from fingerpad.image.scale import Scale
+
+Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
+
+# Pixels of the copy to a ridge period.
+_COPY_PERIOD_PX: Final = 4.5
+# What ridges of fingers are apart where neither the picture nor the caller tells.
+_USUAL_PERIOD_MM: Final = 0.45
+_MIN_SIDE_PX: Final = 16
+# Squares of levels, and 1 over them, stay within single precision.
+_MAX_LEVEL: Final = 1e15
+_MIN_RANGE: Final = 1e-15
+# Corners of a polygon become whole sixteenths of a pixel, of 32 bits.
+_FARTHEST_CORNER_PX: Final = 1e6
+# An outline this near to a side of the copy, px, reaches it.
+_AT_SIDE: Final = 1.5
+
+
+class ContactImageOptions(TypedDict, total=False):
+    """What is known of a contact image, or wanted: keyword arguments that all default to None.
+
+    Attributes
+    ----------
+    background : array_like, (rows, columns)
+        The same view without a finger, by which the image is divided.
+    mask : array_like
+        A polygon of (row, column) corners or a bool array of the image's shape; only what is inside counts.
+    region_of_interest : (int, int, int, int)
+        First row, first column, last row, last column (excluded) of the part to measure.
+    seed : (float, float)
+        (row, column) of a point in the wanted patch, px; by default the largest patch, preferring the centre.
+    dark_on_light : bool
+        Whether the contact is darker than the background; found from the image by default.
+    threshold : float
+        Difference from the background, in grey levels, above which a pixel is ridge everywhere in the image.
+        By default the local threshold is half of the local contrast.
+    contrast : float
+        Level of the contact above the background, grey levels; found from the image by default. A region that
+        nowhere exceeds half of it is no contact. One value for a whole sequence keeps its frames comparable:
+        `ContactImageResult.settings` of a good frame holds it.
+    ridge_period : float
+        Ridge period, mm; found from the image by default.
+
+    Examples
+    --------
+    >>> from fingerpad.image import measure_contact_image
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> options = ContactImageOptions(dark_on_light=True, seed=truth.centroid)
+    >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px, **options)
+    >>> print(f"{contact.gross_area:.1f} mm², truth {truth.gross_area:.1f} mm²")
+    23.5 mm², truth 23.6 mm²
+    """
+
+    background: npt.ArrayLike | None
+    mask: npt.ArrayLike | None
+    region_of_interest: tuple[int, int, int, int] | None
+    seed: tuple[float, float] | None
+    dark_on_light: bool | None
+    threshold: float | None
+    contrast: float | None
+    ridge_period: float | None
+
+
+class Crop(NamedTuple):
+    """The part of a picture that is measured.
+
+    Attributes
+    ----------
+    pixels : ndarray of uint8 or float32, (rows, columns)
+        Its grey levels.
+    inside : ndarray of bool, (rows, columns), or None
+        Where the part counts; None means everywhere.
+    corner : (int, int)
+        (row, column) of its first pixel in the whole picture.
+    shape : (int, int)
+        Of the whole picture.
+    """
+
+    pixels: Pixels
+    inside: BoolArray | None
+    corner: tuple[int, int]
+    shape: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class View:
+    """A picture, and its copy in which a ridge period is 4.5 px and contact is bright on a ground of zero.
+
+    Points are (x, y), px of the copy or of the whole picture; pixel centres are whole numbers.
+
+    Attributes
+    ----------
+    picture : ndarray of uint8 or float32, (rows, columns)
+        The part of the picture that is measured.
+    corner : (int, int)
+        (row, column) of its first pixel in the whole picture.
+    shape : (int, int)
+        Of the whole picture.
+    scale : Scale
+        Millimetres per pixel of the picture.
+    ridge_period : float
+        Found or given, px of the picture; NaN where no ridges are resolved.
+    contact : ndarray of float32, (rows, columns)
+        The copy: how far each place lies above the ground, grey levels.
+    ground : ndarray of float32, (rows, columns)
+        The level that was subtracted, of the picture turned so that contact is bright.
+    noise : float
+        Standard deviation of the quiet ground, grey levels.
+    contrast : float
+        Level of the contact above the ground, grey levels.
+    dark_on_light : bool
+        Whether contact is darker than the ground in the picture.
+    shown : ndarray of bool, (rows, columns)
+        Where the picture shows anything: all but an added even border.
+    inside : ndarray of bool, (rows, columns)
+        Where the caller lets it count.
+    cut : (bool, bool, bool, bool)
+        Whether the top, left, bottom and right side are the caller's, not the picture's own.
+    period : float
+        Ridge period, px of the copy; where it is not resolved, that of usual fingers.
+    steps : (float, float)
+        Pixels of the picture in one of the copy, along rows and columns.
+    """
+
+    picture: Pixels
+    corner: tuple[int, int]
+    shape: tuple[int, int]
+    scale: Scale
+    ridge_period: float
+    contact: Float32Array
+    ground: Float32Array
+    noise: float
+    contrast: float
+    dark_on_light: bool
+    shown: BoolArray
+    inside: BoolArray
+    cut: tuple[bool, bool, bool, bool]
+    period: float
+    steps: tuple[float, float]
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the ridge period was seen in the picture or given."""
+        return math.isfinite(self.ridge_period)
+
+    @property
+    def step(self) -> float:
+        """Pixels of the picture in one of the copy, in the mean of both directions."""
+        return math.sqrt(self.steps[0] * self.steps[1])
+
+    @property
+    def relative_noise(self) -> float:
+        """Noise in parts of the contrast."""
+        return self.noise / max(self.contrast, 1e-9)
+
+    def to_picture(self, points: FloatArray) -> FloatArray:
+        """Return points of the copy as points of the picture."""
+        return np.asarray((points + 0.5) * self.steps[::-1] - 0.5 + np.array(self.corner[::-1]))
+
+    def to_copy(self, points: FloatArray) -> FloatArray:
+        """Return points of the picture as points of the copy."""
+        return np.asarray((points + 0.5 - np.array(self.corner[::-1])) / self.steps[::-1] - 0.5)
+
+    def to_copy_pixel(self, row: float, column: float) -> tuple[int, int] | None:
+        """Return the pixel of the copy that shows a place of the picture, None where it shows none."""
+        y = int((row + 0.5 - self.corner[0]) // self.steps[0])
+        x = int((column + 0.5 - self.corner[1]) // self.steps[1])
+        return (y, x) if 0 <= y < self.contact.shape[0] and 0 <= x < self.contact.shape[1] else None
+
+    def touches_border(self, points: FloatArray, lengths: FloatArray) -> bool:
+        """Return whether an outline reaches the picture's frame or an added border, or runs along one.
+
+        Scanners leave a blank margin of a few px: ten periods of outline within one of it are a cut too.
+        """
+        at_side = self._length_near(points, lengths, self.shown, _AT_SIDE, border=0.5 * self.period)
+        near = self._length_near(points, lengths, self.shown, self.period, border=self.period)
+        return at_side > 2 * self.period or near > 10 * self.period
+
+    def cut_by_mask(self, points: FloatArray, lengths: FloatArray) -> bool:
+        """Return whether an outline reaches the edge of the caller's mask."""
+        near = self._length_near(points, lengths, self.inside, _AT_SIDE, border=2.0, own=False)
+        return near > 2 * self.period
+
+    def _length_near(
+        self,
+        points: FloatArray,
+        lengths: FloatArray,
+        mask: BoolArray,
+        margin: float,
+        *,
+        border: float,
+        own: bool = True,
+    ) -> float:
+        """Return the length of outline near what a mask leaves out, or near sides of one kind."""
+        rows, columns = mask.shape
+        x, y = points.T
+        off = np.stack([y + 0.5, x + 0.5, rows - 0.5 - y, columns - 0.5 - x])
+        of_kind = np.array([cut is not own for cut in self.cut])
+        near = (off[of_kind] < margin).any(axis=0)
+        if not mask.all():
+            plain = cv2.erode(mask.astype(np.uint8), disk(max(1.0, border)))
+            place = np.rint(y).astype(int).clip(0, rows - 1), np.rint(x).astype(int).clip(0, columns - 1)
+            near |= plain[place] == 0
+        return float(lengths[near].sum())
+
+
+def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageOptions]) -> View:
+    """Check a picture and what limits it, find its ridge period, and reduce it so that this is 4.5 px.
+
+    Raises
+    ------
+    ImageError
+        If the picture or an option is not as `measure_contact_image` requires.
+    """
+    given = options.get("ridge_period")
+    levels = {"threshold": options.get("threshold"), "contrast": options.get("contrast")}
+    for name, value in {**levels, "ridge_period": given}.items():
+        _check_positive(name, value)
+    part = crop(pixels, **options)
+    _check_not_blank(part.pixels)
+    expected = (given or _USUAL_PERIOD_MM) / scale.mm_per_px
+    found = expected if given else ridge_period_px(part.pixels, part.inside, expected)
+    period = found if math.isfinite(found) else expected
+    rows, columns = part.pixels.shape
+    if period > min(rows, columns) / 2:
+        raise ImageError(
+            f"no contact found: a ridge period of {period:.3g} px is more than half a side of what is "
+            f"measured, {rows} × {columns} px: check scale and ridge_period"
+        )
+    reduction = max(1.0, period / _COPY_PERIOD_PX)
+    shape = max(8, round(rows / reduction)), max(8, round(columns / reduction))
+    steps = rows / shape[0], columns / shape[1]
+    inside = np.ones(shape, dtype=bool)
+    if part.inside is not None:
+        share = cv2.resize(part.inside.astype(np.float32), shape[::-1], interpolation=cv2.INTER_AREA)
+        inside = share > 0.5
+    copy = as_float32(_reduced(part.pixels, shape))
+    period_of_copy = period / float(np.sqrt(steps[0] * steps[1]))
+    flat = flattened(
+        copy,
+        inside,
+        period_of_copy,
+        dark_on_light=options.get("dark_on_light"),
+        contrast=options.get("contrast"),
+    )
+    (row, column), whole = part.corner, part.shape
+    view = View(
+        picture=part.pixels,
+        corner=part.corner,
+        shape=whole,
+        scale=scale,
+        ridge_period=found,
+        contact=flat.values,
+        ground=as_float32((-copy if flat.dark_on_light else copy) - flat.values),
+        noise=flat.noise,
+        contrast=flat.contrast,
+        dark_on_light=flat.dark_on_light,
+        shown=without_added_border(part.pixels, shape),
+        inside=inside,
+        cut=(row > 0, column > 0, row + rows < whole[0], column + columns < whole[1]),
+        period=period_of_copy,
+        steps=steps,
+    )
+    _check_seed(options.get("seed"), whole)
+    return view
+
+
+def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
+    """Check a picture and what limits it, and crop it; it may be blank. Other options do not count.
+
+    Raises
+    ------
+    ImageError
+        If one is not as `measure_contact_image` requires.
+    """
+    if unknown := sorted(options.keys() - ContactImageOptions.__annotations__.keys()):
+        raise TypeError(f"unknown option {unknown[0]!r}: see ContactImageOptions")
+    values = _grey(pixels, "pixels")
+    shape = (values.shape[0], values.shape[1])
+    mask, background = options.get("mask"), options.get("background")
+    inside = None if mask is None else _inside(mask, shape)
+    box = _box(options.get("region_of_interest"), shape)
+    if inside is not None:
+        box = _crop_to_mask(box, inside)
+        inside = inside[box]
+    part = _finite(values[box], "pixels")
+    if background is not None:
+        ground = _grey(background, "background")
+        if ground.shape != shape:
+            raise ImageError(f"background must have the picture's shape {shape}, found {ground.shape}")
+        part = _divided(part, _finite(ground[box], "background"))
+    return Crop(part, inside, (box[0].start, box[1].start), shape)
+
+
+def _check_positive(name: str, value: float | None) -> None:
+    if value is not None:
+        number = real_array(value, name, ImageError)
+        if number.ndim or not 1e-15 < number < 1e15:
+            raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
+
+
+def _check_not_blank(pixels: Pixels) -> None:
+    low, high, _, _ = cv2.minMaxLoc(pixels)
+    if not high - low > _MIN_RANGE:
+        raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
+
+
+def _check_seed(seed: tuple[float, float] | None, shape: tuple[int, int]) -> None:
+    if seed is None:
+        return
+    place = real_array(seed, "seed", ImageError)
+    if place.shape != (2,) or not ((place >= 0) & (place < shape)).all():
+        raise ImageError(f"seed {seed} lies outside the picture of {shape} pixels")
+
+
+def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
+    array = picture_array(pixels, name)
+    if array.ndim != 2 or array.dtype.kind not in "buif":
+        raise ImageError(f"{name} must be a grey (rows, columns) array of numbers, found shape {array.shape}")
+    if min(array.shape) < _MIN_SIDE_PX:
+        raise ImageError(
+            f"{name}: {array.shape[0]} × {array.shape[1]} px is too small to hold a contact: "
+            f"{_MIN_SIDE_PX} px a side are the least"
+        )
+    return array
+
+
+def _finite(values: npt.NDArray[np.number], name: str) -> Pixels:
+    if values.dtype == np.uint8:
+        return np.ascontiguousarray(values)
+    with np.errstate(over="ignore"):
+        single = np.ascontiguousarray(values, dtype=np.float32)
+    if not np.isfinite(values).all():
+        raise ImageError(f"{name} holds NaN or infinite values: fill them before measuring")
+    if max(abs(float(single.min())), abs(float(single.max()))) > _MAX_LEVEL:
+        raise ImageError(f"{name} holds levels beyond ±{_MAX_LEVEL:g}: divide them by a constant")
+    return single
+
+
+def _divided(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
+    light = ground.astype(np.float32)
+    middle = np.float32(np.median(light))
+    if not (light > _MIN_RANGE * middle).all() or middle < _MIN_RANGE:
+        raise ImageError("background must be positive everywhere, found zero: it cannot divide the picture")
+    return np.asarray(part.astype(np.float32) / light * middle, dtype=np.float32)
+
+
+def _inside(mask: npt.ArrayLike, shape: tuple[int, int]) -> BoolArray:
+    """Return where a mask, or a polygon of (row, column) corners, lets the picture count."""
+    array = picture_array(mask, "mask")
+    if array.shape == shape and array.dtype.kind in "bui":
+        inside = array > 0
+    elif array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3 and array.dtype.kind in "uif":
+        if not (np.abs(array) <= _FARTHEST_CORNER_PX).all():
+            raise ImageError(
+                f"mask: the corners of the polygon must be finite and within ±{_FARTHEST_CORNER_PX:g} px"
+            )
+        inside = filled_polygon(as_float_array(array[:, ::-1]), shape) > 0
+    else:
+        raise ImageError(
+            f"mask must be a bool array of the picture's shape {shape}, or a polygon of three or more "
+            f"(row, column) corners, found shape {array.shape}"
+        )
+    if not inside.any():
+        raise ImageError("mask leaves nothing of the picture")
+    return np.asarray(inside)
+
+
+def _box(region: tuple[int, int, int, int] | None, shape: tuple[int, int]) -> tuple[slice, slice]:
+    if region is None:
+        return slice(0, shape[0]), slice(0, shape[1])
+    edges = real_array(region, "region_of_interest", ImageError)
+    if edges.shape != (4,) or not np.isfinite(edges).all():
+        raise ImageError(f"region_of_interest must be (row0, column0, row1, column1), found {region}")
+    row0, column0 = (max(0, int(edge)) for edge in edges[:2])
+    row1, column1 = (min(n, int(edge)) for n, edge in zip(shape, edges[2:], strict=True))
+    if min(row1 - row0, column1 - column0) < _MIN_SIDE_PX:
+        raise ImageError(
+            f"region_of_interest {region} leaves less than {_MIN_SIDE_PX} px of the picture of {shape}"
+        )
+    return slice(row0, row1), slice(column0, column1)
+
+
+def _crop_to_mask(box: tuple[slice, slice], inside: BoolArray) -> tuple[slice, slice]:
+    """Crop to what a mask leaves of a box, at least the least side where the picture has room."""
+    part = inside[box]
+    if not part.any():
+        raise ImageError("mask and region_of_interest have nothing in common")
+    narrow = []
+    for axis, whole in enumerate(box):
+        hits = np.flatnonzero(part.any(axis=1 - axis))
+        start, stop = whole.start + int(hits[0]), whole.start + int(hits[-1]) + 1
+        spare = max(0, _MIN_SIDE_PX - (stop - start))
+        start = max(whole.start, start - spare)
+        narrow.append(slice(start, min(whole.stop, max(stop, start + _MIN_SIDE_PX))))
+    return narrow[0], narrow[1]
+
+
+def _reduced(pixels: Pixels, shape: tuple[int, int]) -> npt.NDArray[Any]:
+    """Return area means at a smaller size, which keep the place of an edge in their grey levels.
+
+    Means over whole numbers of pixels are many times faster: linear interpolation first brings the picture,
+    near its own size, to a multiple of the wanted one.
+    """
+    rows, columns = shape
+    whole = math.ceil(pixels.shape[0] / rows - 0.25)
+    multiple = cv2.resize(pixels, (columns * whole, rows * whole), interpolation=cv2.INTER_LINEAR)
+    return cv2.resize(multiple, (columns, rows), interpolation=cv2.INTER_AREA)
