@@ -2,13 +2,11 @@
 
 from fingerpad.published.audit import AuditItem, Verdict, audit, radius_with_misprint
 from fingerpad.published.dzidek2017 import Dzidek2017, Printed, PublishedWedge, SemiAxes, dzidek2017
-from fingerpad.published.layer_loading import ExpectedLoading, expected_loading
 from fingerpad.published.tissue_thickness import TissueThickness, fit_tissue_thickness, layer_items
 
 __all__ = [
     "AuditItem",
     "Dzidek2017",
-    "ExpectedLoading",
     "Printed",
     "PublishedWedge",
     "SemiAxes",
@@ -16,7 +14,6 @@ __all__ = [
     "Verdict",
     "audit",
     "dzidek2017",
-    "expected_loading",
     "fit_tissue_thickness",
     "layer_items",
     "radius_with_misprint",

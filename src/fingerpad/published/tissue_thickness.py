@@ -6,19 +6,26 @@ for the same contact area. One number is fitted here, the thickness, to two meas
 
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, dataclass
-from typing import Final, Self
+from typing import Final, TypeAlias
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_all
+from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
-from fingerpad.exceptions import FitError, UncertaintyError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.contact import Tissue, fast_contact
+from fingerpad.exceptions import FitError, GeometryError
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.published.audit import AuditItem, Verdict
-from fingerpad.published.dzidek2017 import METHODS, WEDGE_ANGLES_DEG, PublishedWedge, dzidek2017
-from fingerpad.published.layer_loading import READINGS, check_choice, expected_loading
+from fingerpad.published.dzidek2017 import METHODS, PublishedWedge, dzidek2017
 from fingerpad.units import KPA_PER_MPA
+
+# R_g of placements on tissue, the contact area at 2 N being known.
+Reading: TypeAlias = Callable[[Placement, Tissue, FloatArray], FloatArray]
+
+# Dzidek et al. print no uncertainty of the angles and the areas; these are assumptions.
+_ANGLE_STD: Final = np.radians(1.0)
+_AREA_RELATIVE_STD: Final = 0.05
 
 _THINNEST: Final = 3.0  # contact radius over thickness, to which the laws hold
 _CHI_SQUARE_95: Final = 3.841
@@ -65,39 +72,29 @@ class TissueThickness(Displayed):
     contribution_mm: dict[str, float]
 
 
+def area_over_pi_indentation(placement: Placement, tissue: Tissue, area: FloatArray) -> FloatArray:
+    """Return A/(πξ), which Dzidek et al. (2017) read as R_g, by the fast laws."""
+    return fast_contact(placement, tissue, area=area).area_over_pi_indentation
+
+
 def fit_tissue_thickness(
-    *,
-    method: str = "ellipse",
-    reading: str = "ratio",
-    poisson_ratio: float = 0.5,
-    min_load_N: float = 0.0,
-    loading_radius_std_mm: tuple[float, float] | None = None,
-    semi_axes_std_mm: tuple[float, float, float] | None = None,
-    wedge_angle_std_deg: float = 1.0,
-    area_relative_std: float = 0.05,
+    *, method: str = "ellipse", poisson_ratio: float = 0.5, reading: Reading = area_over_pi_indentation
 ) -> TissueThickness:
     """Fit one thickness of tissue to the two R_g that Dzidek et al. (2017) print.
 
-    Generalised least squares: the semi-axes are shared by both angles, so their errors are correlated.
-    Nothing else is fitted. Dzidek et al. print no uncertainty of R_g itself, of the angles or of the areas.
+    Generalised least squares over 1/t, which is zero for a half-space: the semi-axes are shared by both
+    angles, so their errors are correlated. R_g is as uncertain as R_g^corr is printed, the semi-axes as the
+    two methods of Table 1 differ, the angles by 1° and the areas by 5 %.
 
     Parameters
     ----------
     method : str
         Semi-axes of Table 1: "ellipse" or "direct".
-    reading : str
-        How R_g is read: "ratio", "slope" or "slope_through_origin", see `ExpectedLoading`.
     poisson_ratio : float
         ν of the tissue, 0.3 to 0.5.
-    min_load_N : float
-        Lowest load of the fitted lines; the highest is 2 N.
-    loading_radius_std_mm : tuple of float, optional
-        Of R_g at 30° and 45°. By default those printed for R_g^corr, 1.5 and 0.6 mm.
-    semi_axes_std_mm : tuple of float, optional
-        Of the palmar, distal and radial–ulnar semi-axis. By default the standard deviation of the two
-        methods of Table 1, together with rounding.
-    wedge_angle_std_deg, area_relative_std : float
-        Of each wedge angle and each contact area; the defaults are assumptions.
+    reading : callable
+        How R_g is read: takes `Placement`, `Tissue` and contact areas at 2 N, and returns radii. By default
+        A/(πξ).
 
     Returns
     -------
@@ -107,9 +104,7 @@ def fit_tissue_thickness(
     Raises
     ------
     GeometryError
-        If method or reading is unknown, or the loads are impossible.
-    UncertaintyError
-        If a standard uncertainty is negative or not finite, or that of an R_g is zero.
+        If there is no such method.
     FitError
         If ν is outside the range of the laws.
 
@@ -121,40 +116,68 @@ def fit_tissue_thickness(
     >>> fit.thickness_by_angle_mm.round(1), fit.loading_radius_mm.round(1)
     (array([7.9, 7.9]), array([20.5, 14.5]))
     """
-    check_choice("method", method, METHODS)
-    check_choice("reading", reading, READINGS)
-    data = _Data.printed(method)
-    radius_std = data.radius_std if loading_radius_std_mm is None else loading_radius_std_mm
-    radius_std = _checked_std("loading_radius_std_mm", radius_std, 2)
-    if not radius_std.all():
-        raise UncertaintyError("loading_radius_std_mm must be positive, found 0")
-    axes_std = _semi_axes_std() if semi_axes_std_mm is None else semi_axes_std_mm
-    input_std = np.concatenate(
-        [
-            _checked_std("semi_axes_std_mm", axes_std, 3),
-            np.radians(_checked_std("wedge_angle_std_deg", [wedge_angle_std_deg] * 2, 2)),
-            data.areas * _checked_std("area_relative_std", [area_relative_std] * 2, 2),
-        ]
-    )
+    if method not in METHODS:
+        raise GeometryError(f"method must be one of {', '.join(METHODS)}, found {method!r}")
+    article = dzidek2017()
+    wedges = [article.wedges[angle] for angle in sorted(article.wedges)]
+    measured = np.array([wedge.measured_radius_mm.value for wedge in wedges])
+    areas = np.array([wedge.area_mm2.value for wedge in wedges])
+    angles = np.radians([wedge.wedge_angle_deg for wedge in wedges])
+    inputs = np.concatenate([article.semi_axes[method].ellipsoid.semi_axes, angles, areas])
+    radius_std = np.array([wedge.pooled_uncertainty_mm.value for wedge in wedges])
+    input_std = np.concatenate([_semi_axes_std(), 2 * [_ANGLE_STD], _AREA_RELATIVE_STD * areas])
 
     def model(inputs: FloatArray, inverse: FloatArray) -> FloatArray:
+        pad = Ellipsoid(*np.moveaxis(inputs[..., None, :3], -1, 0))
         with np.errstate(divide="ignore"):
-            thickness = 1 / inverse
-        return expected_loading(
-            Ellipsoid(*np.moveaxis(inputs[..., None, :3], -1, 0)),
-            wedge_angle=inputs[..., 3:5],
-            area=inputs[..., 5:7],
-            thickness=thickness,
-            poisson_ratio=poisson_ratio,
-            load=data.load,
-            min_load=min_load_N,
-        ).loading_radius(reading)
+            tissue = Tissue(1.0, poisson_ratio, 1 / inverse)
+        return reading(Placement(pad, wedge_angle=inputs[..., 3:5]), tissue, inputs[..., 5:7])
 
-    knots = np.linspace(0, _THINNEST / np.sqrt(data.areas.max() / np.pi), _KNOTS)
-    radii = model(data.inputs, knots[:, None])
+    knots = np.linspace(0, _THINNEST / np.sqrt(areas.max() / np.pi), _KNOTS)
+    radii = model(inputs, knots[:, None])
     if not np.isfinite(radii).all():
         raise FitError(f"the laws do not hold for ν = {poisson_ratio:g}; they do from 0.3 to 0.5")
-    return _fit(model, CubicSpline(knots, radii), data, radius_std, input_std)
+    curve = CubicSpline(knots, radii)
+    inverse = np.linspace(0, knots[-1], _STEPS)
+    misfit = measured - curve(inverse)
+    covariance = np.diag(radius_std**2)
+    step = _DIFFERENCE * inputs
+    for _ in range(3):  # the covariance depends on the thickness, but little
+        precision = np.linalg.inv(covariance)
+        chi_square = np.einsum("ni,ij,nj->n", misfit, precision, misfit)
+        best = int(chi_square.argmin())
+        at = inverse[best]
+        higher, lower = (model(inputs + shift, np.array([[at]])) for shift in (np.diag(step), -np.diag(step)))
+        sensitivity = (higher - lower).T / (2 * step)
+        errors = np.hstack([np.diag(radius_std), sensitivity * input_std])  # of R_g, one column per input
+        covariance = errors @ errors.T
+    inside = inverse[chi_square <= chi_square[best] + _CHI_SQUARE_95]
+    slope = curve(at, 1)
+    weights = precision @ slope / (slope @ precision @ slope)
+    stds = np.abs(weights @ errors) / at**2
+    alone = [np.interp(r, of_angle, inverse) for r, of_angle in zip(measured, curve(inverse).T, strict=True)]
+    with np.errstate(divide="ignore"):
+        thickness, low, high = 1 / np.array([at, inside[-1], inside[0]])
+    parts = np.split(stds, np.cumsum([2, 3, 2]))
+    names = "loading radii", "semi-axes", "wedge angles", "contact areas"
+    return TissueThickness(
+        thickness_mm=float(thickness),
+        std_mm=float(np.linalg.norm(stds)),
+        interval_mm=(float(low), float(high)),
+        chi_square=float(chi_square[best]),
+        thickness_by_angle_mm=1 / np.array(alone),
+        loading_radius_mm=curve(at),
+        contribution_mm={name: float(np.linalg.norm(part)) for name, part in zip(names, parts, strict=True)},
+    )
+
+
+def _semi_axes_std() -> FloatArray:
+    """Return the standard deviation of the two methods of Table 1, and of rounding, in one."""
+    (direct, rounding), (ellipse, _) = (
+        np.transpose(astuple(dzidek2017().semi_axes[name])) for name in METHODS
+    )
+    std: FloatArray = np.hypot((direct - ellipse) / np.sqrt(2), rounding / np.sqrt(3))
+    return std
 
 
 def layer_items() -> list[AuditItem]:
@@ -193,123 +216,32 @@ def layer_items() -> list[AuditItem]:
 
 
 def _on_layer(wedge: PublishedWedge, thickness: float) -> Iterator[AuditItem]:
-    loading = expected_loading(
-        dzidek2017().semi_axes["ellipse"].ellipsoid,
-        wedge_angle=np.radians(wedge.wedge_angle_deg),
+    pad = dzidek2017().semi_axes["ellipse"].ellipsoid
+    unit = fast_contact(
+        Placement(pad, wedge_angle=np.radians(wedge.wedge_angle_deg)),
+        Tissue.of_reduced_modulus(1.0, thickness=thickness),
         area=wedge.area_mm2.value,
-        thickness=thickness,
-        load=wedge.load_N,
     )
-    name = f"One layer, θ = {wedge.wedge_angle_deg}°"
+    modulus_kpa = KPA_PER_MPA * wedge.load_N / unit.load
     axis_ratio = wedge.semi_major_mm.value / wedge.semi_minor_mm.value
-    modulus = KPA_PER_MPA * loading.reduced_modulus
-    for item, printed, computed, unit, verdict, remark in (
-        ("R_g", wedge.measured_radius_mm.value, loading.ratio, "mm", Verdict.FITTED, ""),
-        ("E*", None, modulus, "kPa", Verdict.FITTED, "gives the printed contact area at 2 N"),
+    for item, printed, computed, symbol, verdict, remark in (
+        ("R_g", wedge.measured_radius_mm.value, unit.area_over_pi_indentation, "mm", Verdict.FITTED, ""),
+        ("E*", None, modulus_kpa, "kPa", Verdict.FITTED, "gives the printed contact area at 2 N"),
         (
             "contact axis along the finger over across",
             axis_ratio,
-            loading.along_over_across,
+            unit.aspect_ratio if unit.along else 1 / unit.aspect_ratio,
             "1",
             Verdict.NOT_REPRODUCIBLE,
             "printed is ℓd/ℓe, taken as along the finger; no direction is printed",
         ),
     ):
         yield AuditItem(
-            item=f"{name}, {item}",
+            item=f"One layer, θ = {wedge.wedge_angle_deg}°, {item}",
             printed=printed,
             computed=float(computed),
-            unit=unit,
+            unit=symbol,
             verdict=verdict,
             formula=_LAYER,
             remark=remark,
         )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Data:
-    """Printed numbers of both angles, 30° first."""
-
-    radii: FloatArray
-    radius_std: FloatArray
-    areas: FloatArray
-    inputs: FloatArray
-    load: float
-
-    @classmethod
-    def printed(cls, method: str) -> Self:
-        article = dzidek2017()
-        wedges = [article.wedges[angle] for angle in WEDGE_ANGLES_DEG]
-        areas = np.array([wedge.area_mm2.value for wedge in wedges])
-        return cls(
-            radii=np.array([wedge.measured_radius_mm.value for wedge in wedges]),
-            radius_std=np.array([wedge.pooled_uncertainty_mm.value for wedge in wedges]),
-            areas=areas,
-            inputs=np.concatenate(
-                [article.semi_axes[method].ellipsoid.semi_axes, np.radians(WEDGE_ANGLES_DEG), areas]
-            ),
-            load=wedges[0].load_N,
-        )
-
-
-def _semi_axes_std() -> FloatArray:
-    """Return the standard deviation of the two methods of Table 1, and of rounding, in one."""
-    (direct, rounding), (ellipse, _) = (
-        np.transpose(astuple(dzidek2017().semi_axes[name])) for name in METHODS
-    )
-    return as_float_array(np.hypot((direct - ellipse) / np.sqrt(2), rounding / np.sqrt(3)))
-
-
-def _fit(
-    model: Callable[[FloatArray, FloatArray], FloatArray],
-    curve: CubicSpline,
-    data: _Data,
-    radius_std: FloatArray,
-    input_std: FloatArray,
-) -> TissueThickness:
-    """Minimise χ² over 1/t, which is zero for a half-space; `curve` is R_g of both angles against it."""
-    inverse = np.linspace(curve.x[0], curve.x[-1], _STEPS)
-    misfit = data.radii - curve(inverse)
-    covariance = np.diag(radius_std**2)
-    step = _DIFFERENCE * data.inputs
-    shifts = np.diag(step)
-    for _ in range(3):  # the covariance depends on the thickness, but little
-        precision = np.linalg.inv(covariance)
-        chi_square = np.einsum("ni,ij,nj->n", misfit, precision, misfit)
-        best = int(chi_square.argmin())
-        at = inverse[best]
-        change = model(data.inputs + shifts, np.array([[at]])) - model(data.inputs - shifts, np.array([[at]]))
-        sensitivity = change.T / (2 * step)
-        errors = np.hstack([np.diag(radius_std), sensitivity * input_std])  # of R_g, one column per input
-        covariance = errors @ errors.T
-    inside = inverse[chi_square <= chi_square[best] + _CHI_SQUARE_95]
-    slope = curve(at, 1)
-    weights = precision @ slope / (slope @ precision @ slope)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        stds = np.abs(weights @ errors) / at**2
-        thickness, low, high = 1 / np.array([at, inside[-1], inside[0]])
-        radii = curve(inverse)
-        alone = [
-            1 / np.interp(radius, of_angle, inverse)
-            for radius, of_angle in zip(data.radii, radii.T, strict=True)
-        ]
-    parts = np.split(stds, np.cumsum([2, 3, 2]))
-    names = "loading radii", "semi-axes", "wedge angles", "contact areas"
-    return TissueThickness(
-        thickness_mm=float(thickness),
-        std_mm=float(np.linalg.norm(stds)),
-        interval_mm=(float(low), float(high)),
-        chi_square=float(chi_square[best]),
-        thickness_by_angle_mm=np.array(alone),
-        loading_radius_mm=curve(at),
-        contribution_mm={name: float(np.linalg.norm(part)) for name, part in zip(names, parts, strict=True)},
-    )
-
-
-def _checked_std(name: str, value: ArrayLike, count: int) -> FloatArray:
-    """Return standard uncertainties, or say which one is none."""
-    std = as_float_array(value)
-    if std.shape != (count,):
-        raise UncertaintyError(f"{name} must be {count} numbers, found {std.size}")
-    check_all((std >= 0) & (std < np.inf), name, std, "finite and not negative", UncertaintyError)
-    return std
