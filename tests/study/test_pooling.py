@@ -21,7 +21,7 @@ from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
-from fingerpad.study.results.pooling import LoadScatter, PooledRadius
+from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.uncertainty import PAD_SOURCES
@@ -92,8 +92,8 @@ def test_scatter_beyond_the_uncertainties_enters_the_budget(tmp_path: Path) -> N
 
 def test_repeats_and_loads_scatter_apart(tmp_path: Path) -> None:
     (summary,) = study(tmp_path, majors=(7.0, 7.0, 9.0, 9.0), loads=(1, 1, 2, 2)).summaries
-    assert summary.corrected_radius.scatter.within_std == pytest.approx(0, abs=1e-9)
-    assert summary.corrected_radius.scatter.between_std > 0.05
+    assert summary.corrected_radius.scatter.components["repeat"].std == pytest.approx(0, abs=1e-9)
+    assert summary.corrected_radius.scatter.components["load"].std > 0.05
 
 
 def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> None:
@@ -420,16 +420,3 @@ def test_an_exponent_from_two_contacts_has_no_standard_uncertainty(
     exponent = area_exponent(summary.rows)
     assert 0.3 < exponent.value < 0.5
     assert np.isfinite(exponent.std) == is_known
-
-
-def test_scatter_within_loads_and_between_them() -> None:
-    rng = np.random.default_rng(10)
-    loads = np.repeat(np.arange(400), rng.integers(1, 5, 400))
-    values = 12 + 1.5 * rng.normal(size=400)[loads] + 0.5 * rng.normal(size=loads.size)
-    scatter = LoadScatter.of(values, loads)
-    assert scatter.within_std == pytest.approx(0.5, rel=0.06)
-    assert scatter.between_std == pytest.approx(1.5, rel=0.08)
-    assert np.isnan(LoadScatter.of(np.array([1.0, 2.0, 3.0]), np.array([1, 2, 3])).within_std)
-    alone = LoadScatter.of(np.array([1.0, 2.0]), np.array([1, 1]))
-    assert alone.within_std == pytest.approx(np.sqrt(0.5))
-    assert np.isnan(alone.between_std)

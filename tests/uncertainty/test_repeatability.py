@@ -49,6 +49,27 @@ def test_one_level_is_the_analysis_of_variance() -> None:
     assert found.icc_interval[0] < found.icc < found.icc_interval[1]
 
 
+def test_unequal_groups() -> None:
+    rng = np.random.default_rng(10)
+    groups = np.repeat(np.arange(400), rng.integers(1, 5, 400))
+    values = 12 + 1.5 * rng.normal(size=400)[groups] + 0.5 * rng.normal(size=groups.size)
+    found = nested_scatter(values, {"load": groups}).components
+    assert_allclose(found["repeat"].std, 0.5, rtol=0.06)
+    assert_allclose(found["load"].std, 1.5, rtol=0.08)
+
+
+def test_fewer_degrees_of_freedom_are_enough_if_asked_for() -> None:
+    values, groups = [1.0, 2.0, 5.0], [0, 0, 1]
+    assert not nested_scatter(values, {"load": groups}).components["repeat"].known
+    found = nested_scatter(values, {"load": groups}, least_freedom=(1, 1)).components
+    assert_allclose(found["repeat"].std ** 2, 0.5)
+    assert_allclose(found["load"].std ** 2, 3.5**2 / 2 - 0.5 * (1 / 2 + 1) / 2)
+    alone = nested_scatter([1.0, 2.0], {"load": [0, 0]}, least_freedom=(1, 1)).components
+    assert [one.known for one in alone.values()] == [False, True]
+    single = nested_scatter([1.0, 2.0], {"load": [0, 1]}, least_freedom=(1, 1)).components
+    assert not any(one.known for one in single.values())
+
+
 def test_conditions_are_compared_within_only() -> None:
     """Other loads shift all values, and add repeats but no fingers."""
     values, levels = BALANCED.ravel(), {name: np.tile(of, 2) for name, of in LEVELS.items()}

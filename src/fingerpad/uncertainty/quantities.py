@@ -387,35 +387,12 @@ def covariance_root(covariance: FloatArray) -> FloatArray:
 
 
 def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[tuple[str, ...], FloatArray]:
-    """Evaluate a model at points given as one array.
-
-    Parameters
-    ----------
-    model : callable
-        Takes n arrays by keyword and returns a mapping of m arrays, elementwise.
-    names : tuple of str
-        Names of the n inputs.
-    points : ndarray, shape (..., n)
-        Values of the inputs.
-
-    Returns
-    -------
-    names : tuple of str
-        Names of the m outputs.
-    values : ndarray, shape (..., m)
-        Their values.
+    """Return the names of a model's m outputs and their values (..., m) at points of shape (..., n).
 
     Raises
     ------
     UncertaintyError
         If `points` are complex and an output is not: its derivatives would be lost.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> evaluate(lambda a, b: {"product": a * b}, ("a", "b"), np.array([[2.0, 3.0], [4.0, 5.0]]))
-    (('product',), array([[ 6.],
-           [20.]]))
     """
     outputs = model(**dict(zip(names, np.moveaxis(points, -1, 0), strict=True)))
     real = [name for name, output in outputs.items() if not np.iscomplexobj(output)]
@@ -431,23 +408,12 @@ def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[
 def check_inputs(model: Model, inputs: Inputs) -> None:
     """Refuse inputs that a model does not take, and angles in degrees.
 
-    Parameters
-    ----------
-    model : callable
-        What they are for.
-    inputs : Inputs
-        Those whose names end in ``_angle`` are in radians.
-
     Raises
     ------
     UncertaintyError
         If an input of the model is missing, or it takes none of such a name.
     GeometryError
-        If an angle cannot be one in radians.
-
-    Examples
-    --------
-    >>> check_inputs(lambda load: {"double": 2 * load}, Inputs.of(load=(2.0, 0.02)))
+        If an input whose name ends in ``_angle`` cannot be one in radians.
     """
     try:
         inspect.signature(model).bind(**dict.fromkeys(inputs.names))

@@ -102,6 +102,8 @@ def nested_scatter(
     levels: Mapping[str, ArrayLike],
     conditions: ArrayLike | None = None,
     between: tuple[str, ...] = (),
+    *,
+    least_freedom: tuple[int, int] = (MIN_REPEAT_FREEDOM, MIN_LEVEL_FREEDOM),
 ) -> NestedScatter:
     r"""Split the variance of values into that of repeats and of the levels in which they are nested.
 
@@ -122,6 +124,8 @@ def nested_scatter(
         than that of repeats has the degrees of freedom of its groups, in however many conditions these are.
     between : tuple of str, optional
         Levels that count as wanted differences in the intraclass correlation; by default all.
+    least_freedom : (int, int)
+        Degrees of freedom below which the scatter of repeats, and that of a level, is not stated.
 
     Returns
     -------
@@ -163,7 +167,7 @@ def nested_scatter(
         size = np.bincount(parent)
         mean = np.bincount(parent, mean) / size
         spread = {key: np.bincount(parent, of) / size**2 for key, of in spread.items()} | {name: 1 / size}
-    return _solved(squares, between or tuple(levels))
+    return _solved(squares, between or tuple(levels), least_freedom)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,7 +205,9 @@ class _Squares:
         )
 
 
-def _solved(squares: list[_Squares], between: tuple[str, ...]) -> NestedScatter:
+def _solved(
+    squares: list[_Squares], between: tuple[str, ...], least_freedom: tuple[int, int]
+) -> NestedScatter:
     """Return the components from the mean squares, the innermost first."""
     random, strata = np.random.default_rng(0), (np.arange(_DRAWS) + 0.5) / _DRAWS
     variance: dict[str, float] = {}
@@ -210,7 +216,7 @@ def _solved(squares: list[_Squares], between: tuple[str, ...]) -> NestedScatter:
     unknown: tuple[str, ...] = ()
     for one in squares:
         std, interval, includes = np.nan, (np.nan, np.nan), unknown
-        enough = one.freedom >= (MIN_REPEAT_FREEDOM if one.level == REPEAT else MIN_LEVEL_FREEDOM)
+        enough = one.freedom >= least_freedom[one.level != REPEAT]
         if enough and REPEAT not in unknown:
             below = {level: by for level, by in one.added.items() if level in variance}
             expected = float(sum(by * variance[level] for level, by in below.items()))

@@ -296,7 +296,7 @@ def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
         f"{name}_same_for_all_mm": pooled.fixed.value,
         f"{name}_same_for_all_mm_std": pooled.fixed.total_std,
         f"{name}_between_std_mm": pooled.random.between_std,
-        f"{name}_scatter_within_loads_mm": pooled.scatter.within_std,
-        f"{name}_scatter_between_loads_mm": pooled.scatter.between_std,
+        f"{name}_scatter_within_loads_mm": pooled.scatter.components["repeat"].std,
+        f"{name}_scatter_between_loads_mm": pooled.scatter.components["load"].std,
         f"{name}_variance_shares": pooled.budget,
     }

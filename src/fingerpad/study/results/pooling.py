@@ -19,9 +19,11 @@ from fingerpad.study.results.rows import Rows
 from fingerpad.study.results.table import Places, ResultsTable, numbered
 from fingerpad.uncertainty import (
     PAD_SOURCES,
+    NestedScatter,
     Pooled,
     RandomEffects,
     SharedErrors,
+    nested_scatter,
     pool,
     pool_random_effects,
 )
@@ -29,39 +31,6 @@ from fingerpad.uncertainty import (
 # Parts that a contact shares with no other, and parts of second order.
 _OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_DEVICE))
 _SECOND: Final = np.arange(PART_SOURCES.size) >= PART_SOURCES.size // 2
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LoadScatter:
-    """Standard deviations of a radius between contacts under one load, and between loads.
-
-    Attributes
-    ----------
-    within_std : float
-        Of contacts under one load; NaN if no load has two.
-    between_std : float
-        Of the loads' true means, the contribution of the scatter within loads subtracted; NaN for one load
-        or where `within_std` is NaN.
-    """
-
-    within_std: float
-    between_std: float
-
-    @classmethod
-    def of(cls, values: FloatArray, loads: ColumnArray) -> Self:
-        """Return those of values at their loads, by analysis of variance."""
-        _, which, sizes = np.unique(loads, return_inverse=True, return_counts=True)
-        total, count = values.size, sizes.size
-        if total <= count:
-            return cls(within_std=np.nan, between_std=np.nan)
-        means = np.bincount(which, values) / sizes
-        within = float(np.sum((values - means[which]) ** 2) / (total - count))
-        between = np.nan
-        if count > 1:
-            typical_size = (total - np.sum(sizes**2) / total) / (count - 1)
-            spread = float(np.sum(sizes * (means - values.mean()) ** 2) / (count - 1))
-            between = np.sqrt(max(0.0, spread - within) / typical_size)
-        return cls(within_std=float(np.sqrt(within)), between_std=float(between))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,8 +45,8 @@ class PooledRadius:
         Its standard uncertainty with semi-axes and angles held exact, as in Dzidek et al. (2017).
     fixed : Pooled
         All contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge).
-    scatter : LoadScatter
-        Of contacts under one load, and between loads.
+    scatter : NestedScatter
+        Of contacts under one load (``"repeat"``), and between loads (``"load"``), if only of two.
     budget : dict of str to float
         Share of each source in the variance of `random`, with ``"scatter"`` for what the difference between
         contacts adds.
@@ -86,7 +55,7 @@ class PooledRadius:
     random: RandomEffects
     fixed_geometry: float
     fixed: Pooled
-    scatter: LoadScatter
+    scatter: NestedScatter
     budget: dict[str, float]
 
     @property
@@ -156,7 +125,7 @@ class PooledRadius:
             random=random,
             fixed_geometry=float(np.hypot(random.std, np.sqrt(exact))),
             fixed=pool(value, own, shared),
-            scatter=LoadScatter.of(value, pooled.column("load_N")[last]),
+            scatter=nested_scatter(value, {"load": pooled.column("load_N")[last]}, least_freedom=(1, 1)),
             budget=_budget(random, variances, parts[:, _OWN], own),
         )
 
