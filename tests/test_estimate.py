@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from fingerpad import Estimate
@@ -34,5 +35,7 @@ def test_outputs_of_a_model_are_estimates() -> None:
     assert isinstance(one, Estimate)
     assert (one.value, one.std) == pytest.approx((6.0, 0.2))
     assert one.interval == pytest.approx(Estimate.symmetric(6.0, 0.2).interval)
+    none = propagate(lambda x: {"root": x * np.nan}, Inputs.of(x=(-1.0, 0.1)))
+    assert str(none["root"]) == "unknown: the model has no finite value for these inputs"
     several = propagate(lambda x: {"double": 2 * x}, Inputs.of(x=([3.0, 4.0], 0.1)))["double"]
     assert several.upper == pytest.approx([6.392, 8.392], abs=1e-3)

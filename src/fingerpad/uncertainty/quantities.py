@@ -303,6 +303,8 @@ class Outputs(Displayed):
         ends = np.moveaxis(self.interval[..., place, :], -1, 0)
         columns: tuple[Any, ...] = (self.value[..., place], self.std[..., place], *ends)
         value, std, lower, upper = (column[()] for column in columns)  # numbers, of one set of inputs
+        if np.isscalar(value) and np.isnan(value):
+            return Estimate.unknown("the model has no finite value for these inputs")
         return Estimate(value=value, std=std, interval=(lower, upper))
 
 
