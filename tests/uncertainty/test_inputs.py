@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fingerpad import Estimate
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty import Inputs, SharedErrors, placement_model, propagate, run_monte_carlo
 
@@ -103,3 +104,11 @@ SCALE = {"sources": ("scale",), "parts": np.ones((3, 1)), "groups": [[0], [0], [
 def test_what_cannot_be_is_refused(make, message) -> None:
     with pytest.raises(UncertaintyError, match=message):
         make()
+
+
+def test_an_estimate_is_its_value_and_uncertainty() -> None:
+    fitted = Inputs.of(thickness=Estimate.symmetric(8.0, 1.5), load=2.0)
+    assert_allclose(fitted.mean, [8.0, 2.0])
+    assert_allclose(fitted.std, [1.5, 0.0])
+    with pytest.raises(UncertaintyError, match="thickness is not known: no area was recorded"):
+        Inputs.of(thickness=Estimate.unknown("no area was recorded"))

@@ -17,7 +17,7 @@ from fingerpad.geometry.ellipsoid import principal_radii_kernel
 from fingerpad.geometry.gap import gap_kernel
 from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
 from fingerpad.uncertainty.propagate import Propagated, propagate
-from fingerpad.uncertainty.quantities import Groups, Inputs, Quantity, covariance_root
+from fingerpad.uncertainty.quantities import Given, Groups, Inputs, covariance_root
 
 # Sources of an uncertainty budget, by the names of their inputs.
 PAD_SOURCES: Final[Groups] = {
@@ -350,18 +350,18 @@ def _transpose(matrices: FloatArray) -> FloatArray:
 
 
 def pad_uncertainty(
-    *, correlations: Mapping[tuple[str, str], ArrayLike] | None = None, **measured: Quantity
+    *, correlations: Mapping[tuple[str, str], ArrayLike] | None = None, **measured: Given
 ) -> Propagated:
     """Return everything that follows from an observed contact ellipse, with uncertainty.
 
-    Each quantity is an exact number, or a pair of a value and its standard uncertainty, either of which may
-    be an array; those of many contacts broadcast.
+    Each quantity is an exact number, an `Estimate`, or a pair of a value and its standard uncertainty, either
+    of which may be an array; those of many contacts broadcast.
 
     Parameters
     ----------
     correlations : mapping, optional
         From pairs of names to correlation coefficients.
-    **measured : float, or pair of array_like
+    **measured : float, Estimate, or pair of array_like
         The semi-axes ``palmar``, ``distal`` and ``radial_ulnar`` of the pad, ``wedge_angle`` (radians),
         ``load``, and the semi-axes ``semi_major`` and ``semi_minor`` of the contact ellipse, in either order,
         without the uncertainties of scale and edge. What is not given is exact: ``roll_angle`` and
@@ -421,7 +421,7 @@ def pad_uncertainty(
     return propagate(layer_model if "thickness" in measured else pad_model, pad_inputs(given))
 
 
-def _complete(measured: Mapping[str, Quantity]) -> dict[str, Quantity]:
+def _complete(measured: Mapping[str, Given]) -> dict[str, Given]:
     """Return all quantities by name, and refuse names that the model does not have, and missing ones."""
     parameters = inspect.signature(pad_model).parameters
     names = [*(name for name in parameters if name not in PAD_SOURCES["contact ellipse"]), *_ELLIPSE]

@@ -24,8 +24,8 @@ from fingerpad.exceptions import UncertaintyError
 # Named arrays to named arrays, elementwise.
 Model: TypeAlias = Callable[..., Mapping[str, FloatArray]]
 
-# An exact number, or a tuple of a value and its standard uncertainty; arrays only in such tuples.
-Quantity: TypeAlias = float | tuple[ArrayLike, ArrayLike]
+# An exact number, or a value and its standard uncertainty; arrays only in such tuples.
+Given: TypeAlias = float | tuple[ArrayLike, ArrayLike] | Estimate
 
 Groups: TypeAlias = Mapping[str, tuple[str, ...]]
 
@@ -81,7 +81,7 @@ class Inputs(Displayed):
 
     @classmethod
     def of(
-        cls, *, correlations: Mapping[tuple[str, str], ArrayLike] | None = None, **quantities: Quantity
+        cls, *, correlations: Mapping[tuple[str, str], ArrayLike] | None = None, **quantities: Given
     ) -> Self:
         """Return inputs from values that broadcast; each input is a separate source.
 
@@ -89,10 +89,10 @@ class Inputs(Displayed):
         ----------
         correlations : mapping, optional
             From pairs of names to correlation coefficients; other pairs are uncorrelated.
-        **quantities : float, or tuple of array_like
-            An exact number, or a tuple of a value and its standard uncertainty, either of which may be an
-            array. Arrays and lists are refused, since they could be several values, or a value and its
-            uncertainty.
+        **quantities : float, Estimate, or tuple of array_like
+            An exact number, an `Estimate`, or a tuple of a value and its standard uncertainty, either of
+            which may be an array. Arrays and lists are refused, since they could be several values, or a
+            value and its uncertainty.
 
         Returns
         -------
@@ -101,8 +101,8 @@ class Inputs(Displayed):
         Raises
         ------
         UncertaintyError
-            If a quantity is an array or a list, a standard uncertainty is negative, a correlation lies
-            outside [−1, 1] or is not that of two of the inputs, or nothing is given.
+            If a quantity is an array, a list or an unknown `Estimate`, a standard uncertainty is negative, a
+            correlation lies outside [−1, 1] or is not that of two of the inputs, or nothing is given.
 
         Examples
         --------
@@ -302,8 +302,8 @@ class Outputs(Displayed):
         place = self.place(name)
         ends = np.moveaxis(self.interval[..., place, :], -1, 0)
         columns: tuple[Any, ...] = (self.value[..., place], self.std[..., place], *ends)
-        value, std, lower, upper = (column[()] for column in columns)  # numbers, of one set of inputs
-        if np.isscalar(value) and np.isnan(value):
+        value, std, lower, upper = columns if self.value.ndim > 1 else map(float, columns)
+        if self.value.ndim == 1 and np.isnan(value):
             return Estimate.unknown("the model has no finite value for these inputs")
         return Estimate(value=value, std=std, interval=(lower, upper))
 
@@ -431,6 +431,10 @@ def check_inputs(model: Model, inputs: Inputs) -> None:
 
 def _value_and_std(name: str, quantity: Any) -> tuple[FloatArray, FloatArray]:
     """Return a quantity as its value and standard uncertainty, zero where it is exact."""
+    if isinstance(quantity, Estimate):
+        if not quantity.known:
+            raise UncertaintyError(f"{name} is not known: {quantity.reason}")
+        quantity = quantity.value, quantity.std
     pair = isinstance(quantity, tuple)
     if not pair and np.ndim(quantity) == 0:
         return as_float_array(quantity), np.zeros(())
