@@ -13,11 +13,11 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact import (
     SolvedContact,
     Tissue,
-    curvature_ratio,
     hertz_contact,
-    layer_compliance_ratio,
     solve_contact,
 )
+from fingerpad.contact.elliptic import curvature_ratio
+from fingerpad.contact.influence import layer_compliance_ratio
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 

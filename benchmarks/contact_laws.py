@@ -12,9 +12,10 @@ import numpy as np
 
 from benchmarks.contact_law_data import KEPT, circular_contacts, layer_spectrum
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad.contact import Tissue, curvature_ratio, hertz_contact, solve_contact_ellipse
+from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
 from fingerpad.contact import law_coefficients as law
 from fingerpad.contact.contact import AnyPlacement
+from fingerpad.contact.elliptic import curvature_ratio
 from fingerpad.contact.law_factors import LayerFactors, PadFactors, layer_basis, thin_layer
 from fingerpad.contact.laws import plate_gap
 from fingerpad.geometry import Ellipsoid, Gap, Paraboloid, Placement

@@ -5,7 +5,7 @@ import pytest
 
 from fingerpad.contact import HertzPressure, Tissue, solve_gap
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Counterface, Ellipsoid, Placement, platen_normal
+from fingerpad.geometry import Counterface, Ellipsoid, Placement
 from fingerpad.image import ImageEllipse, PlaneEllipse, Scale, fit_outline_ellipse, photograph_from_ellipse
 from fingerpad.published import radius_with_misprint
 from fingerpad.simulate import outline_points, render_coin, render_contact_image
@@ -24,8 +24,6 @@ DEGREES = {
         placement_model, Inputs.of(**MEASURED, wedge_angle=0.5, roll_angle=(10, 0.1))
     ),
     "roll of Placement": lambda: Placement(PAD, wedge_angle=0.5, roll_angle=10),
-    "wedge of platen_normal": lambda: platen_normal(30),
-    "roll of platen_normal": lambda: platen_normal(0.5, 10),
     "u of a point": lambda: PAD.point(45, 1.5),
     "v of a normal": lambda: PAD.normal(0.5, 90),
     "u of a curvature": lambda: PAD.curvature(45, 1.5),
@@ -64,7 +62,7 @@ def test_degrees_refused(name: str) -> None:
 
 
 def test_full_turns_accepted() -> None:
-    np.testing.assert_allclose(platen_normal(0.5, [2 * np.pi, -2 * np.pi, 0])[:, 0], np.cos(0.5))
+    np.testing.assert_allclose(PAD.point([2 * np.pi, -2 * np.pi, 0], 0.5)[:, 0], 7.9 * np.sin(0.5))
 
 
 def radius_at(**angles) -> np.ndarray:
@@ -80,4 +78,3 @@ def test_draws_about_upright_finger_accepted() -> None:
 def test_kernels_broadcast_nan() -> None:
     radius = radius_at(wedge_angle=np.array([0.5, np.nan]), roll_angle=np.array([[0.0], [np.nan]]))
     assert np.isnan(radius).tolist() == [[False, True], [True, True]]
-    assert np.isnan(platen_normal([0.5, np.nan])).any(axis=-1).tolist() == [False, True]

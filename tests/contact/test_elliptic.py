@@ -6,7 +6,8 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.special import ellipe, ellipk
 
-from fingerpad.contact import complete_integrals, curvature_ratio, indentation_factor, size_factor
+from fingerpad.contact import complete_integrals, indentation_factor, size_factor
+from fingerpad.contact.elliptic import curvature_ratio
 
 RATIOS = np.concatenate([[1.0, 1 - 1e-16, 1 - 1e-12, 1 - 1e-6], np.geomspace(1e-12, 0.999, 40)])
 

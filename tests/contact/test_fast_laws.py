@@ -14,10 +14,10 @@ from fingerpad.contact import Contact, Tissue, fast_contact, hertz_contact, solv
 from fingerpad.contact.law_factors import LayerFactors, PadFactors
 from fingerpad.contact.laws import press
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Counterface, Ellipsoid, Gap, Paraboloid, Placement, platen_normal
+from fingerpad.geometry import Counterface, Ellipsoid, Gap, Paraboloid, Placement
 from fingerpad.geometry.ellipsoid import tangents
 from fingerpad.geometry.gap import gap_kernel
-from fingerpad.geometry.placement import platen_normal_kernel
+from fingerpad.geometry.placement import platen_normal
 from fingerpad.uncertainty import Inputs, propagate, run_monte_carlo
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -30,7 +30,9 @@ GIVEN = ("load", "area", "indentation")
 @given(st.floats(0, 1.5), st.floats(-1, 1), st.floats(-2, 2), st.floats(-2, 2))
 def test_five_numbers_are_the_whole_gap(wedge: float, roll: float, x: float, y: float) -> None:
     normal, gap = platen_normal(wedge, roll), Placement(PAD, wedge_angle=wedge, roll_angle=roll).gap
-    assert_allclose([gap.first_radius, gap.second_radius], PAD.principal_radii_at_normal(normal), rtol=1e-9)
+    assert_allclose(
+        [gap.first_radius, gap.second_radius], PAD.curvature_at_normal(normal).principal_radii, rtol=1e-9
+    )
     directions = PAD.curvature_at_normal(normal).principal_directions @ np.stack(tangents(normal)).T
     along, across = x * directions[0] + y * directions[1]
     q = x**2 / gap.first_radius + y**2 / gap.second_radius
@@ -219,7 +221,7 @@ def test_load_area_and_indentation_ask_the_same_contact(tissue: Tissue) -> None:
 
 
 def model(palmar, distal, radial_ulnar, wedge_angle, roll_angle, load, modulus, thickness, poisson_ratio):
-    gap = gap_kernel(palmar, distal, radial_ulnar, normal=platen_normal_kernel(wedge_angle, roll_angle))
+    gap = gap_kernel(palmar, distal, radial_ulnar, normal=platen_normal(wedge_angle, roll_angle))
     contact = press(gap, load=load, reduced_modulus=modulus, thickness=thickness, poisson_ratio=poisson_ratio)
     return {
         "area": contact.area,

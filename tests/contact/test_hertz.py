@@ -13,12 +13,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from fingerpad.contact import (
     Contact,
     Tissue,
-    curvature_ratio,
     fast_contact,
     hertz_contact,
     solve_contact,
     solve_contact_ellipse,
 )
+from fingerpad.contact.elliptic import curvature_ratio
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 

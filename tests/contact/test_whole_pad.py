@@ -12,8 +12,9 @@ from numpy.testing import assert_allclose
 
 from fingerpad.contact import Tissue, hertz_contact, solve_contact
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Counterface, Ellipsoid, Paraboloid, Placement, platen_normal
+from fingerpad.geometry import Counterface, Ellipsoid, Paraboloid, Placement
 from fingerpad.geometry.ellipsoid import tangents
+from fingerpad.geometry.placement import platen_normal
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PLACEMENT = Placement(PAD, wedge_angle=np.radians(45), roll_angle=np.radians(10))
@@ -34,7 +35,7 @@ def test_gap_ends_on_ellipsoid(wedge: float, roll: float, along: float, across: 
     first, second = PAD.curvature_at_normal(normal).principal_directions
     small = height(np.array([1e-3, 0.0]), np.array([0.0, 1e-3]))
     tilted = np.stack([first, second]) @ np.stack(tangents(normal)).T  # the plate's axes are not principal
-    curvatures = 1 / np.array(PAD.principal_radii_at_normal(normal))
+    curvatures = 1 / np.array(PAD.curvature_at_normal(normal).principal_radii)
     assert_allclose(small, 0.5e-6 * curvatures @ tilted**2, rtol=2e-3)
 
 
@@ -72,7 +73,7 @@ def test_small_contacts_with_curved_bodies_equal_hertz(counterface: Counterface)
     tissue = Tissue.of_reduced_modulus(0.1)
     found = solve_contact(placement, tissue, load=1e-4, points=128)
     hertz = hertz_contact(placement, tissue, load=1e-4)
-    curvature = np.diag(1 / np.array(PAD.principal_radii_at_normal(platen_normal(0.5))))
+    curvature = np.diag(1 / np.array(PAD.curvature_at_normal(platen_normal(0.5, 0.0)).principal_radii))
     angle = counterface.axis_angle
     across = np.eye(2) if angle is None else np.outer(*2 * [[-math.sin(angle), math.cos(angle)]])
     values, vectors = np.linalg.eigh(curvature + across / counterface.radius)

@@ -5,7 +5,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fingerpad.geometry import principal_curvatures
+from fingerpad.geometry.curvature import principal_curvatures
 
 
 @given(st.floats(-5, 5), st.floats(-5, 5), st.floats(-5, 5))

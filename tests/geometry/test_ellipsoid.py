@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid, platen_normal
+from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry.placement import platen_normal
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 axis = st.floats(1.0, 50.0)
@@ -160,7 +161,7 @@ def test_invalid_axes(name: str, bad: float) -> None:
 def test_radii_alone_at_the_ends_of_the_axes() -> None:
     # Where an axis a of an ellipsoid ends, the radii are b²/a and c²/a.
     palmar, distal, radial_ulnar = 7.9, 13.8, 11.8
-    radii = PAD.principal_radii_at_normal(np.eye(3))
+    radii = PAD.curvature_at_normal(np.eye(3)).principal_radii
     assert_allclose(
         radii.first, [distal**2 / palmar, palmar**2 / distal, distal**2 / radial_ulnar], rtol=1e-12
     )

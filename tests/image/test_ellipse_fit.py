@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from skimage.draw import ellipse as draw_ellipse
-from skimage.measure import label, regionprops
 
-from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image import equal_area_ellipse, fit_aligned_ellipse, fit_ellipse
+from fingerpad.exceptions import FitError
+from fingerpad.image import fit_aligned_ellipse, fit_ellipse
 from fingerpad.image._orthogonal_fit import foot_points
 from fingerpad.simulate import outline_points
 
@@ -141,29 +139,3 @@ def test_hyperbola_refused():
 def test_three_points_refused():
     with pytest.raises(FitError, match="4 different points"):
         fit_aligned_ellipse(outline_points(3, 2, count=3))
-
-
-@pytest.mark.parametrize("angle", [-1.2, -0.4, 0.0, 0.3, 0.9, math.pi / 2])
-def test_region_ellipse_agrees_with_scikit_image(angle):
-    mask = np.zeros((300, 260), bool)
-    mask[draw_ellipse(140, 120, 90, 60, rotation=angle)] = True
-    found = equal_area_ellipse(mask)
-    props = regionprops(label(mask))[0]
-    assert found.semi_axes[0] == pytest.approx(props.axis_major_length / 2, rel=2e-3)
-    assert found.semi_axes[1] == pytest.approx(props.axis_minor_length / 2, rel=2e-3)
-    assert math.sin(found.orientation - props.orientation) == pytest.approx(0, abs=1e-9)
-    assert found.area == pytest.approx(np.count_nonzero(mask), rel=1e-12)
-    assert found.centre == pytest.approx(props.centroid)
-
-
-def test_orientation_sign():
-    # Row 0 is the top: this stroke runs from the upper left to the lower right.
-    assert equal_area_ellipse(np.eye(50, dtype=bool)).orientation == pytest.approx(math.pi / 4)
-    assert equal_area_ellipse(np.eye(50, dtype=bool)[:, ::-1]).orientation == pytest.approx(-math.pi / 4)
-    assert equal_area_ellipse(np.ones((5, 50), bool)).orientation == pytest.approx(math.pi / 2)
-
-
-@pytest.mark.parametrize("mask", [np.zeros((9, 9), bool), np.ones(9, bool), np.zeros((0, 9), bool)])
-def test_empty_region_refused(mask):
-    with pytest.raises(ImageError, match="at least one pixel"):
-        equal_area_ellipse(mask)

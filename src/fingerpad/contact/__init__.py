@@ -3,7 +3,6 @@
 from fingerpad.contact.contact import Contact, Tissue
 from fingerpad.contact.elliptic import (
     complete_integrals,
-    curvature_ratio,
     indentation_factor,
     size_factor,
     solve_contact_ellipse,
@@ -16,7 +15,6 @@ from fingerpad.contact.hertz import (
     hertz_contact,
 )
 from fingerpad.contact.hertz_pressure import HertzPressure
-from fingerpad.contact.influence import layer_compliance_ratio
 from fingerpad.contact.laws import fast_contact, youngs_modulus
 from fingerpad.contact.solved_stress import SolvedStress
 from fingerpad.contact.solver import SolvedContact, solve_contact, solve_gap
@@ -32,7 +30,6 @@ __all__ = [
     "StressField",
     "Tissue",
     "complete_integrals",
-    "curvature_ratio",
     "equivalent_radius_from_area",
     "equivalent_radius_from_compliance",
     "equivalent_radius_from_indentation",
@@ -40,7 +37,6 @@ __all__ = [
     "hertz_contact",
     "hertz_stress",
     "indentation_factor",
-    "layer_compliance_ratio",
     "size_factor",
     "solve_contact",
     "solve_contact_ellipse",

@@ -162,24 +162,9 @@ def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, F
 
 
 def curvature_ratio(axis_ratio: ArrayLike) -> FloatArray:
-    r"""Return the ratio of relative principal radii R'/R'' that an observed contact ellipse implies.
+    r"""Return the ratio of relative principal radii R'/R'' = B/(k²D) ≥ 1 that a contact ellipse implies.
 
-    :math:`R'/R'' = [E/k^2 - K]/[K - E] = B/(k^2 D)` (Johnson 1985, Eq. 4.28).
-
-    Parameters
-    ----------
-    axis_ratio : array_like
-        k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
-
-    Returns
-    -------
-    ndarray
-        R'/R'' ≥ 1.
-
-    Examples
-    --------
-    >>> curvature_ratio([1.0, 5.0 / 7.4]).round(4)
-    array([1.    , 1.8022])
+    Johnson (1985), Eq. 4.28, is (E/k² − K)/(K − E).
     """
     k = as_float_array(axis_ratio)
     _, b, d = complete_integrals(k)

@@ -101,23 +101,8 @@ def principal_curvatures(
 ) -> tuple[FloatArray, FloatArray]:
     """Diagonalise the symmetric curvature tensor [[first, mixed], [mixed, second]] of a tangent plane.
 
-    Parameters
-    ----------
-    first, second, mixed : array_like
-        Components along two orthonormal tangent vectors.
-
-    Returns
-    -------
-    curvatures : ndarray, shape (..., 2)
-        Principal curvatures; the direction of the first lies within 45° of the first tangent vector.
-    angle : ndarray
-        Angle of that direction from the first tangent vector towards the second, in (−π/4, π/4].
-
-    Examples
-    --------
-    >>> curvatures, angle = principal_curvatures(1.5, 2.5, 1.2)
-    >>> curvatures.round(12), round(float(np.degrees(angle)), 3)
-    (array([0.7, 3.3]), -33.69)
+    Returns the two principal curvatures, shape (..., 2), and the angle of the first one's direction from the
+    first tangent vector towards the second, in (−π/4, π/4].
     """
     first, second, mixed = broadcast(first, second, mixed)
     difference = first - second

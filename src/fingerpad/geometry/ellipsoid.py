@@ -181,23 +181,6 @@ class Ellipsoid(Displayed):
         directions = np.stack([cosine * along + sine * across, cosine * across - sine * along], axis=-2)
         return SurfaceCurvature(principal_radii=inverse_of(curvatures), principal_directions=directions)
 
-    def principal_radii_at_normal(self, normal: ArrayLike) -> PrincipalRadii:
-        """Return the radii of `curvature_at_normal` alone, at a third of the cost.
-
-        Parameters
-        ----------
-        normal : array_like, shape (..., 3)
-            Unit vectors.
-
-        Returns
-        -------
-        PrincipalRadii
-            Along and across the finger.
-        """
-        return principal_radii_kernel(
-            self.palmar, self.distal, self.radial_ulnar, normal=as_float_array(normal)
-        )
-
     def _curvature_tensor(self, normal: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         return curvature_tensor(self.palmar, self.distal, self.radial_ulnar, normal)
 
@@ -208,7 +191,7 @@ class Ellipsoid(Displayed):
 def principal_radii_kernel(
     palmar: FloatArray, distal: FloatArray, radial_ulnar: FloatArray, *, normal: FloatArray
 ) -> PrincipalRadii:
-    """Return `Ellipsoid.principal_radii_at_normal` for semi-axes that nothing has checked.
+    """Return the principal radii where the outward normal is `normal`; no semi-axis is checked.
 
     Random draws and complex steps of an uncertainty need it: no single draw may stop the others.
     """

@@ -12,7 +12,6 @@ from fingerpad._arrays import (
     broadcast,
     broadcast_named,
     check_all,
-    check_radians,
     set_fields,
 )
 from fingerpad._display import Displayed
@@ -22,41 +21,11 @@ from fingerpad.geometry.ellipsoid import Ellipsoid
 from fingerpad.geometry.gap import Counterface, CounterfaceGap, Gap, gap_kernel
 
 
-def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike = 0.0) -> FloatArray:
-    """Return the pad's outward unit normal at the place of contact.
+def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> FloatArray:
+    """Return the pad's outward unit normal n = (cos θ cos φ, sin θ, cos θ sin φ) at the place of contact.
 
-    n = (cos θ cos φ, sin θ, cos θ sin φ).
-
-    Parameters
-    ----------
-    wedge_angle : array_like
-        Wedge angle θ, radians: 0 lies flat on the palmar face, π/2 stands on the fingertip.
-    roll_angle : array_like
-        Roll φ of the finger about its own long axis, radians.
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        Unit vectors in the pad's axes: palmar, distal, radial–ulnar.
-
-    Raises
-    ------
-    GeometryError
-        If an angle is beyond a full turn either way, as degrees are. NaN gives NaN.
-
-    Examples
-    --------
-    >>> platen_normal(np.radians([0, 30])).round(3)
-    array([[1.   , 0.   , 0.   ],
-           [0.866, 0.5  , 0.   ]])
+    Nothing is checked, as random draws of the angles are not.
     """
-    return platen_normal_kernel(
-        check_radians("wedge_angle", wedge_angle), check_radians("roll_angle", roll_angle)
-    )
-
-
-def platen_normal_kernel(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> FloatArray:
-    """Return `platen_normal` at angles that nothing has checked, as random draws of them are."""
     wedge, roll = broadcast(wedge_angle, roll_angle)
     return np.stack([np.cos(wedge) * np.cos(roll), np.sin(wedge), np.cos(wedge) * np.sin(roll)], axis=-1)
 
@@ -90,7 +59,8 @@ class Placement(Displayed):
     ellipsoid : Ellipsoid
         The pad.
     wedge_angle, roll_angle : array_like
-        Wedge angle in [0, π/2] and roll in [−π/2, π/2], radians, as for `platen_normal`.
+        Wedge angle θ in [0, π/2], radians: 0 lies flat on the palmar face, π/2 stands on the fingertip.
+        Roll φ of the finger about its own long axis, in [−π/2, π/2].
     counterface : Counterface, optional
         The rigid body; a flat plate where none is given.
 
@@ -148,7 +118,7 @@ class Placement(Displayed):
         broadcast_named(
             ellipsoid=ellipsoid.palmar, wedge_angle=wedge, roll_angle=roll
         )  # or refuse the shapes
-        normal = platen_normal_kernel(wedge, roll)
+        normal = platen_normal(wedge, roll)
         u, v = ellipsoid.parametric_angles(normal)
         set_fields(
             self,

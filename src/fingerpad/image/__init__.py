@@ -20,7 +20,6 @@ from fingerpad.image.ellipse import (
     ImageEllipse,
     PlaneEllipse,
     ellipse_of_polygon,
-    equal_area_ellipse,
     interpolated_ellipse,
 )
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
@@ -116,7 +115,6 @@ __all__ = [
     "draw_overlay",
     "draw_photograph_overlay",
     "ellipse_of_polygon",
-    "equal_area_ellipse",
     "estimate_settings",
     "face_from_outline",
     "fit_aligned_ellipse",

@@ -13,7 +13,6 @@ import numpy as np
 
 from fingerpad._arrays import (
     ArrayLike,
-    BoolArray,
     FloatArray,
     as_float_array,
     finite_angle,
@@ -349,38 +348,3 @@ def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:
     if not (moments.spread > 0).all():
         raise ImageError("the outline crosses itself: trace once round the contact")
     return moments.ellipse
-
-
-def equal_area_ellipse(mask: BoolArray) -> ImageEllipse:
-    """Return the ellipse of a region: same area and centroid, axis ratio and direction of its second moments.
-
-    Parameters
-    ----------
-    mask : ndarray of bool, shape (rows, columns)
-        The region.
-
-    Returns
-    -------
-    ImageEllipse
-        In pixels.
-
-    Raises
-    ------
-    ImageError
-        If the mask is not two-dimensional or has no pixel.
-
-    Examples
-    --------
-    >>> fitted = equal_area_ellipse(np.ones((40, 20), dtype=bool))
-    >>> round(fitted.area, 6), fitted.centre, fitted.orientation
-    (800.0, (19.5, 9.5), 0.0)
-    """
-    mask = np.asarray(mask, dtype=bool)
-    if mask.ndim != 2 or not mask.any():
-        raise ImageError(
-            f"the region must be an image with at least one pixel set, found shape {mask.shape}, none set"
-        )
-    points = np.argwhere(mask)[:, ::-1].astype(np.float64)
-    # A pixel is a square, not a point: 1/12 is its own second moment.
-    second = np.cov(points, rowvar=False, bias=True) + np.eye(2) / 12
-    return _area_moments(float(len(points)), points.mean(axis=0), second).ellipse

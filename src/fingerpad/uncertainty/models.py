@@ -15,7 +15,7 @@ from fingerpad.contact.laws import find_modulus
 from fingerpad.exceptions import GeometryError, UncertaintyError
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
 from fingerpad.geometry.gap import gap_kernel
-from fingerpad.geometry.placement import checked_placement, platen_normal_kernel
+from fingerpad.geometry.placement import checked_placement, platen_normal
 from fingerpad.uncertainty.propagate import Propagated, propagate
 from fingerpad.uncertainty.quantities import Given, Groups, Inputs, covariance_root
 
@@ -83,7 +83,7 @@ def placement_model(
     >>> print(f"{propagate(placement_model, inputs)['mean_curvature_radius']:.2f}")
     13.61 ± 0.18
     """
-    normal = platen_normal_kernel(wedge_angle, roll_angle)
+    normal = platen_normal(wedge_angle, roll_angle)
     in_plane, transverse = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
     in_plane = in_plane * np.exp(in_plane_deviation)
     transverse = transverse * np.exp(transverse_deviation)
@@ -168,7 +168,7 @@ def pad_model(
     """
     half = np.exp(0.5 * (elongation + elongation_deviation))
     radius = image_scale * contact_radius * np.exp(radius_deviation)
-    normal = platen_normal_kernel(wedge_angle, roll_angle)
+    normal = platen_normal(wedge_angle, roll_angle)
     in_plane, transverse = principal_radii_kernel(palmar, distal, radial_ulnar, normal=normal)
     in_plane = in_plane * np.exp(in_plane_deviation)
     transverse = transverse * np.exp(transverse_deviation)
@@ -272,7 +272,7 @@ def _on_layer(
     axes = broadcast(*(larger * given[name] for name in PAD_SOURCES["semi-axes"]))
     radius = hertz["contact_radius_ratio"] * hertz["geometric_mean_radius"]
     return find_modulus(
-        gap_kernel(*axes, normal=platen_normal_kernel(given["wedge_angle"], given["roll_angle"])),
+        gap_kernel(*axes, normal=platen_normal(given["wedge_angle"], given["roll_angle"])),
         thickness=thickness,
         poisson_ratio=_possible(given["poisson_ratio"]),
         load=given["load"],

@@ -12,7 +12,7 @@ from fingerpad.contact.contact import from_reduced_modulus
 from fingerpad.contact.laws import find_modulus, plate_gap, press
 from fingerpad.geometry import Ellipsoid, Gap, Placement
 from fingerpad.geometry.gap import gap_kernel, paraboloid_gap
-from fingerpad.geometry.placement import platen_normal_kernel
+from fingerpad.geometry.placement import platen_normal
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import LoadingFit, Secant
 from fingerpad.study.manifest import Study
@@ -184,7 +184,7 @@ def indentation_model(
         ``youngs_modulus_from_indentation_on_layer`` and ``loading_radius_on_layer`` of the whole pad.
     """
     axes = broadcast(palmar, distal, radial_ulnar)
-    gap = gap_kernel(*axes, normal=platen_normal_kernel(wedge_angle, roll_angle))
+    gap = gap_kernel(*axes, normal=platen_normal(wedge_angle, roll_angle))
     hertz, _ = find_modulus(
         paraboloid_gap(gap.first_radius, gap.second_radius), load=load, indentation=indentation
     )
