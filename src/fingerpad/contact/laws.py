@@ -163,6 +163,12 @@ def plate_gap(placement: AnyPlacement) -> Gap:
     return gap
 
 
+# `fast_contact` and `youngs_modulus` check what they are given, and then call `press` and `find_modulus`.
+# Draws of a Monte Carlo and complex steps call these two themselves: a draw that no tissue has (a thickness
+# below zero) gives NaN beside the others, where `Tissue` refuses them all. Fits of a loading curve vary the
+# five numbers of a gap, for which there is no `Placement`.
+
+
 def press(
     gap: Gap,
     *,
