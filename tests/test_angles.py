@@ -7,7 +7,6 @@ from fingerpad.contact import HertzPressure, Tissue, solve_gap
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Counterface, Ellipsoid, Placement
 from fingerpad.image import ImageEllipse, PlaneEllipse, Scale, fit_outline_ellipse, photograph_from_ellipse
-from fingerpad.published import radius_with_misprint
 from fingerpad.simulate import outline_points, render_coin, render_contact_image
 from fingerpad.uncertainty import Inputs, placement_model, propagate, run_monte_carlo
 
@@ -45,7 +44,6 @@ DEGREES = {
     "tilt_std of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), tilt_std=30),
     "angle of outline points": lambda: outline_points(11.8, 13.8, angle=30),
     "arc of outline points": lambda: outline_points(11.8, 13.8, arc=(0, 180)),
-    "u of a misprinted radius": lambda: radius_with_misprint(PAD, 45),
     "tilt of a photograph": lambda: photograph_from_ellipse(
         "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276), tilt=12
     ),

@@ -69,7 +69,6 @@ from fingerpad.loading import (
     read_loading_curve,
     secant_modulus,
 )
-from fingerpad.published import radius_with_misprint
 from fingerpad.simulate import render_coin, render_contact_image, render_finger, render_sequence
 from fingerpad.uncertainty import Inputs, pad_model, propagate
 
@@ -295,7 +294,6 @@ SCALARS = {
     "area from load": lambda: area_from_load(2, loading_radius=20, initial_modulus=0.1),
     "secant modulus": lambda: secant_modulus(2, 1.8, loading_radius=20),
     "area exponent": lambda: local_area_exponent(2, initial_modulus=0.04, load_coefficient=0.02),
-    "radius with the misprint": lambda: radius_with_misprint(PAD, 0.5),
     "radius of a paraboloid": lambda: BODIES.first_radius,
     "flatness of a paraboloid": lambda: BODIES.gap.flatness,
     "radius of a gap": lambda: PLACED.gap.second_radius,

@@ -1,6 +1,7 @@
 """Commands of the model: geometry, hertz, correct, reproduce."""
 
 import math
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -180,7 +181,7 @@ def reproduce(
         for name, figure, caption in dzidek2017_figures():
             save_figure(figure, figures / name, description=caption)
     if as_json:
-        print_json([item.as_record() for item in items])
+        print_json([asdict(item) for item in items])
     else:
         _print_audit(items)
     print_folder("Figures", figures, as_json)

@@ -10,14 +10,14 @@ these every equation used here is monotonic in each input, or flat to far below 
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
 from typing import Final
 
 import numpy as np
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_radians
+from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._display import Displayed
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
@@ -28,8 +28,6 @@ _PLACEMENT: Final = "tan u = (ℓb/ℓa) tan θ"
 _CORRECTION: Final = "R_corr = R_0g F₂⁻³, Johnson's F₂ ≤ 1: their F₁ with the factor (2/π) k^½"
 _SLIP_REMARK: Final = "printed with cos 2u in Eq. (1) replaced by cos 2v = −1"
 _MEASURED: Final = "measured input; nothing is printed from which it could be computed"
-
-Record = dict[str, str | float | None]
 
 
 class Verdict(StrEnum):
@@ -90,16 +88,6 @@ class AuditItem(Displayed):
     formula: str = ""
     remark: str = ""
 
-    def as_record(self) -> Record:
-        """Return the item as a dictionary that JSON can hold.
-
-        Returns
-        -------
-        dict
-            By the names of the attributes.
-        """
-        return asdict(self) | {"verdict": str(self.verdict)}
-
 
 def audit() -> list[AuditItem]:
     """Return every number of Tables 1 to 4, the text's radii and the pooled values, each with its verdict.
@@ -128,38 +116,14 @@ def audit() -> list[AuditItem]:
     return items
 
 
-def radius_with_misprint(ellipsoid: Ellipsoid, u: ArrayLike) -> FloatArray:
-    r"""Return the radius that Table 2 of Dzidek et al. (2017) prints in place of R_0g = 1/H at v = π/2.
+def radius_with_misprint(ellipsoid: Ellipsoid, u: FloatArray | float) -> FloatArray:
+    """Return the radius that Table 2 prints in place of R_0g = 1/H at v = π/2.
 
-    With cos 2u in Eq. (1) replaced by cos 2v = −1, 1/H becomes
-    :math:`2\ell_c^2 S^{3/2}/(\ell_a\ell_b(\ell_a^2 + \ell_c^2))`, S = ℓb² cos²u + ℓa² sin²u, correct at
-    u = π/2 only. It explains printed numbers and is used for nothing else.
-
-    Parameters
-    ----------
-    ellipsoid : Ellipsoid
-        The pad.
-    u : array_like
-        Parametric angle, radians.
-
-    Returns
-    -------
-    ndarray
-        In the unit of the semi-axes.
-
-    Raises
-    ------
-    GeometryError
-        If an angle is beyond a full turn, as degrees are.
-
-    Examples
-    --------
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> float(radius_with_misprint(pad, 0.0).round(1))
-    33.3
+    With cos 2u in Eq. (1) replaced by cos 2v = −1, 1/H becomes 2 ℓc² S^(3/2)/(ℓa ℓb (ℓa² + ℓc²)) with
+    S = ℓb² cos²u + ℓa² sin²u, correct at u = π/2 only. It explains printed numbers, and is used for nothing
+    else.
     """
     a, b, c = ellipsoid.palmar, ellipsoid.distal, ellipsoid.radial_ulnar
-    u = check_radians("u", u)
     S = b**2 * np.cos(u) ** 2 + a**2 * np.sin(u) ** 2
     radius: FloatArray = 2 * c**2 * S**1.5 / (a * b * (a**2 + c**2))
     return radius

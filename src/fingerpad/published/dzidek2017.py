@@ -18,38 +18,14 @@ WEDGE_ANGLES_DEG: Final = (30, 45)
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """A printed number.
-
-    Attributes
-    ----------
-    value : float
-        As printed.
-    rounding : float
-        Half a unit of its last digit.
-
-    Examples
-    --------
-    >>> Printed.of("5.0").interval
-    (4.95, 5.05)
-    """
+    """A printed number, and half a unit of its last digit."""
 
     value: float
     rounding: float
 
     @classmethod
     def of(cls, digits: str | Decimal) -> Self:
-        """Return a number as printed; a trailing zero counts.
-
-        Parameters
-        ----------
-        digits : str or Decimal
-            The digits.
-
-        Returns
-        -------
-        Printed
-            With its rounding.
-        """
+        """Return a number from its digits; a trailing zero counts."""
         number = Decimal(digits)
         half_unit = Decimal("0.5").scaleb(int(number.as_tuple().exponent))
         return cls(value=float(number), rounding=float(half_unit))
@@ -62,18 +38,7 @@ class Printed:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SemiAxes:
-    """One row of Table 1.
-
-    Attributes
-    ----------
-    palmar, distal, radial_ulnar : Printed
-        Semi-axes, mm.
-
-    Examples
-    --------
-    >>> dzidek2017().semi_axes["direct"].ellipsoid.semi_axes
-    array([ 7.5, 14.7, 11.8])
-    """
+    """One row of Table 1, mm."""
 
     palmar: Printed
     distal: Printed

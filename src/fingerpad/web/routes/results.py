@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Annotated, Any, Final
 
 import numpy as np
@@ -230,4 +231,4 @@ def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
 @endpoint("GET", "/api/published", "Audit of the published tables", answers.Audit)
 def published(_: Workspace, __: Any, ___: Any) -> dict[str, Any]:
     """Return the audit of the numbers that Dzidek et al. (2017) print."""
-    return {"items": [item.as_record() for item in audit()]}
+    return {"items": [asdict(item) for item in audit()]}
