@@ -199,6 +199,16 @@ def pad_model(
     }
 
 
+_PARAMETERS: Final = inspect.signature(pad_model).parameters
+# What a quantity is where it is not given.
+_DEFAULTS: Final = {name: one.default for name, one in _PARAMETERS.items() if one.default is not one.empty}
+# What is measured: the contact ellipse by its semi-axes.
+_MEASURED: Final = (
+    *(name for name in _PARAMETERS if name not in PAD_SOURCES["contact ellipse"]),
+    *("semi_major", "semi_minor"),
+)
+
+
 def layer_model(*, thickness: FloatArray, **pad: FloatArray) -> dict[str, FloatArray]:
     """Return what follows from a pad and a contact ellipse, by Hertz theory and on a layer over bone.
 
@@ -284,14 +294,6 @@ def _possible(poisson_ratio: ArrayLike) -> FloatArray:
     """Return ν, at most 0.5; the derivative at 0.5 is that from below."""
     nu = as_float_array(poisson_ratio)
     return np.where(nu.real > 0.5, 0.5, nu)
-
-
-# What a quantity of `pad_model` is where it is not given.
-_DEFAULTS: Final[Mapping[str, float]] = {
-    name: parameter.default
-    for name, parameter in inspect.signature(pad_model).parameters.items()
-    if parameter.default is not parameter.empty
-}
 
 
 def pad_inputs(measured: Inputs) -> Inputs:
@@ -423,15 +425,13 @@ def pad_uncertainty(
 
 def _complete(measured: Mapping[str, Given]) -> dict[str, Given]:
     """Return all quantities by name, and refuse names that the model does not have, and missing ones."""
-    parameters = inspect.signature(pad_model).parameters
-    names = [*(name for name in parameters if name not in PAD_SOURCES["contact ellipse"]), *_ELLIPSE]
     for name in measured:
-        if name not in (*names, "thickness"):
-            raise UncertaintyError(f"no quantity {name!r}; there are {', '.join(names)}, thickness")
-    missing = [name for name in names if name not in measured and name not in _DEFAULTS]
+        if name not in (*_MEASURED, "thickness"):
+            raise UncertaintyError(f"no quantity {name!r}; there are {', '.join(_MEASURED)}, thickness")
+    missing = [name for name in _MEASURED if name not in measured and name not in _DEFAULTS]
     if missing:
         raise UncertaintyError(f"give {', '.join(missing)} too, each as a number or (value, uncertainty)")
-    return {**measured, **{name: _DEFAULTS[name] for name in names if name not in measured}}
+    return {**measured, **{name: _DEFAULTS[name] for name in _MEASURED if name not in measured}}
 
 
 def _check_ranges(measured: Inputs) -> None:
