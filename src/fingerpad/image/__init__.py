@@ -1,8 +1,6 @@
 """Measure pictures: contact images, and photographs of a finger's faces."""
 
-from fingerpad.image._memory import MEMORY_LIMIT
 from fingerpad.image.coin.measure import Coin, measure_coin
-from fingerpad.image.colour import read_colour_image
 from fingerpad.image.contact_image.manual import BrushStroke, RegionPolygon
 from fingerpad.image.contact_image.measure import (
     PreparedContactImage,
@@ -25,6 +23,7 @@ from fingerpad.image.ellipse import (
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
 from fingerpad.image.flags import FLAG_WORDS
 from fingerpad.image.grid import Grid, measure_grid
+from fingerpad.image.levels import MEMORY_LIMIT
 from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.faces import (
     FaceSemiAxes,
@@ -48,7 +47,7 @@ from fingerpad.image.photograph.outline import (
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse
 from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
 from fingerpad.image.photograph.result import PHOTOGRAPH_FLAGS, PhotographFit
-from fingerpad.image.read import Picture, read_image
+from fingerpad.image.read import Picture, read_colour_image, read_image
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.alignment import alignment_scatter
 from fingerpad.image.sequence.clock import frame_clock

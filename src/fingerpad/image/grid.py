@@ -12,8 +12,8 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray, non_negative_number, positive_number, real_array, set_fields
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError
-from fingerpad.image._arguments import picture_levels
-from fingerpad.image.inputs import ImageLike, grey_levels
+from fingerpad.image.levels import picture_levels
+from fingerpad.image.read import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
 
 Pattern: TypeAlias = Literal["checkerboard", "dots"]

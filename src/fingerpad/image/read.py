@@ -7,7 +7,7 @@ import warnings
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import cv2
 import numpy as np
@@ -18,24 +18,19 @@ from PIL import Image, ImageOps, UnidentifiedImageError
 from fingerpad._arrays import positive_number, set_fields
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, ImageError
-from fingerpad.image._arguments import picture_array
-from fingerpad.image._levels import (
+from fingerpad.image.levels import (
+    MEMORY_LIMIT,
     Pixels,
     apply_orientation,
+    check_memory,
+    eight_bit,
     levels_of_image,
     luma,
     on_white,
+    picture_array,
     storable,
 )
-from fingerpad.image._memory import MEMORY_LIMIT, check_memory
-from fingerpad.image._tiff import (
-    description_of_page,
-    is_reduced_copy,
-    levels_of_page,
-    raw_resolution,
-    resolution_of_page,
-    tifffile_warnings,
-)
+from fingerpad.image.tiff import is_reduced_copy, levels_of_page, tifffile_warnings
 
 _FORMATS: Final = ("PNG", "JPEG", "BMP", "PPM")
 _READABLE = "PNG, TIFF, JPEG, BMP or PGM"
@@ -45,6 +40,10 @@ _ORIENTATION_TAG: Final = 274
 _MIN_PPI = 10.0
 # ImageJ keeps its scale as pixels per unit, and the unit in the description.
 _IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "micron": 25400.0}
+
+
+# An array, the path of a file, or a picture that was read before. A string is a path.
+ImageLike: TypeAlias = "npt.ArrayLike | PathLike[str] | Picture"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -128,6 +127,64 @@ def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -
     """
     levels, resolution = read_levels(path, memory_limit)
     return Picture(pixels=luma(levels), dots_per_inch=resolution)
+
+
+def read_colour_image(
+    path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
+) -> npt.NDArray[np.uint8]:
+    """Read a photograph from a PNG, TIFF, JPEG, BMP or PPM file as red, green, blue of 8 bits.
+
+    Transparency is blended with white, and a camera's rotation tag is obeyed.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    memory_limit : int
+        The most bytes that reading and measuring may take, as for `read_image`.
+
+    Returns
+    -------
+    ndarray of uint8, shape (rows, columns, 3)
+        Red, green, blue.
+
+    Raises
+    ------
+    ImageError
+        If the file is missing, empty, cut short, too large or not a picture.
+
+    Examples
+    --------
+    >>> read_colour_image("no_such_finger.jpg")
+    Traceback (most recent call last):
+    fingerpad.exceptions.ImageError: no_such_finger.jpg: no such file or folder: check the path
+    """
+    levels = eight_bit(read_levels(path, memory_limit)[0])
+    return np.repeat(levels[..., None], 3, axis=2) if levels.ndim == 2 else levels
+
+
+def grey_levels(image: ImageLike) -> npt.ArrayLike:
+    """Return the grey levels of a picture, read if it is a path.
+
+    Raises
+    ------
+    ImageError
+        If the file cannot be read.
+    """
+    if isinstance(image, str | PathLike):
+        return read_image(image).pixels
+    return image.pixels if isinstance(image, Picture) else image
+
+
+def colour_levels(image: ImageLike) -> npt.ArrayLike:
+    """Return the colours of a picture, read if it is a path; a `Picture` is grey.
+
+    Raises
+    ------
+    ImageError
+        If the file cannot be read.
+    """
+    return read_colour_image(image) if isinstance(image, str | PathLike) else grey_levels(image)
 
 
 def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, float | None]:
@@ -270,17 +327,18 @@ def _decode_by_opencv(path: Path) -> Pixels:
 
 def _tiff_resolution(page: Any) -> float | None:
     """Return the calibration of a TIFF: ImageJ writes pixels per unit, without TIFF's unit."""
-    text = description_of_page(page)
+    text = str(page.description)
     unit = re.search(r"^unit=(.+)$", text, re.MULTILINE) if text.startswith("ImageJ=") else None
     if unit is None:
-        return _plausible_resolution(resolution_of_page(page))
-    name = unit[1].strip().replace(r"\u00B5", "u").replace("µ", "u")
-    per_inch, pair = _IMAGEJ_UNITS.get(name), raw_resolution(page)
-    return (
-        None
-        if per_inch is None or pair is None
-        else _plausible_resolution((pair[0] * per_inch, pair[1] * per_inch))
-    )
+        per_inch = {2: 1.0, 3: 2.54}.get(page.tags.valueof("ResolutionUnit", default=2))
+    else:
+        per_inch = _IMAGEJ_UNITS.get(unit[1].strip().replace(r"\u00B5", "u").replace("µ", "u"))
+    found = [page.tags.valueof(name) for name in ("XResolution", "YResolution")]
+    try:
+        pair = [float(value[0]) / float(value[1]) for value in found]
+    except (TypeError, ValueError, IndexError, ZeroDivisionError, OverflowError):
+        return None
+    return None if per_inch is None else _plausible_resolution([value * per_inch for value in pair])
 
 
 def _plausible_resolution(pair: Any) -> float | None:

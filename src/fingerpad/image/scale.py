@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import Final, Self, TypeAlias
 
 import numpy as np
 
@@ -276,3 +276,17 @@ def circle_through(points: Sequence[tuple[float, float]]) -> tuple[FloatArray, f
     radius = float(np.linalg.norm(places[0] - centre))
     normals = (places - centre) / radius
     return centre, radius, np.linalg.inv(np.column_stack([normals, np.ones(3)]))[2]
+
+
+ScaleLike: TypeAlias = Scale | float
+
+
+def as_scale(scale: ScaleLike) -> Scale:
+    """Return a scale; a number is millimetres per pixel, of no uncertainty.
+
+    Raises
+    ------
+    CalibrationError
+        If the number is no length of a pixel.
+    """
+    return scale if isinstance(scale, Scale) else Scale(scale)

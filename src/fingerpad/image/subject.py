@@ -12,14 +12,18 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, ImageError
-from fingerpad.image._arguments import picture_levels
-from fingerpad.image._levels import eight_bit
 from fingerpad.image.coin.measure import measure_coin
+<<<<<<< HEAD
 from fingerpad.image.contact_image.spectra import LineTexture, line_texture
-from fingerpad.image.inputs import ImageLike, colour_levels
+from fingerpad.image.read import ImageLike, colour_levels
+=======
+from fingerpad.image.contact_image._texture import LineTexture, line_texture
+from fingerpad.image.levels import eight_bit, picture_levels
+>>>>>>> 7149399 (Decode TIFF by tifffile and imagecodecs, and read pictures in three modules)
 from fingerpad.image.photograph._input import opponent_light
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
 from fingerpad.image.photograph.orientation import Direction, Face, opposite
+from fingerpad.image.read import ImageLike, colour_levels
 
 Subject: TypeAlias = Literal["contact", "finger", "coin", "ruler", "other"]
 SUBJECTS: Final[tuple[Subject, ...]] = get_args(Subject)

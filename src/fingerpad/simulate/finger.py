@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from fingerpad._arrays import Float32Array, FloatArray, as_float32
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
-from fingerpad.image._srgb import linear_light, srgb_levels
+from fingerpad.image.levels import linear_light, srgb_levels
 from fingerpad.image.photograph.orientation import Direction, Face, face_axes, palmar_directions
 from fingerpad.simulate._finger_shape import FingerShape, finger_shape, pad_arc
 

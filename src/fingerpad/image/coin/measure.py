@@ -10,7 +10,6 @@ import numpy.typing as npt
 from fingerpad._arrays import Float32Array
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
-from fingerpad.image._arguments import picture_levels
 from fingerpad.image._correlation import correlation_length
 from fingerpad.image.coin._circle_detection import (
     Outline,
@@ -22,7 +21,8 @@ from fingerpad.image.coin._circle_detection import (
 )
 from fingerpad.image.ellipse import PlaneEllipse, orientation_of
 from fingerpad.image.ellipse_fit import fit_ellipse
-from fingerpad.image.inputs import ImageLike, grey_levels
+from fingerpad.image.levels import picture_levels
+from fingerpad.image.read import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
 
 _WORKING_SIDE = 640

@@ -34,8 +34,8 @@ from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.ridges import Ridges, find_ridges, smoothed
 from fingerpad.image.contact_image.view import ContactImageOptions, View, view_of
 from fingerpad.image.ellipse import ImageEllipse
-from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, grey_levels
-from fingerpad.image.scale import Scale
+from fingerpad.image.read import ImageLike, grey_levels
+from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
 # Contrast over noise below which no contact is detectable.
 _NO_CONTRAST: Final = 2.5

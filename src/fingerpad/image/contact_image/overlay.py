@@ -10,7 +10,6 @@ import numpy.typing as npt
 
 from fingerpad._arrays import as_float_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image._arguments import picture_levels
 from fingerpad.image._canvas import (
     PAPER,
     Canvas,
@@ -24,6 +23,7 @@ from fingerpad.image._canvas import (
 )
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.ellipse import ImageEllipse
+from fingerpad.image.levels import picture_levels
 
 # Okabe and Ito's colours, safe for colour-blind readers; red, green, blue.
 REGION_COLOUR: Colour = (0, 158, 115)

@@ -10,10 +10,10 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array, real_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image._arguments import picture_array
 from fingerpad.image._masks import disk, filled_polygon
 from fingerpad.image.contact_image.background import flattened, without_added_border
 from fingerpad.image.contact_image.spectra import ridge_period_px
+from fingerpad.image.levels import picture_array
 from fingerpad.image.scale import Scale
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]

@@ -8,9 +8,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image._arguments import picture_array
-from fingerpad.image._levels import LUMA
-from fingerpad.image._srgb import linear_light
+from fingerpad.image.levels import LUMA, linear_light, picture_array
 from fingerpad.image.photograph._edges import SubpixelOutline
 from fingerpad.image.photograph._silhouette import Silhouette
 from fingerpad.image.photograph.orientation import Direction, Face

@@ -6,9 +6,9 @@ import numpy as np
 
 from fingerpad._arrays import as_float_array
 from fingerpad.exceptions import ImageError
-from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.photograph.faces import FaceSemiAxes
 from fingerpad.image.photograph.orientation import Face
+from fingerpad.image.scale import ScaleLike, as_scale
 
 
 def direct_semi_axes(

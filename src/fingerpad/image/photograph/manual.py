@@ -9,11 +9,11 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad.exceptions import ImageError
 from fingerpad.image.ellipse import rotation
-from fingerpad.image.inputs import ScaleLike, as_scale
 from fingerpad.image.photograph._arc import PAD_MIDDLE
 from fingerpad.image.photograph._face import FaceArc, face_from_arc
 from fingerpad.image.photograph.orientation import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit, size_flags
+from fingerpad.image.scale import ScaleLike, as_scale
 
 # An ellipse within so much of the outline, as a share of its smaller semi-axis, passes for a good one to the
 # eye (as to the flag `poor_ellipse`), and a mark is placed to a pixel: at the centre and at each end.

@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.inputs import ImageLike, ScaleLike, as_scale, colour_levels
 from fingerpad.image.photograph._arc import PAD_MIDDLE, candidate_points, fit_arc, longest_arc
 from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
 from fingerpad.image.photograph._face import FaceArc, face_from_arc
@@ -30,7 +29,8 @@ from fingerpad.image.photograph._input import (
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
 from fingerpad.image.photograph.orientation import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit
-from fingerpad.image.scale import Scale
+from fingerpad.image.read import ImageLike, colour_levels
+from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
 _MIN_POINTS = 24
 _MAX_POINTS = 1000

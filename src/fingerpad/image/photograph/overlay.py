@@ -22,7 +22,7 @@ from fingerpad.image._canvas import (
     write_canvas,
     write_text,
 )
-from fingerpad.image._levels import eight_bit, storable
+from fingerpad.image.levels import eight_bit, storable
 from fingerpad.image.photograph.result import PhotographFit
 
 # Okabe and Ito's colours, safe for colour-blind readers; red, green, blue.

@@ -15,10 +15,9 @@ import tifffile
 
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
-from fingerpad.image._levels import Pixels, luma
-from fingerpad.image._memory import MEMORY_LIMIT, check_memory
-from fingerpad.image._tiff import levels_of_page, tifffile_warnings
+from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_memory, luma
 from fingerpad.image.read import check_finite, check_regular, read_image
+from fingerpad.image.tiff import levels_of_page, tifffile_warnings
 
 FramesLike: TypeAlias = "Iterable[Frame] | str | PathLike[str]"
 Kind: TypeAlias = Literal["folder", "tiff", "video"]

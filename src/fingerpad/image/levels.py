@@ -1,15 +1,19 @@
-"""Decoded levels of a picture: turned upright, blended with white, converted to luma at their own depth."""
+"""Levels of a picture: their memory, as arguments, upright, on white, as luma, and as light."""
 
+from os import PathLike
 from typing import Any, Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from fingerpad.exceptions import ImageError
+from fingerpad.exceptions import FingerpadError, ImageError
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
 
+MEMORY_LIMIT: Final = 2_000_000_000
+# Six copies in single precision are more than measuring holds at a time.
+_MEASURING_BYTES: Final = 24
 # ITU-R BT.601, as in JPEG.
 LUMA: Final = np.array([0.299, 0.587, 0.114], dtype=np.float32)
 # Rows converted at a time, so that copies in single precision stay small.
@@ -24,6 +28,67 @@ _ORIENTATIONS: Final = {
     7: lambda array: array[::-1, ::-1].swapaxes(0, 1),
     8: lambda array: array.swapaxes(0, 1)[::-1],
 }
+
+
+def check_memory(
+    path: str | PathLike[str],
+    size: tuple[int, int],
+    memory_limit: int,
+    *,
+    channels: int,
+    sample_bytes: int,
+) -> None:
+    """Refuse a picture of (columns, rows) that is too large by its header.
+
+    Raises
+    ------
+    ImageError
+        If it has no pixels, or needs more than `memory_limit` bytes.
+    """
+    columns, rows = size
+    if not (columns > 0 and rows > 0):
+        raise ImageError(f"{path}: has {columns} × {rows} pixels, the file is damaged: copy it again")
+    # Two copies as decoded, and those for measuring.
+    needed = columns * rows * (2 * channels * sample_bytes + _MEASURING_BYTES)
+    if needed > memory_limit:
+        raise ImageError(
+            f"{path}: {columns} × {rows} pixels of {channels} × {8 * sample_bytes} bits take "
+            f"{needed / 1e9:.2g} GB to read and measure, more than the limit of {memory_limit / 1e9:.2g} GB: "
+            "crop or shrink the picture, or raise memory_limit (bytes)"
+        )
+
+
+def picture_array(
+    value: npt.ArrayLike, name: str, error: type[FingerpadError] = ImageError
+) -> npt.NDArray[Any]:
+    """Return a picture as an array of any type.
+
+    Raises
+    ------
+    FingerpadError
+        Of the given kind, if it is none, such as rows of different lengths.
+    """
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError, OverflowError) as cause:
+        raise error(f"{name} must be an array of grey levels or colours: {cause}") from cause
+
+
+def picture_levels(value: npt.ArrayLike, name: str, error: type[FingerpadError] = ImageError) -> Pixels:
+    """Return a picture's levels as uint8, uint16 or float32, whichever holds them.
+
+    Raises
+    ------
+    FingerpadError
+        Of the given kind, if it is no picture, or holds anything but finite real numbers.
+    """
+    array = picture_array(value, name, error)
+    if array.dtype.kind not in "buif":
+        raise error(f"{name} must hold grey levels or colours, found {array.dtype}")
+    levels = storable(array.view(np.uint8) if array.dtype == bool else array)
+    if not np.isfinite(levels).all():
+        raise error(f"{name} holds NaN or infinite values: fill them first")
+    return levels
 
 
 def apply_orientation(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[Any]:
@@ -104,3 +169,29 @@ def levels_of_image(image: Image.Image) -> Pixels:
         image = image.convert("RGBA")
         image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image)
     return np.asarray(image.convert("L" if image.mode in {"1", "L"} else "RGB"), dtype=np.uint8)
+
+
+def linear_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return the light that sRGB levels stand for, 1 at the top of the type's range.
+
+    A blurred edge lies where half the light is, not half the level. Levels of floating point are taken as
+    shares of the largest, or of 1 if none is larger.
+    """
+    if pixels.dtype.kind in "ui":
+        top = np.iinfo(pixels.dtype).max
+        if top <= 0xFFFF:
+            return np.asarray(_decode(np.arange(top + 1) / top)[np.maximum(pixels, 0)], dtype=np.float32)
+        return _decode(np.maximum(pixels, 0) / top)
+    return _decode(np.maximum(pixels, 0) / max(1.0, float(pixels.max())))
+
+
+def srgb_levels(light: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return the sRGB levels of light, 0 to 255, not rounded."""
+    light = np.clip(light, 0, 1)
+    level = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
+    return np.asarray(255 * level, dtype=np.float32)
+
+
+def _decode(level: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    light = np.where(level <= 0.04045, level / 12.92, ((level + 0.055) / 1.055) ** 2.4)
+    return np.asarray(light, dtype=np.float32)

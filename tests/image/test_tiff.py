@@ -1,0 +1,272 @@
+"""Every kind of TIFF that is read, each against the levels it was written from, exactly."""
+
+import io
+import resource
+
+import cv2
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import MEMORY_LIMIT, open_frames, read_image
+from fingerpad.image.levels import LUMA
+from fingerpad.image.read import read_levels
+
+ROWS, COLUMNS = 37, 61  # neither a multiple of a tile nor of a byte
+RNG = np.random.default_rng(7)
+
+
+def random_levels(dtype, channels=None):
+    shape = (ROWS, COLUMNS) if channels is None else (ROWS, COLUMNS, channels)
+    if np.dtype(dtype).kind == "f":
+        return RNG.random(shape).astype(dtype)
+    return RNG.integers(0, np.iinfo(dtype).max, shape, dtype, endpoint=True)
+
+
+BITS = RNG.random((ROWS, COLUMNS)) < 0.5
+GREY8, GREY16, GREY32, FLOATS = (random_levels(dtype) for dtype in ("u1", "u2", "u4", "f4"))
+RGB8, RGB16, RGB32 = (random_levels(dtype, 3) for dtype in ("u1", "u2", "f4"))
+RGBA8, RGBA16 = random_levels("u1", 4), random_levels("u2", 4)
+CMYK8 = random_levels("u1", 4)
+YCBCR8 = random_levels("u1", 3)
+SMOOTH = np.add.outer(np.arange(ROWS), 2 * np.arange(COLUMNS)).astype(np.uint8)
+SMOOTH_RGB = np.dstack([SMOOTH, SMOOTH[::-1], 255 - SMOOTH])
+
+
+def written(array, **options):
+    """Return a writer by tifffile."""
+    return lambda path: tifffile.imwrite(path, array, **{"photometric": "minisblack", **options})
+
+
+def colour(array, **options):
+    """Return a writer of colour."""
+    return written(array, photometric="rgb", **options)
+
+
+def planes(array, **options):
+    return colour(np.moveaxis(array, 2, 0), planarconfig="separate", **options)
+
+
+def by_pillow(image, **options):
+    return lambda path: image.save(path, "TIFF", **options)
+
+
+def by_opencv(array, *options):
+    return lambda path: cv2.imwrite(str(path), array, list(options))
+
+
+def with_tags(write, **tags):
+    """Return a writer that writes over some tags afterwards."""
+
+    def overwritten(path):
+        write(path)
+        with tifffile.TiffFile(path, mode="r+b") as tiff:
+            for name, value in tags.items():
+                tiff.pages[0].tags[name].overwrite(value)
+
+    return overwritten
+
+
+def packed(levels, bits):
+    """Return grey levels of a few bits, packed into whole bytes row by row."""
+    padded = np.pad(levels, ((0, 0), (0, -COLUMNS % (8 // bits)))).reshape(ROWS, -1, 8 // bits)
+    return (padded << np.arange(8 - bits, -1, -bits, dtype=np.uint8)).sum(axis=2, dtype=np.uint8)
+
+
+def few_bits(bits, **options):
+    write = written(packed(GREY8 >> (8 - bits), bits), metadata=None, **options)
+    return with_tags(write, BitsPerSample=bits, ImageWidth=COLUMNS)
+
+
+def on_white(colours, share, top):
+    """Return levels blended with white, rounded as the reader rounds."""
+    share = share.astype(np.float32)[..., None] / np.float32(top)
+    return np.rint(share * colours.astype(np.float32) + (1 - share) * np.float32(top)).astype(colours.dtype)
+
+
+def palette(path):
+    table = np.random.default_rng(3).integers(0, 256, (3, 256), np.uint16) * 257
+    tifffile.imwrite(path, GREY8, photometric="palette", colormap=table)
+
+
+def reduced_copy(path):
+    with tifffile.TiffWriter(path) as tiff:
+        tiff.write(GREY8, photometric="minisblack")
+        tiff.write(GREY8[::4, ::4], photometric="minisblack", subfiletype=1)
+
+
+PALETTE = np.random.default_rng(3).integers(0, 256, (3, 256), np.uint16).astype(np.uint8).T
+LZW, DEFLATE = cv2.IMWRITE_TIFF_COMPRESSION_LZW, 8
+COMPRESSION, PREDICTOR = cv2.IMWRITE_TIFF_COMPRESSION, cv2.IMWRITE_TIFF_PREDICTOR
+TILES = {"tile": (16, 32)}
+
+# name: a writer, and the levels as they should be read
+VARIANTS = {
+    "1 bit": (by_pillow(Image.fromarray(BITS)), np.uint8(255) * BITS),
+    "1 bit PackBits": (by_pillow(Image.fromarray(BITS), compression="packbits"), np.uint8(255) * BITS),
+    "1 bit LZW": (by_pillow(Image.fromarray(BITS), compression="tiff_lzw"), np.uint8(255) * BITS),
+    "1 bit Deflate": (
+        by_pillow(Image.fromarray(BITS), compression="tiff_adobe_deflate"),
+        np.uint8(255) * BITS,
+    ),
+    "1 bit CCITT RLE": (by_pillow(Image.fromarray(BITS), compression="tiff_ccitt"), np.uint8(255) * BITS),
+    "1 bit fax group 3": (by_pillow(Image.fromarray(BITS), compression="group3"), np.uint8(255) * BITS),
+    "1 bit fax group 4": (by_pillow(Image.fromarray(BITS), compression="group4"), np.uint8(255) * BITS),
+    "1 bit min-is-white": (
+        with_tags(by_pillow(Image.fromarray(BITS)), PhotometricInterpretation=0),
+        np.uint8(255) * ~BITS,
+    ),
+    "2 bits": (few_bits(2), GREY8 // 64 * np.uint8(85)),
+    "4 bits": (few_bits(4), GREY8 // 16 * np.uint8(17)),
+    "4 bits Deflate": (few_bits(4, compression="zlib"), GREY8 // 16 * np.uint8(17)),
+    "8 bits": (written(GREY8), GREY8),
+    "8 bits many strips": (written(GREY8, rowsperstrip=5), GREY8),
+    "8 bits tiles": (written(GREY8, **TILES), GREY8),
+    "8 bits big-endian": (written(GREY8, byteorder=">"), GREY8),
+    "8 bits BigTIFF": (written(GREY8, bigtiff=True), GREY8),
+    "8 bits Deflate": (written(GREY8, compression="zlib", rowsperstrip=5), GREY8),
+    "8 bits Deflate tiles": (written(GREY8, compression="zlib", **TILES), GREY8),
+    "8 bits Deflate predictor": (written(GREY8, compression="zlib", predictor=True), GREY8),
+    "8 bits LZW": (by_opencv(GREY8, COMPRESSION, LZW), GREY8),
+    "8 bits LZW predictor": (by_opencv(GREY8, COMPRESSION, LZW, PREDICTOR, 2), GREY8),
+    "8 bits LZW tiles": (written(GREY8, compression="lzw", **TILES), GREY8),
+    "8 bits PackBits": (written(GREY8, compression="packbits", rowsperstrip=5), GREY8),
+    "8 bits min-is-white": (written(GREY8, photometric="miniswhite"), 255 - GREY8),
+    "8 bits reduced copy": (reduced_copy, GREY8),
+    "8 bits alpha": (
+        written(RGBA8[..., :2], planarconfig="contig", extrasamples=["unassalpha"]),
+        on_white(RGBA8[..., :1], RGBA8[..., 1], 255)[..., 0],
+    ),
+    "8 bits unnamed second sample": (
+        written(RGBA8[..., :2], planarconfig="contig", extrasamples=["unspecified"]),
+        RGBA8[..., 0],
+    ),
+    "16 bits": (written(GREY16), GREY16),
+    "16 bits big-endian": (written(GREY16, byteorder=">", rowsperstrip=5), GREY16),
+    "16 bits min-is-white": (written(GREY16, photometric="miniswhite"), 65535 - GREY16),
+    "16 bits LZW predictor": (by_opencv(GREY16, COMPRESSION, LZW, PREDICTOR, 2), GREY16),
+    "16 bits Deflate predictor big-endian tiles": (
+        written(GREY16, compression="zlib", predictor=True, byteorder=">", **TILES),
+        GREY16,
+    ),
+    "16 bits PackBits big-endian": (written(GREY16, compression="packbits", byteorder=">"), GREY16),
+    "16 bits signed": (
+        written(GREY16.view(np.int16)),
+        GREY16.view(np.int16).astype(np.float32),
+    ),
+    "16 bits float": (written(FLOATS.astype("f2")), FLOATS.astype("f2").astype(np.float32)),
+    "32 bits": (written(GREY32), GREY32.astype(np.float32)),
+    "32 bits min-is-white": (
+        written(GREY32, photometric="miniswhite"),
+        (np.uint32(2**32 - 1) - GREY32).astype(np.float32),
+    ),
+    "32 bits float": (written(FLOATS), FLOATS),
+    "32 bits float big-endian": (written(FLOATS, byteorder=">"), FLOATS),
+    "32 bits float LZW": (by_opencv(FLOATS, COMPRESSION, LZW), FLOATS),
+    "32 bits float predictor of whole numbers": (by_opencv(FLOATS, COMPRESSION, LZW, PREDICTOR, 2), FLOATS),
+    "32 bits float predictor of floats": (by_opencv(FLOATS, COMPRESSION, DEFLATE, PREDICTOR, 3), FLOATS),
+    "32 bits float predictor of floats tiles": (
+        written(FLOATS, compression="zlib", predictor=True, **TILES),
+        FLOATS,
+    ),
+    "32 bits float predictor of floats big-endian": (
+        written(FLOATS, compression="zlib", predictor=True, byteorder=">"),
+        FLOATS,
+    ),
+    "64 bits float": (written(FLOATS.astype("f8")), FLOATS),
+    "64 bits float predictor of floats": (
+        written(FLOATS.astype("f8"), compression="zlib", predictor=True),
+        FLOATS,
+    ),
+    "palette": (palette, PALETTE[GREY8]),
+    "colour": (colour(RGB8), RGB8),
+    "colour planes": (planes(RGB8), RGB8),
+    "colour planes strips": (planes(RGB8, rowsperstrip=5), RGB8),
+    "colour planes tiles Deflate": (planes(RGB8, compression="zlib", **TILES), RGB8),
+    "colour tiles": (colour(RGB8, **TILES), RGB8),
+    "colour PackBits": (by_pillow(Image.fromarray(RGB8), compression="packbits"), RGB8),
+    "colour LZW predictor": (by_opencv(RGB8[..., ::-1], COMPRESSION, LZW, PREDICTOR, 2), RGB8),
+    "colour LZW big-endian": (colour(RGB8, compression="lzw", byteorder=">"), RGB8),
+    "colour 16 bits": (colour(RGB16), RGB16),
+    "colour 16 bits planes": (planes(RGB16), RGB16),
+    "colour 16 bits planes big-endian predictor": (
+        planes(RGB16, byteorder=">", compression="zlib", predictor=True),
+        RGB16,
+    ),
+    "colour 16 bits LZW predictor": (by_opencv(RGB16[..., ::-1], COMPRESSION, LZW, PREDICTOR, 2), RGB16),
+    "colour float": (colour(RGB32), RGB32),
+    "colour float predictor": (by_opencv(RGB32[..., ::-1], COMPRESSION, DEFLATE, PREDICTOR, 3), RGB32),
+    "colour alpha": (
+        colour(RGBA8, extrasamples=["unassalpha"]),
+        on_white(RGBA8[..., :3], RGBA8[..., 3], 255),
+    ),
+    "colour alpha planes": (
+        planes(RGBA8, extrasamples=["unassalpha"]),
+        on_white(RGBA8[..., :3], RGBA8[..., 3], 255),
+    ),
+    "colour 16 bits alpha": (
+        colour(RGBA16, extrasamples=["unassalpha"]),
+        on_white(RGBA16[..., :3], RGBA16[..., 3], 65535),
+    ),
+    "colour alpha LZW": (
+        by_pillow(Image.fromarray(RGBA8), compression="tiff_lzw"),
+        on_white(RGBA8[..., :3], RGBA8[..., 3], 255),
+    ),
+    "CMYK": (
+        by_pillow(Image.fromarray(CMYK8, "CMYK")),
+        np.asarray(Image.fromarray(CMYK8, "CMYK").convert("RGB")),
+    ),
+    "CMYK LZW": (
+        by_pillow(Image.fromarray(CMYK8, "CMYK"), compression="tiff_lzw"),
+        np.asarray(Image.fromarray(CMYK8, "CMYK").convert("RGB")),
+    ),
+    "YCbCr": (
+        by_pillow(Image.fromarray(YCBCR8, "YCbCr")),
+        np.asarray(Image.fromarray(YCBCR8, "YCbCr").convert("RGB")),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_every_variant_exactly(tmp_path, name):
+    write, expected = VARIANTS[name]
+    path = tmp_path / "a.tif"
+    write(path)
+    levels = read_levels(path, MEMORY_LIMIT)[0]
+    assert levels.dtype == expected.dtype
+    np.testing.assert_array_equal(levels, expected)
+    if name != "8 bits reduced copy":
+        (frame,) = open_frames(path)
+        np.testing.assert_array_equal(frame.pixels, read_image(path).pixels)
+
+
+@pytest.mark.parametrize("mode", ["L", "RGB", "YCbCr", "CMYK"])
+def test_jpeg_nearly(tmp_path, mode):
+    grey = np.dstack([SMOOTH] * 3)
+    Image.fromarray(grey).convert(mode).save(tmp_path / "a.tif", compression="jpeg", quality=98)
+    levels = read_levels(tmp_path / "a.tif", MEMORY_LIMIT)[0]
+    assert np.abs(levels.astype(int) - (SMOOTH if mode == "L" else grey)).max() <= 3
+
+
+def test_pages_of_different_kinds(tmp_path):
+    with tifffile.TiffWriter(tmp_path / "a.tif", byteorder=">", bigtiff=True) as tiff:
+        tiff.write(GREY8, photometric="minisblack", compression="lzw")
+        tiff.write(GREY16, photometric="miniswhite", tile=(16, 32))
+        tiff.write(RGB8, photometric="rgb", compression="packbits")
+    first, second, third = open_frames(tmp_path / "a.tif")
+    np.testing.assert_array_equal(first.pixels, GREY8)
+    np.testing.assert_array_equal(second.pixels, 65535 - GREY16)
+    np.testing.assert_array_equal(third.pixels, np.rint(RGB8.astype(np.float32) @ LUMA))
+
+
+def test_jpeg_larger_than_its_tags_refused(tmp_path):
+    file = io.BytesIO()
+    Image.fromarray(np.zeros((9000, 9000), np.uint8)).save(file, "JPEG")
+    stream = iter([file.getvalue()])
+    tifffile.imwrite(tmp_path / "a.tif", stream, shape=(40, 60), dtype="u1", compression="jpeg")
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(ImageError, match="cannot be decoded"):
+        read_image(tmp_path / "a.tif")
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 40_000  # kB, of 81 MB
