@@ -13,13 +13,8 @@ from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.image.coin.measure import measure_coin
-<<<<<<< HEAD
 from fingerpad.image.contact_image.spectra import LineTexture, line_texture
-from fingerpad.image.read import ImageLike, colour_levels
-=======
-from fingerpad.image.contact_image._texture import LineTexture, line_texture
 from fingerpad.image.levels import eight_bit, picture_levels
->>>>>>> 7149399 (Decode TIFF by tifffile and imagecodecs, and read pictures in three modules)
 from fingerpad.image.photograph._input import opponent_light
 from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
 from fingerpad.image.photograph.orientation import Direction, Face, opposite

@@ -12,14 +12,9 @@ from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError, LoadingError, reason_of
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
-<<<<<<< HEAD
 from fingerpad.image.contact_image.view import ContactImageOptions
-from fingerpad.image.scale import ScaleLike, as_scale
-from fingerpad.image.scale import Scale
-=======
 from fingerpad.image.levels import Pixels
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
->>>>>>> 7149399 (Decode TIFF by tifffile and imagecodecs, and read pictures in three modules)
 from fingerpad.image.sequence.force import ForceSignal, FrameClock
 from fingerpad.image.sequence.frames import Frame, FramesLike, as_frames
 from fingerpad.image.sequence.phases import Phase, PhaseIntervals, phase_intervals

@@ -13,21 +13,11 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
-<<<<<<< HEAD
-from fingerpad.image.levels import Pixels
 from fingerpad.image.contact_image.measure import measure_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.view import ContactImageOptions, crop
-from fingerpad.image.scale import ScaleLike, as_scale
-from fingerpad.image.scale import Scale
-=======
-from fingerpad.image.contact_image._cropping import crop_image
-from fingerpad.image.contact_image.measure import measure_contact_image
-from fingerpad.image.contact_image.options import MeasurementRegion
-from fingerpad.image.contact_image.result import ContactImageResult, ContactImageSettings
 from fingerpad.image.levels import Pixels
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
->>>>>>> 7149399 (Decode TIFF by tifffile and imagecodecs, and read pictures in three modules)
 from fingerpad.image.sequence.frames import Frame, Frames
 
 _SETTINGS_FRAMES: Final = 5
