@@ -81,9 +81,7 @@ PLAIN = {
     "Person",
     "PlaneEllipse",
     "PrincipalRadii",
-    "Printed",
     "PronyTerm",
-    "SemiAxes",
 }
 PACKAGES = (
     "geometry",
