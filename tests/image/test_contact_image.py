@@ -715,3 +715,15 @@ def test_cut_ink_prints(name):
 def test_blank_card():
     with pytest.raises(ImageError, match="no contact found"):
         measure_contact_image(load(INK / "a999_01p.pgm"), PPI_500)
+
+
+def test_region_holds_the_pixels_whose_centre_is_inside():
+    truth = render_contact_image(semi_major=4, semi_minor=3, orientation=0.4, irregularity=0.05, seed=4)
+    found = measure_contact_image(truth.pixels, PPI_500)
+    outline = np.ascontiguousarray(found.outline[:, ::-1], dtype=np.float32)
+    rows, columns = truth.pixels.shape
+    inside = [
+        [cv2.pointPolygonTest(outline, (float(column), float(row)), False) > 0 for column in range(columns)]
+        for row in range(rows)
+    ]
+    np.testing.assert_array_equal(found.region, inside)

@@ -62,3 +62,31 @@ def largest_piece(mask: BoolArray) -> BoolArray:
     if contours:
         cv2.drawContours(canvas, [max(contours, key=cv2.contourArea)], -1, 1, cv2.FILLED)
     return canvas > 0
+
+
+def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
+    """Return the box round a mask with a margin, inside the picture."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    return (
+        slice(max(0, int(rows[0]) - margin), int(rows[-1]) + margin + 1),
+        slice(max(0, int(columns[0]) - margin), int(columns[-1]) + margin + 1),
+    )
+
+
+def centres_inside(corners: FloatArray, shape: tuple[int, int]) -> BoolArray:
+    """Return the pixels whose centre is inside a closed polygon (row, column).
+
+    OpenCV fills every pixel that an outline touches. Here each side flips what lies beyond it in the rows
+    that it crosses: what is flipped an odd number of times is inside.
+    """
+    ends = np.roll(corners, -1, axis=0)
+    low, high = np.minimum(corners, ends), np.maximum(corners, ends)
+    first, last = (np.ceil(edge[:, 0]).astype(int).clip(0, shape[0]) for edge in (low, high))
+    side = np.repeat(np.arange(len(corners)), last - first)
+    row = np.arange(side.size) - np.repeat(np.cumsum(last - first) - (last - first), last - first)
+    row += first[side]
+    start, along = corners[side], ends[side] - corners[side]
+    column = start[:, 1] + (row - start[:, 0]) * along[:, 1] / along[:, 0]
+    flips = np.zeros((shape[0], shape[1] + 1), dtype=np.uint8)
+    np.add.at(flips, (row, np.ceil(column).astype(int).clip(0, shape[1])), 1)
+    return np.asarray((np.cumsum(flips, axis=1, dtype=np.uint8) & 1)[:, :-1] > 0)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image._masks import distance_to, largest_piece, longest_contour
+from fingerpad.image._masks import bounding_box, distance_to, largest_piece, longest_contour
 
 # An added border: its least share of the picture; ripples that lossy compression leaves in it, as a share of
 # the range.
@@ -53,8 +53,9 @@ def without_added_border(
         # Noise that comes near one level here and there leaves no even piece.
         even = cv2.morphologyEx(even, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
         if cv2.countNonZero(even) >= _MIN_BORDER * even.size:
-            _, labels = cv2.connectedComponents(np.pad(even, 1, constant_values=1), connectivity=4)
-            card = _smooth_mask((labels != labels[0, 0])[1:-1, 1:-1])
+            filled = np.pad(even, 1, constant_values=255)
+            cv2.floodFill(filled, None, (0, 0), 1)
+            card = _smooth_mask(filled[1:-1, 1:-1] != 1)
             if card.any() and card.mean() < 1 - _MIN_BORDER and _is_polygon(card):
                 return cv2.resize(card.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     return np.ones(shape, dtype=bool)
@@ -62,14 +63,18 @@ def without_added_border(
 
 def _smooth_mask(card: BoolArray) -> BoolArray:
     """Close grain that runs into the border and drop letters that stick out."""
-    pad = 32
-    mask = np.pad(card, pad)
+    if not card.any():
+        return card
     # In a small picture a print must not be rounded into a polygon.
     scale = min(1.0, max(card.shape) / _BORDER_PX)
     grain, letter = _GRAIN_PX * scale, _LETTER_PX * scale
-    grown = distance_to(~(distance_to(mask) <= grain)) > grain
+    # All happens within its box, if that is padded by what is grown.
+    box, pad = bounding_box(card, margin=0), math.ceil(grain) + 2
+    grown = distance_to(~(distance_to(np.pad(card[box], pad)) <= grain)) > grain
     plain = distance_to(distance_to(~grown) > letter) <= letter
-    return largest_piece(np.asarray(plain[pad:-pad, pad:-pad]))
+    smooth = np.zeros_like(card)
+    smooth[box] = largest_piece(np.asarray(plain[pad:-pad, pad:-pad]))
+    return smooth
 
 
 def _is_polygon(card: BoolArray) -> bool:
@@ -199,11 +204,18 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
     surface = np.array([np.percentile(level, 20), 0, 0, 0, 0, 0])
     for _ in range(_SURFACE_ROUNDS):
         off = level - design @ surface
-        width = max(2 * float(np.median(np.abs(off[at_rim]))), 1e-6)
+        width = max(2 * _median(np.abs(off[at_rim])), 1e-6)
         weight = 1 / (1 + (off / width) ** 2) * np.where(off > width, 0.1, 1.0)
         weighted = design.T * weight
         surface = np.linalg.solve(weighted @ design + 1e-9 * np.eye(6), weighted @ level)
     return as_float32(sum(map(np.multiply, surface, _quadratic_terms(y[:, None], x))))
+
+
+def _median(values: FloatArray) -> float:
+    """Return the median of some hundred values, without the checks of `np.median`."""
+    upper = values.size // 2
+    ordered = np.partition(values, (upper - 1 + values.size % 2, upper))
+    return float(ordered[upper - 1 + values.size % 2] + ordered[upper]) / 2
 
 
 def _quadratic_terms(y: FloatArray, x: FloatArray) -> list[FloatArray]:

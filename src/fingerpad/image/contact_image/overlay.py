@@ -77,9 +77,9 @@ def draw_overlay(
     ((197, 177), (1182, 1062, 3))
     """
     grey = _stretch_levels(pixels)
-    if grey.shape != contact_image.region.shape:
+    if grey.shape != contact_image.shape:
         raise ImageError(
-            f"pixels must have the measured picture's shape {contact_image.region.shape}, found {grey.shape}"
+            f"pixels must have the measured picture's shape {contact_image.shape}, found {grey.shape}"
         )
     longest = max(grey.shape)
     zoom = min(max(1, math.ceil(_MIN_SIDE_PX / longest)), _MAX_SIDE_PX / longest)
@@ -147,21 +147,18 @@ def _stretch_levels(pixels: npt.ArrayLike) -> Canvas:
 def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float, strength: float) -> Canvas:
     size = (max(1, round(grey.shape[1] * zoom)), max(1, round(grey.shape[0] * zoom)))
     large = cv2.resize(grey, size, interpolation=cv2.INTER_CUBIC if zoom >= 1 else cv2.INTER_AREA)
-    share = _resize_mask(contact_image.ridges, size) * np.float32(strength)
-    tinted = np.empty((*large.shape, 3), dtype=np.uint8)
+    ridges = contact_image.ridges.view(np.uint8) * np.uint8(255)
+    way = cv2.INTER_LINEAR if zoom >= 1 else cv2.INTER_AREA
+    share = np.asarray(cv2.resize(ridges, size, interpolation=way), dtype=np.uint16)
+    # Each pair of a share of ridge and a grey level has one colour, four bytes that are looked up at once.
+    shares, levels = np.meshgrid(*[np.arange(256, dtype=np.float32)] * 2, indexing="ij")
+    colours = np.zeros((256, 256, 4), dtype=np.uint8)
     for channel, colour in enumerate(RIDGE_COLOUR):
-        level = np.subtract(np.float32(colour), large, dtype=np.float32)
-        level *= share
-        level += large
-        tinted[..., channel] = np.clip(np.rint(level, out=level), 0, 255, out=level)
-    return tinted
-
-
-def _resize_mask(mask: npt.NDArray[np.bool_], size: tuple[int, int]) -> npt.NDArray[np.float32]:
-    """Return the share of a mask in each pixel of a picture of this size (columns, rows)."""
-    way = cv2.INTER_LINEAR if size[0] >= mask.shape[1] else cv2.INTER_AREA
-    reduced = cv2.resize(mask.view(np.uint8) * np.uint8(255), size, interpolation=way)
-    return np.asarray(reduced, dtype=np.float32) / np.float32(255)
+        tinted = levels + shares / 255 * np.float32(strength) * (np.float32(colour) - levels)
+        colours[..., channel] = np.rint(tinted).clip(0, 255)
+    pairs = np.asarray(share * np.uint16(256) + large, dtype=np.uint16)
+    found = np.take(colours.view(np.uint32), pairs).view(np.uint8).reshape(*large.shape, 4)
+    return np.asarray(cv2.cvtColor(found, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
 
 
 def _draw_region(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:

@@ -10,7 +10,15 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.image._masks import UInt8, disk, distance_to, fill_holes, largest_piece, longest_contour
+from fingerpad.image._masks import (
+    UInt8,
+    bounding_box,
+    disk,
+    distance_to,
+    fill_holes,
+    largest_piece,
+    longest_contour,
+)
 from fingerpad.image.contact_image.ridges import HALF, Ridges
 from fingerpad.image.contact_image.view import View
 
@@ -114,18 +122,9 @@ def _contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
     return sorted(patches, key=np.count_nonzero, reverse=True)
 
 
-def _bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:
-    """Return the box round a mask with a margin, inside the picture."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    return (
-        slice(max(0, int(rows[0]) - margin), int(rows[-1]) + margin + 1),
-        slice(max(0, int(columns[0]) - margin), int(columns[-1]) + margin + 1),
-    )
-
-
 def _without_appendages(patch: BoolArray, period: float) -> BoolArray:
     """Drop what is much narrower than the patch: letters, pen marks, stubs of the next phalanx."""
-    box = _bounding_box(patch, margin=2)
+    box = bounding_box(patch, margin=2)
     whole = patch[box]
     # Half the pixels show widths well enough.
     part, period = whole[::2, ::2], period / 2

@@ -4,13 +4,13 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._records import Recorded
 from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image._masks import centres_inside
 from fingerpad.image.contact_image.ridges import RidgeMap
 from fingerpad.image.contact_image.view import ContactImageOptions
 
@@ -186,20 +186,17 @@ class ContactImageResult(Recorded):
     @property
     def region(self) -> BoolArray:
         """Mask of the contact, computed from the outline on demand, (rows, columns) of the picture."""
-        corners = [np.rint(self.outline[:, ::-1] * 256).astype(np.int32)]
-        canvas, rim = (np.zeros(self._shape, dtype=np.uint8) for _ in range(2))
-        cv2.fillPoly(canvas, corners, 1, shift=8)
-        # OpenCV fills every pixel that the outline touches; only those whose centre is inside count.
-        cv2.polylines(rim, corners, True, 1, 1, shift=8)
-        polygon = self.outline[:, ::-1].astype(np.float32)
-        for row, column in np.argwhere(rim):
-            canvas[row, column] = cv2.pointPolygonTest(polygon, (float(column), float(row)), False) >= 0
-        return canvas > 0
+        return centres_inside(self.outline, self._shape)
 
     @property
     def ridges(self) -> BoolArray:
         """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
         return np.asarray(self.region & self._ridges.in_picture(self._shape))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the picture that was measured."""
+        return self._shape
 
     @property
     def settings(self) -> ContactImageOptions:

@@ -334,17 +334,17 @@ def _mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
 
     They leave the width of ridges as it is, while noise, mottle and grain no longer count as gaps.
     """
-    along = _ridge_direction(values, period)
+    right, down = _steps_along_ridges(values, period)
     columns, rows = np.meshgrid(*(np.arange(n, dtype=np.float32) for n in values.shape[::-1]), sparse=True)
     total = values.copy()
-    for way in (-RIDGE_LEVEL.sample * period, RIDGE_LEVEL.sample * period):
-        x, y = (start + np.float32(way) * part for start, part in zip((columns, rows), along, strict=True))
+    for x, y in ((columns - right, rows - down), (columns + right, rows + down)):
         total += cv2.remap(values, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return as_float32(total / 3)
+    total /= 3
+    return total
 
 
-def _ridge_direction(values: Float32Array, period: float) -> list[Float32Array]:
-    """Return cosine and sine of the angle of the ridges from rightward to downward."""
+def _steps_along_ridges(values: Float32Array, period: float) -> tuple[Float32Array, Float32Array]:
+    """Return how far rightward and downward the next sample along the ridges lies from each pixel, px."""
     every = max(1, round(period / _FEWER_PER_PERIOD))
     few = period / every
     smooth = cv2.GaussianBlur(values[::every, ::every], (0, 0), max(0.5, RIDGE_LEVEL.gradient * few))
@@ -352,8 +352,12 @@ def _ridge_direction(values: Float32Array, period: float) -> list[Float32Array]:
     cos2, sin2 = (
         cv2.GaussianBlur(each, (0, 0), RIDGE_LEVEL.direction * few) for each in (y * y - x * x, -2 * x * y)
     )
-    angle = np.arctan2(sin2, cos2) / 2
-    return [enlarge(each, every, values.shape, cv2.INTER_NEAREST) for each in (np.cos(angle), np.sin(angle))]
+    angle, step = np.arctan2(sin2, cos2) / 2, np.float32(RIDGE_LEVEL.sample * period)
+    right, down = (
+        enlarge(as_float32(step * each), every, values.shape, cv2.INTER_NEAREST)
+        for each in (np.cos(angle), np.sin(angle))
+    )
+    return right, down
 
 
 def _local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
