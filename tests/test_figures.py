@@ -323,7 +323,9 @@ def test_relaxation_marks_ramp(axes) -> None:
 
 
 def test_modulus_ratio(axes) -> None:
-    plot_modulus_from_area_and_indentation(axes, LOAD, 2 * VALUE, VALUE, expected_ratio=([0, 2], [1.0, 1.1]))
+    plot_modulus_from_area_and_indentation(
+        axes, LOAD, 2 * np.ones_like(LOAD), expected_ratio=([0, 2], [1.0, 1.1])
+    )
     assert_allclose(axes.lines[0].get_ydata(), 2)
     assert "expected of the true ellipsoid" in texts(axes)
 

@@ -14,12 +14,10 @@ from fingerpad import Estimate
 from fingerpad._json import dumps
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading import (
-    ESTIMATORS,
     LoadingFit,
-    contact_points,
     fit_loading_curve,
 )
-from fingerpad.loading.contact_point import contact_by_threshold
+from fingerpad.loading.contact_point import ESTIMATORS, contact_by_threshold
 from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0, "force_tilt": 0.01}
@@ -60,9 +58,9 @@ def test_a_compressible_pad_has_its_modulus() -> None:
 
 def test_places_of_contact_under_drift() -> None:
     noise = {"force_std": 0.01, "correlation_time": 0.1, "area_std": 1.0}
-    places = contact_points(simulate_loading_curve(points=150, seed=2, **noise))
-    assert set(places) == {"joint", *ESTIMATORS}
-    for name, place in places.items():
+    curve = simulate_loading_curve(points=150, seed=2, **noise)
+    for name in ("joint", *ESTIMATORS):
+        place = fit_loading_curve(curve, contact_point=name).contact_offset
         assert abs(place.value - 1.0) < 2 * place.std < 1, name
 
 
@@ -133,7 +131,7 @@ def test_record_keys() -> None:
     fit = fit_of_curve()
     record = json.loads(dumps(fit.as_record()))
     for name in (
-        "effective_radius_mm",
+        "loading_radius_mm",
         "reduced_modulus_kpa",
         "youngs_modulus_kpa",
         "contact_offset_mm",
@@ -172,11 +170,11 @@ def test_area_before_contact_flagged(offset: float) -> None:
 
 
 def test_contact_estimator_errors_coverage() -> None:
-    points = contact_points(CURVE)
-    assert set(points) == {"joint", *ESTIMATORS}
-    for name, found in points.items():
+    joint = fit_of_curve().contact_offset
+    for name in ESTIMATORS:
+        found = fit_loading_curve(CURVE, contact_point=name).contact_offset
         assert abs(found.value - 1.0) < 3 * found.std, name
-    assert points["joint"].std < min(points[name].std for name in ESTIMATORS)
+        assert joint.std < found.std
 
 
 def test_chosen_estimator_uncertainty() -> None:

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from scipy import optimize, stats
 
 from fingerpad.exceptions import FitError
-from fingerpad.loading import effective_count, fit_least_squares
+from fingerpad.loading.least_squares import effective_count, fit_least_squares
 
 X = np.linspace(0, 3, 40)
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.loading.drift import Drift
-from fingerpad.loading.noise import Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
+from fingerpad.loading.noise import Drift, Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
 
 RNG = np.random.default_rng(0)
 COUNT = 40

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fingerpad._plausible import unit_doubts
-from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli.shared import (
     AsJson,
     WedgeAngle,
@@ -172,7 +171,7 @@ def fit(
         on_layer = {} if layer is None else {"layer": layer.as_record()}
         print_json({"file": str(curve), **found.as_record(), **on_layer})
     else:
-        _print_table(found.as_record())
+        typer.echo(found.report().replace("or loading_radius", "or --radius-mm"))
         if layer is not None:
             typer.echo(f"layer: {'; '.join([layer.conclusion, *layer.notes.values()])}")
             typer.echo(f"modulus: {layer.advice}")
@@ -228,24 +227,3 @@ def _draw(folder: Path, name: str, record: Any, found: Any, cycle: int) -> None:
     make_folder(folder)
     for drawn in loading_plots(name, record, found, cycle=cycle):
         save_plot(drawn, folder)
-
-
-def _print_table(record: dict[str, Any]) -> None:
-    """Print each number with its uncertainty and interval, or why it is not known."""
-    names = [name.removesuffix("_std") for name in record if name.endswith("_std")]
-    width = max(map(len, names))
-    reasons: dict[str, str] = {}
-    for name in names:
-        if record[name] is None:
-            reason = record["reasons"][name].replace("or loading_radius", "or --radius-mm")
-            said = f"as {reasons[reason]}" if reason in reasons else reason
-            reasons.setdefault(reason, name)
-            typer.echo(f"{name:<{width}}  not known: {said}")
-        else:
-            low, high = record[f"{name}_ci95"]
-            value = value_with_uncertainty(record[name], record[f"{name}_std"])
-            typer.echo(f"{name:<{width}}  {value:<18}  95 %: {low:.4g} to {high:.4g}")
-    typer.echo(f"{'moduli at':<{width}}  {record['modulus_load_N']:.3g} N")
-    typer.echo(f"{'law':<{width}}  {record['preferred_model'].replace('_', ' ')}, by AICc")
-    typer.echo(f"{'presses':<{width}}  {len(record['segments'])}")
-    typer.echo(f"{'flags':<{width}}  {', '.join(record['flags']) or 'none'}")

@@ -26,19 +26,28 @@ from fingerpad.figures.style import (
     mark_synthetic,
     plain_log_ticks,
 )
+from fingerpad.loading import FittedForceModel, LoadingFit
+from fingerpad.loading.result import LAW_NAMES, MAIN
 from fingerpad.units import KPA_PER_MPA
 
 Line: TypeAlias = tuple[ArrayLike, ArrayLike]
 
-# As legends give them.
-FORCE_MODEL_NAMES: Final = {
-    "load_dependent": "modulus growing with load",
-    "hertz": "Hertz",
-    "free_exponent": "free exponent",
+# Alternatives as legends give them, from this Akaike weight on.
+_SHORT: Final = {
+    "area_offset": "offset of the areas",
+    "area_growth": "areas not ∝ ξ",
+    "stage_compliance": "stage that yields",
+    "inverse_thickness": "layer on bone",
+    "exact_sphere": "exact sphere",
+    "hertz_stage_compliance": "one modulus, stage that yields",
+    "hertz_inverse_thickness": "one modulus, layer on bone",
 }
-
+_SHOWN_WEIGHT: Final = 0.01
+_LINE_POINTS: Final = 200
 _PHASE_COLOURS: Final = {"baseline": GREY, "loading": BLUE, "hold": GREEN, "unloading": VERMILLION}
 _LINE_STYLES: Final = ((ORANGE, "-"), (BLACK, "--"), (SKY, "-."))
+_RIVAL_STYLES: Final = ((BLACK, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "--"))
+_MILLI: Final = 1000.0
 
 
 @in_style
@@ -51,6 +60,7 @@ def plot_load_indentation(
     indentation_std: ArrayLike | None = None,
     phase: ArrayLike | None = None,
     fits: Mapping[str, Line] | None = None,
+    band: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
     synthetic: ArrayLike = False,
 ) -> AnyAxes:
     """Draw load against indentation, its loop by phase, and fitted force models.
@@ -65,6 +75,8 @@ def plot_load_indentation(
         ``baseline``, ``loading``, ``hold`` or ``unloading`` of each point.
     fits : mapping, optional
         From the name of a force model, as the legend gives it, to its (ξ, W).
+    band : (indentation, lower, upper), optional
+        95 % interval of the load by the first of them.
     synthetic : array_like of bool
         Points that were simulated: hollow.
 
@@ -89,6 +101,7 @@ def plot_load_indentation(
                 axes.plot(xi[chosen], W[chosen], ".", color=colour, markersize=2.2, label=name)
     mark_synthetic(axes, synthetic)
     _draw_fits(axes, fits)
+    _draw_band(axes, band)
     axes.set_xlabel("indentation ξ (mm)")
     axes.set_ylabel("normal load W (N)")
     legend_above(axes)
@@ -98,6 +111,93 @@ def plot_load_indentation(
 def _draw_fits(axes: AnyAxes, fits: Mapping[str, Line] | None) -> None:
     for (name, (x, y)), (colour, style) in zip((fits or {}).items(), _LINE_STYLES, strict=False):
         axes.plot(x, y, style, color=colour, label=name, zorder=4)
+
+
+def _draw_band(axes: AnyAxes, band: tuple[ArrayLike, ArrayLike, ArrayLike] | None) -> None:
+    if band is not None:
+        depth, lower, upper = map(as_float_array, band)
+        axes.fill_between(depth, lower, upper, color=ORANGE, alpha=0.25, linewidth=0, label="95 % interval")
+
+
+@in_style
+def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = False) -> AnyAxes:
+    """Draw measured load less that of the fitted law, the band of the law, and what else explains the curve.
+
+    Lines and points count from the fitted zeros of force and displacement; the band is that of
+    `LoadingFit.predict`, of the load at an indentation.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    fit : LoadingFit
+        What was fitted.
+    synthetic : bool
+        Whether the data were simulated.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> from fingerpad.loading import fit_loading_curve
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> figure, (axes,) = new_figure()
+    >>> fit = fit_loading_curve(simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1))
+    >>> plot_load_residuals(axes, fit).get_ylabel()
+    'load W less the fitted law (mN)'
+    """
+    depth, lower, upper = predicted_band(fit)
+    law = fit.predict(depth).value
+    main = fit.models[MAIN]
+    off = _MILLI * (fit.load - main.load(fit.rows.displacement))
+    axes.plot(fit.indentation, off, ".", color=BLUE, markersize=2.2, label="measured")
+    axes.axhline(0.0, color=ORANGE, linewidth=1.2)
+    _draw_band(axes, (depth, _MILLI * (lower - law), _MILLI * (upper - law)))
+    shown = sorted(
+        (name for name, of in fit.uncertainty.items() if name != MAIN and of.weight >= _SHOWN_WEIGHT),
+        key=lambda name: -fit.uncertainty[name].weight,
+    )
+    for name, (colour, style) in zip(shown, _RIVAL_STYLES, strict=False):
+        apart = _MILLI * (_load_among_points(fit, fit.alternatives[name], depth) - law)
+        weight = fit.uncertainty[name].weight
+        axes.plot(
+            depth, apart, style, color=colour, label=f"{_SHORT.get(name, name)} ({weight:.2f})", zorder=4
+        )
+    mark_synthetic(axes, synthetic)
+    band = np.append(lower, upper) - np.append(law, law)
+    largest = 1.1 * float(np.abs(np.append(off, _MILLI * band)).max())
+    axes.set_ylim(-largest, largest)
+    axes.set_xlabel("indentation ξ (mm)")
+    axes.set_ylabel("load W less the fitted law (mN)")
+    legend_above(axes, columns=2)
+    return axes
+
+
+def predicted_band(fit: LoadingFit) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return indentations up to the largest, and the ends of the 95 % interval of the load there."""
+    depth = np.linspace(0, float(fit.indentation.max()), _LINE_POINTS)
+    found = fit.predict(depth)
+    return depth, as_float_array(found.lower), as_float_array(found.upper)
+
+
+def law_lines(fit: LoadingFit) -> dict[str, Line]:
+    """Return each law of the force as a line from the zeros of the points, the one that is stated first."""
+    depth = np.linspace(0, float(fit.indentation.max()), _LINE_POINTS)
+    laws = sorted(fit.models.values(), key=lambda model: (model.law != MAIN, model.aicc))
+    return {LAW_NAMES.get(law.law, law.law): (depth, _load_among_points(fit, law, depth)) for law in laws}
+
+
+def _load_among_points(fit: LoadingFit, law: FittedForceModel, depth: FloatArray) -> FloatArray:
+    """Return the load of a law where the points have that indentation, less their zero of the force."""
+    main, rows = fit.models[MAIN], fit.rows
+    displacement = main.values["contact_offset"] + depth
+    displacement += main.values.get("stage_compliance", 0.0) * as_float_array(fit.predict(depth).value)
+    clock = np.interp(displacement, np.maximum.accumulate(rows.smooth_displacement), rows.clock)
+    measured = law.load(displacement) - law.corrected_load(clock, np.zeros(depth.size))
+    return main.corrected_load(clock, measured)
 
 
 @in_style
@@ -343,8 +443,7 @@ def plot_relaxation(
 def plot_modulus_from_area_and_indentation(
     axes: AnyAxes,
     load: ArrayLike,
-    from_area: ArrayLike,
-    from_indentation: ArrayLike,
+    ratio: ArrayLike,
     *,
     expected_ratio: Line | None = None,
     synthetic: bool = False,
@@ -355,10 +454,8 @@ def plot_modulus_from_area_and_indentation(
     ----------
     axes : Axes
         Where to draw.
-    load : array_like
-        Normal force, N.
-    from_area, from_indentation : array_like
-        E*, MPa.
+    load, ratio : array_like
+        Normal force (N), and the ratio of the moduli (`sphere_ratio`).
     expected_ratio : (load, ratio), optional
         The ratio that the true ellipsoid gives.
     synthetic : bool
@@ -372,10 +469,10 @@ def plot_modulus_from_area_and_indentation(
     --------
     >>> from fingerpad.figures import new_figure
     >>> figure, (axes,) = new_figure()
-    >>> plot_modulus_from_area_and_indentation(axes, [1, 2], [0.08, 0.09], [0.16, 0.15]).get_xlabel()
+    >>> plot_modulus_from_area_and_indentation(axes, [1, 2], [0.5, 0.6]).get_xlabel()
     'normal load W (N)'
     """
-    W, ratio = broadcast(load, _ratio(as_float_array(from_area), as_float_array(from_indentation)))
+    W, ratio = broadcast(load, ratio)
     axes.plot(W, ratio, ".", color=BLUE, markersize=3, label="measured")
     axes.axhline(1.0, color=BLACK, linewidth=0.8)
     if expected_ratio is not None:
@@ -388,8 +485,3 @@ def plot_modulus_from_area_and_indentation(
     axes.set_ylabel("E* from area / E* from indentation (–)")
     legend_above(axes)
     return axes
-
-
-@np.errstate(all="ignore")
-def _ratio(above: FloatArray, below: FloatArray) -> FloatArray:
-    return above / below

@@ -15,7 +15,7 @@ from PIL import Image
 from fingerpad._arrays import broadcast
 from fingerpad.contact import Contact
 from fingerpad.exceptions import FingerpadError
-from fingerpad.figures.loading import FORCE_MODEL_NAMES, plot_load_indentation
+from fingerpad.figures.loading import law_lines, plot_load_indentation, plot_load_residuals, predicted_band
 from fingerpad.figures.style import BLUE, in_style, new_figure
 from fingerpad.figures.wedge import plot_wedge
 from fingerpad.geometry import Placement
@@ -160,18 +160,16 @@ def _(result: PhotographFit) -> Drawing:
 
 @draw.register
 def _(result: LoadingFit) -> Drawing:
-    figure, (axes,) = new_figure()
-    depth = np.linspace(0, float(result.secant.indentation.max()), 200)
-    model = result.models["load_dependent"]  # whose zeros of force and displacement the points have
-    line = depth, model.load(depth + model.values["contact_offset"])
-    phase = np.full(result.secant.load.shape, "loading")
+    figure, (loads, residuals) = new_figure(width_mm=170, height_mm=75, columns=2)
     plot_load_indentation(
-        axes,
-        result.secant.indentation,
-        result.secant.load,
-        phase=phase,
-        fits={FORCE_MODEL_NAMES[model.law]: line},
+        loads,
+        result.indentation,
+        result.load,
+        phase=np.where(result.indentation > 0, "loading", "baseline"),
+        fits=law_lines(result),
+        band=predicted_band(result),
     )
+    plot_load_residuals(residuals, result)
     return Drawing(figure)
 
 

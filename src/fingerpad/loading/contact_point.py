@@ -12,9 +12,9 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
+from fingerpad.loading.cycles import fit_contact_start
 from fingerpad.loading.joint import JointFit
 from fingerpad.loading.least_squares import fit_least_squares
-from fingerpad.loading.segments import fit_contact_start
 
 # Share of the way at the start that is taken to be free of contact, and deviations that noise does not reach.
 _FREE_SHARE, _DEVIATIONS, _IN_A_ROW = 0.1, 4.0, 3
@@ -82,30 +82,31 @@ ESTIMATORS: Final[Mapping[str, Callable[[FloatArray, FloatArray], float]]] = {
 }
 
 
-def estimated_places(fit: JointFit) -> dict[str, Estimate]:
-    """Return the place of contact (mm) by each estimator and the joint fit, with errors tried out on it."""
-    rng = np.random.default_rng(0)
-    trials = [fit.simulated(rng) for _ in range(_TRIALS)]
-    found: dict[str, Estimate] = {"joint": fit.estimate("contact_offset")}
-    for name, estimator in ESTIMATORS.items():
+def contact_by(name: str, fit: JointFit) -> Estimate:
+    """Return the place of contact (mm) by an estimator, with its error on records like the fit's.
+
+    Its root mean square error, bias included, on twenty records that are simulated from the fit with its
+    noise is the standard uncertainty. The value itself is not corrected.
+
+    Raises
+    ------
+    FitError
+        If it finds none, or fails on half of the simulated records.
+    """
+    estimator, rng, errors = ESTIMATORS[name], np.random.default_rng(0), []
+    try:
+        value = estimator(fit.record.displacement, fit.record.load)
+    except FitError as error:
+        raise FitError(f"no place of contact by {name}: {error}") from error
+    for _ in range(_TRIALS):
         try:
-            value = estimator(fit.record.displacement, fit.record.load)
-        except FitError as error:
-            found[name] = Estimate.unknown(str(error))
+            errors.append(estimator(*fit.simulated(rng)) - fit.values["contact_offset"])
+        except FitError:
             continue
-        errors = []
-        for displacement, load in trials:
-            try:
-                errors.append(estimator(displacement, load) - fit.values["contact_offset"])
-            except FitError:
-                continue
-        if len(errors) < _TRIALS // 2:
-            found[name] = Estimate.unknown(
-                f"it fails on {_TRIALS - len(errors)} of {_TRIALS} simulated records like this"
-            )
-            continue
-        found[name] = Estimate.symmetric(value, float(np.sqrt(np.mean(np.square(errors)))))
-    return found
+    if len(errors) < _TRIALS // 2:
+        failed = f"{_TRIALS - len(errors)} of {_TRIALS} simulated records like this"
+        raise FitError(f"no place of contact by {name}: it fails on {failed}")
+    return Estimate.symmetric(value, float(np.sqrt(np.mean(np.square(errors)))))
 
 
 def _foot(displacement: FloatArray, load: FloatArray) -> tuple[FloatArray, FloatArray]:

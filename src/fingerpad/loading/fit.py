@@ -2,15 +2,20 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from dataclasses import replace
 
 import numpy as np
 
-from fingerpad._records import Recorded
-from fingerpad.estimate import Estimate, estimates_record
+from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError, LoadingError
-from fingerpad.loading._prepare import (
+from fingerpad.loading.areas import NO_RADIUS, area_exponent
+from fingerpad.loading.averaging import akaike_weights
+from fingerpad.loading.contact_point import ESTIMATORS, contact_by
+from fingerpad.loading.curve import LoadingCurve
+from fingerpad.loading.cycles import hysteresis
+from fingerpad.loading.joint import FitData, JointFit, fit_joint
+from fingerpad.loading.laws import secant_modulus
+from fingerpad.loading.press import (
     Press,
     determined,
     fixed_quantities,
@@ -18,164 +23,21 @@ from fingerpad.loading._prepare import (
     prepare,
     start_values,
 )
-from fingerpad.loading.contact_point import ESTIMATORS, estimated_places
-from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.joint import JointFit, fit_joint
-from fingerpad.loading.laws import FittedForceModel
-from fingerpad.loading.modulus_range import Secant, increasing_range, modulus_range, secant_of
-from fingerpad.loading.quantities import implausible, quantities, top_load
-from fingerpad.loading.rivals import allow_for_bend, compare, fit_growing
-from fingerpad.loading.segments import Cycle, Hysteresis, hysteresis
-from fingerpad.units import KPA_PER_MPA
+from fingerpad.loading.result import MAIN, LawUncertainty, LoadingFit, load_gradient
+from fingerpad.loading.rivals import FAILURES, Comparison, allow_for_bend, compare, fit_growing
 
-_MODULI = {"reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient"}
 # AICc by which the law with a growing modulus must be ahead before the modulus is said to depend on the load.
 _DECISIVE = 10.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class LoadingFit(Recorded):
-    """Results of fitting one press. A quantity that is not known has the reason.
-
-    Attributes
-    ----------
-    loading_radius : Estimate
-        R_g, mm: from the slope of area against πξ, in the joint fit; or as given.
-    reduced_modulus, youngs_modulus : Estimate
-        E* and E, MPa, secant at `modulus_load`; for a Hertzian pad the same at every load.
-    contact_offset : Estimate
-        Displacement at first contact, mm.
-    initial_modulus, load_coefficient : Estimate
-        E_0g (MPa) and β (MPa/N) of E_g = E_0g + β W.
-    load_exponent : Estimate
-        m of W ∝ ξ^m; 3/2 for Hertz.
-    area_exponent : Estimate
-        n of A ∝ W^n; 2/3 for Hertz.
-    modulus_load : float
-        Largest load fitted, N.
-    fit_load_range : (float, float)
-        Loads between which E_g was taken to increase, N.
-    cycles : tuple of Cycle
-        All presses in the record.
-    hysteresis : tuple of (Hysteresis or None)
-        Of each cycle.
-    models : mapping of str to FittedForceModel
-        ``load_dependent``, ``hertz``, ``free_exponent``, under one noise.
-    preferred_model : str
-        That of the least AICc.
-    alternatives : mapping of str to FittedForceModel
-        Other explanations of the curve under the same noise, by key of `EXPLANATIONS`: an offset or another
-        growth of the areas, a stage that yields, a layer on bone, both also with one modulus, an exact
-        sphere.
-    misfit_std : mapping of str to float
-        What better explanations add to the standard uncertainty of a quantity; 0 where there are none.
-    secant : Secant
-        E_g of each row against ξ and W.
-    notes : mapping of str to str
-        What a flag means for this curve.
-    flags : tuple of str
-        Doubts.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> fit = fit_loading_curve(simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1))
-    >>> print(f"E_0g = {1000 * fit.initial_modulus.value:.0f} kPa (truth: 40), {fit.preferred_model}")
-    E_0g = 40 kPa (truth: 40), load_dependent
-    """
-
-    _title: ClassVar[str] = "Fit of a loading curve"
-
-    loading_radius: Estimate
-    reduced_modulus: Estimate
-    youngs_modulus: Estimate
-    contact_offset: Estimate
-    initial_modulus: Estimate
-    load_coefficient: Estimate
-    load_exponent: Estimate
-    area_exponent: Estimate
-    modulus_load: float
-    fit_load_range: tuple[float, float]
-    cycles: tuple[Cycle, ...]
-    hysteresis: tuple[Hysteresis | None, ...]
-    models: Mapping[str, FittedForceModel]
-    preferred_model: str
-    alternatives: Mapping[str, FittedForceModel]
-    misfit_std: Mapping[str, float]
-    secant: Secant
-    notes: Mapping[str, str]
-    flags: tuple[str, ...]
-
-    def divide_by_constraint(self, coefficient: Estimate) -> Self:
-        """Return the fit with all moduli divided by a constraint coefficient.
-
-        Bone and nail make a thin pad stiffer than a half-space of the same tissue, by this factor. It is
-        poorly known for fingers: its uncertainty goes into the moduli, and the result is flagged
-        ``constraint_assumed``.
-
-        Parameters
-        ----------
-        coefficient : Estimate
-            The factor, independent of the fit.
-
-        Returns
-        -------
-        LoadingFit
-            With moduli and β divided.
-
-        Raises
-        ------
-        LoadingError
-            If the coefficient is not positive and finite.
-        """
-        if not (coefficient.value > 0 and math.isfinite(coefficient.value) and coefficient.std >= 0):
-            raise LoadingError(
-                f"the constraint coefficient must be positive, found {coefficient.value} ± {coefficient.std}"
-            )
-        return replace(
-            self,
-            reduced_modulus=self.reduced_modulus.over(coefficient),
-            youngs_modulus=self.youngs_modulus.over(coefficient),
-            initial_modulus=self.initial_modulus.over(coefficient),
-            load_coefficient=self.load_coefficient.over(coefficient),
-            misfit_std={
-                name: std / (coefficient.value if name in _MODULI else 1.0)
-                for name, std in self.misfit_std.items()
-            },
-            flags=(*self.flags, "constraint_assumed"),
-        )
-
-    def as_record(self) -> dict[str, Any]:
-        """Return the numbers by names that end in units.
-
-        Returns
-        -------
-        dict
-            Each with ``_std`` and ``_ci95``; None where unknown.
-        """
-        quantities = {
-            "effective_radius_mm": self.loading_radius,
-            "reduced_modulus_kpa": self.reduced_modulus.times(KPA_PER_MPA),
-            "youngs_modulus_kpa": self.youngs_modulus.times(KPA_PER_MPA),
-            "contact_offset_mm": self.contact_offset,
-            "initial_modulus_kpa": self.initial_modulus.times(KPA_PER_MPA),
-            "load_coefficient_kpa_per_N": self.load_coefficient.times(KPA_PER_MPA),
-            "load_exponent": self.load_exponent,
-            "area_exponent": self.area_exponent,
-        }
-        return {
-            **estimates_record(quantities),
-            "modulus_load_N": self.modulus_load,
-            "region_N": list(self.fit_load_range),
-            "preferred_model": self.preferred_model,
-            "aicc": {name: model.aicc for name, model in self.models.items()},
-            "aicc_alternatives": {name: model.aicc for name, model in self.alternatives.items()},
-            "notes": dict(self.notes),
-            "segments": [cycle.as_record() for cycle in self.cycles],
-            "hysteresis_mJ": [loss.energy if loss else None for loss in self.hysteresis],
-            "hysteresis_fraction": [loss.fraction if loss else None for loss in self.hysteresis],
-            "flags": list(self.flags),
-        }
+# Beyond these no finger pad lies, mm and MPa: a wrong unit.
+PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
+# A given radius is doubted when the slope of the area is so many standard uncertainties away.
+_CONTRADICTED, _MIN_AREAS = 4.0, 5
+_PARAMETERS = ("loading_radius", "initial_modulus", "load_coefficient", "contact_offset")
+_BINS, _MIN_ROWS = 12, 5
+# Nearer to contact than this share of the depth its place decides the modulus.
+_NEAR_CONTACT = 0.2
+# A fall counts that is both this share of the modulus and this many standard uncertainties.
+_FALL, _DEVIATIONS = 0.1, 3.0
 
 
 def fit_loading_curve(
@@ -208,7 +70,8 @@ def fit_loading_curve(
     cycle : int
         Which press of the record to fit.
     contact_point : str
-        ``joint``, or a name of `ESTIMATORS`, whose place of contact is then held.
+        ``joint``, or by which method it is found and then held: ``contact_by_threshold``, ``two_lines``,
+        ``gradient`` or ``power_law``.
     fit_load_range : (float, float), optional
         Loads (N) between which E_g increases linearly; found from the curve without it.
     stage_compliance : float or Estimate, optional
@@ -263,75 +126,30 @@ def fit_loading_curve(
         compared = compare(allow_for_bend(main))
         main = compared.main
         models = _models(main)
-        preferred = min(models, key=lambda name: models[name].aicc)
         grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
         known = press.record.area.size > 0 or loading_radius is not None
-        found, added = quantities(compared, models, known=known)
+        found, added = _quantities(compared, models, known=known)
         return LoadingFit(
             **found,
             misfit_std=added,
-            modulus_load=top_load(main),
+            modulus_load=_top_load(main),
             fit_load_range=limits,
             cycles=press.cycles,
             hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
             models={name: model.fitted_law() for name, model in models.items()},
-            preferred_model=preferred,
             alternatives={name: rival.fitted_law() for name, rival in compared.rivals.items()},
+            uncertainty=_uncertainties(compared),
+            unexplained=compared.unexplained,
+            rows=main.record,
             notes=dict(compared.doubts),
-            secant=secant_of(main),
             flags=(
-                *implausible(main, loading_radius, known=known),
+                *_implausible(main, loading_radius, known=known),
                 *press.flags,
                 *doubts,
                 *compared.doubts,
                 *(("modulus_depends_on_load",) if grows else ()),
             ),
         )
-
-
-def contact_points(
-    curve: LoadingCurve,
-    *,
-    poisson_ratio: float = 0.5,
-    loading_radius: float | Estimate | None = None,
-    cycle: int = 0,
-) -> dict[str, Estimate]:
-    """Return the place of contact by each estimator of `ESTIMATORS`, and by the joint fit.
-
-    The error of each is estimated from twenty records simulated from the joint fit with its noise: the root
-    mean square error, bias included, is the standard uncertainty. The value itself is not corrected.
-
-    Parameters
-    ----------
-    curve : LoadingCurve
-        The record.
-    poisson_ratio : float
-        ν of the pad.
-    loading_radius : float or Estimate, optional
-        R_g (mm) from elsewhere; needed where there is no area.
-    cycle : int
-        Which press of the record, counted from 0.
-
-    Returns
-    -------
-    dict of str to Estimate
-        Displacement at first contact, mm, by estimator.
-
-    Raises
-    ------
-    LoadingError, FitError
-        As `fit_loading_curve`.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> places = contact_points(simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1))
-    >>> places["joint"].std < places["contact_by_threshold"].std
-    True
-    """
-    press = prepare(curve, poisson_ratio, cycle)
-    held = fixed_quantities(press, loading_radius)
-    return estimated_places(_growing_fit(press, held))
 
 
 def _require_options(poisson_ratio: float, contact_point: str) -> None:
@@ -360,13 +178,10 @@ def _main_fit(
     """Return the fit of the growing modulus over its range of loads, that range, and doubts."""
     main = _growing_fit(press, held)
     if contact_point != "joint":
-        place = estimated_places(main)[contact_point]
-        if not place.known:
-            raise FitError(f"no place of contact by {contact_point}: {place.reason}")
-        held = {**held, "contact_offset": place}
+        held = {**held, "contact_offset": contact_by(contact_point, main)}
         main = fit_growing(press.record, main.values, held)
     doubts = []
-    limits, record = modulus_range(main, fit_load_range)
+    limits, record = _modulus_range(main, fit_load_range)
     if record.load.size < press.record.load.size:
         part = fit_growing(record, main.values, held)
         # Without the place of contact that the other rows gave, E_g may not fall at all.
@@ -374,21 +189,57 @@ def _main_fit(
         if fit_load_range is not None:
             doubts.append("region_given")
             main = part
-        elif increasing_range(part, press.record) != whole:
+        elif _increasing_range(part, press.record) != whole:
             doubts.append("modulus_partly_decreases")
             main = part
         else:
-            limits = (0.0, top_load(main))
+            limits = (0.0, _top_load(main))
     before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
     if before < 2 and "no_baseline" not in press.flags:
         doubts.append("no_baseline")
     return main, limits, doubts
 
 
+def _uncertainties(compared: Comparison) -> dict[str, LawUncertainty]:
+    """Return how well the model and the other explanations are known, as far as their loads depend on it."""
+    fits = {key: compared.best if key == compared.best_name else one for key, one in compared.rivals.items()}
+    main_weight = 1 - sum(compared.weights[key] for key in fits)
+    return {
+        MAIN: _uncertainty(compared.main, main_weight),
+        **{key: _uncertainty(one, compared.weights[key]) for key, one in fits.items()},
+    }
+
+
+def _uncertainty(fit: JointFit, weight: float) -> LawUncertainty:
+    law, free = fit.fitted_law(), fit.fit.names
+    given = [name for name in fit.response if name in law.values]
+    shifts = np.array([fit.response[name] * fit.held[name].std for name in given]).reshape(-1, len(free)).T
+    own = np.diag([fit.held[name].std for name in given])
+    root = np.vstack([shifts, own])
+    whole = root @ root.T
+    whole[: len(free), : len(free)] += fit.covariance
+    names = (*free, *given)
+    depth = np.array([0.5, 1.0]) * (fit.record.smooth_displacement.max() - fit.values["contact_offset"])
+    slope = load_gradient(law, names, depth)
+    acts = np.flatnonzero(slope.any(axis=0))
+    gradient = dict(zip(names, slope[-1].tolist(), strict=True))
+    try:
+        top = fit.combined(0.0, gradient)
+        factor = top.upper / top.std
+    except FAILURES:  # its own uncertainty is lost in rounding
+        whole, factor = 0 * whole, 1.0
+    return LawUncertainty(
+        names=tuple(names[k] for k in acts),
+        covariance=whole[np.ix_(acts, acts)],
+        coverage_factor=factor,
+        weight=float(weight),
+    )
+
+
 def _models(main: JointFit) -> dict[str, JointFit]:
     """Return the laws fitted under one noise, those that can be."""
     start = {**main.values, "load_exponent": 1.5}
-    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * top_load(main)
+    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * _top_load(main)
     found = {"load_dependent": main}
     for law in ("hertz", "free_exponent"):
         unused = {"load_exponent"} if law == "hertz" else set()
@@ -398,3 +249,166 @@ def _models(main: JointFit) -> dict[str, JointFit]:
         except FitError:
             continue
     return found
+
+
+def _quantities(
+    compared: Comparison, models: Mapping[str, JointFit], *, known: bool
+) -> tuple[dict[str, Estimate], dict[str, float]]:
+    """Return all quantities by name, and what better explanations of the curve add to their uncertainty.
+
+    Those that need a radius are unknown where it is not `known`.
+    """
+    main = compared.main
+    top = _top_load(main)
+    whole = {"initial_modulus": 1.0, "load_coefficient": top}
+    value = sum(main.values[name] * weight for name, weight in whole.items())
+    found: dict[str, Estimate] = {"youngs_modulus": main.combined(value, whole)}
+    found |= {name: bounded(main.estimate(name)) for name in _PARAMETERS}
+    added = {}
+    for name in found:
+        gradient = whole if name == "youngs_modulus" else {name: 1.0}
+        own = value if name == "youngs_modulus" else main.values[name]
+        spread = _spread_of_laws(name, own, models, compared.unexplained)
+        found[name], added[name] = compared.widened(name, found[name], gradient, spread)
+    if not known:
+        unknown = set(found) - {"contact_offset"}
+        found |= dict.fromkeys(unknown, Estimate.unknown(NO_RADIUS))
+        added |= dict.fromkeys(unknown, 0.0)
+    reduction = 1 / (1 - main.record.poisson_ratio**2)
+    found |= {
+        "reduced_modulus": found["youngs_modulus"].times(reduction),
+        "load_exponent": (
+            bounded(models["free_exponent"].estimate("load_exponent"))
+            if "free_exponent" in models
+            else Estimate.unknown("a power law with free exponent does not fit the curve")
+        ),
+        "area_exponent": area_exponent(compared),
+    }
+    return found, {**added, "reduced_modulus": reduction * added["youngs_modulus"]}
+
+
+def _spread_of_laws(name: str, value: float, models: Mapping[str, JointFit], unexplained: float) -> float:
+    """Return the root mean square difference of laws of the force from the model in one quantity.
+
+    They are weighed as AICc says for residuals of which noise explains that much less (Burnham and Anderson
+    2002, 2.5).
+    """
+    found = []
+    for law, model in models.items():
+        values = model.values
+        if law == "hertz":
+            values |= {"initial_modulus": values["youngs_modulus"], "load_coefficient": 0.0}
+        elif law == "free_exponent":
+            values["youngs_modulus"] *= _depth(model) ** (values["load_exponent"] - 1.5)
+        elif name == "youngs_modulus":
+            values[name] = value
+        if name in values:
+            found.append(((1 - unexplained) * model.aicc, values[name] - value))
+    criteria, apart = zip(*found, strict=True)
+    return math.sqrt(sum(w * one**2 for w, one in zip(akaike_weights(criteria), apart, strict=True)))
+
+
+def _depth(model: JointFit) -> float:
+    return float(model.record.smooth_displacement.max()) - model.values["contact_offset"]
+
+
+def _top_load(main: JointFit) -> float:
+    """Return the fitted load at the largest displacement, N."""
+    return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
+
+
+def bounded(estimate: Estimate) -> Estimate:
+    """Return an estimate whose interval has both ends, or say that the curve does not bound it."""
+    if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
+        return estimate
+    return Estimate.unknown(
+        f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain"
+    )
+
+
+def _implausible(main: JointFit, given: float | Estimate | None, *, known: bool) -> tuple[str, ...]:
+    """Return flags for values that no finger pad has, and for a given radius that the area contradicts."""
+    radius = main.values["loading_radius"]
+    modulus = main.values["initial_modulus"] + main.values["load_coefficient"] * _top_load(main)
+    record = main.record
+    contradicted = False
+    if given is not None and record.area.size >= _MIN_AREAS:
+        displacement = record.smooth_displacement[record.with_area]
+        (slope, _), covariance = np.polyfit(np.pi * displacement, record.area, 1, cov=True)
+        given_std = given.std if isinstance(given, Estimate) else 0.0
+        std = math.hypot(math.sqrt(covariance[0, 0]), given_std, 0.02 * radius)
+        contradicted = abs(slope - radius) > _CONTRADICTED * std
+    doubts = {
+        "radius_contradicts_area": contradicted,
+        "implausible_radius": known and not PLAUSIBLE_RADIUS[0] <= radius <= PLAUSIBLE_RADIUS[1],
+        "implausible_modulus": known and not PLAUSIBLE_MODULUS[0] <= modulus <= PLAUSIBLE_MODULUS[1],
+    }
+    return tuple(name for name, seen in doubts.items() if seen)
+
+
+def _modulus_range(
+    fit: JointFit, given: tuple[float, float] | None = None
+) -> tuple[tuple[float, float], FitData]:
+    """Return the loads (N) between which E_g increases, and the record's rows before contact and in between.
+
+    E_g is averaged in up to twelve bins along the curve. The range ends at its last maximum and
+    starts at the last minimum before, within noise.
+
+    Raises
+    ------
+    LoadingError
+        If `given` is not two rising loads with at least five rows between.
+    """
+    record = fit.record
+    load = fit.load(record.smooth_displacement)
+    low, high = given if given is not None else _increasing_range(fit, record)
+    keep = (load <= 0) | ((load >= low) & (load <= high))
+    if not (low < high and np.count_nonzero(keep & (load > 0)) >= _MIN_ROWS):
+        raise LoadingError(
+            f"fit_load_range must be two rising loads with at least {_MIN_ROWS} rows between, "
+            f"found {low:g} to {high:g} N"
+        )
+    if keep.all():
+        return (float(low), float(high)), record
+    return (float(low), float(high)), replace(
+        record,
+        clock=record.clock[keep],
+        load=record.load[keep],
+        displacement=record.displacement[keep],
+        smooth_displacement=record.smooth_displacement[keep],
+        area=record.area[keep[record.with_area]],
+        with_area=record.with_area[keep],
+    )
+
+
+def _increasing_range(fit: JointFit, record: FitData) -> tuple[float, float]:
+    """Return the loads (N) between which E_g of a record increases, with the place of contact of a fit."""
+    load, values = fit.load(record.smooth_displacement), fit.values
+    whole = (0.0, float(load.max()))
+    depth = record.smooth_displacement - values["contact_offset"]
+    rows = np.flatnonzero(depth > _NEAR_CONTACT * depth.max())
+    if rows.size < 3 * _MIN_ROWS:
+        return whole
+    bins = np.array_split(rows, min(_BINS, rows.size // _MIN_ROWS))
+    # The zero of the rows before contact: where the law fails, the fitted tilt makes up for it.
+    before = depth <= 0
+    zero = float(record.load[before].mean()) if before.sum() > 1 else values.get("force_zero", 0.0)
+    measured = secant_modulus(
+        record.load[rows] - zero,
+        depth[rows],
+        loading_radius=values["loading_radius"],
+        poisson_ratio=record.poisson_ratio,
+    )
+    at = np.split(measured, np.cumsum([part.size for part in bins])[:-1])
+    mean = np.array([part.mean() for part in at])
+    std = np.array([part.std(ddof=1) / np.sqrt(part.size) for part in at])
+    slack = np.maximum(_FALL * np.abs(mean).max(), _DEVIATIONS * std)
+    last, end = int(np.argmax(mean)), len(bins) - 1
+    last = last if (mean[last:] < mean[last] - slack[last:]).any() else end
+    first = int(np.argmin(mean[: last + 1]))
+    first = first if (mean[:first] > mean[first] + slack[:first]).any() else 0
+    if last - first < 2:
+        return whole
+    low = 0.0 if first == 0 else float(load[bins[first][0]])
+    high = whole[1] if last == end else float(load[bins[last][-1]])
+    return low, high

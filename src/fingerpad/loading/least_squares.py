@@ -41,13 +41,6 @@ class LeastSquaresFit(Displayed):
         Derivative of the residuals by the parameters.
     effective_count : float
         Number of independent residuals that carry as much information: n where they are not correlated.
-
-    Examples
-    --------
-    >>> x = np.linspace(0, 2, 9)
-    >>> fit = fit_least_squares(lambda p: p[0] + p[1] * x - [0, 1, 2, 3, 4, 5, 6, 7, 9], [0, 1], ["a", "b"])
-    >>> fit.values.round(3), round(fit.residual_std, 3)
-    (array([-0.156,  4.267]), 0.298)
     """
 
     names: tuple[str, ...]
@@ -87,38 +80,11 @@ class LeastSquaresFit(Displayed):
         return n * math.log(max(self.sum_of_squares, tiny) / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1)
 
     def value(self, name: str) -> float:
-        """Return the estimate of one parameter.
-
-        Parameters
-        ----------
-        name : str
-            Its name.
-
-        Returns
-        -------
-        float
-            The estimate.
-        """
+        """Return the estimate of one parameter."""
         return float(self.values[self.names.index(name)])
 
     def with_effective_count(self, count: float) -> "LeastSquaresFit":
-        """Return the same fit for correlated residuals.
-
-        Parameters
-        ----------
-        count : float
-            Number of independent residuals that carry as much information.
-
-        Returns
-        -------
-        LeastSquaresFit
-            With a wider covariance.
-
-        Raises
-        ------
-        FitError
-            If `count` does not exceed the number of parameters.
-        """
+        """Return the same fit for correlated residuals. Raise FitError where `count` is too small."""
         if not count > self.values.size:
             raise FitError(
                 f"the residuals are so correlated that they count as {count:.1f} independent ones, for "
@@ -129,17 +95,7 @@ class LeastSquaresFit(Displayed):
     def derived(self, value: float, gradient: ArrayLike) -> Estimate:
         """Return a function of the parameters with its first-order uncertainty (GUM Eq. 13).
 
-        Parameters
-        ----------
-        value : float
-            The function at the estimates.
-        gradient : array_like, shape (p,)
-            Its derivative by the parameters there.
-
-        Returns
-        -------
-        Estimate
-            With a symmetric interval.
+        `gradient` is its derivative by the parameters, `value` what it is at the estimates.
         """
         slope = as_float_array(gradient)
         std = math.sqrt(float(slope @ self.covariance @ slope))
@@ -150,16 +106,6 @@ class LeastSquaresFit(Displayed):
 
         The parameter is moved and all others are fitted again, until S has grown by t² S/(n_eff − p)
         (Bates & Watts 1988, ch. 6). An end that is never reached is infinite.
-
-        Parameters
-        ----------
-        name : str
-            Its name.
-
-        Returns
-        -------
-        Estimate
-            With an interval that need not be symmetric.
         """
         place = self.names.index(name)
         std = math.sqrt(self.covariance[place, place])
@@ -175,25 +121,10 @@ def fit_least_squares(
     evaluations: int = 2000,
     bounds: Bounds | None = None,
 ) -> LeastSquaresFit:
-    """Minimise the sum of squares of `residuals` by the Levenberg–Marquardt method.
+    """Minimise a sum of squares by the Levenberg–Marquardt method.
 
-    Parameters
-    ----------
-    residuals : callable
-        From parameters (p,) to residuals (n,), each divided by its relative standard deviation.
-    start : array_like, shape (p,)
-        Initial values.
-    names : sequence of str
-        Names of the parameters.
-    evaluations : int
-        Largest number of evaluations of the residuals.
-    bounds : (ndarray, ndarray), optional
-        Lower and upper ends of the parameters, to which a trust region is then kept.
-
-    Returns
-    -------
-    LeastSquaresFit
-        At the minimum.
+    `residuals` takes parameters (p,) and returns residuals (n,), each divided by its relative standard
+    deviation. A trust region keeps the parameters within `bounds`, where they are given.
 
     Raises
     ------
@@ -235,24 +166,6 @@ def effective_count(residuals: ArrayLike) -> float:
     An autoregression, of an order up to three found by AICc, gives the spectral density at zero frequency
     over the variance, 1 + 2 Σ ρ_k, by which the count is divided. The count is never raised, so that apparent
     anticorrelation does not make an interval narrower.
-
-    Parameters
-    ----------
-    residuals : array_like, shape (n,)
-        In order of time.
-
-    Returns
-    -------
-    float
-        At most n.
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(0)
-    >>> white = rng.standard_normal(1000)
-    >>> doubled = np.repeat(white, 2)
-    >>> effective_count(white) > 900, effective_count(doubled) < 1400
-    (True, True)
     """
     values = as_float_array(residuals) - float(np.mean(as_float_array(residuals)))
     n = values.size

@@ -16,8 +16,8 @@ from fingerpad._display import Displayed
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
 from fingerpad.loading.curve import LoadingCurve
+from fingerpad.loading.cycles import Cycle, moving_average
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
-from fingerpad.loading.segments import Cycle, moving_average
 
 # A term that takes off less than this share of the squares ends the search for more.
 _MAX_TERMS, _GAIN = 3, 0.995
@@ -36,13 +36,6 @@ class PronyTerm:
         Part of an instantaneous load that decays.
     time : Estimate
         Its time constant, s; not known where the record is too slow or too short for it.
-
-    Examples
-    --------
-    >>> from fingerpad import Estimate
-    >>> term = PronyTerm(share=Estimate.symmetric(0.3, 0.02), time=Estimate.symmetric(2.0, 0.1))
-    >>> term.time.value
-    2.0
     """
 
     share: Estimate
@@ -65,15 +58,6 @@ class Relaxation(Displayed):
         With the number of terms of the least AICc.
     time, load : ndarray
         Times (s) from contact, at most 600 of them, and the force fitted there (N).
-
-    Examples
-    --------
-    >>> from fingerpad.loading import find_cycles
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> curve = simulate_loading_curve(points=60, hold=10.0, relaxation=[(0.3, 2.0)], force_std=0.02)
-    >>> relaxation = fit_relaxation(curve, find_cycles(curve)[0], contact_offset=1.0)
-    >>> print(f"ramp {relaxation.ramp_time:.1f} s, hold {relaxation.hold_time:.1f} s")
-    ramp 1.4 s, hold 9.9 s
     """
 
     terms: tuple[PronyTerm, ...]

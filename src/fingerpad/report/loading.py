@@ -12,12 +12,13 @@ from fingerpad.exceptions import FitError
 from fingerpad.figures import (
     plot_contact_compliance,
     plot_load_indentation,
+    plot_load_residuals,
     plot_modulus_from_area_and_indentation,
     plot_relaxation,
     plot_secant_modulus,
 )
-from fingerpad.figures.loading import FORCE_MODEL_NAMES
-from fingerpad.loading import LoadingCurve, LoadingFit, Relaxation, fit_relaxation, shape_check
+from fingerpad.figures.loading import law_lines, predicted_band
+from fingerpad.loading import LoadingCurve, LoadingFit, Relaxation, fit_relaxation, sphere_ratio
 from fingerpad.report.plot import Plot, panel
 from fingerpad.units import KPA_PER_MPA
 
@@ -61,11 +62,18 @@ def loading_plots(
             drawn.indentation,
             drawn.load,
             phase=drawn.phase,
-            fits=drawn.laws(),
+            fits=law_lines(fit),
+            band=predicted_band(fit),
             synthetic=synthetic,
         ),
         caption=f"Load against indentation from the fitted place of contact, and the laws fitted to the "
-        f"loading ({where}).",
+        f"loading; the band is the 95 % interval of the load at an indentation ({where}).",
+    )
+    yield Plot(
+        name=f"{name}_residuals",
+        figure=panel(plot_load_residuals, fit, synthetic=synthetic),
+        caption="Load less that of the fitted law, the 95 % interval of its load, and what else could have "
+        f"made the curve, with Akaike weights ({where}).",
     )
     if drawn.area is not None:
         radius = fit.loading_radius
@@ -103,24 +111,11 @@ class _Drawn:
         # The force's drift is known over the rows fitted; carried on through a hold it would bend the rest.
         begin = segments[0][0].start
         clock = np.minimum(curve.clock, curve.clock[self.cycle.loading.stop - 1]) - curve.clock[begin]
-        self.clock: FloatArray = clock
         load = main.corrected_load(clock, curve.load)
         self.zeroed = LoadingCurve(load=load, indentation=curve.indentation, area=curve.area, time=curve.time)
         self.load: FloatArray = load[rows]
         self.indentation: FloatArray = curve.indentation[rows] - self.offset
         self.area = None if curve.area is None else curve.area[rows]
-
-    def laws(self) -> dict[str, tuple[FloatArray, FloatArray]]:
-        """Return each fitted law as a line from the zeros of the points, the one that AICc prefers first."""
-        depth = np.linspace(0, float(self.indentation.max()), 200)
-        rows = slice(self.cycle.loading.start, self.cycle.loading.stop)
-        displacement = np.maximum.accumulate(self.zeroed.indentation[rows])
-        clock = np.interp(depth + self.offset, displacement, self.clock[rows])
-        main, lines = self.fit.models["load_dependent"], {}
-        for model in sorted(self.fit.models.values(), key=lambda model: model.aicc):
-            measured = model.load(depth + self.offset) - model.corrected_load(clock, np.zeros(depth.size))
-            lines[FORCE_MODEL_NAMES[model.law]] = depth, main.corrected_load(clock, measured)
-        return lines
 
     def relaxation(self) -> Relaxation | None:
         """Return the relaxation of the hold, None where there is none to fit."""
@@ -174,16 +169,13 @@ def _shape(
 ) -> Plot:
     fitted = (drawn.phase == "loading") & (drawn.load > 0.05 * drawn.load.max())
     assert drawn.area is not None  # drawn only with areas
-    check = shape_check(
-        drawn.load[fitted], drawn.indentation[fitted], drawn.area[fitted], loading_radius=radius
-    )
+    ratio = sphere_ratio(drawn.indentation[fitted], drawn.area[fitted], loading_radius=radius)
     return Plot(
         name=f"{name}_shape",
         figure=panel(
             plot_modulus_from_area_and_indentation,
-            check.load,
-            check.modulus_from_area,
-            check.modulus_from_indentation,
+            drawn.load[fitted],
+            ratio,
             expected_ratio=expected,
             synthetic=synthetic,
         ),

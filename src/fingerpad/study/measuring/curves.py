@@ -22,17 +22,18 @@ from fingerpad.loading import (
     Cycle,
     FittedForceModel,
     Hysteresis,
+    LawUncertainty,
     LayerThicknessFit,
     LoadingCurve,
     LoadingFit,
-    Secant,
     Segment,
     fit_contact_compliance,
     fit_layer_thickness,
     fit_loading_curve,
     read_loading_curve,
-    shape_check,
+    sphere_ratio,
 )
+from fingerpad.loading.joint import FitData
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.error_text import in_study
@@ -129,12 +130,13 @@ _KINDS: Final = {
     for kind in (
         Cycle,
         Estimate,
+        FitData,
         FittedForceModel,
         Hysteresis,
+        LawUncertainty,
         LayerThicknessFit,
         LoadingCurve,
         LoadingFit,
-        Secant,
         Segment,
         Shape,
     )
@@ -390,14 +392,14 @@ def _slope_alone(
     if data is None or curve.loading_radius_mm is not None:
         return CurveResult(manifest=curve, curve=data, reason=reason)
     try:
-        line = fit_contact_compliance(data, cycle=curve.cycle)
+        radius = fit_contact_compliance(data, cycle=curve.cycle)
     except FingerpadError:
         return CurveResult(manifest=curve, curve=data, reason=reason)
     area_std = known.get("area_relative_std", 0.0)
     return CurveResult(
         manifest=curve,
-        loading_radius=line.loading_radius,
-        loading_radius_std=math.hypot(line.loading_radius_std, area_std * line.loading_radius),
+        loading_radius=radius.value,
+        loading_radius_std=math.hypot(radius.std, area_std * radius.value),
         area_relative_std=area_std,
         curve=data,
         reason=f"{reason}; only the slope of area against indentation is known",
@@ -436,5 +438,5 @@ def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: 
     except (GeometryError, ConvergenceError):
         return None
     indentation, area = np.array([(one.indentation, one.area) for one in pressed]).T
-    ratio = shape_check(loads, indentation, area, loading_radius=radius).ratio
+    ratio = sphere_ratio(indentation, area, loading_radius=radius)
     return Shape(geometric_mean_radius=radius, load=loads, ratio=ratio)

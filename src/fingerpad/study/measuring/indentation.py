@@ -7,7 +7,7 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import LoadingError
 from fingerpad.image import ForceSignal
-from fingerpad.loading.segments import fit_contact_start
+from fingerpad.loading.cycles import fit_contact_start
 
 _MIN_ROWS: Final = 6
 # The way in is fitted up to this share of the largest force, beyond which tissue stiffens.

@@ -1,6 +1,6 @@
 """Baseline, loading, hold and unloading of each cycle, from the platen's motion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
@@ -42,12 +42,6 @@ class Segment(Displayed):
     ----------
     start, stop : int
         First row, and the row after the last.
-
-    Examples
-    --------
-    >>> segment = Segment(start=18, stop=87)
-    >>> len(segment), segment.rows
-    (69, slice(18, 87, None))
     """
 
     start: int
@@ -72,13 +66,6 @@ class Cycle(Displayed):
         Rows before contact, at rest in contact and on the way back, where there are any.
     loading : Segment
         Rows in contact on the way in.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> (cycle,) = find_cycles(simulate_loading_curve(points=200))
-    >>> cycle.loading, cycle.unloading
-    (Segment(start=41, stop=200), None)
     """
 
     baseline: Segment | None
@@ -87,32 +74,15 @@ class Cycle(Displayed):
     unloading: Segment | None
 
     def as_record(self) -> dict[str, list[int] | None]:
-        """Return the first and last row of each phase, counted from zero.
-
-        Returns
-        -------
-        dict of str to list of int or None
-            By phase; None for one that is absent.
-        """
+        """Return the first and last row of each phase, counted from zero."""
         return {
             name: None if segment is None else [segment.start, segment.stop - 1]
             for name, segment in self.phases().items()
         }
 
     def phases(self) -> dict[str, Segment | None]:
-        """Return the phases by name, in their order.
-
-        Returns
-        -------
-        dict of str to Segment or None
-            None for one that is absent.
-        """
-        return {
-            "baseline": self.baseline,
-            "loading": self.loading,
-            "hold": self.hold,
-            "unloading": self.unloading,
-        }
+        """Return the phases by name, in their order; None for one that is absent."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -125,11 +95,6 @@ class Hysteresis(Displayed):
         ∮W dξ, N mm = mJ.
     fraction : float
         Share of the work of loading.
-
-    Examples
-    --------
-    >>> Hysteresis(energy=0.12, fraction=0.25)
-    Hysteresis(energy=0.12, fraction=0.25)
     """
 
     energy: float

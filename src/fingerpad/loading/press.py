@@ -10,9 +10,7 @@ import numpy as np
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.joint import FitData
-from fingerpad.loading.laws import hertz_stiffness
-from fingerpad.loading.segments import (
+from fingerpad.loading.cycles import (
     BOTH_REVERSED,
     Cycle,
     both_reversed,
@@ -23,6 +21,8 @@ from fingerpad.loading.segments import (
     rows_in_contact,
     saturated_rows,
 )
+from fingerpad.loading.joint import FitData
+from fingerpad.loading.laws import hertz_stiffness
 
 # Rows before contact from which a drift, or a zero, can be estimated.
 _TILT_ROWS, _ZERO_ROWS = 4, 2
