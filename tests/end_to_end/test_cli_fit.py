@@ -88,7 +88,13 @@ def test_figures(curve: Path, tmp_path: Path) -> None:
     assert names == {
         f"press_{name}.svg"
         for name in (
-            *("load_indentation", "compliance", "secant_modulus_load", "secant_modulus_indentation"),
+            *(
+                "load_indentation",
+                "residuals",
+                "compliance",
+                "secant_modulus_load",
+                "secant_modulus_indentation",
+            ),
             "relaxation",
         )
     }

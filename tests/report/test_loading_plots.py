@@ -12,9 +12,9 @@ from fingerpad.simulate import simulate_loading_curve
 def test_every_force_model_is_drawn_from_the_zero_of_the_points(monkeypatch: pytest.MonkeyPatch) -> None:
     drawn = []
 
-    def kept(axes, indentation, load, *, phase, fits, synthetic):
+    def kept(axes, indentation, load, *, phase, fits, **options):
         drawn.append((indentation[phase == "loading"], load[phase == "loading"], fits))
-        return plot_load_indentation(axes, indentation, load, phase=phase, fits=fits, synthetic=synthetic)
+        return plot_load_indentation(axes, indentation, load, phase=phase, fits=fits, **options)
 
     monkeypatch.setattr(loading, "plot_load_indentation", kept)
     curve = simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=3)
