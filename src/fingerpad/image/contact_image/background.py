@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image._masks import bounding_box, distance_to, largest_piece, longest_contour
+from fingerpad.image._masks import UInt8, bounding_box, distance_to, largest_piece, longest_contour
 
 # An added border: its least share of the picture; ripples that lossy compression leaves in it, as a share of
 # the range.
@@ -19,6 +19,8 @@ _RIPPLE: Final = 4 / 255
 _MIN_CONVEXITY: Final = 0.96
 _MIN_STRAIGHTNESS: Final = 0.7
 _LONG_SIDE: Final = 0.2
+# By so much these limits are wider at half the size, so that no card is missed.
+_SLACK: Final = 0.1
 # How far corners may be off, as a share of the longest side: a print in a small picture is not straightened.
 _BLUNTNESS: Final = 0.005
 # A copy of so many px is fine enough for a border; grain that runs into it and letters that stick out, px of
@@ -49,20 +51,23 @@ def without_added_border(
     low, high, _, _ = cv2.minMaxLoc(small)
     level, width = float(np.median(corners)), _RIPPLE * (high - low)
     if np.count_nonzero(np.abs(corners - level) <= width) >= 3:
-        even = cv2.inRange(small, level - width, level + width)
+        near = cv2.inRange(small, level - width, level + width)
         # Noise that comes near one level here and there leaves no even piece.
-        even = cv2.morphologyEx(even, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
-        if cv2.countNonZero(even) >= _MIN_BORDER * even.size:
-            filled = np.pad(even, 1, constant_values=255)
-            cv2.floodFill(filled, None, (0, 0), 1)
-            card = _smooth_mask(filled[1:-1, 1:-1] != 1)
-            if card.any() and card.mean() < 1 - _MIN_BORDER and _is_polygon(card):
+        opened = cv2.morphologyEx(near, cv2.MORPH_OPEN, np.ones((5, 5), np.uint8))
+        even = np.asarray(opened, dtype=np.uint8)
+        # A print on an even ground shows at half the size already that it is no card.
+        if cv2.countNonZero(even) >= _MIN_BORDER * even.size and _is_card(_card(even[::2, ::2]), _SLACK):
+            card = _card(even)
+            if _is_card(card):
                 return cv2.resize(card.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
     return np.ones(shape, dtype=bool)
 
 
-def _smooth_mask(card: BoolArray) -> BoolArray:
-    """Close grain that runs into the border and drop letters that stick out."""
+def _card(even: UInt8) -> BoolArray:
+    """Return what an even border leaves: grain that runs into it closed, letters that stick out dropped."""
+    filled = np.pad(even, 1, constant_values=255)
+    cv2.floodFill(filled, None, (0, 0), 1)
+    card = np.asarray(filled[1:-1, 1:-1] != 1)
     if not card.any():
         return card
     # In a small picture a print must not be rounded into a polygon.
@@ -77,14 +82,17 @@ def _smooth_mask(card: BoolArray) -> BoolArray:
     return smooth
 
 
-def _is_polygon(card: BoolArray) -> bool:
+def _is_card(card: BoolArray, slack: float = 0.0) -> bool:
+    """Return whether what is left is a convex polygon of long sides, smaller than the picture."""
+    if not card.any() or not card.mean() < 1 - _MIN_BORDER + slack:
+        return False
     hull = cv2.convexHull(longest_contour(card))
-    if np.count_nonzero(card) < _MIN_CONVEXITY * cv2.contourArea(hull):
+    if np.count_nonzero(card) < (_MIN_CONVEXITY - slack) * cv2.contourArea(hull):
         return False
     corners = cv2.approxPolyDP(hull, _BLUNTNESS * max(card.shape), True).reshape(-1, 2)
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     straight = sides[sides > _LONG_SIDE * math.sqrt(card.size)].sum()
-    return bool(straight > _MIN_STRAIGHTNESS * sides.sum())
+    return bool(straight > (_MIN_STRAIGHTNESS - 2 * slack) * sides.sum())
 
 
 class Flattened(NamedTuple):

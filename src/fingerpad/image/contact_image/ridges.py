@@ -238,8 +238,10 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
     else:
         means = _mean_along_ridges(values, period / step)
         valley, rise = _local_levels(means, view.contrast, period / step)
-        amount = as_float32((means - valley) / rise)
-        grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
+        amount, off = as_float32(means - valley), as_float32(values - means)
+        amount /= rise
+        off /= rise
+        grain = _excess_grain(off, amount, inside)
         clipped = _clipped_share(box, inside & (amount < level), dark_on_light=view.dark_on_light)
         level += _blur_shift(amount[inside]) - RIDGE_LEVEL.by_grain * grain
         level -= RIDGE_LEVEL.by_clipping * clipped**2
