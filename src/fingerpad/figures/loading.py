@@ -48,6 +48,8 @@ _PHASE_COLOURS: Final = {"baseline": GREY, "loading": BLUE, "hold": GREEN, "unlo
 _LINE_STYLES: Final = ((ORANGE, "-"), (BLACK, "--"), (SKY, "-."))
 _RIVAL_STYLES: Final = ((BLACK, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "--"))
 _MILLI: Final = 1000.0
+# Of the largest indentation, how much of the approach is shown.
+_APPROACH: Final = 0.4
 
 
 @in_style
@@ -102,6 +104,8 @@ def plot_load_indentation(
     mark_synthetic(axes, synthetic)
     _draw_fits(axes, fits)
     _draw_band(axes, band)
+    if phase is not None:
+        _crop_approach(axes, xi)
     axes.set_xlabel("indentation ξ (mm)")
     axes.set_ylabel("normal load W (N)")
     legend_above(axes)
@@ -111,6 +115,12 @@ def plot_load_indentation(
 def _draw_fits(axes: AnyAxes, fits: Mapping[str, Line] | None) -> None:
     for (name, (x, y)), (colour, style) in zip((fits or {}).items(), _LINE_STYLES, strict=False):
         axes.plot(x, y, style, color=colour, label=name, zorder=4)
+
+
+def _crop_approach(axes: AnyAxes, xi: FloatArray) -> None:
+    """Leave out of view what a long approach has before contact."""
+    if xi.size and xi.min() < -_APPROACH * xi.max():
+        axes.set_xlim(-_APPROACH * xi.max(), 1.05 * xi.max())
 
 
 def _draw_band(axes: AnyAxes, band: tuple[ArrayLike, ArrayLike, ArrayLike] | None) -> None:
@@ -168,8 +178,11 @@ def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = Fal
         )
     mark_synthetic(axes, synthetic)
     band = np.append(lower, upper) - np.append(law, law)
-    largest = 1.1 * float(np.abs(np.append(off, _MILLI * band)).max())
+    # The platen's turn leaves a row or two far off, which must not set the scale.
+    usual = float(np.percentile(np.abs(off), 99))
+    largest = 1.1 * max(1.3 * usual, _MILLI * float(np.nanmax(np.abs(band))))
     axes.set_ylim(-largest, largest)
+    _crop_approach(axes, fit.indentation)
     axes.set_xlabel("indentation ξ (mm)")
     axes.set_ylabel("load W less the fitted law (mN)")
     legend_above(axes, columns=2)

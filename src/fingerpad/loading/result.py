@@ -405,7 +405,8 @@ def _quantity_lines(quantities: Mapping[str, tuple[Estimate, str]]) -> Iterator[
         value = value_with_uncertainty(found.value, found.std)
         digits = len(value.partition(" ")[0].partition(".")[2])
         ends = (f"{end:.{digits}f}" for end in found.interval)
-        rows.append((name, f"{value} {unit}".rstrip(), f"{' to '.join(ends)} {unit}".rstrip()))
+        interval = f"{' to '.join(ends)} {unit}" if found.std > 0 else "given, without uncertainty"
+        rows.append((name, f"{value} {unit}".rstrip(), interval.rstrip()))
     yield from _table(rows)
     for reason, names in reasons.items():
         yield f"  not known: {', '.join(names)}: {reason}"

@@ -1,0 +1,109 @@
+"""What a fitted loading curve predicts, and what it says."""
+
+import re
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fingerpad import Estimate
+from fingerpad.figures import new_figure, plot_load_residuals
+from fingerpad.loading import LOADING_FLAGS, LoadingFit, fit_loading_curve, load_from_indentation
+from fingerpad.simulate import simulate_loading_curve
+
+PAD = {"loading_radius": 15.0, "initial_modulus": 0.04, "load_coefficient": 0.02}
+DOUBTFUL = {"misfit", "area_offset", "correlated_area"}
+NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0}
+
+
+@cache
+def fit_of(seed: int = 1, times: float = 1.0, **options: object) -> LoadingFit:
+    noise = {name: times * std for name, std in NOISE.items()}
+    return fit_loading_curve(simulate_loading_curve(points=100, seed=seed, **PAD, **noise), **options)
+
+
+@pytest.mark.parametrize("times", [0.3, 1.0, 3.0])
+def test_the_band_holds_the_true_load(times: float) -> None:
+    fits = [fit for seed in range(6) if not DOUBTFUL & set((fit := fit_of(seed, times)).flags)]
+    held = []
+    for fit in fits:
+        depth = np.linspace(0.02, 1, 40) * fit.indentation.max()
+        band, truth = fit.predict(depth), load_from_indentation(depth, **PAD)
+        held.append(np.mean((band.lower <= truth) & (truth <= band.upper)))
+        assert np.median(band.std / band.value) < 0.05 * max(times, 0.5)
+    assert len(fits) >= 4
+    assert np.mean(held) >= 0.93
+
+
+def test_the_prediction_is_the_law_and_zero_before_contact() -> None:
+    fit = fit_of()
+    depth = np.array([[-0.5, 0.0], [0.4, 1.1]])
+    found = fit.predict(depth)
+    assert found.value.shape == found.std.shape == found.lower.shape == (2, 2)
+    main = fit.models["load_dependent"]
+    assert_allclose(found.value, main.load(depth + main.values["contact_offset"]), atol=1e-12)
+    assert (found.value[0] == 0).all()
+    assert (found.std[0] < 1e-12).all()
+    assert (found.lower[1] < found.value[1]).all()
+    assert (found.value[1] < found.upper[1]).all()
+    assert fit.predict(1.1).std == pytest.approx(found.std[1, 1])
+
+
+def test_a_given_radius_that_is_uncertain_leaves_the_load_as_certain() -> None:
+    """The force is measured: another radius asks for another modulus, and for the same load."""
+    curve = simulate_loading_curve(points=100, seed=1, with_area=False, force_std=0.005, **PAD)
+    exact, uncertain = (
+        fit_loading_curve(
+            curve, loading_radius=Estimate.symmetric(15.0, std), thickness=np.inf, stage_compliance=0.0
+        )
+        for std in (0.0, 1.5)
+    )
+    assert uncertain.youngs_modulus.std > 1.5 * exact.youngs_modulus.std
+    assert uncertain.predict(1.0).std == pytest.approx(exact.predict(1.0).std, rel=0.01)
+
+
+def test_a_stage_that_yields_is_not_indented() -> None:
+    fit = fit_of(stage_compliance=0.05)
+    assert_allclose(
+        fit.rows.displacement - fit.contact_offset.value - fit.indentation,
+        0.05 * fit.models["load_dependent"].load(fit.rows.displacement),
+        atol=1e-4,
+    )
+
+
+def test_the_report_has_every_quantity_law_explanation_and_flag() -> None:
+    fit = fit_of()
+    text = fit.report()
+    for name in ("R_g", "E\\*", "E_0g", "β", "x₀", "m, W ∝ ξ\\^m", "n, A ∝ W\\^n"):
+        assert re.search(f"  [^\n]*{name}[^\n]* [-\\d.]+ ± [\\d.]+[^\n]* to ", text), name
+    weights = [float(found) for found in re.findall(r"(0\.\d{3})$", text, re.MULTILINE)]
+    assert sum(weights) == pytest.approx(1, abs=0.005)
+    assert text.count("ΔAICc") == 2
+    assert "flag modulus_depends_on_load: Hertz's law" in text
+    assert text == fit.summary()
+
+
+def test_the_report_says_why_a_quantity_is_not_known() -> None:
+    curve = simulate_loading_curve(points=100, seed=1, with_area=False, force_std=0.005)
+    text = fit_loading_curve(curve).report()
+    (line,) = (line for line in text.splitlines() if "not known" in line and "Young's modulus" in line)
+    assert "no contact area in the curve" in line
+
+
+def test_documented_flags() -> None:
+    page = Path(__file__).parents[2] / "docs" / "explanation" / "loading.md"
+    assert [flag for flag in LOADING_FLAGS if f"`{flag}`" not in page.read_text(encoding="utf-8")] == []
+    assert set(fit_of().flags) <= LOADING_FLAGS.keys()
+
+
+def test_residuals_are_drawn_with_the_other_explanations() -> None:
+    _, (axes,) = new_figure()
+    fit = fit_of()
+    plot_load_residuals(axes, fit)
+    measured = axes.lines[0].get_ydata()
+    assert np.std(measured) < 3 * 1000 * np.hypot(0.005, 0.005 * 3)
+    labels = " ".join(text.get_text() for text in axes.get_legend().get_texts())
+    weights = [of.weight for name, of in fit.uncertainty.items() if name != "load_dependent"]
+    assert all(f"({weight:.2f})" in labels for weight in weights if weight >= 0.01)
