@@ -7,9 +7,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from fingerpad.image import PHOTOGRAPH_FLAGS
+from fingerpad.flags import FLAGS, Flagged
 from fingerpad.study.editing.template import manifest_schema
-from fingerpad.study.results.layer import LAYER_FLAGS
 
 _TABLES = {
     "Study": "Top of the file",
@@ -99,12 +98,33 @@ def _whole_summaries(body: str) -> str:
 
 
 def flag_tables() -> str:
-    """Return tables of the flags of photographs and of the layer, in Markdown."""
-    tables = {"Flags of a photograph": PHOTOGRAPH_FLAGS, "`layer_flag`: no result on the layer": LAYER_FLAGS}
+    """Return a table of the flags of each kind of measurement, in Markdown."""
+    titles: dict[Flagged, str] = {
+        "contact": "Flags of a contact image",
+        "scale": "Flags of a scale",
+        "frame": "Flags of a frame of a sequence",
+        "photograph": "Flags of a photograph",
+        "curve": "Flags of a loading curve",
+        "layer": "`layer_flag`: no result on the layer",
+        "row": "Range notes of a row",
+    }
+    kept_out = {
+        "": "",
+        "pooling": "not pooled",
+        "pooling unless reviewed": "not pooled until accepted or corrected",
+        "pooled ridge area": "its ridge area is not pooled",
+    }
     text = ""
-    for title, flags in tables.items():
-        rows = "".join(f"| `{flag}` | {meaning} |\n" for flag, meaning in flags.items())
-        text += f"## {title}\n\n| flag | meaning |\n|---|---|\n{rows}\n"
+    for kind, title in titles.items():
+        flags = FLAGS[kind].values()
+        of_contacts = any(flag.excludes for flag in flags)
+        head = ("flag", "meaning", *(("pooling",) if of_contacts else ()), "what to do")
+        rows = [
+            (f"`{flag.code}`", flag.words, *((kept_out[flag.excludes],) if of_contacts else ()), flag.to_do)
+            for flag in flags
+        ]
+        lines = [head, ("---",) * len(head), *rows]
+        text += f"## {title}\n\n" + "".join(f"| {' | '.join(line)} |\n" for line in lines) + "\n"
     return text
 
 

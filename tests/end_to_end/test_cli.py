@@ -401,7 +401,7 @@ def test_measure_print_explains_scale_flags_and_overlays(tmp_path: Path) -> None
     code, out, _ = run("measure", "print", tmp_path / "stated.png", "--ppi", 50)
     assert re.search(r"^scale_from +option$", out, re.M)
     assert "\nscale taken as exact\n" in out
-    assert "\nscale_doubtful: the ridge period is not that of a finger: check the scale\n" in out
+    assert "\nscale_doubtful: the ridge period is not that of a finger. To do: check the resolution" in out
     assert "Overlays" not in out
 
 

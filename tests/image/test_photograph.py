@@ -9,9 +9,9 @@ from PIL import Image
 from tests.image import hand_mesh
 
 from fingerpad.exceptions import FitError, ImageError
+from fingerpad.flags import FLAGS
 from fingerpad.image import (
     FACE_AXES,
-    PHOTOGRAPH_FLAGS,
     Scale,
     combine_faces,
     direct_semi_axes,
@@ -57,7 +57,7 @@ def test_semi_axes_and_centre(face):
     assert off.max() < 3
     assert found.arc_deg > 120
     assert found.outlier_fraction < 0.05
-    assert found.flags <= set(PHOTOGRAPH_FLAGS)
+    assert found.flags <= set(FLAGS["photograph"])
 
 
 @pytest.mark.parametrize(

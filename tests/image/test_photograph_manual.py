@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fingerpad.exceptions import FitError, ImageError
+from fingerpad.flags import FLAGS
 from fingerpad.image import (
-    PHOTOGRAPH_FLAGS,
     Scale,
     combine_faces,
     draw_photograph_overlay,
@@ -73,7 +73,7 @@ def test_fit_round_trip():
     # A hand is less sure than a fit to four hundred points, and surer than a tenth.
     for name, std in again.semi_axes_mm_std.items():
         assert found().semi_axes_mm_std[name] < std < 0.1 * again.semi_axes_mm[name]
-    assert again.flags == {"fitted_manually"} <= set(PHOTOGRAPH_FLAGS)
+    assert again.flags == {"fitted_manually"} <= set(FLAGS["photograph"])
 
 
 def test_manual_face_combines_with_others():

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from fingerpad._rounding import two_digits, value_with_uncertainty
-from fingerpad.image import FLAG_WORDS, FLAGS
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
@@ -126,10 +125,6 @@ def test_manifest_text_escaped(tmp_path: Path) -> None:
     assert "<script>" not in text
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; sons" in text
     assert "No contact is given" in text
-
-
-def test_every_flag_described() -> None:
-    assert set(FLAGS) <= set(FLAG_WORDS)
 
 
 @pytest.mark.parametrize(

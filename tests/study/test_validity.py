@@ -13,15 +13,9 @@ from typer.testing import CliRunner
 
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.cli import app
-from fingerpad.report.text import ways_out
+from fingerpad.report.text import to_do
 from fingerpad.study.compare import compare_studies
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.exclusions import (
-    IMPLAUSIBLE_SIZE,
-    NEVER_POOLED,
-    POOLED_IF_REVIEWED,
-    WAY_OUT,
-)
 from fingerpad.study.results.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
@@ -230,7 +224,7 @@ def test_loads_of_contacts_that_do_not_count_are_not_denied(tmp_path: Path) -> N
     (validity,) = result.validities
     for name in ("area_against_load", "area_falls"):
         assert named(validity, name).note == "no contact counts"
-    (words,) = ways_out(result.rows)
+    (words,) = to_do(result.rows)
     assert words.endswith(": check the scale of the photographs, or the unit of the semi-axes")
 
 
@@ -240,10 +234,6 @@ def test_a_difference_names_the_result_that_it_is_of(tmp_path: Path) -> None:
     assert found.pop("area_against_load") == "E"
     found.pop("area_falls", None)
     assert set(found.values()) == {""}
-
-
-def test_every_flag_that_excludes_has_a_way_out() -> None:
-    assert set(WAY_OUT) == NEVER_POOLED | POOLED_IF_REVIEWED | {IMPLAUSIBLE_SIZE}
 
 
 def test_a_mean_over_repeats_keeps_the_models_part(tmp_path: Path) -> None:

@@ -156,15 +156,14 @@ def verify(
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.image import FLAG_WORDS
     from fingerpad.report.text import (
+        contact_flags,
         doubtful_frames,
         finger_doubts,
         fingers_without_results,
         implausible_values,
-        in_words,
         placement_words,
-        ways_out,
+        to_do,
         why_not_pooled,
     )
     from fingerpad.study.results.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
@@ -195,11 +194,12 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             typer.echo(f"doubtful: {finger.name}: {words}")
     for row in result.rows.at(~result.rows.known("frame")):
         if row["flags"]:
-            typer.echo(f"doubtful: {row['observation']}: {', '.join(in_words(row['flags'], FLAG_WORDS))}")
-    for words in ways_out(result.rows.at(~result.rows.known("frame"))):
+            words = ", ".join(flag.words for flag in contact_flags(row["flags"]))
+            typer.echo(f"doubtful: {row['observation']}: {words}")
+    for words in to_do(result.rows.at(~result.rows.known("frame"))):
         typer.echo(f"to do: {words}")
-    for name, count, words in doubtful_frames(result):
-        typer.echo(f"doubtful: {name}: {words} in {count} of its frames")
+    for name, count, flag in doubtful_frames(result):
+        typer.echo(f"doubtful: {name}: {flag.words} in {count} of its frames; to do: {flag.to_do}")
     for note in (*result.notes, *implausible_values(result)):
         typer.echo(f"note: {note}", err=True)
     for failure in result.failures:

@@ -9,7 +9,6 @@ from fingerpad.image.contact_image.measure import (
 )
 from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
 from fingerpad.image.contact_image.result import (
-    FLAGS,
     PLAUSIBLE_RIDGE_PERIOD_MM,
     ContactImageResult,
 )
@@ -21,7 +20,6 @@ from fingerpad.image.ellipse import (
     interpolated_ellipse,
 )
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
-from fingerpad.image.flags import FLAG_WORDS
 from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.levels import MEMORY_LIMIT
 from fingerpad.image.photograph.direct import direct_semi_axes
@@ -46,7 +44,7 @@ from fingerpad.image.photograph.outline import (
 )
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse
 from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
-from fingerpad.image.photograph.result import PHOTOGRAPH_FLAGS, PhotographFit
+from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.read import Picture, read_colour_image, read_image
 from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.alignment import alignment_scatter
@@ -67,11 +65,8 @@ from fingerpad.image.subject import SUBJECTS, Subject, SubjectGuess, guess_subje
 
 __all__ = [
     "FACE_AXES",
-    "FLAGS",
-    "FLAG_WORDS",
     "MEMORY_LIMIT",
     "PHASES",
-    "PHOTOGRAPH_FLAGS",
     "PLAUSIBLE_RIDGE_PERIOD_MM",
     "SEMI_AXES",
     "SUBJECTS",

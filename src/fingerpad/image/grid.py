@@ -117,9 +117,9 @@ class Grid(Displayed):
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """Doubts: ``tilted`` where pixels are not square on the plane, ``bent`` where it is not flat."""
+        """Doubts: ``grid_tilted`` where pixels are not square, ``grid_bent`` where it is not flat."""
         tilted = self.anisotropy > _TILTED or self.variation > _TILTED
-        found = {"tilted": tilted, "bent": self.unevenness > _BENT}
+        found = {"grid_tilted": tilted, "grid_bent": self.unevenness > _BENT}
         return tuple(flag for flag, true in found.items() if true)
 
     @property

@@ -14,10 +14,9 @@ from fingerpad.loading.laws import (
 )
 from fingerpad.loading.layer import LayerThicknessFit, fit_layer_thickness
 from fingerpad.loading.relaxation import PronyTerm, Relaxation, fit_relaxation
-from fingerpad.loading.result import LOADING_FLAGS, LawUncertainty, LoadingFit, Secant
+from fingerpad.loading.result import LawUncertainty, LoadingFit, Secant
 
 __all__ = [
-    "LOADING_FLAGS",
     "Cycle",
     "FittedForceModel",
     "Hysteresis",

@@ -15,6 +15,7 @@ from fingerpad._records import Recorded
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import LoadingError
+from fingerpad.flags import flags_in
 from fingerpad.loading.averaging import akaike_weights
 from fingerpad.loading.cycles import Cycle, Hysteresis
 from fingerpad.loading.joint import FitData
@@ -26,27 +27,6 @@ from fingerpad.units import KPA_PER_MPA
 MAIN: Final = "load_dependent"
 LAW_NAMES: Final = MappingProxyType(
     {MAIN: "modulus growing with load", "hertz": "Hertz", "free_exponent": "free exponent"}
-)
-LOADING_FLAGS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "no_baseline": "fewer than two rows before contact: the force's zero is not corrected, or depends on "
-        "the model",
-        "tilt_unknown": "too few rows before contact to estimate a drift of the force",
-        "saturated_force": "rows at the sensor's limit are left out",
-        "modulus_depends_on_load": "Hertz's law is behind by more than 10 in AICc",
-        "modulus_partly_decreases": "the modulus falls over a part of the loads, which is left out",
-        "region_given": "the range of loads was given, not found",
-        "misfit": "another explanation fits the curve better",
-        "area_offset": "force and area disagree on the place of contact",
-        "correlated_area": "neighbouring areas lie on the same side of the fit too often",
-        "untested_without_area": "without areas a layer or a stage that yields looks like a growing modulus",
-        "duplicated_time": "rows that share a time are spread evenly",
-        "time_gap": "rows are missing: one step of time exceeds 10 times the usual one",
-        "radius_contradicts_area": "the given radius is not the slope of the area",
-        "implausible_radius": "no finger pad has such a radius: check the units",
-        "implausible_modulus": "no finger pad has such a modulus: check the units",
-        "constraint_assumed": "the moduli are divided by an assumed constraint coefficient",
-    }
 )
 _MODULI: Final = ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient")
 # Nearer to contact than this share of the depth a row's secant modulus says nothing.
@@ -357,8 +337,10 @@ class LoadingFit(Recorded):
             ]
             yield from _table([("what else could explain the curve", "ΔAICc", "weight"), *rows])
         yield ""
-        words = {flag: self.notes.get(flag) or LOADING_FLAGS.get(flag, "") for flag in self.flags}
-        yield from ([f"flag {flag}: {said}" for flag, said in words.items()] or ["flags: none"])
+        for flag in flags_in(self.flags, "curve"):
+            yield f"flag {flag.code}: {self.notes.get(flag.code, flag.words)}. To do: {flag.to_do}."
+        if not self.flags:
+            yield "flags: none"
 
 
 def _load(law: FittedForceModel, values: Mapping[str, float], xi: FloatArray) -> FloatArray:

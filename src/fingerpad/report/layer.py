@@ -14,10 +14,11 @@ from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.figures import plot_layer_effect, section_figure
 from fingerpad.figures.panels import new_panels
 from fingerpad.figures.style import mark_synthetic
+from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import group_name
-from fingerpad.study.results.layer import HERTZ_OF, LAYER_FLAGS
+from fingerpad.study.results.layer import HERTZ_OF
 from fingerpad.study.results.layer_curve import curve_on_layer
 from fingerpad.study.results.layer_summary import LayerQuantity
 from fingerpad.study.results.study_result import StudyResult
@@ -94,7 +95,8 @@ def _of_curves(result: StudyResult, summary: Summary) -> Iterator[Comparison]:
         if found is not None:
             yield _comparison(
                 "E from load and indentation (kPa)",
-                f"{of.file}, {found.load:.3g} N" + (f": {LAYER_FLAGS[found.flag]}" if found.flag else ""),
+                f"{of.file}, {found.load:.3g} N"
+                + (f": {FLAGS['layer'][found.flag].words}" if found.flag else ""),
                 found.quantities["youngs_modulus_from_indentation"],
                 found.quantities["youngs_modulus_from_indentation_on_layer"],
             )

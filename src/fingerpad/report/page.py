@@ -17,7 +17,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._rounding import two_digits
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS
+from fingerpad.flags import FLAGS, Flag, flags_in
 from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plot
 from fingerpad.report.plots import (
@@ -37,25 +37,25 @@ from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import signed_with_uncertainty, templates
 from fingerpad.report.text import (
     HEADLINE_WORDS,
+    advice,
+    contact_flags,
     doubtful_frames,
     face_differences,
     implausible_values,
-    in_words,
     note_counts,
     outline_doubts,
     percent,
     phase_words,
+    photograph_flags,
     pooling_words,
     probability,
-    ways_out,
+    to_do,
 )
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exponent import area_exponent
-from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.operators import QUANTITY_WORDS
-from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.validity import Validity
@@ -101,7 +101,9 @@ def write_page(
     """
     environment = templates()
     filters: dict[str, Callable[..., Any]] = {
-        "flags": lambda codes: in_words(codes, FLAG_WORDS),
+        "flags": contact_flags,
+        "advice": advice,
+        "curve_flags": lambda codes: flags_in(codes, "curve"),
         "face_differences": face_differences,
         "probability": probability,
         "percent": percent,
@@ -110,7 +112,7 @@ def write_page(
         "drawing": _drawing,
         "picture": lambda overlay: _picture(overlays / overlay),
         "outline_doubts": outline_doubts,
-        "photograph_flags": lambda codes: in_words(codes, {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}),
+        "photograph_flags": photograph_flags,
     }
     environment.filters |= filters
     environment.globals |= {
@@ -226,13 +228,13 @@ def _details(
         "doubts": doubtful[:MOST_POINTS],
         "repeatability": result.repeatability[summary.synthetic].known,
         "left_out": [(row["observation"], pooling_words(row)) for row in out[:MOST_POINTS]],
-        "ways_out": list(ways_out(contacts)),
+        "to_do": list(to_do(contacts)),
         "pooled_manually": [
             (row["observation"], pooling_words(row))
             for row in contacts.at(contacts.column("pooled") & contacts.known("pooling_corrected_by"))
         ],
         "edge": _edge(shown.column("edge_offset_mm_std")),
-        "range_notes": [(RANGE_NOTES[code], notes[code], len(rows)) for code in RANGE_NOTES if notes[code]],
+        "range_notes": [(flag, notes[code], len(rows)) for code, flag in FLAGS["row"].items() if notes[code]],
         "pictures": len(overlays),
         "overlays": thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))),
     }
@@ -243,7 +245,7 @@ def _on_layer(result: StudyResult, summary: Summary, draw: _Draw, *, with_sectio
     return {
         "layer": summary.layer,
         "layer_lines": comparisons(result, summary),
-        "layer_flag": LAYER_FLAGS.get(summary.layer.flag) if summary.layer else None,
+        "layer_flag": FLAGS["layer"].get(summary.layer.flag) if summary.layer else None,
         "layer_figures": draw(layer_plots(result, summary, with_section=with_section)),
     }
 
@@ -263,9 +265,9 @@ def _quantity(found: Estimate, factor: float = 1.0) -> Markup:
 
 def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
     """Return what the template shows of each sequence: never its single rows, which may be thousands."""
-    doubts: dict[str, list[tuple[int, str]]] = {}
-    for name, count, words in doubtful_frames(result):
-        doubts.setdefault(name, []).append((count, words))
+    doubts: dict[str, list[tuple[int, Flag]]] = {}
+    for name, count, flag in doubtful_frames(result):
+        doubts.setdefault(name, []).append((count, flag))
     shown = []
     sequences = list(zip(result.sequences, result.frames(), strict=True))
     drawn = set(

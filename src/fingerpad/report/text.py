@@ -2,28 +2,26 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Final
 
 import numpy as np
 
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS, OutlineSemiAxes
+from fingerpad.flags import FLAGS, Flag, flags_in
+from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.error_text import counted
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.results.exclusions import WAY_OUT
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED
-from fingerpad.study.results.rows import IMPLAUSIBLE, RANGE_NOTES
+from fingerpad.study.results.rows import IMPLAUSIBLE
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 
 # Why a flag, or a range note, leaves a contact out.
-_EXCLUDING_WORDS: Final[Mapping[str, str]] = {**FLAG_WORDS, **RANGE_NOTES}
-
 # They differ in shades of grey too.
 VERDICT_SYMBOLS: Final[Mapping[str, str]] = {
     HOLDS: "●",
@@ -47,9 +45,25 @@ _AXIS_WORDS: Final[Mapping[str, str]] = {
 }
 
 
-def in_words(codes: str, words: Mapping[str, str]) -> list[str]:
-    """Return the remark for each of the codes, which are separated by spaces."""
-    return [words.get(code, code) for code in codes.split()]
+def contact_flags(codes: str | None) -> list[Flag]:
+    """Return the flags of a contact, and the range notes that keep it out of pooled results."""
+    return list(flags_in(codes or "", "contact", "scale", "frame", "row"))
+
+
+def photograph_flags(codes: Iterable[str]) -> list[Flag]:
+    """Return the flags of a photograph."""
+    return list(flags_in(codes, "photograph", "scale"))
+
+
+def advice(flag: Flag) -> str:
+    """Return what a flag means, and what to do about it, as sentences.
+
+    Examples
+    --------
+    >>> advice(FLAGS["contact"]["cut_by_mask"])
+    'The contact is cut by the mask or region of interest. To do: make the mask or region of interest larger.'
+    """
+    return f"{flag.words[0].upper()}{flag.words[1:]}. To do: {flag.to_do}."
 
 
 def phase_words(phases: ManualPhases) -> str:
@@ -78,7 +92,7 @@ def pooling_words(row: Mapping[str, Any]) -> str:
     >>> pooling_words(row | {"pooled": True, "pooling_corrected_by": "Ada", "pooling_reason": "whole print"})
     'included by Ada: whole print (the contact has little contrast with the background)'
     """
-    flags = "; ".join(in_words(row["excluding_flags"] or "", _EXCLUDING_WORDS))
+    flags = "; ".join(flag.words for flag in contact_flags(row["excluding_flags"]))
     if row["pooling_corrected_by"]:
         done = "included" if row["pooled"] else "left out"
         words = f"{done} by {row['pooling_corrected_by']}: {row['pooling_reason']}"
@@ -86,12 +100,13 @@ def pooling_words(row: Mapping[str, Any]) -> str:
     return flags
 
 
-def ways_out(rows: ResultsTable) -> Iterator[str]:
-    """Yield what to do about contacts that are left out, for each flag in words."""
+def to_do(rows: ResultsTable) -> Iterator[str]:
+    """Yield what to do about doubtful contacts, for each flag; first about those that are left out."""
     out = rows.at(~rows.column("pooled"))
-    codes = dict.fromkeys(code for codes in out.items("excluding_flags") for code in (codes or "").split())
-    for code in codes:
-        yield f"{_EXCLUDING_WORDS[code]}: {WAY_OUT[code]}"
+    cells = (*out.items("excluding_flags"), *out.items("flags"), *rows.items("flags"))
+    codes = dict.fromkeys(code for cell in cells for code in (cell or "").split())
+    for flag in contact_flags(" ".join(codes)):
+        yield f"{flag.words}: {flag.to_do}"
 
 
 def placement_words(summary: Summary) -> str:
@@ -117,7 +132,7 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
             if counts[code]:
                 yield (
                     f"{placement_words(summary)}: in {counts[code]} of {counted(total, 'contact')}{frames} "
-                    f"{RANGE_NOTES[code]}"
+                    f"{FLAGS['row'][code].words}: {FLAGS['row'][code].to_do}"
                 )
 
 
@@ -166,8 +181,8 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
                 )
 
 
-def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:
-    """Yield for each sequence and flag the sequence's name, the number of frames, and the flag in words."""
+def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
+    """Yield for each sequence and flag the sequence's name, the number of frames, and the flag."""
     frames = result.rows.at(result.rows.known("frame"))
     doubts = Counter(zip(frames.column("sequence"), frames.column("flags"), strict=True))
     counts: Counter[tuple[str, str]] = Counter()
@@ -175,7 +190,7 @@ def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, str]]:
         for flag in flags.split():
             counts[name, flag] += count
     for (name, flag), count in counts.items():
-        yield name, count, FLAG_WORDS.get(flag, flag)
+        yield name, count, contact_flags(flag)[0]
 
 
 def probability(p_value: float) -> str:
@@ -213,7 +228,8 @@ def outline_doubts(finger: FingerResult) -> list[str]:
     """Return what makes the outlines of a finger that were given as points doubtful, one text for each."""
     shown = {one.manifest.face for one in finger.photographs}
     return [
-        f"{one.face} face: {', '.join(PHOTOGRAPH_FLAGS[flag] for flag in sorted(one.flags))}"
+        f"{one.face} face: "
+        + "; ".join(f"{flag.words} (to do: {flag.to_do})" for flag in photograph_flags(sorted(one.flags)))
         for one in (finger.outlines.faces if finger.outlines else ())
         if one.flags and one.face not in shown
     ]

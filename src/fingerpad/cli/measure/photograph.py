@@ -83,7 +83,7 @@ def measure_photo(
     print_record(record, as_json)
     if not as_json:
         print_if_exact(None if "error" in record else scale.mm_per_px_std)
-        print_flags(record)
+        print_flags(record, "photograph", "scale")
     print_folder("Overlays", overlay_dir, as_json)
     if "error" in record:
         raise typer.Exit(Exit.SOME_FAILED)

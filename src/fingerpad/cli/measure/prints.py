@@ -79,7 +79,7 @@ def measure_prints(
     def print_block(record: dict[str, Any]) -> None:
         print_text(record)
         print_if_exact(record.get("mm_per_px_std"))
-        print_flags(record)
+        print_flags(record, "contact", "scale")
         typer.echo()
 
     records = (record_of(path, measured) for path in tracked(images, len(images)))

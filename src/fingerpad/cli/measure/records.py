@@ -11,6 +11,7 @@ import typer
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
 from fingerpad.exceptions import reason_of
+from fingerpad.flags import Flagged, flags_in
 
 Item = TypeVar("Item")
 
@@ -82,10 +83,7 @@ def print_if_exact(mm_per_px_std: float | None) -> None:
         typer.echo("scale taken as exact")
 
 
-def print_flags(record: Mapping[str, Any]) -> None:
-    """Print what each flag of a record means."""
-    from fingerpad.image import FLAG_WORDS, PHOTOGRAPH_FLAGS
-
-    words = {**FLAG_WORDS, **PHOTOGRAPH_FLAGS}
-    for flag in record.get("flags", ()):
-        typer.echo(f"{flag}: {words.get(flag, flag)}")
+def print_flags(record: Mapping[str, Any], *kinds: Flagged) -> None:
+    """Print what each flag of a record means, and what to do about it."""
+    for flag in flags_in(record.get("flags", ()), *kinds):
+        typer.echo(f"{flag.code}: {flag.words}. To do: {flag.to_do}.")

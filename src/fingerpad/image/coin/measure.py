@@ -62,7 +62,7 @@ class Coin(Displayed):
     shadow : float
         Depth of a shadow beside the edge, as a share of the contrast between coin and background.
     flags : tuple of str
-        Doubts: ``shadow`` where it may shift the edge by more than the stated uncertainty.
+        Doubts: ``coin_shadow`` where it may shift the edge by more than the stated uncertainty.
 
     Examples
     --------
@@ -303,7 +303,7 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         residual_std=fit.residual_std,
         support=outline.support,
         shadow=shadow,
-        flags=("shadow",) if shadowed or shadow > _DEEP_SHADOW else (),
+        flags=("coin_shadow",) if shadowed or shadow > _DEEP_SHADOW else (),
     )
 
 

@@ -18,7 +18,7 @@ from fingerpad.image.contact_image.edge import (
     running_mean,
 )
 from fingerpad.image.contact_image.region import Region
-from fingerpad.image.contact_image.result import FLAGS, PLAUSIBLE_RIDGE_PERIOD_MM, ContactImageResult
+from fingerpad.image.contact_image.result import PLAUSIBLE_RIDGE_PERIOD_MM, ContactImageResult
 from fingerpad.image.contact_image.ridges import RidgeMap, Ridges, ridge_map
 from fingerpad.image.contact_image.spectra import shows_ridges
 from fingerpad.image.contact_image.view import View
@@ -90,7 +90,7 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
         threshold=ridges.median_level(region.patch),
         contrast=view.contrast,
         dark_on_light=view.dark_on_light,
-        flags=tuple(flag for flag in FLAGS if doubts[flag]),
+        flags=tuple(flag for flag, seen in doubts.items() if seen),
         _shape=view.shape,
         _ridges=fine,
     )

@@ -14,18 +14,6 @@ from fingerpad.image._masks import centres_inside
 from fingerpad.image.contact_image.ridges import RidgeMap
 from fingerpad.image.contact_image.view import ContactImageOptions
 
-FLAGS = (
-    "touches_border",
-    "cut_by_mask",
-    "low_contrast",
-    "several_regions",
-    "poor_ellipse",
-    "scale_doubtful",
-    "not_a_contact_image",
-    "ridges_merge",
-    "printed_marks",
-    "edited_manually",
-)
 # Beyond it a ridge period is doubtful, and with it the scale.
 PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)
 
@@ -75,7 +63,7 @@ class ContactImageResult(Recorded):
     dark_on_light : bool
         Whether the contact is darker than the background.
     flags : tuple of str
-        Doubts, from `FLAGS`.
+        Doubts, by their codes in `fingerpad.flags`.
 
     Examples
     --------

@@ -57,7 +57,7 @@ class FaceSemiAxes(Displayed):
     scale : str or None
         Name of the scale: faces of one name share its error; without a name it is the picture's own.
     flags : frozenset of str
-        Doubts, from `PHOTOGRAPH_FLAGS`.
+        Doubts, by their codes in `fingerpad.flags`.
 
     Raises
     ------

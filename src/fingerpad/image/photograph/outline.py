@@ -96,7 +96,7 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
     Returns
     -------
     FaceSemiAxes
-        Across and along, mm, with their covariance, and flags from `PHOTOGRAPH_FLAGS`.
+        Across and along, mm, with their covariance, and flags by their codes in `fingerpad.flags`.
 
     Raises
     ------

@@ -16,21 +16,6 @@ from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.orientation import FACE_AXES, Face
 from fingerpad.image.scale import Scale
 
-PHOTOGRAPH_FLAGS: Mapping[str, str] = {
-    "short_arc": "the arc is shorter than 90 degrees: its semi-axes are poorly determined",
-    "uncertain": "a semi-axis is known to no better than 2 percent",
-    "many_outliers": "more than 15 percent of the arc's points were left out",
-    "low_contrast": "the finger has little contrast with the backdrop",
-    "soft_edges": "the edge is blurred over more than 1 percent of the smaller semi-axis",
-    "few_points": "too few points to tell whether the outline is an ellipse: each semi-axis by 8 percent",
-    "touches_border": "the arc ends where the frame cuts the finger",
-    "poor_ellipse": "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
-    "not_an_ellipse": "the outline is more pointed or blunter than an ellipse",
-    "tilted": "the finger is tilted by more than 10 degrees",
-    "implausible_size": "a semi-axis lies outside 2–40 mm: check the scale",
-    "fitted_manually": "the ellipse was placed manually, or points were added or left out",
-}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class PhotographFit(Displayed):
@@ -63,7 +48,7 @@ class PhotographFit(Displayed):
     residual_px_std, blur_px : float
         Standard deviation of the points from the ellipse, and of the edges' blur, px.
     flags : frozenset of str
-        Doubts, from `PHOTOGRAPH_FLAGS`.
+        Doubts, by their codes in `fingerpad.flags`.
     exponent, exponent_std : float
         Exponent p of the superellipse :math:`|x/a|^p + |y/b|^p = 1` that follows the pad best, a mean over
         its quadrants, and its standard uncertainty: 2 for an ellipse, less where the tip is pointed, more

@@ -12,8 +12,8 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
+from fingerpad.flags import FLAGS
 from fingerpad.image import (
-    PHOTOGRAPH_FLAGS,
     FaceSemiAxes,
     OutlineSemiAxes,
     PhotographFit,
@@ -354,7 +354,7 @@ def _face(
         covariance=np.array(record["covariance"]),
         relative_scale_std=record["relative_scale_std"],
         scale=scale.name,
-        flags=frozenset(record["flags"]).intersection(PHOTOGRAPH_FLAGS),
+        flags=frozenset(record["flags"]).intersection(FLAGS["photograph"]),
     )
     return axes, PhotographResult(
         manifest=photograph,

@@ -150,7 +150,7 @@ def grid_of(table: GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
 
 def _grid(table: GridScale, folder: Path, name: str | None) -> FoundScale:
     grid = grid_of(table, read_image(folder / table.grid).pixels)
-    return FoundScale(scale=grid.scale, name=name, flags=tuple(f"grid_{flag}" for flag in grid.flags))
+    return FoundScale(scale=grid.scale, name=name, flags=grid.flags)
 
 
 def _coin(table: CoinScale, folder: Path, name: str | None) -> FoundScale:
@@ -162,5 +162,5 @@ def _coin(table: CoinScale, folder: Path, name: str | None) -> FoundScale:
     return FoundScale(
         scale=coin.scale(table.diameter_mm, table.diameter_mm_std),
         name=name,
-        flags=tuple(f"coin_{flag}" for flag in coin.flags),
+        flags=coin.flags,
     )

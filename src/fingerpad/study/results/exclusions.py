@@ -1,32 +1,21 @@
 """Which contacts count in pooled results, and which flags keep one out of them."""
 
-from collections.abc import Mapping
 from typing import Final
 
+from fingerpad.flags import FLAGS
 from fingerpad.study.manifest import Contact
 from fingerpad.study.measuring.measure import Measurement
 
 # The picture does not show all of a contact at a known scale: nothing that a person says of it helps.
-NEVER_POOLED: Final = frozenset(("touches_border", "cut_by_mask", "scale_doubtful", "not_a_contact_image"))
+NEVER_POOLED: Final = frozenset(flag.code for flag in FLAGS["contact"].values() if flag.excludes == "pooling")
 # What was measured may be a part of the contact, or more than it: a person who has looked can tell.
-POOLED_IF_REVIEWED: Final = frozenset(("low_contrast", "several_regions", "poor_ellipse", "printed_marks"))
+POOLED_IF_REVIEWED: Final = frozenset(
+    flag.code for flag in FLAGS["contact"].values() if flag.excludes == "pooling unless reviewed"
+)
 # The ridge area is an upper bound; area and ellipse of the contact are no less sure.
 RIDGES_MERGE: Final = "ridges_merge"
 # A range note: with a pad of no finger's size, no radius is one.
 IMPLAUSIBLE_SIZE: Final = "implausible_size"
-# What to do about a contact that is left out because of a flag.
-_REVIEW: Final = "look at its outline on the page, and accept or correct it"
-WAY_OUT: Final[Mapping[str, str]] = {
-    "touches_border": "take a picture with the whole contact in it, or include it on the page with a reason",
-    "cut_by_mask": "make the mask or region of interest larger",
-    "scale_doubtful": "check the resolution of the picture",
-    "not_a_contact_image": "check that the picture shows a contact, and its resolution",
-    "low_contrast": _REVIEW,
-    "several_regions": f"state region_of_interest_px, mask_px or seed_px, or {_REVIEW}",
-    "poor_ellipse": _REVIEW,
-    "printed_marks": f"take a picture of the contact alone, state background, or {_REVIEW}",
-    IMPLAUSIBLE_SIZE: "check the scale of the photographs, or the unit of the semi-axes",
-}
 _REVIEWED: Final = frozenset(("accepted", "corrected"))
 
 

@@ -1,6 +1,6 @@
 """The whole pad on a layer of tissue over bone, for contacts of fingers whose thickness is stated."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Self
 
@@ -36,17 +36,6 @@ POOLED_ON_LAYER: Final = ("youngs_modulus", "youngs_modulus_on_layer", "loading_
 LAYER_PART_SOURCES: Final = np.array(2 * [source for source, names in LAYER_SOURCES.items() for _ in names])
 # The value is in the range of the laws, a standard uncertainty away is not.
 UNCERTAINTY_OUT_OF_RANGE: Final = "uncertainty_out_of_range"
-
-# What takes a contact out of the range of the laws.
-LAYER_FLAGS: Final[Mapping[str, str]] = {
-    "no_contact": "there is no contact",
-    "contact_too_wide": "the contact is wider than 0.6 of the pad",
-    "contact_too_skew": "the pad curves too differently to either side of the contact",
-    "contact_too_slender": "the contact is too slender",
-    "layer_too_thin": "the contact radius exceeds three times the thickness",
-    "poisson_ratio_out_of_range": "Poisson's ratio is below 0.3",
-    UNCERTAINTY_OUT_OF_RANGE: "a standard uncertainty reaches beyond their range",
-}
 
 _MOST_UNDEFINED: Final = 1e-3  # of the draws of a Monte Carlo
 

@@ -28,16 +28,6 @@ from fingerpad.units import KPA_PER_MPA
 PLACEMENT: Final = ("finger", "wedge_angle_deg", "roll_angle_deg", "synthetic")
 PlacementKey: TypeAlias = tuple[Any, ...]
 
-RANGE_NOTES: Final = {
-    "faces_disagree": "the finger's photographs disagree about its semi-axes (p < 0.01)",
-    "curvature_disagrees": "at the place of contact the outline of the finger's side has another radius of "
-    "curvature than the ellipsoid, beyond their uncertainties",
-    "implausible_size": "a semi-axis of the pad lies outside 2–40 mm: check scale and units",
-    "implausible_modulus": "Young's modulus lies outside 1–5000 kPa: check load and scale",
-    "deeper_than_pad": "the indentation exceeds the palmar semi-axis: check load, scale and units",
-    "layer_out_of_range": "the contact is out of the range of the laws for a layer over bone: see layer_flag",
-}
-
 # What no contact of a finger has, at any load: the input is wrong.
 IMPLAUSIBLE: Final = ("implausible_size", "implausible_modulus", "deeper_than_pad")
 

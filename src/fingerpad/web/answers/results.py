@@ -29,6 +29,7 @@ class RangeNote(Answer):
 
     code: str
     words: str
+    to_do: str
     rows: int
 
 

@@ -182,12 +182,17 @@ class FileEntry(Answer):
     reading: FileReading | None
 
 
-class Descriptions(Answer):
-    """Descriptions of flags, notes and columns by their codes."""
+class FlagWords(Answer):
+    """What a flag means, and what to do about it."""
 
-    flags: dict[str, str]
-    photograph_flags: dict[str, str]
-    range_notes: dict[str, str]
+    words: str
+    to_do: str
+
+
+class Descriptions(Answer):
+    """Descriptions of flags, by what is flagged and their codes, and of columns."""
+
+    flags: dict[str, dict[str, FlagWords]]
     columns: dict[str, str]
 
 

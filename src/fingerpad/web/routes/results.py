@@ -9,13 +9,14 @@ import numpy as np
 from pydantic import Field
 
 from fingerpad._arrays import BoolArray
+from fingerpad.flags import FLAGS
 from fingerpad.published import audit
 from fingerpad.report.plots import group_name
 from fingerpad.report.text import pooling_words
 from fingerpad.study.corrections.history import ActiveCorrection
 from fingerpad.study.results.columns import COLUMNS, Column
 from fingerpad.study.results.result_set import RERUN
-from fingerpad.study.results.rows import PLACEMENT, RANGE_NOTES
+from fingerpad.study.results.rows import PLACEMENT
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
@@ -147,8 +148,8 @@ def _group(
             for name in answers.PlottedRows.model_fields
         },
         "range_notes": [
-            {"code": code, "words": words, "rows": codes[code]}
-            for code, words in RANGE_NOTES.items()
+            {"code": code, "words": flag.words, "to_do": flag.to_do, "rows": codes[code]}
+            for code, flag in FLAGS["row"].items()
             if code in codes
         ],
         "validity": _validity(of["validity"]),

@@ -68,11 +68,11 @@ def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
         coin = _COINS.get(place.stamp, lambda: measure_coin(opened.pictures.grey(place).pixels))
         found = FoundScale(
             scale=coin.scale(table.diameter_mm, table.diameter_mm_std),
-            flags=tuple(f"coin_{flag}" for flag in coin.flags),
+            flags=coin.flags,
         )
     elif isinstance(table, GridScale):
         grid = _measured_grid(opened, table)
-        found = FoundScale(scale=grid.scale, flags=tuple(f"grid_{flag}" for flag in grid.flags))
+        found = FoundScale(scale=grid.scale, flags=grid.flags)
     else:
         found = scale_of(opened, table)
     return {

@@ -12,7 +12,8 @@ from pydantic import Field
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import StoreError
-from fingerpad.image import FACE_AXES, FLAG_WORDS, PHOTOGRAPH_FLAGS
+from fingerpad.flags import FLAGS
+from fingerpad.image import FACE_AXES
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.history import (
@@ -30,8 +31,6 @@ from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_items
 from fingerpad.study.new_files.file_names import read_file_name
 from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.layer import LAYER_FLAGS
-from fingerpad.study.results.rows import RANGE_NOTES
 from fingerpad.study.status import item_states, semi_axes_state
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint
@@ -42,9 +41,10 @@ from fingerpad.web.workspace import Workspace
 
 _UNREADABLE: Final = (OSError, StoreError)
 _WORDS: Final[Mapping[str, Any]] = {
-    "flags": dict(FLAG_WORDS),
-    "photograph_flags": dict(PHOTOGRAPH_FLAGS),
-    "range_notes": {**RANGE_NOTES, **LAYER_FLAGS},
+    "flags": {
+        kind: {code: {"words": flag.words, "to_do": flag.to_do} for code, flag in flags.items()}
+        for kind, flags in FLAGS.items()
+    },
     "columns": {name: column.meaning for name, column in COLUMNS.items()},
 }
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact.laws import plate_gap, press
+from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.results.layer import LAYER_FLAGS
 from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio, known_error
 from fingerpad.study.results.validity.place import (
     HEADLINES,
@@ -135,7 +135,7 @@ def _errors(
     for name, (symbol, of) in _CONCERNS.items():
         check, compared = f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {_BETTER[kind]}"
         if not known.size:
-            yield missing(check, compared, of, f"{size}; {LAYER_FLAGS[flag]}")
+            yield missing(check, compared, of, f"{size}; {FLAGS['layer'][flag].words}")
             continue
         last = known[-1]
         power, exact = (-1.5, better.load) if name == MODULUS else (1.0, better.indentation)
@@ -147,7 +147,7 @@ def _errors(
             row[name] * _SIZES[last] ** power,
             factor / float(exact[last]) if name == MODULUS else float(exact[last]),
             unit=UNITS[name],
-            note=f"{size}: {LAYER_FLAGS[flag]}; {_at_end(row, _SIZES[last])}" if flag else size,
+            note=f"{size}: {FLAGS['layer'][flag].words}; {_at_end(row, _SIZES[last])}" if flag else size,
         )
 
 

@@ -263,13 +263,22 @@ export const workspace = new Workspace();
 export const who = () => localStorage.getItem("fingerpad.who") || workspace.session?.who || "";
 export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim());
 
-/** Description of a flag or note. */
-export function describeCode(code) {
-  const words = workspace.study?.words;
-  return (
-    words?.flags[code] ??
-    words?.photograph_flags[code] ??
-    words?.range_notes[code] ??
-    code.replaceAll("_", " ")
-  );
+const CONTACT_FLAGS = ["contact", "scale", "frame", "row", "layer"];
+export const PHOTOGRAPH_FLAGS = ["photograph", "scale"];
+
+/** What a flag or note means, and what to do about it, of the first kinds of things flagged that know it. */
+function flagOf(code, kinds) {
+  const flags = workspace.study?.words?.flags;
+  return kinds.map((kind) => flags?.[kind]?.[code]).find(Boolean);
 }
+
+/** Description of a flag or note of a contact. */
+export const describeCode = (code) => flagOf(code, CONTACT_FLAGS)?.words ?? code.replaceAll("_", " ");
+
+/** Description of a flag or note, and what to do about it. */
+export function adviseCode(code, kinds = CONTACT_FLAGS) {
+  const flag = flagOf(code, kinds);
+  return flag ? `${sentence(flag.words)}. To do: ${flag.to_do}.` : code.replaceAll("_", " ");
+}
+
+const sentence = (text) => text[0].toUpperCase() + text.slice(1);

@@ -3,7 +3,7 @@
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { plain, quantityRow, quantityText } from "../core/quantity.js";
-import { describeCode } from "../core/workspace.js";
+import { adviseCode, describeCode } from "../core/workspace.js";
 import { button, check, chip, choose, field, list, number, segments, synthetic } from "../parts/forms.js";
 import { Histogram } from "../parts/histogram.js";
 import { poolingOf } from "../parts/pooling.js";
@@ -251,7 +251,7 @@ export class ContactInspector extends Inspector {
             quantityRow(label(), quantityText(model, key), { title: words }),
           ),
         ),
-        model.layer_flag && h("p.soft", `Out of range: ${describeCode(model.layer_flag)}.`),
+        model.layer_flag && h("p.soft", `Out of range. ${adviseCode(model.layer_flag)}`),
       ],
       !model &&
         h(
@@ -272,7 +272,7 @@ export class ContactInspector extends Inspector {
         h(
           "details",
           h("summary", `Doubtful values (${notesOf(model).length})`),
-          list(notesOf(model).map(describeCode), "ul.note"),
+          list(notesOf(model).map((code) => adviseCode(code)), "ul.note"),
         ),
     );
     this.settings(answer);

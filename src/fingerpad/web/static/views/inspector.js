@@ -3,7 +3,7 @@
 import { describeChange } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
 import { ago } from "../core/quantity.js";
-import { describeCode } from "../core/workspace.js";
+import { adviseCode } from "../core/workspace.js";
 import { button, chip, list, slider, text } from "../parts/forms.js";
 import { missingList } from "../parts/missing_fields.js";
 
@@ -12,7 +12,8 @@ import { missingList } from "../parts/missing_fields.js";
  *
  * @param {string[]} flags
  */
-export const flagNote = (flags) => flags.length > 0 && h("div.note", list(flags.map(describeCode)));
+export const flagNote = (flags, kinds) =>
+  flags.length > 0 && h("div.note", list(flags.map((code) => adviseCode(code, kinds))));
 
 export class Inspector {
   /** @type {Record<string, { words?: any, brush?: string, hint?: string }>} */

@@ -4,7 +4,7 @@ import { h, render, s } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
 import { plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
-import { workspace } from "../core/workspace.js";
+import { PHOTOGRAPH_FLAGS, workspace } from "../core/workspace.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";
 import { AXES, FACES } from "../parts/missing_fields.js";
 import { scaleChoice, scaleWords } from "../parts/scale_choice.js";
@@ -108,7 +108,7 @@ export class PhotographInspector extends Inspector {
         ),
         quantityRow("Tilt", answer.tilt_deg === null ? "–" : `${plain(answer.tilt_deg)}°`),
       ),
-      flagNote(answer.flags),
+      flagNote(answer.flags, PHOTOGRAPH_FLAGS),
     );
     this.#pad(answer);
     this.settings();

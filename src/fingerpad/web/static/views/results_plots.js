@@ -207,7 +207,8 @@ export class Plots {
           h("summary", `Doubtful values (${group.range_notes.length})`),
           list(
             group.range_notes.map(
-              ({ words, rows }) => `${rows} of ${group.rows.item.length} contacts and frames: ${words}.`,
+              ({ words, to_do, rows }) =>
+                `${rows} of ${group.rows.item.length} contacts and frames: ${words}. To do: ${to_do}.`,
             ),
             "ul.note",
           ),

@@ -131,7 +131,9 @@ export class Table {
           choose({
             options: [
               ["", "any"],
-              ...Object.keys(study.words?.flags ?? {}).map((code) => [code, code.replaceAll("_", " ")]),
+              ...["contact", "scale", "frame"]
+                .flatMap((kind) => Object.keys(study.words?.flags[kind] ?? {}))
+                .map((code) => [code, code.replaceAll("_", " ")]),
             ],
             onset: set("flag"),
           }),

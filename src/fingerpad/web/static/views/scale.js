@@ -5,7 +5,7 @@ import { h, pathOf, render, s } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
-import { describeCode, workspace } from "../core/workspace.js";
+import { adviseCode, workspace } from "../core/workspace.js";
 import { button, chip, choose, faultList, field, NAME, segments, text } from "../parts/forms.js";
 import { definitionOf, lackingOf, scaleWords, WAYS, wayOf } from "../parts/scale_ways.js";
 import { Stage } from "../parts/stage.js";
@@ -327,7 +327,7 @@ class Scales {
       answer.flags?.length > 0 &&
         h(
           "div.note",
-          answer.flags.map((flag) => h("p", describeCode(flag))),
+          answer.flags.map((flag) => h("p", adviseCode(flag))),
         ),
       answer.grid &&
         rectification(

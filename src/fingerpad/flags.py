@@ -1,0 +1,384 @@
+"""Flags of measurements: what each means, what it keeps out of results, and what to do about it."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+# What is flagged: a contact image, the scale of a picture, a frame of a sequence, a photograph of a face, a
+# loading curve, a contact in the model of a layer over bone, and a row of a study's results.
+Flagged: TypeAlias = Literal["contact", "scale", "frame", "photograph", "curve", "layer", "row"]
+# What a flag keeps a contact out of: pooled results whatever a person says, pooled results until a person has
+# accepted or corrected it, or pooled ridge areas alone.
+Excludes: TypeAlias = Literal["", "pooling", "pooling unless reviewed", "pooled ridge area"]
+
+
+@dataclass(frozen=True, slots=True)
+class Flag:
+    """A doubt about a measurement.
+
+    Attributes
+    ----------
+    code : str
+        As in tables and records.
+    words : str
+        What it means.
+    to_do : str
+        What to do about it.
+    excludes : {"", "pooling", "pooling unless reviewed", "pooled ridge area"}
+        What a contact with it is kept out of.
+    """
+
+    code: str
+    words: str
+    to_do: str
+    excludes: Excludes = ""
+
+
+_REVIEW: Final = "look at its outline on the page, and accept or correct it"
+_CHECK_UNITS: Final = "check the scale, and the units of what was given"
+
+_CONTACT: Final = (
+    Flag(
+        "touches_border",
+        "the contact is cut by the edge of the picture",
+        "take a picture with the whole contact in it, or include it on the page with a reason",
+        "pooling",
+    ),
+    Flag(
+        "cut_by_mask",
+        "the contact is cut by the mask or region of interest",
+        "make the mask or region of interest larger",
+        "pooling",
+    ),
+    Flag(
+        "low_contrast",
+        "the contact has little contrast with the background",
+        f"ink or light it better, or {_REVIEW}",
+        "pooling unless reviewed",
+    ),
+    Flag(
+        "several_regions",
+        "there are other patches beside the one measured",
+        f"state region_of_interest_px, mask_px or seed_px, or {_REVIEW}",
+        "pooling unless reviewed",
+    ),
+    Flag(
+        "poor_ellipse",
+        "the contact is not well described by an ellipse",
+        _REVIEW,
+        "pooling unless reviewed",
+    ),
+    Flag(
+        "scale_doubtful",
+        "the ridge period is not that of a finger",
+        "check the resolution of the picture",
+        "pooling",
+    ),
+    Flag(
+        "not_a_contact_image",
+        "no ridges of a finger fill it",
+        "check that the picture shows a contact, and its resolution",
+        "pooling",
+    ),
+    Flag(
+        "ridges_merge",
+        "sweat or ink may have joined the ridges: their area is an upper bound",
+        "use less ink, or press on a clean, dry glass; the other areas and axes hold",
+        "pooled ridge area",
+    ),
+    Flag(
+        "printed_marks",
+        "letters or marks darker than ridges lie in the contact and are counted in its areas",
+        f"take a picture of the contact alone, state background, or {_REVIEW}",
+        "pooling unless reviewed",
+    ),
+    Flag(
+        "edited_manually",
+        "the contact was drawn manually, in part or as a whole",
+        "check that the edit follows the contact's edge",
+    ),
+)
+_SCALE: Final = (
+    Flag(
+        "coin_shadow",
+        "a shadow beside the coin may make the scale too small",
+        "light the coin from straight above, or mark a line of known length",
+    ),
+    Flag(
+        "grid_tilted",
+        "the scale differs with place and direction",
+        "rectify the pictures by their grid, or hold the camera square to it",
+    ),
+    Flag(
+        "grid_bent",
+        "the grid is not flat, or the lens bends lines: the scale differs with place",
+        "lay the grid flat, and photograph it from farther away",
+    ),
+)
+_FRAME: Final = (
+    Flag(
+        "interpolated",
+        "the ellipse is interpolated between two key frames",
+        "correct this frame itself where the contact changes faster",
+    ),
+    Flag("no_time", "the frame has no time", "give every frame a time, or state frames per second"),
+    Flag(
+        "no_force",
+        "the force signal does not cover the frame",
+        "record the force from before the first frame until after the last, or check the delay",
+    ),
+)
+_PHOTOGRAPH: Final = (
+    Flag(
+        "short_arc",
+        "the arc is shorter than 90 degrees: its semi-axes are poorly determined",
+        "take a picture that shows more of the pad's outline, or mark points on it",
+    ),
+    Flag(
+        "uncertain",
+        "a semi-axis is known to no better than 2 percent",
+        "take a sharper picture of the whole pad, or photograph another face too",
+    ),
+    Flag(
+        "many_outliers",
+        "more than 15 percent of the arc's points were left out",
+        "look at the points left out on the page, and erase what is not the pad",
+    ),
+    Flag(
+        "low_contrast",
+        "the finger has little contrast with the backdrop",
+        "photograph it before a plain backdrop of another colour",
+    ),
+    Flag(
+        "soft_edges",
+        "the edge is blurred over more than 1 percent of the smaller semi-axis",
+        "focus on the outline of the pad, and close the aperture",
+    ),
+    Flag(
+        "few_points",
+        "too few points to tell whether the outline is an ellipse: each semi-axis by 8 percent",
+        "mark more points along the outline",
+    ),
+    Flag(
+        "touches_border",
+        "the arc ends where the frame cuts the finger",
+        "take a picture with the whole pad in it",
+    ),
+    Flag(
+        "poor_ellipse",
+        "the outline departs from the ellipse by more than 1 percent of the smaller semi-axis",
+        "erase points on the nail or a crease on the page; if none are, the pad is no ellipse",
+    ),
+    Flag(
+        "not_an_ellipse",
+        "the outline is more pointed or blunter than an ellipse",
+        "check that the finger is relaxed and seen square; the uncertainty holds the departure",
+    ),
+    Flag(
+        "tilted",
+        "the finger is tilted by more than 10 degrees",
+        "photograph the finger upright in the picture, square to the face",
+    ),
+    Flag(
+        "implausible_size",
+        "a semi-axis lies outside 2–40 mm",
+        "check the scale",
+    ),
+    Flag(
+        "fitted_manually",
+        "the ellipse was placed manually, or points were added or left out",
+        "check that the ellipse follows the outline",
+    ),
+)
+_CURVE: Final = (
+    Flag(
+        "no_baseline",
+        "fewer than two rows before contact: the force's zero is not corrected, or depends on the model",
+        "record from before the contact",
+    ),
+    Flag(
+        "tilt_unknown",
+        "too few rows before contact to estimate a drift of the force",
+        "record some 20 rows before the contact",
+    ),
+    Flag("saturated_force", "rows at the sensor's limit are left out", "press less, or take a larger sensor"),
+    Flag("duplicated_time", "rows of one time are spread evenly", "record the time with more digits"),
+    Flag(
+        "time_gap",
+        "rows are missing: one step of time exceeds 10 times the usual one",
+        "check the recording for lost rows",
+    ),
+    Flag(
+        "implausible_radius",
+        "the loading radius lies beyond any finger pad's",
+        "check the units of displacement and area",
+    ),
+    Flag(
+        "implausible_modulus",
+        "the modulus lies beyond any finger pad's",
+        "check the units of force and displacement",
+    ),
+    Flag(
+        "radius_contradicts_area",
+        "the radius that was given is not the slope of the area",
+        "check the radius, and the unit of the area",
+    ),
+    Flag(
+        "modulus_depends_on_load",
+        "a modulus that grows with load fits better than one modulus",
+        "state the modulus with the load that it holds at",
+    ),
+    Flag(
+        "modulus_partly_decreases",
+        "the modulus falls over a part of the loads, which is left out",
+        "check friction and slip, or state the range of loads to fit",
+    ),
+    Flag("region_given", "the range of loads to fit was given, not found", "state the range with the result"),
+    Flag(
+        "misfit",
+        "another explanation fits the curve better",
+        "read its note, and measure or state what it names, such as the stage's compliance",
+    ),
+    Flag(
+        "area_offset",
+        "force and area disagree on the place of contact, as with a late camera",
+        "synchronise camera and force, or state the delay of the areas",
+    ),
+    Flag(
+        "correlated_area",
+        "neighbouring areas lie on the same side of the fit too often",
+        "look at the residuals of the area, and at the frames where they change sign",
+    ),
+    Flag(
+        "untested_without_area",
+        "without areas a layer on bone or a yielding stage looks like a changing modulus",
+        "record areas too, or state thickness and compliance of the stage",
+    ),
+    Flag(
+        "constraint_assumed",
+        "the moduli are divided by an assumed constraint coefficient",
+        "state the constraint and its source with the result",
+    ),
+    Flag(
+        "radius_contradicts_curve",
+        "the curve asks for another radius than the pad's geometry",
+        "check the placement, the scale and the unit of the area",
+    ),
+    Flag(
+        "radius_narrowed",
+        "the curve claims to know the radius far better than the geometry does",
+        "do not rest on it: some other departure from the model can look like it",
+    ),
+    Flag(
+        "layer_too_thin",
+        "the layer may be thinner than a third of the contact's radius",
+        "fit lower loads alone",
+    ),
+    Flag(
+        "thicker_than_finger",
+        "a layer thicker than a finger hardly differs from a half-space",
+        "take the modulus of Hertz theory",
+    ),
+)
+_LAYER: Final = (
+    Flag("no_contact", "there is no contact", "check the load's sign and zero"),
+    Flag(
+        "contact_too_wide",
+        "the contact is wider than 0.6 of the pad",
+        "take lower loads, or check the scales of contact and pad",
+    ),
+    Flag(
+        "contact_too_skew",
+        "the pad curves too differently to either side of the contact",
+        "use `fingerpad solve`, which takes the pad's own shape",
+    ),
+    Flag(
+        "contact_too_slender",
+        "the contact is too slender",
+        "check semi-axes and angle, or use `fingerpad solve`",
+    ),
+    Flag(
+        "layer_too_thin",
+        "the contact radius exceeds three times the thickness",
+        "take lower loads, or check the thickness",
+    ),
+    Flag(
+        "poisson_ratio_out_of_range",
+        "Poisson's ratio is below 0.3",
+        "state a Poisson's ratio of 0.3 to 0.5",
+    ),
+    Flag(
+        "thickness_ignored",
+        "Hertz theory holds for deep tissue: the thickness that was given is ignored",
+        "take the fast law, or a solver, for a layer over bone",
+    ),
+    Flag(
+        "uncertainty_out_of_range",
+        "a standard uncertainty reaches beyond their range",
+        "state the thickness or the semi-axes more exactly",
+    ),
+)
+_ROW: Final = (
+    Flag(
+        "faces_disagree",
+        "the finger's photographs disagree about its semi-axes (p < 0.01)",
+        "check scale and face of each photograph",
+    ),
+    Flag(
+        "curvature_disagrees",
+        "at the place of contact the outline of the finger's side has another radius of curvature than the "
+        "ellipsoid, beyond their uncertainties",
+        "check the wedge angle; the radius of the outline is `outline_radius_mm`",
+    ),
+    Flag(
+        "implausible_size",
+        "a semi-axis of the pad lies outside 2–40 mm",
+        "check the scale of the photographs, or the unit of the semi-axes",
+        "pooling",
+    ),
+    Flag("implausible_modulus", "Young's modulus lies outside 1–5000 kPa", "check load and scale"),
+    Flag("deeper_than_pad", "the indentation exceeds the palmar semi-axis", _CHECK_UNITS),
+    Flag(
+        "layer_out_of_range",
+        "the contact is out of the range of the laws for a layer over bone",
+        "see `layer_flag` for why",
+    ),
+)
+
+_BY_KIND: Final[Mapping[Flagged, tuple[Flag, ...]]] = {
+    "contact": _CONTACT,
+    "scale": _SCALE,
+    "frame": _FRAME,
+    "photograph": _PHOTOGRAPH,
+    "curve": _CURVE,
+    "layer": _LAYER,
+    "row": _ROW,
+}
+FLAGS: Final[Mapping[Flagged, Mapping[str, Flag]]] = {
+    kind: {flag.code: flag for flag in flags} for kind, flags in _BY_KIND.items()
+}
+
+
+def flags_in(codes: str | Iterable[str], *kinds: Flagged) -> Iterator[Flag]:
+    """Yield the flags of some codes, in their order.
+
+    Parameters
+    ----------
+    codes : str or iterable of str
+        Codes, or a cell of a table with codes separated by spaces.
+    *kinds : {"contact", "scale", "frame", "photograph", "curve", "layer", "row"}
+        What is flagged; where two know a code, the first says what it means.
+
+    Yields
+    ------
+    Flag
+        For each code.
+
+    Examples
+    --------
+    >>> [flag.to_do for flag in flags_in("cut_by_mask grid_tilted", "contact", "scale")]
+    ['make the mask or region of interest larger',
+     'rectify the pictures by their grid, or hold the camera square to it']
+    """
+    for code in codes.split() if isinstance(codes, str) else codes:
+        yield next(FLAGS[kind][code] for kind in kinds if code in FLAGS[kind])
