@@ -106,12 +106,12 @@ _SCALE: Final = (
     ),
     Flag(
         "grid_tilted",
-        "the scale differs with place and direction",
+        "the grid is tilted: the scale differs with place and direction, which is in its uncertainty",
         "rectify the pictures by their grid, or hold the camera square to it",
     ),
     Flag(
         "grid_bent",
-        "the grid is not flat, or the lens bends lines: the scale differs with place",
+        "the grid is not flat, or the lens bends lines, which is in the uncertainty of the scale",
         "lay the grid flat, and photograph it from farther away",
     ),
 )

@@ -75,7 +75,7 @@ def test_shadow_is_flagged():
         measure_coin(render_coin(radius=100, shape=(320, 320), shadow=s, seed=6).pixels) for s in (0.02, 0.2)
     )
     assert plain.flags == ()
-    assert shaded.flags == ("shadow",)
+    assert shaded.flags == ("coin_shadow",)
     assert shaded.semi_major_std > 2 * plain.semi_major_std
 
 

@@ -34,8 +34,8 @@ def test_scale_in_the_middle_and_points(name: str, pattern: str) -> None:
     j, i = np.meshgrid(np.arange(9) - 4, np.arange(7) - 3)
     off = min(np.hypot(x - s * SPACING * j, y - s * SPACING * i).max() for s in (-1, 1))
     assert off < 0.3 * truth
-    assert ("tilted" in grid.flags) == (name != "square on")
-    assert "bent" not in grid.flags
+    assert ("grid_tilted" in grid.flags) == (name != "square on")
+    assert "grid_bent" not in grid.flags
     # Without rectification the uncertainty holds what the scale differs by with place and direction.
     x0, x1 = (true_scale(scene, grid.points[k]) for k in ((0, 0), (-1, -1)))
     assert grid.scale.relative_std >= 0.5 * abs(x1 - x0) / truth
@@ -90,7 +90,7 @@ def test_uncertainty_covers_spacing_noise_tilt_and_lens() -> None:
 
 def test_a_lens_that_bends_lines_is_flagged() -> None:
     grid = measure_grid(Scene(bend=0.3).picture(POINTS, SPACING, "dots"), POINTS, SPACING, pattern="dots")
-    assert grid.flags == ("bent",)
+    assert grid.flags == ("grid_bent",)
     assert grid.unevenness > 0.005
 
 

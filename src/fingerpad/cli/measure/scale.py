@@ -10,6 +10,7 @@ import typer
 
 from fingerpad.cli.measure.flags import numbers_of
 from fingerpad.exceptions import CalibrationError
+from fingerpad.flags import flags_in
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
@@ -184,8 +185,7 @@ def _of_coin(given: Mapping[str, Any]) -> "Scale":
         scale = coin.scale(diameter_mm, given.get("coin_mm_std", 0.0))
     except CalibrationError as error:
         raise CalibrationError(f"--coin-mm: {error}") from error
-    if "shadow" in coin.flags:
-        typer.echo(f"note: {picture}: a shadow beside the coin may make the scale too small", err=True)
+    _print_flags(picture, coin.flags)
     return scale
 
 
@@ -212,9 +212,13 @@ def _of_grid(given: Mapping[str, Any]) -> "Scale":
         )
     except CalibrationError as error:
         raise CalibrationError(f"--grid {picture}: {error}") from error
-    for flag in grid.flags:
-        typer.echo(f"note: {picture}: {_GRID_NOTES[flag]}", err=True)
+    _print_flags(picture, grid.flags)
     return grid.scale
+
+
+def _print_flags(picture: Path, codes: tuple[str, ...]) -> None:
+    for flag in flags_in(codes, "scale"):
+        typer.echo(f"note: {picture}: {flag.words}. To do: {flag.to_do}.", err=True)
 
 
 # The ways to give a scale; each takes the flags that were given, by their parameters' names.
@@ -232,8 +236,4 @@ _BELONGING: Final[Mapping[tuple[str, ...], tuple[str, ...]]] = {
     ("--scale-circle",): ("--circle-mm", "--circle-mm-std", "--circle-px-std"),
     ("--coin",): ("--coin-mm", "--coin-mm-std"),
     ("--grid",): ("--grid-points", "--grid-spacing-mm", "--grid-spacing-mm-std", "--grid-pattern"),
-}
-_GRID_NOTES: Final[Mapping[str, str]] = {
-    "tilted": "the grid is tilted: the scale differs over the picture, which is in its uncertainty",
-    "bent": "the lens bends the grid, which is in the uncertainty of the scale",
 }

@@ -272,7 +272,10 @@ export class ContactInspector extends Inspector {
         h(
           "details",
           h("summary", `Doubtful values (${notesOf(model).length})`),
-          list(notesOf(model).map((code) => adviseCode(code)), "ul.note"),
+          list(
+            notesOf(model).map((code) => adviseCode(code)),
+            "ul.note",
+          ),
         ),
     );
     this.settings(answer);
