@@ -10,7 +10,8 @@ from numpy.testing import assert_allclose
 
 from fingerpad import Estimate
 from fingerpad.figures import new_figure, plot_load_residuals
-from fingerpad.loading import LOADING_FLAGS, LoadingFit, fit_loading_curve, load_from_indentation
+from fingerpad.flags import FLAGS
+from fingerpad.loading import LoadingFit, fit_loading_curve, load_from_indentation
 from fingerpad.simulate import simulate_loading_curve
 
 PAD = {"loading_radius": 15.0, "initial_modulus": 0.04, "load_coefficient": 0.02}
@@ -94,8 +95,8 @@ def test_the_report_says_why_a_quantity_is_not_known() -> None:
 
 def test_documented_flags() -> None:
     page = Path(__file__).parents[2] / "docs" / "explanation" / "loading.md"
-    assert [flag for flag in LOADING_FLAGS if f"`{flag}`" not in page.read_text(encoding="utf-8")] == []
-    assert set(fit_of().flags) <= LOADING_FLAGS.keys()
+    assert [flag for flag in FLAGS["curve"] if f"`{flag}`" not in page.read_text(encoding="utf-8")] == []
+    assert set(fit_of().flags) <= FLAGS["curve"].keys()
 
 
 def test_residuals_are_drawn_with_the_other_explanations() -> None:
