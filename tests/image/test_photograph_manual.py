@@ -87,6 +87,17 @@ def test_manual_face_combines_with_others():
     assert joint.chi_square == pytest.approx(0, abs=1e-9)
 
 
+@pytest.mark.parametrize("fit", [found, placed])
+def test_covariance_is_the_sum_of_named_terms(fit):
+    seen = fit()
+    np.testing.assert_allclose(sum(seen.covariance_terms.values()), seen.covariance)
+    by_scale = SCALE.relative_std * seen.semi_axes
+    for axis, (name, std) in enumerate(seen.semi_axes_mm_std.items()):
+        by_term = {term: stds[name] for term, stds in seen.uncertainty_mm_std.items()}
+        assert math.hypot(*by_term.values()) == pytest.approx(std)
+        assert by_term["scale"] == pytest.approx(by_scale[axis])
+
+
 def test_implausible_manual_size_flagged():
     large = photograph_from_ellipse("palmar", Scale(0.5), centre=(300, 300), semi_axes=(236, 276))
     assert large.flags == {"fitted_manually", "implausible_size"}

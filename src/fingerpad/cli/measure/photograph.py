@@ -71,6 +71,7 @@ def measure_photo(
         return {
             "semi_axes_mm": found.semi_axes_mm,
             "semi_axes_mm_std": found.semi_axes_mm_std,
+            "uncertainty_mm_std": found.uncertainty_mm_std,
             "arc_deg": found.arc_deg,
             "exponent": found.exponent,
             "exponent_std": found.exponent_std,
@@ -80,7 +81,10 @@ def measure_photo(
         }
 
     record = record_of(image, measured)
-    print_record(record, as_json)
+    # By term it would fill the screen.
+    print_record(
+        record if as_json else {k: v for k, v in record.items() if k != "uncertainty_mm_std"}, as_json
+    )
     if not as_json:
         print_if_exact(None if "error" in record else scale.mm_per_px_std)
         print_flags(record, "photograph", "scale")

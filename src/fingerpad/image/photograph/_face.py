@@ -31,7 +31,7 @@ from fingerpad.image.photograph.outline_fit import (
     outline_places,
     turns_from,
 )
-from fingerpad.image.photograph.result import PhotographFit, size_flags
+from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
 from fingerpad.image.scale import Scale
 
 # What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
@@ -210,6 +210,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         parts["shape"] = np.diag((ROUGH_STD * semi_px * scale) ** 2)
     else:
         parts["shape"] = departure.covariance * scale**2 - np.sum(list(parts.values()), axis=0)
+    parts["scale"] = scale_term(semi_px * scale, arc.scale)
     centre = np.array([ellipse.x, ellipse.y]) @ axes + place
     found = PhotographFit(
         face=arc.face,

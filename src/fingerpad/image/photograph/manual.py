@@ -12,7 +12,7 @@ from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc import PAD_MIDDLE
 from fingerpad.image.photograph._face import FaceArc, face_from_arc
 from fingerpad.image.photograph.orientation import Direction, Face, face_axes, palmar_directions
-from fingerpad.image.photograph.result import PhotographFit, size_flags
+from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
 from fingerpad.image.scale import ScaleLike, as_scale
 
 # An ellipse within so much of the outline, as a share of its smaller semi-axis, passes for a good one to the
@@ -84,7 +84,10 @@ def photograph_from_ellipse(
     return PhotographFit(
         face=face,
         semi_axes=semi_mm,
-        covariance_terms={"placement": 2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2)},
+        covariance_terms={
+            "placement": 2 * (own_std * scale.mm_per_px) ** 2 * np.eye(2),
+            "scale": scale_term(semi_mm, scale),
+        },
         scale=scale,
         centre=(float(centre[0]), float(centre[1])),
         directions=rotation(tilt).T @ face_axes(face, tip, side),

@@ -28,9 +28,9 @@ class PhotographFit(Displayed):
     semi_axes : ndarray, shape (2,)
         Semi-axes across and along, in the order of `FACE_AXES`, mm.
     covariance_terms : mapping from str to ndarray, shape (2, 2)
-        Terms of their covariance without the scale's, mm², by origin: ``noise`` of the points, unknown
-        ``ends`` of the arc, errors that points have ``shared``, a ``shape`` that is no ellipse, and
-        ``lengths`` of the outline that differ; or the ``placement`` of an ellipse by hand.
+        Terms of their covariance, mm², by origin: ``noise`` of the points, unknown ``ends`` of the arc,
+        errors that points have ``shared``, a ``shape`` that is no ellipse, and ``lengths`` of the outline
+        that differ; or the ``placement`` of an ellipse by hand; and the ``scale``.
     scale : Scale
         The scale that was given.
     centre : (float, float)
@@ -88,8 +88,9 @@ class PhotographFit(Displayed):
 
     @property
     def edge_covariance(self) -> FloatArray:
-        """Covariance of the semi-axes from the outline alone: the sum of its terms, mm²."""
-        return np.asarray(np.sum(list(self.covariance_terms.values()), axis=0), dtype=np.float64)
+        """Covariance of the semi-axes from the outline alone: the sum of its terms but the scale's, mm²."""
+        terms = [term for name, term in self.covariance_terms.items() if name != "scale"]
+        return np.asarray(np.sum(terms, axis=0), dtype=np.float64)
 
     @property
     def picture(self) -> npt.NDArray[Any] | None:
@@ -131,8 +132,8 @@ class PhotographFit(Displayed):
 
     @property
     def covariance(self) -> FloatArray:
-        """Covariance of the semi-axes, the scale's share included, mm²."""
-        return self.edge_covariance + self.scale.relative_std**2 * np.outer(self.semi_axes, self.semi_axes)
+        """Covariance of the semi-axes: the sum of its terms, mm²."""
+        return self.edge_covariance + self.covariance_terms["scale"]
 
     @property
     def semi_axes_mm(self) -> dict[str, float]:
@@ -144,6 +145,14 @@ class PhotographFit(Displayed):
         """Their standard uncertainties, the scale's share included, mm."""
         stds = np.sqrt(np.diagonal(self.covariance))
         return dict(zip(FACE_AXES[self.face], map(float, stds), strict=True))
+
+    @property
+    def uncertainty_mm_std(self) -> dict[str, dict[str, float]]:
+        """Standard uncertainty of each semi-axis by term of the covariance, mm."""
+        return {
+            name: dict(zip(FACE_AXES[self.face], np.sqrt(np.diagonal(term).clip(0)).tolist(), strict=True))
+            for name, term in self.covariance_terms.items()
+        }
 
     @property
     def arc_deg(self) -> float:
@@ -275,6 +284,11 @@ class PhotographFit(Displayed):
         t = np.linspace(0, 2 * math.pi, count)
         local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes / self.scale.mm_per_px
         return np.asarray(local @ self.directions + self.centre, dtype=np.float64)
+
+
+def scale_term(semi_axes: FloatArray, scale: Scale) -> FloatArray:
+    """Return the covariance, mm², that the scale's uncertainty gives semi-axes, mm."""
+    return scale.relative_std**2 * np.outer(semi_axes, semi_axes)
 
 
 def size_flags(semi_axes: FloatArray) -> frozenset[str]:

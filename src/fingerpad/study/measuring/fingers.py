@@ -47,6 +47,8 @@ class PhotographResult:
         Its scale, with the name that other pictures share.
     overlay : str
         Picture of the measurement, relative to the output folder.
+    uncertainty : mapping from str to mapping from str to float
+        Standard uncertainty of each semi-axis by term of the covariance, mm.
     arc_deg : float
         Extent of the arc used, parametric degrees.
     exponent : (float, float) or None
@@ -61,6 +63,7 @@ class PhotographResult:
     manifest: Photograph
     scale: FoundScale
     overlay: str
+    uncertainty: Mapping[str, Mapping[str, float]]
     arc_deg: float
     exponent: tuple[float, float] | None
     outline_radii: tuple[tuple[float, float, float], ...]
@@ -303,6 +306,7 @@ def face_record(
         "covariance": axes.covariance.tolist(),
         "relative_scale_std": axes.relative_scale_std,
         "overlay": overlay,
+        "uncertainty": found.uncertainty_mm_std,
         "arc_deg": found.arc_deg,
         "exponent": None if np.isnan(found.exponent) else (found.exponent, found.exponent_std),
         "outline_radii": outline_radii(found),
@@ -360,6 +364,7 @@ def _face(
         manifest=photograph,
         scale=scale,
         overlay=record["overlay"],
+        uncertainty=record["uncertainty"],
         arc_deg=record["arc_deg"],
         exponent=None if record["exponent"] is None else tuple(record["exponent"]),
         outline_radii=tuple(map(tuple, record["outline_radii"])),

@@ -113,6 +113,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
                     {
                         "face": one.manifest.face,
                         "file": one.manifest.file,
+                        "uncertainty_mm_std": one.uncertainty,
                         "arc_deg": one.arc_deg,
                         "exponent": one.exponent and one.exponent[0],
                         "exponent_std": one.exponent and one.exponent[1],

@@ -222,7 +222,7 @@ class SideRadius(Answer):
 
 
 class PhotographMeasurement(FaceSemiAxes):
-    """A photograph measured under a correction."""
+    """A photograph measured under a correction; its uncertainty is by term and axis."""
 
     item: str
     by: MeasuredBy
@@ -232,6 +232,7 @@ class PhotographMeasurement(FaceSemiAxes):
     handles: FaceHandles
     points_px: list[Point]
     outliers_px: list[Point]
+    uncertainty_mm_std: dict[str, dict[Axis, float]]
     arc_deg: float | None
     exponent: float | None
     exponent_std: float | None

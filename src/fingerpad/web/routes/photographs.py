@@ -125,6 +125,7 @@ def described(fit: PhotographFit) -> dict[str, Any]:
         "handles": {"centre_px": centre, "across_end_px": across, "along_end_px": along},
         "points_px": fit.points.round(2),
         "outliers_px": fit.outliers.round(2),
+        "uncertainty_mm_std": fit.uncertainty_mm_std,
         "arc_deg": fit.arc_deg,
         "exponent": None if math.isnan(fit.exponent) else fit.exponent,
         "exponent_std": None if math.isnan(fit.exponent) else fit.exponent_std,

@@ -27,6 +27,16 @@ const RESETS = [
   ["region_of_interest_px", "Reset region of interest"],
 ];
 
+/** @param {PhotographMeasurement} answer */
+function uncertaintyByTerm({ uncertainty_mm_std: terms }, axis) {
+  const stds = Object.entries(terms).map(([term, byAxis]) => [term, byAxis[axis]]);
+  return stds
+    .filter(([, std]) => std > 0)
+    .sort(([, first], [, second]) => second - first)
+    .map(([term, std]) => `${term} ${plain(std)} mm`)
+    .join(", ");
+}
+
 export class PhotographInspector extends Inspector {
   tools = {
     points: {
@@ -91,6 +101,7 @@ export class PhotographInspector extends Inspector {
             `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`,
             {
               mark: "face",
+              title: `Standard uncertainty: ${uncertaintyByTerm(answer, axis)}`,
               was: automatic
                 ? `${withStd(automatic.semi_axes_mm[axis], automatic.semi_axes_mm_std?.[axis])} mm`
                 : undefined,
