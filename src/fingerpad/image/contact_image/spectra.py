@@ -84,9 +84,13 @@ _BINS = np.add.outer(1j * fft.fftfreq(_SIDE), fft.rfftfreq(_SIDE)).ravel() * _SI
 _BINS = _BINS.astype(np.complex64)
 _TWICE = as_float32(np.where(np.isin(_BINS.real, (0, _SIDE / 2)), 1.0, 2.0))
 _TAPER = as_float32(np.outer(*[np.hanning(_SIDE + 2)[1:-1]] * 2))
-# Which bins belong to a peak at each bin, and to its mirror image.
+# The few bins that belong to a peak at each bin, or to its mirror image, and their wave vectors turned the
+# peak's way; bins that only fill the table count nothing.
 _NEAR = np.abs(_BINS - _BINS[:, None]) < _SPREAD
-_OPPOSITE = np.abs(_BINS + _BINS[:, None]) < _SPREAD
+_IN_PEAK = _NEAR | (np.abs(_BINS + _BINS[:, None]) < _SPREAD)
+_MEMBERS = np.argsort(~_IN_PEAK, axis=1, kind="stable")[:, : _IN_PEAK.sum(axis=1).max()]
+_COUNTS = np.take_along_axis(_IN_PEAK, _MEMBERS, axis=1)
+_TURNED = np.where(np.take_along_axis(_NEAR, _MEMBERS, axis=1), _BINS[_MEMBERS], -_BINS[_MEMBERS])
 
 
 def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -> float:
@@ -314,11 +318,10 @@ def _waves(copy: Float32Array, centres: FloatArray, pitch: float) -> tuple[Float
     highest = power.argmax(axis=1)
     peak = _BINS[highest]
     power *= _TWICE
-    near = _NEAR[highest]
-    in_peak = power * (near | _OPPOSITE[highest])
+    in_peak = np.take_along_axis(power, _MEMBERS[highest], axis=1) * _COUNTS[highest]
     total = in_peak.sum(axis=1)
     share = total / (power.sum(axis=1) + 1e-9)
-    waves = (in_peak * np.where(near, _BINS, -_BINS)).sum(axis=1) / (total + 1e-9) / (_SIDE * pitch)
+    waves = (in_peak * _TURNED[highest]).sum(axis=1) / (total + 1e-9) / (_SIDE * pitch)
     # Periods per window of the longest and the shortest wave that ridges may have.
     low, high = (_SIDE * pitch / period for period in _PERIODS_MM[::-1])
     return share * ((np.abs(peak) >= low) & (np.abs(peak) <= high)), waves
