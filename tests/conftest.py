@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -48,3 +49,14 @@ def run_demo(session_folder: Path) -> Path:
             shutil.copytree(DEMO, folder)
             run_study(folder / "study.toml", folder / "results", write_report=write_report)
     return folder
+
+
+@pytest.fixture
+def own_laws() -> Iterator[None]:
+    """Forget the contact laws that a test registers."""
+    from fingerpad.loading.laws import LAWS  # noqa: PLC0415 (few tests need it)
+
+    known = dict(LAWS)
+    yield
+    LAWS.clear()
+    LAWS.update(known)

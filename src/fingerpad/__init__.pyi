@@ -30,6 +30,7 @@ from .image import (
 )
 from .loading import (
     LoadingCurve as LoadingCurve,
+    contact_law as contact_law,
     fit_loading_curve as fit_loading_curve,
     read_loading_curve as read_loading_curve,
 )

@@ -219,6 +219,31 @@ _CURVE: Final = (
         "check the units of force and displacement",
     ),
     Flag(
+        "no_pull_off",
+        "the force does not fall below its zero on the way out and come back, as an adhesive law needs",
+        "record the way out until the contact is lost, and some rows more",
+    ),
+    Flag(
+        "law_not_fitted",
+        "the contact law that was asked for could not be fitted",
+        "look at the reason beside its parameters, and give it other start values",
+    ),
+    Flag(
+        "law_at_bound",
+        "a parameter of the contact law lies at its bound",
+        "widen the bound, or leave the parameter out of the law",
+    ),
+    Flag(
+        "law_misfit",
+        "the force departs from the contact law by more than its noise without contact",
+        "trust its parameters less than stated; look for a rate, slip, or another law",
+    ),
+    Flag(
+        "law_out_of_range",
+        "the contact law says that it does not hold at the parameters found",
+        "read its note, and take a law that does",
+    ),
+    Flag(
         "radius_contradicts_area",
         "the radius that was given is not the slope of the area",
         "check the radius, and the unit of the area",

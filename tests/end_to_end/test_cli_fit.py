@@ -199,3 +199,45 @@ def test_an_uncertain_scale_of_the_areas_widens_radius_and_moduli(curve: Path) -
     for name, added in (("loading_radius_mm", 0.1), ("youngs_modulus_kpa", 0.05)):
         stds = [found[f"{name}_std"] / found[name] for found in (exact, loose)]
         assert np.sqrt(stds[1] ** 2 - stds[0] ** 2) == pytest.approx(added, rel=0.05)
+
+
+LAW = """
+import numpy as np
+import fingerpad as fp
+
+@fp.contact_law(
+    parameters={"youngs_modulus": (0, None), "stiffening": (-0.5, 50)},
+    units={"youngs_modulus": "MPa", "stiffening": "1/mm"},
+)
+def stiffening(indentation, *, loading_radius, poisson_ratio, youngs_modulus, stiffening):
+    hertz = 4 / 3 * youngs_modulus / (1 - poisson_ratio**2) * np.sqrt(loading_radius) * indentation**1.5
+    return hertz * (1 + stiffening * indentation**1.5)
+"""
+
+
+@pytest.mark.usefixtures("own_laws")
+def test_own_law(curve: Path) -> None:
+    laws = curve.with_name("my_laws.py")
+    laws.write_text(LAW)
+    code, out, _ = run(curve, "--law", f"{laws}:stiffening", "--plot", curve.with_name("figures"))
+    assert code == 0
+    assert "law stiffening, fitted to the loading" in out
+    assert re.search(r"^  stiffening +[\d.]+ ± [\d.]+ 1/mm +95 %:", out, re.MULTILINE)
+    assert re.search(r"^  youngs_modulus +[\d.]+ ± [\d.]+ kPa", out, re.MULTILINE)
+    assert "stiffening explains the loading" in out
+    drawn = curve.with_name("figures") / "press_load_indentation.json"
+    assert "stiffening" in drawn.read_text()
+    code, out, _ = run(curve, "--law", f"{laws}:stiffening", "--json")
+    law = json.loads(out)["law"]
+    assert [each["name"] for each in law["parameters"]] == ["youngs_modulus", "stiffening"]
+    assert set(law["aicc"]) == {"load_dependent", "hertz", "free_exponent", "stiffening"}
+
+
+def test_law_that_cannot_be_fitted(curve: Path) -> None:
+    code, out, _ = run(curve, "--law", "jkr")
+    assert code == 0
+    assert "JKR was not fitted: no pull-off in the record" in out
+    for law, said in (("ogden", "no contact law 'ogden'"), (f"{curve}:ogden", "cannot be imported")):
+        code, _, err = run(curve, "--law", law)
+        assert code != 0
+        assert said in err

@@ -101,6 +101,14 @@ def fit(
         ),
     ] = None,
     constraint_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty.")] = 0.0,
+    law: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE.py:NAME|MODULE:NAME",
+            help="A contact law to fit as well and compare: jkr, where there is a pull-off, or your own.",
+            show_default=False,
+        ),
+    ] = None,
     plot: Annotated[Path | None, typer.Option(help="Folder for the figures, as SVG and JSON.")] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -129,7 +137,7 @@ def fit(
     notes = unread_notes(unread, lambda name, column: f": {_column_flags({name: column})}")
     for note in (*doubts, *notes):
         print_note(note)
-    area_std = {} if area_relative_std is None else {"area_relative_std": area_relative_std}
+    area_std: dict[str, Any] = {} if area_relative_std is None else {"area_relative_std": area_relative_std}
     found = fit_loading_curve(
         record,
         poisson_ratio=poisson_ratio,
@@ -140,6 +148,7 @@ def fit(
         stage_compliance=compliance,
         area_delay=delay,
         thickness=_given("--thickness-mm", _thickness(thickness_mm), thickness_mm_std),
+        law=law,
         **area_std,
     )
     if constraint is not None:

@@ -27,7 +27,8 @@ from fingerpad.figures.style import (
     plain_log_ticks,
 )
 from fingerpad.loading import FittedForceModel, LoadingFit
-from fingerpad.loading.result import LAW_NAMES, MAIN
+from fingerpad.loading.laws import LAWS
+from fingerpad.loading.result import MAIN
 from fingerpad.units import KPA_PER_MPA
 
 Line: TypeAlias = tuple[ArrayLike, ArrayLike]
@@ -45,7 +46,7 @@ _SHORT: Final = {
 _SHOWN_WEIGHT: Final = 0.01
 _LINE_POINTS: Final = 200
 _PHASE_COLOURS: Final = {"baseline": GREY, "loading": BLUE, "hold": GREEN, "unloading": VERMILLION}
-_LINE_STYLES: Final = ((ORANGE, "-"), (BLACK, "--"), (SKY, "-."))
+_LINE_STYLES: Final = ((ORANGE, "-"), (BLACK, "--"), (SKY, "-."), (VERMILLION, ":"), (GREEN, "--"))
 _RIVAL_STYLES: Final = ((BLACK, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "--"))
 _MILLI: Final = 1000.0
 # Of the largest indentation, how much of the approach is shown.
@@ -200,7 +201,20 @@ def law_lines(fit: LoadingFit) -> dict[str, Line]:
     """Return each law of the force as a line from the zeros of the points, the one that is stated first."""
     depth = np.linspace(0, float(fit.indentation.max()), _LINE_POINTS)
     laws = sorted(fit.models.values(), key=lambda model: (model.law != MAIN, model.aicc))
-    return {LAW_NAMES.get(law.law, law.law): (depth, _load_among_points(fit, law, depth)) for law in laws}
+    own = fit.law
+    way_out: dict[str, Line] = {}
+    if own is not None and own.law in own.models:
+        if own.phase == "loading":
+            laws.insert(1, own.models[own.law])
+        else:
+            # On the way out, from its own zeros.
+            law = own.models[own.law]
+            place = np.linspace(float(fit.indentation.min()), depth[-1], 2 * _LINE_POINTS)
+            way_out[LAWS[law.law].label] = place, law.load(place + fit.models[MAIN].values["contact_offset"])
+    lines: dict[str, Line] = {
+        LAWS[law.law].label: (depth, _load_among_points(fit, law, depth)) for law in laws
+    }
+    return lines | way_out
 
 
 def _load_among_points(fit: LoadingFit, law: FittedForceModel, depth: FloatArray) -> FloatArray:

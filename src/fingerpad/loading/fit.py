@@ -13,8 +13,9 @@ from fingerpad.loading.averaging import akaike_weights
 from fingerpad.loading.contact_point import ESTIMATORS, contact_by
 from fingerpad.loading.curve import LoadingCurve
 from fingerpad.loading.cycles import hysteresis
-from fingerpad.loading.joint import FitData, JointFit, fit_joint
-from fingerpad.loading.laws import secant_modulus
+from fingerpad.loading.joint import FitData, JointFit, bounded, fit_joint
+from fingerpad.loading.law_fit import fit_adhesive_law, fit_law
+from fingerpad.loading.laws import ContactLaw, find_law, secant_modulus
 from fingerpad.loading.press import (
     Press,
     determined,
@@ -52,6 +53,7 @@ def fit_loading_curve(
     area_delay: float | Estimate | None = None,
     thickness: float | Estimate | None = None,
     area_relative_std: float = 0.0,
+    law: str | ContactLaw | None = None,
 ) -> LoadingFit:
     """Fit radius, modulus and its growth with load, place of contact and exponents to one press.
 
@@ -84,6 +86,9 @@ def fit_loading_curve(
         as thick as it is indented, is one of the explanations.
     area_relative_std : float
         Relative standard uncertainty of the areas that is common to all of them, as of their scale.
+    law : str or ContactLaw, optional
+        A contact law to fit as well and to compare with ours: one's own (`contact_law`), by itself or its
+        name, or as ``my_laws.py:ogden``; or ``jkr``, which is fitted to the way out.
 
     Returns
     -------
@@ -112,6 +117,7 @@ def fit_loading_curve(
             "LoadingCurve(load=…, indentation=…) takes arrays in N and mm"
         )
     _require_options(poisson_ratio, contact_point)
+    chosen = None if law is None else find_law(law)
     with determined("the model", ": is it rounded, repeated, or of the wrong sign?"):
         known_parts = known_quantities(
             curve,
@@ -129,6 +135,18 @@ def fit_loading_curve(
         grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
         known = press.record.area.size > 0 or loading_radius is not None
         found, added = _quantities(compared, models, known=known)
+        by_law = None
+        if chosen is not None and chosen.pull_off is not None:
+            by_law = fit_adhesive_law(
+                curve,
+                chosen,
+                known_parts,
+                poisson_ratio=poisson_ratio,
+                loading_radius=loading_radius,
+                cycle=cycle,
+            )
+        elif chosen is not None:
+            by_law = fit_law(main, models, chosen, known=known)
         return LoadingFit(
             **found,
             misfit_std=added,
@@ -141,13 +159,15 @@ def fit_loading_curve(
             uncertainty=_uncertainties(compared),
             unexplained=compared.unexplained,
             rows=main.record,
-            notes=dict(compared.doubts),
+            law=by_law,
+            notes={**compared.doubts, **({} if by_law is None else by_law.notes)},
             flags=(
                 *_implausible(main, loading_radius, known=known),
                 *press.flags,
                 *doubts,
                 *compared.doubts,
                 *(("modulus_depends_on_load",) if grows else ()),
+                *(() if by_law is None else (flag for flag in by_law.flags if flag in by_law.notes)),
             ),
         )
 
@@ -315,15 +335,6 @@ def _depth(model: JointFit) -> float:
 def _top_load(main: JointFit) -> float:
     """Return the fitted load at the largest displacement, N."""
     return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
-
-
-def bounded(estimate: Estimate) -> Estimate:
-    """Return an estimate whose interval has both ends, or say that the curve does not bound it."""
-    if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
-        return estimate
-    return Estimate.unknown(
-        f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain"
-    )
 
 
 def _implausible(main: JointFit, given: float | Estimate | None, *, known: bool) -> tuple[str, ...]:

@@ -223,6 +223,13 @@ def find_noise(
     return noise, whole
 
 
+def sum_of_squares(record: FitData, law: str, values: Values) -> float:
+    """Return that of all residuals over the range of their data, infinite where undefined, for a start."""
+    parts = zip(_residuals(record, law, values), (record.load, record.area), strict=True)
+    total = sum(float(np.sum((rest / np.ptp(data)) ** 2)) for rest, data in parts if rest.size)
+    return total if math.isfinite(total) else math.inf
+
+
 def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
     nu = values.get("poisson_ratio", record.poisson_ratio)
     xi = indentation_of(values, law, record.displacement, nu, record.attached)
@@ -325,7 +332,11 @@ def _slope(record: FitData, law: str, values: Values) -> FloatArray:
     floor = pull_off_of(values, law, record.poisson_ratio)
     xi = np.maximum(record.smooth_displacement - values["contact_offset"], floor)
     slope = slope_at(values, law, xi, record.poisson_ratio)
-    return slope if record.attached is None else np.where(record.attached, slope, 0.0)
+    if record.attached is None:
+        return slope
+    # Next to the pull-off it has no end, and one row would say how large the noise of the displacement is.
+    steepest = float(np.abs(slope[xi > 0]).max(initial=0.0)) or float(np.abs(slope).min())
+    return np.where(record.attached, np.clip(slope, -steepest, steepest), 0.0)
 
 
 def _area_slope(record: FitData, law: str, values: Values) -> float:
@@ -371,3 +382,12 @@ def _jacobians(record: FitData, law: str, names: list[str], values: Values) -> t
         force.append((up[0] - down[0]) / (2 * step))
         area.append((up[1] - down[1]) / (2 * step))
     return np.stack(force, -1), np.stack(area, -1)
+
+
+def bounded(estimate: Estimate) -> Estimate:
+    """Return an estimate whose interval has both ends, or say that the curve does not bound it."""
+    if math.isfinite(estimate.lower) and math.isfinite(estimate.upper):
+        return estimate
+    return Estimate.unknown(
+        f"the curve does not bound it: {estimate.value:.3g} is best, but far from certain"
+    )

@@ -12,11 +12,13 @@ yielding stage are the fit's (`fingerpad.loading.joint`), and no law's.
 Lengths in mm, forces in N, moduli in MPa; arrays broadcast, and what has no answer is NaN.
 """
 
+import importlib.util
 import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, TypeVar
 
@@ -50,6 +52,14 @@ _OF_THE_FIT: Final = (
     "area_edge",
     "pad_form",
 )
+# Parameters whose start is found from the curve, and values of a soft pad for the trial at registration.
+_USUAL: Final = {
+    "youngs_modulus": 0.05,
+    "initial_modulus": 0.05,
+    "load_coefficient": 0.0,
+    "load_exponent": 1.5,
+    "work_of_adhesion": 5e-5,
+}
 # A law is tried at registration on a pad of this radius (mm), at these indentations (mm).
 _TRIED_RADIUS: Final = 10.0
 _TRIED: Final = (0.0, 0.02, 0.1, 0.3, 0.6, 1.0)
@@ -116,31 +126,29 @@ class ContactLaw(Displayed):
         """Whether a parameter has a bound, which the search then keeps to."""
         return any(math.isfinite(end) for pair in self.parameters.values() for end in pair)
 
-    def at(self, function: Law, values: Values, *given: Any, **more: Any) -> Any:
-        """Return one of its functions at a fit's values, with bounded parameters held inside their bounds.
-
-        Raises
-        ------
-        FitError
-            If the function raises whatever error.
-        """
-        keywords = {name: min(max(values[name], low), high) for name, (low, high) in self.parameters.items()}
-        wanted = _arguments(function)
-        keywords |= {name: value for name, value in more.items() if name in wanted}
-        try:
-            with np.errstate(all="ignore"):
-                return function(*given, **keywords)
-        except Exception as fault:  # a lab's function may raise anything
-            at = ", ".join(f"{name} = {values[name]:.4g}" for name in self.parameters)
-            raise FitError(
-                f"the contact law {self.name} fails at {at}: {type(fault).__name__}: {fault}; have it return "
-                "NaN where it has no answer"
-            ) from fault
-
 
 @lru_cache(maxsize=256)
 def _arguments(function: Law) -> frozenset[str]:
     return frozenset(inspect.signature(function).parameters)
+
+
+def evaluate(law: ContactLaw, function: Law, values: Values, *given: Any, **more: Any) -> Any:
+    """Return one of the functions of a law at a fit's values, with its parameters held inside their bounds.
+
+    Raise FitError if it raises whatever error.
+    """
+    keywords = {name: min(max(values[name], low), high) for name, (low, high) in law.parameters.items()}
+    wanted = _arguments(function)
+    keywords |= {name: value for name, value in more.items() if name in wanted}
+    try:
+        with np.errstate(all="ignore"):
+            return function(*given, **keywords)
+    except Exception as fault:  # a lab's function may raise anything
+        at = ", ".join(f"{name} = {values[name]:.4g}" for name in law.parameters)
+        raise FitError(
+            f"the contact law {law.name} fails at {at}: {type(fault).__name__}: {fault}; have it return NaN "
+            "where it has no answer"
+        ) from fault
 
 
 LAWS: Final[dict[str, ContactLaw]] = {}
@@ -152,6 +160,7 @@ def contact_law(
     units: Mapping[str, str],
     start: Mapping[str, float] | None = None,
     name: str | None = None,
+    label: str | None = None,
     area: Law | None = None,
     pull_off: Law | None = None,
     derived: Mapping[str, Law] | None = None,
@@ -176,6 +185,8 @@ def contact_law(
         between their two bounds.
     name : str, optional
         Name of the law; that of the function without it.
+    label : str, optional
+        What legends call it; its name without it.
     area : callable, optional
         Contact area (mm²), of the same arguments; π R ξ without it.
     pull_off : callable, optional
@@ -214,7 +225,7 @@ def contact_law(
         called = name or str(getattr(function, "__name__", ""))
         law = ContactLaw(
             name=called,
-            label=called.replace("_", " "),
+            label=label or called.replace("_", " "),
             function=function,
             parameters=MappingProxyType({key: _ends(key, pair) for key, pair in parameters.items()}),
             units=MappingProxyType(dict(units)),
@@ -232,23 +243,55 @@ def contact_law(
     return register
 
 
-def law_named(law: str | ContactLaw) -> ContactLaw:
-    """Return a registered law. Raise LoadingError for one that is not."""
+def find_law(law: str | ContactLaw) -> ContactLaw:
+    """Return a law by its name, or import it from ``file.py:name`` or ``module:name``.
+
+    Raises
+    ------
+    LoadingError
+        If there is none, or what is imported fails.
+    """
     if isinstance(law, ContactLaw):
         return law
-    if law not in LAWS:
+    if law in LAWS:
+        return LAWS[law]
+    place, _, name = law.rpartition(":")
+    if not place:
         raise LoadingError(
-            f"no contact law {law!r}: known are {', '.join(LAWS)}; register your own with @contact_law first"
+            f"no contact law {law!r}: known are {', '.join(LAWS)}; register your own with @contact_law, or "
+            f"name its file, as my_laws.py:{law}"
         )
-    return LAWS[law]
+    found = getattr(_imported(place), name, None)
+    if not isinstance(found, ContactLaw):
+        raise LoadingError(f"{place} has no contact law {name!r}: is it decorated with @contact_law?")
+    return found
+
+
+def _imported(place: str) -> Any:
+    """Return a module by its name or its file."""
+    if place.endswith(".py") and not Path(place).is_file():
+        raise LoadingError(f"no file {place}, which should hold a contact law")
+    try:
+        if not place.endswith(".py"):
+            return importlib.import_module(place)
+        spec = importlib.util.spec_from_file_location(Path(place).stem, place)
+        assert spec is not None  # of a file that ends in .py
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    except LoadingError:
+        raise
+    except Exception as fault:  # a lab's file may raise anything
+        raise LoadingError(f"{place} cannot be imported: {type(fault).__name__}: {fault}") from fault
+    return module
 
 
 def start_of(law: ContactLaw, values: Values, load: float) -> dict[str, float]:
-    """Return where the search of a law's parameters begins, from values of the growing modulus at a load."""
+    """Return where the search of a law's parameters begins: as it says, else by our values at a load."""
     modulus = values.get("youngs_modulus", 0.0)
     if "initial_modulus" in values:
         modulus = values["initial_modulus"] + values["load_coefficient"] * load
-    usual = {"load_exponent": 1.5, **values, "youngs_modulus": modulus}
+    usual = {**_USUAL, **values, "youngs_modulus": modulus}
     start = {}
     for name, (low, high) in law.parameters.items():
         if name in law.start:
@@ -310,6 +353,11 @@ def _check_declaration(law: ContactLaw) -> None:
             _check_signature(f"{what}{part and f', {part}'}", function, law, indented=part in {"", "area"})
     for missing in [key for key in (*law.parameters, *law.derived) if key not in law.units]:
         raise LoadingError(f'{what} states no unit of {missing}: add it to units, "" for a plain number')
+    for key, ends in law.parameters.items():
+        if not ({*law.start, *_USUAL} & {key} or all(map(math.isfinite, ends))):
+            raise LoadingError(
+                f"{what} does not say where to begin with {key}: add it to start, or give two bounds"
+            )
     for unknown in [key for key in (*law.units, *law.start) if key not in {*law.parameters, *law.derived}]:
         raise LoadingError(f"{what} has no parameter {unknown}, of which unit or start is given")
     for key, (low, high) in law.parameters.items():
@@ -347,7 +395,7 @@ def _check_signature(what: str, function: Law, law: ContactLaw, *, indented: boo
 def _check_values(law: ContactLaw) -> None:
     """Raise LoadingError where a law, at its start, does not return one finite load for each indentation."""
     what = f"the contact law {law.name}"
-    values = start_of(law, {"youngs_modulus": 0.05, "load_coefficient": 0.0, "initial_modulus": 0.05}, 0.0)
+    values = start_of(law, _USUAL, 0.0)
     given = {"loading_radius": _TRIED_RADIUS, "poisson_ratio": 0.5}
     xi = np.array(_TRIED)
     way_out = "it must work on arrays: use NumPy's functions and np.where, not math and if"
@@ -355,8 +403,8 @@ def _check_values(law: ContactLaw) -> None:
         if function is None:
             continue
         try:
-            found = law.at(function, values, xi, **given)
-            single = [law.at(function, values, xi[k : k + 1], **given) for k in range(xi.size)]
+            found = evaluate(law, function, values, xi, **given)
+            single = [evaluate(law, function, values, xi[k : k + 1], **given) for k in range(xi.size)]
         except FitError as fault:
             raise LoadingError(f"{fault.__cause__ and str(fault).split(';')[0]}; {way_out}") from fault
         whole = np.asarray(found)
@@ -395,7 +443,7 @@ def hertz_stiffness(radius: Real, poisson_ratio: Real) -> Real:
     return stiffness
 
 
-@contact_law(parameters={"youngs_modulus": _OPEN}, units={"youngs_modulus": "MPa"})
+@contact_law(parameters={"youngs_modulus": _OPEN}, units={"youngs_modulus": "MPa"}, label="Hertz")
 def hertz(
     indentation: FloatArray,
     *,
@@ -424,17 +472,22 @@ def _growing(
     return initial_modulus * h / np.maximum(1 - load_coefficient * h, _POLE)
 
 
-for _name in ("load_dependent", "exact_sphere"):  # the sphere differs by its shape factor
+for _name, _label in (
+    ("load_dependent", "modulus growing with load"),
+    ("exact_sphere", "exact sphere"),  # differs by its shape factor
+):
     contact_law(
         parameters={"initial_modulus": _OPEN, "load_coefficient": _OPEN},
         units={"initial_modulus": "MPa", "load_coefficient": "MPa/N"},
         name=_name,
+        label=_label,
     )(_growing)
 
 
 @contact_law(
     parameters={"youngs_modulus": _OPEN, "load_exponent": _OPEN},
     units={"youngs_modulus": "MPa", "load_exponent": ""},
+    label="free exponent",
 )
 def free_exponent(
     indentation: FloatArray,
@@ -534,7 +587,7 @@ def load_at(values: Values, law: str, xi: FloatArray, poisson_ratio: float) -> F
         "poisson_ratio": poisson_ratio,
         "shape_factor": factor,
     }
-    load = np.asarray(found.at(found.function, values, xi, **given))
+    load = np.asarray(evaluate(found, found.function, values, xi, **given))
     if load.shape != xi.shape:
         raise FitError(
             f"the contact law {law} returns shape {load.shape} for indentations of shape {xi.shape}"
@@ -552,7 +605,7 @@ def area_at(values: Values, law: str, xi: FloatArray, poisson_ratio: float) -> F
         return np.asarray(np.pi * radius * xi * factor)
     floor = pull_off_of(values, law, poisson_ratio)
     given = {"loading_radius": max(radius, 1e-9), "poisson_ratio": poisson_ratio}
-    return np.asarray(found.at(found.area, values, np.maximum(xi, floor), **given)) * factor
+    return np.asarray(evaluate(found, found.area, values, np.maximum(xi, floor), **given)) * factor
 
 
 def pull_off_of(values: Values, law: str, poisson_ratio: float) -> float:
@@ -561,7 +614,7 @@ def pull_off_of(values: Values, law: str, poisson_ratio: float) -> float:
     if found.pull_off is None:
         return 0.0
     given = {"loading_radius": max(values["loading_radius"], 1e-9), "poisson_ratio": poisson_ratio}
-    return float(found.at(found.pull_off, values, **given)) * (1 - 1e-9)
+    return float(evaluate(found, found.pull_off, values, **given)) * (1 - 1e-9)
 
 
 def indentation_of(

@@ -16,8 +16,7 @@ from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading.averaging import akaike_weights, average_models
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.fit import bounded
-from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
+from fingerpad.loading.joint import FitData, JointFit, bounded, find_noise, fit_joint
 from fingerpad.loading.laws import PAD_FORM
 from fingerpad.loading.noise import Noise
 from fingerpad.loading.press import Press, check_std, determined, known_quantities, prepare, start_values

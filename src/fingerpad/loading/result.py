@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any, ClassVar, Final, Self
 
 import numpy as np
@@ -19,15 +18,13 @@ from fingerpad.flags import flags_in
 from fingerpad.loading.averaging import akaike_weights
 from fingerpad.loading.cycles import Cycle, Hysteresis
 from fingerpad.loading.joint import FitData
-from fingerpad.loading.laws import FittedForceModel, indentation_of, load_at, secant_modulus
+from fingerpad.loading.law_fit import LawFit
+from fingerpad.loading.laws import LAWS, FittedForceModel, indentation_of, load_at, secant_modulus
 from fingerpad.loading.rivals import EXPLANATIONS
 from fingerpad.units import KPA_PER_MPA
 
 # The law whose quantities are stated, and the others of the force.
 MAIN: Final = "load_dependent"
-LAW_NAMES: Final = MappingProxyType(
-    {MAIN: "modulus growing with load", "hertz": "Hertz", "free_exponent": "free exponent"}
-)
 _MODULI: Final = ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient")
 # Nearer to contact than this share of the depth a row's secant modulus says nothing.
 _FOOT: Final = 0.05
@@ -118,6 +115,8 @@ class LoadingFit(Recorded):
         What a flag means for this curve.
     flags : tuple of str
         Doubts.
+    law : LawFit or None
+        The contact law that was asked for; its parameters by name.
     """
 
     _title: ClassVar[str] = "Fit of a loading curve"
@@ -142,6 +141,10 @@ class LoadingFit(Recorded):
     rows: FitData
     notes: Mapping[str, str]
     flags: tuple[str, ...]
+    law: LawFit | None = None
+
+    def _shown(self) -> list[tuple[str, Any]]:
+        return [(name, value) for name, value in Recorded._shown(self) if (name, value) != ("law", None)]
 
     @property
     def load(self) -> FloatArray:
@@ -281,6 +284,7 @@ class LoadingFit(Recorded):
             "hysteresis_mJ": [loss.energy if loss else None for loss in self.hysteresis],
             "hysteresis_fraction": [loss.fraction if loss else None for loss in self.hysteresis],
             "flags": list(self.flags),
+            **({} if self.law is None else {"law": self.law.as_record()}),
         }
 
     def summary(self) -> str:
@@ -319,7 +323,7 @@ class LoadingFit(Recorded):
         yield ""
         least = min(model.aicc for model in self.models.values())
         laws = [
-            (LAW_NAMES.get(name, name), f"{model.aicc - least:.1f}")
+            (LAWS[name].label, f"{model.aicc - least:.1f}")
             for name, model in sorted(self.models.items(), key=lambda pair: pair[1].aicc)
         ]
         yield from _table([("law of the force", "ΔAICc"), *laws])
@@ -337,6 +341,9 @@ class LoadingFit(Recorded):
             ]
             yield from _table([("what else could explain the curve", "ΔAICc", "weight"), *rows])
         yield ""
+        if self.law is not None:
+            yield from self.law.lines()
+            yield ""
         for flag in flags_in(self.flags, "curve"):
             yield f"flag {flag.code}: {self.notes.get(flag.code, flag.words)}. To do: {flag.to_do}."
         if not self.flags:

@@ -24,7 +24,7 @@ FLAGGED = 5.0
 # Deviations by which residuals of one sign follow each other too often.
 TOO_FEW_RUNS = -3.5
 # Minimum number of residuals before contact and under load to compare, and unexplained share for a flag.
-_MIN_COMPARED, _MOSTLY = 10, 0.5
+_MIN_COMPARED, MOSTLY = 10, 0.5
 # Areas that are smoothed make R_g so many times as uncertain.
 _CORRELATED: Final = 2.0
 _MIN_AREAS = 20
@@ -218,7 +218,9 @@ def unexplained_share(main: JointFit) -> float:
     before contact; up to the 95 % point of Fisher's F it may be chance.
     """
     force = main.fit.residuals[: main.record.load.size]
-    contact = main.record.smooth_displacement > main.values["contact_offset"]
+    contact = main.record.attached
+    if contact is None:
+        contact = main.record.smooth_displacement > main.values["contact_offset"]
     before, under = force[~contact], force[contact]
     if min(before.size, under.size) < _MIN_COMPARED:
         return 0.0
@@ -239,7 +241,7 @@ def _compare_without_areas(main: JointFit) -> Comparison:
             "load: the uncertainty holds what follows from them, by how well they explain the force"
         )
     unexplained = unexplained_share(main)
-    if unexplained > _MOSTLY and "loading_radius" in main.held:
+    if unexplained > MOSTLY and "loading_radius" in main.held:
         doubts["misfit"] = (
             "under load the force departs from the model by more than its noise before contact: the "
             "uncertainty holds by how much Hertz's law, a growing modulus and a power law differ"
