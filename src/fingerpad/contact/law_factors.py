@@ -2,9 +2,9 @@ r"""Factors on Hertz theory's load and indentation of one contact area: of the l
 
 Those of the layer are, with x = √(A/π)/t and u = x/(1 + x/C),
 
-.. math:: W/W_H = (1 + N)\,e^{(1 - u/C) P(u)}, \qquad \xi/\xi_H = q + (1 - u/C)\,Q(u).
+.. math:: W/W_H = (1 + N)\,e^{(1 - u/C)\,u^3 P(u)}, \qquad \xi/\xi_H = q + (1 - u/C)\,Q(u),
 
-N and q are those of a thin layer, compressible or not. The first coefficients of P and Q are the series of a
+with polynomials P and Q. N and q are those of a thin layer (`thin_layer`), compressible or not. The first coefficients of P and Q are the series of a
 thick layer; the others are fitted to solved contacts, as are the powers of the contact's size, times the
 numbers of `Gap`, that make the factors of the ellipsoid. For a sphere these are Sneddon's (1965).
 benchmarks/contact_laws.py derives all coefficients, and measures what they leave.
@@ -206,6 +206,8 @@ class PadFactors:
     ) -> None:
         first, second = first_skewness * first_skewness, second_skewness * second_skewness
         skew = first * first_radius + second * second_radius
+        # What the powers are of: flatness w, skewness along both axes together p and their difference m, the
+        # product of both skewnesses, elongation e, (1 − k)²/k of Hertz theory s, and e m.
         self._w = flatness / np.sqrt(first_radius * second_radius)
         self._oblique = 1 - np.where(skew == 0, 0, skew / flatness)  # a paraboloid has neither
         self.whole: BoolArray = (flatness != 0) | (skew != 0)
