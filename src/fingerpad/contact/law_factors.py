@@ -4,9 +4,10 @@ Those of the layer are, with x = √(A/π)/t and u = x/(1 + x/C),
 
 .. math:: W/W_H = (1 + N)\,e^{(1 - u/C)\,u^3 P(u)}, \qquad \xi/\xi_H = q + (1 - u/C)\,Q(u),
 
-with polynomials P and Q. N and q are those of a thin layer (`thin_layer`), compressible or not. The first coefficients of P and Q are the series of a
-thick layer; the others are fitted to solved contacts, as are the powers of the contact's size, times the
-numbers of `Gap`, that make the factors of the ellipsoid. For a sphere these are Sneddon's (1965).
+with polynomials P and Q. N and q are those of a thin layer (`thin_layer`), compressible or not. The first
+coefficients of P and Q are the series of a thick layer; the others are fitted to solved contacts, as are the
+powers of the contact's size, times the numbers of `Gap`, that make the factors of the ellipsoid. For a sphere
+these are Sneddon's (1965).
 benchmarks/contact_laws.py derives all coefficients, and measures what they leave.
 """
 
