@@ -11,26 +11,12 @@ from scipy.special import expit
 from fingerpad._arrays import FloatArray
 from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.photograph.outline_fit import block_starts
+from fingerpad.image.photograph.shape_doubt import DOUBT
 
-# Standard deviation of fingers' exponents from 2, and of a quadrant's from the others'; exponents searched.
-_EXPONENT_STD, _QUADRANT_STD = 0.3, 0.15
+# Exponents searched, and departures from 2 to start from.
 _EXPONENTS, _STARTS = (1.2, 5.0), (-0.35, -0.15, 0.2, 0.5)
-# Prior odds that a finger is no ellipse. What a superellipse misses: its standard uncertainties are so many
-# times what its points tell, and more by a share of the difference between the curves and of the semi-axes.
-# All found on drawn fingers (benchmarks/finger_shapes.py).
-_LOG_ODDS, _WIDENING, _MISSED, _FLOOR = math.log(3), 2.0, 0.1, 0.03
-# Relative standard deviation of half of a finger's width from the semi-axis across its pad.
-_WIDTH_STD = 0.04
-# An outline that a superellipse follows much worse than an ellipse its arc is neither: it has a fold or nail.
-# How far the ellipse may then be off as a whole, relatively; and where too few points tell its shape.
-_TOO_ROUGH, ROUGH_STD = 10.0, 0.08
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
 _BLOCK, _MIN_BLOCKS = 8, 10
-# What a block can be off at least, px; from so many deviations on its distance counts but linearly; and the
-# correlation of neighbouring blocks that is believed at most.
-_LEAST_PX, _FAR, _MOST_ALIKE = 0.12, 4.0, 0.6
-# An exponent so far from 2, in standard deviations and at all, is significant.
-_SIGNIFICANT, _LEAST_DEPARTURE = 3.0, 0.05
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,7 +69,7 @@ class Departure:
 
 def is_significant(exponent: float, std: float) -> bool:
     """Return whether an exponent departs from 2 by more than chance and the skin's roughness allow."""
-    return abs(exponent - 2) > max(_SIGNIFICANT * std, _LEAST_DEPARTURE)
+    return abs(exponent - 2) > max(DOUBT.significant * std, DOUBT.least_departure)
 
 
 def departure_of(
@@ -118,25 +104,25 @@ def departure_of(
     weights = np.sqrt(np.minimum(counts / shape.alike, 1))
     given = np.array([ellipse.semi_x, ellipse.semi_y])
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
-    width_std = math.hypot(_WIDTH_STD, shape.hidden / ellipse.semi_x)
+    width_std = math.hypot(DOUBT.width_std, shape.hidden / ellipse.semi_x)
     width = (math.log(shape.half_width / size), width_std)
-    curve = _Curve(blocks, weights, shape.tilt, width, _LEAST_PX / size)
+    curve = _Curve(blocks, weights, shape.tilt, width, DOUBT.least_px / size)
     bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)
     for _ in range(2):
-        noise = max(_LEAST_PX / size, curve.deviation(bent.x))
+        noise = max(DOUBT.least_px / size, curve.deviation(bent.x))
         curve = _Curve(blocks, weights, shape.tilt, width, noise)
         bent = curve.fitted(bent.x)
     plain = curve.fitted(start)
-    weight = float(expit(_LOG_ODDS + _log_evidence(bent) - _log_evidence(plain)))
+    weight = float(expit(DOUBT.log_odds + _log_evidence(bent) - _log_evidence(plain)))
     more, off = np.exp(bent.x[2:4]) * size, np.exp(plain.x[2:4]) * size - given
-    if noise * size > _TOO_ROUGH * max(shape.noise, _LEAST_PX):
-        weight, off = 0.0, ROUGH_STD * given
+    if noise * size > DOUBT.too_rough * max(shape.noise, DOUBT.least_px):
+        weight, off = 0.0, DOUBT.rough_std * given
     apart = more - given
     inverse = np.linalg.pinv(bent.jac.T @ bent.jac)
     bent_covariance = (
-        _WIDENING**2 * inverse[2:4, 2:4] * np.outer(more, more)
-        + _MISSED**2 * np.outer(apart, apart)
-        + _FLOOR**2 * np.diag(more**2)
+        DOUBT.widening**2 * inverse[2:4, 2:4] * np.outer(more, more)
+        + DOUBT.missed**2 * np.outer(apart, apart)
+        + DOUBT.floor**2 * np.diag(more**2)
     )
     plain_covariance = _with_width(given, covariance, shape.half_width, width_std) + np.outer(off, off)
     x, y, _, _, angle = map(float, weight * bent.x[:5] + (1 - weight) * start)
@@ -216,9 +202,9 @@ class _Curve:
         Neighbours that err alike count as fewer.
         """
         off = self._weights * self._distances(values)
-        most = _FAR * 1.4826 * float(np.median(np.abs(off)))
+        most = DOUBT.far * 1.4826 * float(np.median(np.abs(off)))
         off = np.clip(off, -most, most)
-        alike = min(max(float(off[1:] @ off[:-1]) / float(off @ off + 1e-30), 0.0), _MOST_ALIKE)
+        alike = min(max(float(off[1:] @ off[:-1]) / float(off @ off + 1e-30), 0.0), DOUBT.most_alike)
         return math.sqrt(float(off @ off) / max(len(off) - 8, 3) * (1 + alike) / (1 - alike))
 
     def _local(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -244,13 +230,13 @@ class _Curve:
         return np.asarray((level - 1) / slope)
 
     def _off(self, values: FloatArray) -> FloatArray:
-        off = self._weights * self._distances(values) / (_FAR * self._noise)
-        robust = _FAR * np.sign(off) * np.sqrt(2 * (np.sqrt(1 + off**2) - 1))
+        off = self._weights * self._distances(values) / (DOUBT.far * self._noise)
+        robust = DOUBT.far * np.sign(off) * np.sqrt(2 * (np.sqrt(1 + off**2) - 1))
         known = [(values[..., 4:5] - self._tilt[0]) / self._tilt[1]]
         if not math.isnan(self._log_width[0]):
             known += [(values[..., 2:3] - self._log_width[0]) / self._log_width[1]]
         if values.shape[-1] > 5:
-            known += [values[..., 5:6] / _EXPONENT_STD, values[..., 6:] / _QUADRANT_STD]
+            known += [values[..., 5:6] / DOUBT.exponent_std, values[..., 6:] / DOUBT.quadrant_std]
         return np.concatenate([robust, *known], axis=-1)
 
     def _slopes(self, values: FloatArray) -> FloatArray:
@@ -267,5 +253,6 @@ def _quadrants(x: FloatArray, y: FloatArray) -> npt.NDArray[np.intp]:
 
 def _log_evidence(fit: OptimizeResult) -> float:
     """Return the log of a curve's evidence, by Laplace's approximation."""
-    prior = 0.0 if fit.x.size == 5 else math.log(_EXPONENT_STD) + 4 * math.log(_QUADRANT_STD)
+    of_exponents = math.log(DOUBT.exponent_std) + 4 * math.log(DOUBT.quadrant_std)
+    prior = 0.0 if fit.x.size == 5 else of_exponents
     return float(-fit.cost - 0.5 * np.linalg.slogdet(fit.jac.T @ fit.jac)[1] - prior)

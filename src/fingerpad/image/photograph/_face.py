@@ -17,7 +17,6 @@ from fingerpad.image.photograph._arc import PAD_MIDDLE, initial_ellipse
 from fingerpad.image.photograph._arc_averaging import average_over_ends
 from fingerpad.image.photograph._arc_extension import extend_arc
 from fingerpad.image.photograph._departure import (
-    ROUGH_STD,
     Departure,
     PadShape,
     departure_of,
@@ -32,6 +31,7 @@ from fingerpad.image.photograph.outline_fit import (
     turns_from,
 )
 from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
+from fingerpad.image.photograph.shape_doubt import DOUBT
 from fingerpad.image.scale import Scale
 
 # What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
@@ -207,7 +207,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     share = 1.0 if departure is None else 1 - departure.weight
     parts = {name: share * term[2:4, 2:4] * scale**2 for name, term in terms.items()}
     if departure is None:
-        parts["shape"] = np.diag((ROUGH_STD * semi_px * scale) ** 2)
+        parts["shape"] = np.diag((DOUBT.rough_std * semi_px * scale) ** 2)
     else:
         parts["shape"] = departure.covariance * scale**2 - np.sum(list(parts.values()), axis=0)
     parts["scale"] = scale_term(semi_px * scale, arc.scale)

@@ -9,6 +9,7 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.result import PhotographFit
+from fingerpad.image.photograph.shape_doubt import DOUBT
 
 # Half of the window about a place where the outline turns back, in radii of curvature; how much of it must be
 # seen on either side.
@@ -18,24 +19,6 @@ _MIN_POINTS: Final = 12
 _ROUNDS: Final = 8
 # Shares of half of the width at which the height of the tip is read where the shaft hides the widest place.
 _WIDTHS: Final = (0.95, 0.97, 0.98)
-# What lengths are off relatively on an ellipse, across and along, in a side face and in others; and what the
-# finger's axis is off in a side face beyond the ellipse's own: benchmarks/finger_shapes.py and fingertips.py.
-_SIDE_STD: Final = (0.015, 0.02)
-_FRONT_STD: Final = (0.01, 0.015)
-_AXIS_STD: Final = math.radians(1.0)
-# A shaft is commonly wider than the pad by this share of it. It widens above the pad's widest place, too:
-# half of the width there is off by so many times what the shaft adds below, where the pad is an ellipse;
-# where it is none, what is wider may well be pad. A height read where the outline has nearly half of its
-# width is off by so many times what that width is off.
-_SHAFT: Final = 0.06
-_HIDDEN: Final = 3.0
-_HEIGHT_BY_WIDTH: Final = 5.0
-# The share of the difference that is added to the uncertainty. Turns by so many standard uncertainties of the
-# finger's axis are common.
-_ADDED: Final = 0.7
-_OF_TILT_STD: Final = 0.5
-# A difference so large shows that the outline is no ellipse.
-_NO_ELLIPSE: Final = 0.04
 
 
 def with_lengths(
@@ -70,22 +53,24 @@ def with_lengths(
     across, along = found.semi_axes
     if found.face in ("radial", "ulnar"):
         lengths = _side_lengths(points, across, along)
-        axis = math.hypot(found.tilt_std, _AXIS_STD)
-        stds = np.hypot(_SIDE_STD, np.array([across / along, along / across]) * axis)
+        axis = math.hypot(found.tilt_std, DOUBT.side_axis_std)
+        stds = np.hypot(DOUBT.side_std, np.array([across / along, along / across]) * axis)
     else:
         pad = (found.outline - found.centre) @ found.directions.T * found.scale.mm_per_px
         width = half_width(points, pad, across, along, found.face)
         lengths = _front_lengths(points, across, along, width)
-        shaft = (1 + (_HIDDEN - 1) * ellipse) * width.hidden / across
-        stds = np.hypot(_FRONT_STD, np.array([1, _HEIGHT_BY_WIDTH]) * shaft)
+        shaft = (1 + (DOUBT.hidden - 1) * ellipse) * width.hidden / across
+        stds = np.hypot(DOUBT.front_std, np.array([1, DOUBT.height_by_width]) * shaft)
     off = np.nan_to_num(lengths / found.semi_axes - 1)
     beyond = _beyond(off, stds)
-    turn = float(_beyond(found.tilt - tilt[0], _OF_TILT_STD * tilt[1])) if found.face != "distal" else 0.0
-    added, turned = _ADDED * beyond * found.semi_axes, _ADDED * turn * found.semi_axes
+    turn = (
+        0.0 if found.face == "distal" else float(_beyond(found.tilt - tilt[0], DOUBT.of_tilt_std * tilt[1]))
+    )
+    added, turned = DOUBT.added * beyond * found.semi_axes, DOUBT.added * turn * found.semi_axes
     term = np.outer(added, added) + np.outer(turned, turned)
     return replace(
         found,
-        tilt_std=math.hypot(found.tilt_std, _ADDED * turn),
+        tilt_std=math.hypot(found.tilt_std, DOUBT.added * turn),
         covariance_terms={**found.covariance_terms, "lengths": term},
     )
 
@@ -95,7 +80,8 @@ def lengths_contradict(found: PhotographFit) -> bool:
     term = found.covariance_terms.get("lengths")
     if term is None:
         return False
-    return float((np.sqrt(np.diagonal(term)) / found.semi_axes).max()) > _ADDED * _NO_ELLIPSE
+    added = float((np.sqrt(np.diagonal(term)) / found.semi_axes).max())
+    return added > DOUBT.added * DOUBT.no_ellipse
 
 
 def _beyond(off: ArrayLike, std: ArrayLike) -> FloatArray:
@@ -153,7 +139,7 @@ def half_width(points: FloatArray, pad: FloatArray, across: float, along: float,
         hidden += missing / 2
     value = abs(ends[0] - ends[1]) / 2
     more = max(float(np.ptp(pad[:, 0])) / 2 - value, 0.0) if face == "palmar" and len(pad) else 0.0
-    more_pad = float(_beyond(more, _SHAFT * across))
+    more_pad = float(_beyond(more, DOUBT.shaft * across))
     return HalfWidth(value=value + more_pad, hidden=hidden + more - more_pad, middle=sum(ends) / 2)
 
 

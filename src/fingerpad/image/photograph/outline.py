@@ -13,12 +13,12 @@ from fingerpad.exceptions import FitError, ImageError, LoadingError
 from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph._arc import PAD_MIDDLE
-from fingerpad.image.photograph._departure import ROUGH_STD
 from fingerpad.image.photograph._face import FaceArc, face_from_arc
 from fingerpad.image.photograph.faces import FaceSemiAxes, OutlineSemiAxes, combine_faces
 from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.outline_fit import turns_from
 from fingerpad.image.photograph.result import size_flags
+from fingerpad.image.photograph.shape_doubt import DOUBT
 from fingerpad.image.scale import Scale
 
 # From so many points on an outline shows whether it is an ellipse.
@@ -118,7 +118,7 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
     if not np.isfinite(fit.covariance).all():
         raise FitError(f"outline of the {face} face: four points leave no residual: mark five points or more")
     semi_axes = np.array([fit.ellipse.semi_x, fit.ellipse.semi_y])
-    covariance = fit.covariance[2:4, 2:4] + np.diag((ROUGH_STD * semi_axes) ** 2)
+    covariance = fit.covariance[2:4, 2:4] + np.diag((DOUBT.rough_std * semi_axes) ** 2)
     flags = size_flags(semi_axes) | {"few_points"}
     if len(as_float_array(points)) >= _MIN_POINTS:
         try:

@@ -1,0 +1,48 @@
+"""What outlines are like that are no ellipses, as numbers found on drawn fingers."""
+
+import math
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+# Across and along.
+Pair: TypeAlias = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShapeDoubt:
+    """How far fingers depart from ellipses, and what that adds to the uncertainty of their semi-axes."""
+
+    # What is known of fingers beforehand.
+    exponent_std: float = 0.3  # of the exponents of all quadrants from 2
+    quadrant_std: float = 0.15  # of the exponent of one quadrant from the others
+    log_odds: float = math.log(3)  # that a finger is no ellipse
+    width_std: float = 0.04  # relative; half of the width from the semi-axis across the pad
+
+    # The comparison with a superellipse.
+    widening: float = 2.0  # its standard uncertainties over what its points tell
+    missed: float = 0.1  # share of the difference between the curves
+    floor: float = 0.03  # relative; semi-axes of a superellipse are no surer
+    too_rough: float = 10.0  # misfit over the ellipse's own; a fold or a nail, neither curve
+    rough_std: float = 0.08  # relative; an ellipse then, or where too few points tell its shape
+    significant: float = 3.0  # standard uncertainties of the exponent from 2
+    least_departure: float = 0.05  # of the exponent from 2, to be significant
+
+    # The points.
+    least_px: float = 0.12  # px; standard deviation of a block of points at least
+    far: float = 4.0  # standard deviations; farther off, a point counts but linearly
+    most_alike: float = 0.6  # correlation of neighbouring blocks that is believed at most
+
+    # The outline's own lengths. A shaft that widens below hides the pad's widest place; where the pad is no
+    # ellipse, what is wider may well be pad, and hides as much as it adds.
+    side_std: Pair = (0.015, 0.02)  # relative, on an ellipse; across and along in a side face
+    front_std: Pair = (0.01, 0.015)  # relative, on an ellipse; across and along in the others
+    side_axis_std: float = math.radians(1.0)  # radians; a side face's axis beyond the ellipse's own
+    shaft: float = 0.06  # relative; a shaft is commonly that much wider than the pad
+    hidden: float = 3.0  # half of the width is off by so many times what the shaft hides
+    height_by_width: float = 5.0  # the height is off by so many times what the width is
+    of_tilt_std: float = 0.5  # of the axis's standard uncertainty; turns that are common
+    added: float = 0.7  # share of what contradicts the ellipse
+    no_ellipse: float = 0.04  # relative; a length so far off shows that it is none
+
+
+DOUBT: Final = ShapeDoubt()
