@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from fingerpad.exceptions import FitError
 from fingerpad.image import fit_aligned_ellipse, fit_ellipse
-from fingerpad.image._orthogonal_fit import foot_points
+from fingerpad.image.ellipse_fit import foot_points
 from fingerpad.simulate import outline_points
 
 semi_axes = st.floats(1.0, 20.0)

@@ -9,7 +9,6 @@ from fingerpad.image.contact_image.measure import (
 )
 from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
 from fingerpad.image.contact_image.result import (
-    PLAUSIBLE_RIDGE_PERIOD_MM,
     ContactImageResult,
 )
 from fingerpad.image.contact_image.view import ContactImageOptions
@@ -46,10 +45,15 @@ from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellip
 from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.read import Picture, read_colour_image, read_image
-from fingerpad.image.scale import Scale
-from fingerpad.image.sequence.alignment import alignment_scatter
-from fingerpad.image.sequence.clock import frame_clock
-from fingerpad.image.sequence.force import ForceSignal, FrameClock, FrameRate, FrameStamps
+from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM, Scale
+from fingerpad.image.sequence.force import (
+    ForceSignal,
+    FrameClock,
+    FrameRate,
+    FrameStamps,
+    alignment_scatter,
+    frame_clock,
+)
 from fingerpad.image.sequence.force_tables import read_force_signal, read_frame_stamps
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
 from fingerpad.image.sequence.measure import assign_times, measure_frames, measure_sequence

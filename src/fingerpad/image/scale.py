@@ -20,6 +20,12 @@ from fingerpad.exceptions import CalibrationError
 from fingerpad.image.read import Picture
 from fingerpad.units import MM_PER_INCH
 
+# Neighbouring ridges of fingers lie 0.3 to 0.7 mm apart. The spectrum of a small window of a picture resolves
+# that to a tenth: waves beyond are no ridges.
+WINDOW_RIDGE_PERIOD_MM: Final = (0.28, 0.75)
+# The median of a whole contact may lie farther out before its scale is doubted: a scale that is right to some
+# tens of percent is no reason to leave a contact out; one that is wrong by half is.
+PLAUSIBLE_RIDGE_PERIOD_MM: Final = (0.25, 0.9)
 # What cameras, editors and screens write without measuring.
 PLACEHOLDER_PPI = (72.0, 96.0)
 # Three points less bent than this lie on a line.

@@ -18,11 +18,12 @@ from fingerpad.image.contact_image.edge import (
     running_mean,
 )
 from fingerpad.image.contact_image.region import Region
-from fingerpad.image.contact_image.result import PLAUSIBLE_RIDGE_PERIOD_MM, ContactImageResult
+from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.ridges import RidgeMap, Ridges, ridge_map
 from fingerpad.image.contact_image.spectra import shows_ridges
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import AreaMoments, polygon_moments
+from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 
 # Contrast over noise below which the contact hardly stands out from noise.
 LOW_CONTRAST: Final = 5.0

@@ -14,9 +14,6 @@ from fingerpad.image._masks import centres_inside
 from fingerpad.image.contact_image.ridges import RidgeMap
 from fingerpad.image.contact_image.view import ContactImageOptions
 
-# Beyond it a ridge period is doubtful, and with it the scale.
-PLAUSIBLE_RIDGE_PERIOD_MM = (0.25, 0.9)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ContactImageResult(Recorded):

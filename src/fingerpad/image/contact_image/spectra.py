@@ -15,6 +15,7 @@ from scipy import fft
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import filled_polygon
+from fingerpad.image.scale import WINDOW_RIDGE_PERIOD_MM
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
@@ -52,8 +53,6 @@ _WINDOW_TAPER = np.outer(np.hanning(_WINDOW), np.hanning(_WINDOW)).astype(np.flo
 # Which places of the band belong to a peak at each place.
 _PEAKS = (np.abs(_PLACE - _PLACE[:, None]) < _PEAK_BINS / _WINDOW) * _BAND
 
-# Ridges: fingers' are 0.3 to 0.7 mm apart; a window's spectrum resolves that to a tenth.
-_PERIODS_MM: Final = (0.28, 0.75)
 # A copy of this pitch is looked at, in square windows; a coarser picture than the last cannot show ridges.
 _PITCH_MM: Final = 0.09
 _COARSEST_MM: Final = 0.12
@@ -323,7 +322,7 @@ def _waves(copy: Float32Array, centres: FloatArray, pitch: float) -> tuple[Float
     share = total / (power.sum(axis=1) + 1e-9)
     waves = (in_peak * _TURNED[highest]).sum(axis=1) / (total + 1e-9) / (_SIDE * pitch)
     # Periods per window of the longest and the shortest wave that ridges may have.
-    low, high = (_SIDE * pitch / period for period in _PERIODS_MM[::-1])
+    low, high = (_SIDE * pitch / period for period in WINDOW_RIDGE_PERIOD_MM[::-1])
     return share * ((np.abs(peak) >= low) & (np.abs(peak) <= high)), waves
 
 

@@ -11,8 +11,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
-from fingerpad.image._orthogonal_fit import distances
-from fingerpad.image.ellipse_fit import normalise
+from fingerpad.image.ellipse_fit import distances, normalise
 from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, turns_from
 

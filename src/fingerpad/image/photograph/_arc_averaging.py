@@ -8,8 +8,8 @@ from scipy.linalg import solve_triangular
 from scipy.special import softmax
 
 from fingerpad._arrays import FloatArray
-from fingerpad.image._orthogonal_fit import distances
 from fingerpad.image.ellipse import PlaneEllipse
+from fingerpad.image.ellipse_fit import distances
 from fingerpad.image.photograph.outline_fit import (
     OutlineFit,
     block_starts,

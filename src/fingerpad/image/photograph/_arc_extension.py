@@ -3,7 +3,7 @@
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad.image._orthogonal_fit import distances
+from fingerpad.image.ellipse_fit import distances
 from fingerpad.image.photograph._arc import IndexArray
 from fingerpad.image.photograph.outline_fit import (
     OutlineFit,

@@ -21,9 +21,8 @@ from scipy.optimize import least_squares
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad.exceptions import FitError
 from fingerpad.image._correlation import correlation_length
-from fingerpad.image._orthogonal_fit import Parameters, distances
 from fingerpad.image.ellipse import PlaneEllipse, rotation
-from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, normalise
+from fingerpad.image.ellipse_fit import EllipseFit, Parameters, distances, fit_aligned_ellipse, normalise
 
 _ROUNDS = 2
 _MIN_FREEDOM = 3.0

@@ -1,8 +1,8 @@
-"""A force signal: its samples, and the clock of the frames on its time."""
+"""A force signal: its samples, the clock of the frames on its time, and how well both are aligned."""
 
 import math
 from dataclasses import dataclass, field
-from typing import Self, TypeAlias
+from typing import Final, Self, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,10 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import LoadingError
 
 _MIN_SAMPLES = 2
+# Fewer frames do not tell how well they are aligned with the force.
+_MIN_FRAMES: Final = 5
+# Below this share of the largest load the zero of the sensor matters more than the time.
+_LEAST_LOAD: Final = 0.02
 
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
@@ -326,6 +330,116 @@ class FrameStamps(Displayed):
 
 
 FrameClock: TypeAlias = FrameRate | FrameStamps
+
+
+def frame_clock(
+    frames_per_second: float,
+    force: ForceSignal | None = None,
+    *,
+    start_time: float | None = None,
+    contact_load: float | None = None,
+) -> FrameRate:
+    """Return the clock of frames taken at a steady rate.
+
+    In order of preference: the first-contact frame lies where the force passes `contact_load`; the first
+    frame lies at `start_time`; where the force's trigger rises; at the force's own start.
+
+    Parameters
+    ----------
+    frames_per_second : float
+        Rate at which the frames were taken.
+    force : ForceSignal, optional
+        The signal on whose time the frames are wanted.
+    start_time : float, optional
+        Time of the first frame, s.
+    contact_load : float, optional
+        Load of the first-contact frame, N.
+
+    Returns
+    -------
+    FrameRate
+        Times of the frames on the clock of the force.
+
+    Raises
+    ------
+    LoadingError
+        If both ways are given, the rate is not positive and finite, or the force never passes the load.
+
+    Examples
+    --------
+    >>> force = ForceSignal([2.0, 2.1, 2.2], [0.0, 1.0, 2.0], trigger=[0.0, 5.0, 5.0])
+    >>> [round(frame_clock(10, force, start_time=t).time_of(0, None), 3) for t in (None, 1.0)]
+    [2.05, 1.0]
+    """
+    if start_time is not None and contact_load is not None:
+        raise LoadingError("give either the time of the first frame or the load of first contact, not both")
+    if force is not None and contact_load is not None:
+        return FrameRate.of_contact(frames_per_second, force, contact_load)
+    if force is not None and start_time is None:
+        if force.trigger is not None:
+            return FrameRate.of_trigger(frames_per_second, force)
+        start_time = force.span[0]
+    return FrameRate(frames_per_second, anchor_time=start_time or 0.0)
+
+
+def alignment_scatter(
+    time: ArrayLike, area: ArrayLike, signal: ForceSignal, shift: ArrayLike = 0.0
+) -> FloatArray:
+    """Return the scatter of contact areas about a power law of the load, for frames displaced in time.
+
+    Where frames are late, an area while the load grows is that of a smaller load, and one while it falls that
+    of a greater one. A pad that creeps or dissipates does the same in part: the least scatter is where frames
+    and force agree best, which is no proof that they do.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        Times of the frames, s, on the clock of the signal.
+    area : array_like, shape (n,)
+        Contact areas of the frames, mm²; frames without one are left out.
+    signal : ForceSignal
+        The load.
+    shift : array_like, shape (m,)
+        Time added to all frames, s.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Root mean square of the residuals of ln A, a relative standard deviation; NaN where fewer than five
+        frames lie in the signal.
+
+    Raises
+    ------
+    LoadingError
+        If times and areas differ in length.
+
+    Examples
+    --------
+    >>> signal = ForceSignal([0, 1, 2, 3], [0, 2, 2, 0])
+    >>> time = np.linspace(0.1, 2.9, 50)
+    >>> late = 40 * signal.load_at(time) ** 0.6
+    >>> scatter = alignment_scatter(time + 0.05, late, signal, [-0.1, -0.05, 0.0])
+    >>> scatter.round(3)
+    array([0.088, 0.   , 0.088])
+    """
+    time, area = as_float_array(time), as_float_array(area)
+    if time.ndim != 1 or time.shape != area.shape:
+        raise LoadingError(f"time has shape {time.shape} and area {area.shape}: give one area for each frame")
+    measured = np.isfinite(time) & (area > 0)
+    time, grown = time[measured], np.log(area[measured])
+    shifts = as_float_array(shift)
+    found = [_scatter(signal.load_at(time + by), grown, signal) for by in np.atleast_1d(shifts)]
+    return np.array(found).reshape(shifts.shape)
+
+
+def _scatter(load: FloatArray, grown: FloatArray, signal: ForceSignal) -> float:
+    used = load > _LEAST_LOAD * signal.load.max()
+    if np.count_nonzero(used) < _MIN_FRAMES:
+        return np.nan
+    x, y = np.log(load[used]), grown[used]
+    design = np.column_stack([np.ones_like(x), x])
+    residuals = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
+    return float(np.sqrt(np.mean(residuals**2)))
 
 
 def _require_increasing(time: FloatArray, name: str) -> None:
