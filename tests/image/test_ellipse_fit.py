@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from fingerpad.exceptions import FitError
 from fingerpad.image import fit_aligned_ellipse, fit_ellipse
+from fingerpad.image.ellipse import half_turn
 from fingerpad.image.ellipse_fit import foot_points
 from fingerpad.simulate import outline_points
 
@@ -139,3 +140,8 @@ def test_hyperbola_refused():
 def test_three_points_refused():
     with pytest.raises(FitError, match="4 different points"):
         fit_aligned_ellipse(outline_points(3, 2, count=3))
+
+
+def test_the_direction_of_an_axis_is_never_straight_down():
+    assert half_turn(math.nextafter(math.pi / 2, 4)) == math.pi / 2
+    assert half_turn(-math.pi / 2) == math.pi / 2

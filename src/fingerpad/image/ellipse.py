@@ -238,7 +238,8 @@ def rotation(angle: float) -> FloatArray:
 
 def half_turn(angle: float) -> float:
     """Return the direction of an axis in (−π/2, π/2]."""
-    return math.pi / 2 - (math.pi / 2 - angle) % math.pi
+    turned = math.pi / 2 - (math.pi / 2 - angle) % math.pi
+    return turned if turned > -math.pi / 2 else math.pi / 2  # a remainder may round to the whole half turn
 
 
 def orientation_of(direction: tuple[float, float]) -> float:

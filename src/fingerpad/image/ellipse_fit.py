@@ -1,13 +1,14 @@
 """Ellipses fitted to points.
 
-Points are fitted in two steps: the direct least-squares ellipse of Halíř & Flusser (1998), which always is an
-ellipse, then the ellipse of least orthogonal distance from there, with the covariance of its parameters.
+Points are fitted in two steps: the direct least-squares ellipse, which always is one, then that of least
+orthogonal distance from there, with the covariance of its parameters.
 """
 
 import math
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+import cv2
 import numpy as np
 from scipy.optimize import least_squares
 
@@ -154,36 +155,12 @@ def normalise(points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
 
 def _direct_ellipse(points: FloatArray) -> Parameters:
-    """Return (x, y, semi_1, semi_2, angle) of Halíř & Flusser's direct least-squares ellipse."""
-    x, y = points.T
-    quadratic = np.stack([x * x, x * y, y * y], axis=-1)
-    linear = np.stack([x, y, np.ones_like(x)], axis=-1)
-    try:
-        to_linear = -np.linalg.solve(linear.T @ linear, linear.T @ quadratic)
-        reduced = quadratic.T @ quadratic + (quadratic.T @ linear) @ to_linear
-        _, vectors = np.linalg.eig(np.stack([reduced[2] / 2, -reduced[1], reduced[0] / 2]))
-    except np.linalg.LinAlgError as error:
-        raise FitError("the points do not determine an ellipse: mark points round the outline") from error
-    vectors = np.real(vectors)
-    elliptic = np.flatnonzero(4 * vectors[0] * vectors[2] - vectors[1] ** 2 > 0)
-    if not elliptic.size:
+    """Return (x, y, semi_1, semi_2, angle) of the direct least-squares ellipse (Fitzgibbon et al. 1999)."""
+    (x, y), (width, height), degrees = cv2.fitEllipseDirect(points.astype(np.float32))
+    start = np.array([x, y, width / 2, height / 2, math.radians(degrees)])
+    if not (np.isfinite(start).all() and start[2:4].min() > 0):
         raise FitError("the points do not lie on an ellipse: mark points round one outline")
-    conic = vectors[:, elliptic[0]]
-    return _semi_axes_of(conic, to_linear @ conic)
-
-
-def _semi_axes_of(quadratic: FloatArray, linear: FloatArray) -> Parameters:
-    """Return (x, y, semi_1, semi_2, angle) of a conic a x² + b xy + c y² + d x + e y + f = 0."""
-    a, b, c = quadratic
-    matrix = np.array([[a, b / 2], [b / 2, c]])
-    centre = -np.linalg.solve(matrix, linear[:2]) / 2
-    level = centre @ matrix @ centre - linear[2]
-    eigenvalues, axes = np.linalg.eigh(matrix)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        semi_axes = np.sqrt(level / eigenvalues)
-    if not np.isfinite(semi_axes).all():
-        raise FitError("the points do not lie on an ellipse: mark points round one outline")
-    return np.array([*centre, *semi_axes, math.atan2(axes[1, 0], axes[0, 0])])
+    return start
 
 
 def _direct_aligned(points: FloatArray) -> Parameters:
