@@ -77,7 +77,7 @@ _CONTACT: Final = (
     Flag(
         "not_a_contact_image",
         "no ridges of a finger fill it",
-        "check that the picture shows a contact, and its resolution",
+        "check that the picture shows a contact, and its resolution; of one without ridges, state surface",
         "pooling",
     ),
     Flag(
@@ -90,6 +90,18 @@ _CONTACT: Final = (
         "printed_marks",
         "letters or marks darker than ridges lie in the contact and are counted in its areas",
         f"take a picture of the contact alone, state background, or {_REVIEW}",
+        "pooling unless reviewed",
+    ),
+    Flag(
+        "edge_hidden",
+        "less than 80 % of a smooth contact's edge is seen, for reflections, dirt or faintness",
+        f"keep reflections off the edge, state background, or {_REVIEW}",
+        "pooling unless reviewed",
+    ),
+    Flag(
+        "edge_unclear",
+        "a second edge, fringes or a soft edge leave open where a smooth contact ends",
+        f"let it dry, use light in which the edge is a step, or {_REVIEW}",
         "pooling unless reviewed",
     ),
     Flag(

@@ -1,7 +1,7 @@
 """Flags shared by measuring commands, and their parsing."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, Literal, TypeAlias
 
 import typer
 
@@ -30,6 +30,10 @@ Threshold: TypeAlias = Annotated[
     typer.Option(
         min=1e-6, max=65535, help="Grey levels from background to ridge, instead of half the contrast."
     ),
+]
+SurfaceFlag: TypeAlias = Annotated[
+    Literal["ridged", "smooth"],
+    typer.Option("--surface", help="Whether the contact has ridges, or none, as of a silicone fingertip."),
 ]
 Mask: TypeAlias = Annotated[
     Path | None,
@@ -67,18 +71,23 @@ def contact_options(
     roi_px: str | None,
     dark_on_light: bool | None,
     threshold: float | None,
+    surface: Literal["ridged", "smooth"] = "ridged",
 ) -> "ContactImageOptions":
     """Return how a contact image is measured."""
-    from fingerpad.image import read_image
+    from fingerpad.image import read_colour_image, read_image
 
     seed = None if seed_px is None else numbers_of("--seed-px", seed_px, 2)
+    ground = None
+    if background is not None:
+        ground = read_colour_image(background) if surface == "smooth" else read_image(background).pixels
     return {
-        "background": None if background is None else read_image(background).pixels,
+        "background": ground,
         "seed": None if seed is None else (seed[0], seed[1]),
         "mask": None if mask is None else _corners(mask),
         "region_of_interest": region_of(roi_px),
         "dark_on_light": dark_on_light,
         "threshold": threshold,
+        "surface": surface,
     }
 
 

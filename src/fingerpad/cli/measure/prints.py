@@ -12,6 +12,7 @@ from fingerpad.cli.measure.flags import (
     Overlay,
     Roi,
     Seed,
+    SurfaceFlag,
     Threshold,
     contact_options,
 )
@@ -37,6 +38,7 @@ def measure_prints(
     images: Annotated[list[Path], typer.Argument(help="Contact images.", show_default=False)],
     dark_on_light: DarkOnLight = None,
     background: Background = None,
+    surface: SurfaceFlag = "ridged",
     seed_px: Seed = None,
     threshold: Threshold = None,
     mask: Mask = None,
@@ -49,8 +51,9 @@ def measure_prints(
 
     Without a scale it is the one that each file states. gross_area is that within the outline,
     ridge_area that of the ridges in it; ellipse_iou says how well the ellipse fits the region, 1 being best.
+    Contacts without ridges, of silicone or a gel, take --surface smooth; what concerns ridges is then empty.
     """
-    from fingerpad.image import measure_contact_image, read_image, write_overlay
+    from fingerpad.image import measure_contact_image, read_colour_image, read_image, write_overlay
 
     require_positive("--threshold", threshold)
     options = contact_options(
@@ -60,13 +63,15 @@ def measure_prints(
         roi_px=roi_px,
         dark_on_light=dark_on_light,
         threshold=threshold,
+        surface=surface,
     )
     overlays = overlay_files(images, overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)
         used = scale or _stated_scale(path, picture)
-        contact_image = measure_contact_image(picture.pixels, used, **options)
+        pixels = read_colour_image(path) if surface == "smooth" else picture.pixels
+        contact_image = measure_contact_image(pixels, used, **options)
         if path in overlays:
             write_overlay(overlays[path], picture.pixels, contact_image)
         return {

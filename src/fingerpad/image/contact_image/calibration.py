@@ -122,7 +122,39 @@ class PrintedMarks:
     fewest: int = 2  # so many are print
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SmoothModel:
+    """The edge of a contact without ridges: what counts as one, and how uncertain its place is."""
+
+    # What counts as a contact.
+    least_contrast: float = 3.0  # spreads of the ground around it
+    low_contrast: float = 5.0
+    crest_contrast: float = 0.5  # of these where the edge is a crest, whose foot reaches far
+    least_score: float = 0.3
+    least_score_cut: float = 0.25
+    least_seen: float = 0.8  # share of the outline
+    most_shared: float = 0.03  # of the radius
+
+    # Standard deviation that all of the edge shares.
+    pixel: float = 0.3  # px
+    by_width: float = 0.06  # of the step's width
+    by_scatter: float = 4.5  # of the scatter along the outline: a wet rim wobbles
+    second: float = 0.3  # of the distance of a second edge
+    hidden: float = 0.05  # of the radius, where nothing of the edge is seen
+    cut: float = 0.3  # of the radius, where the frame cuts the contact
+
+    # A crest instead of a step: the slope of a gel.
+    crest: float = 0.3  # of its width; the edge lies so far outside, inside where the crest is narrow
+    crest_std: float = 0.2
+
+    # Fringes outside.
+    least_overshoot: float = 0.15  # of the step's height
+    fringe: float = 0.7  # of the distance of the first; the edge lies so far inside
+    fringe_std: float = 0.35
+
+
 EDGE: Final = EdgeModel()
 RIDGE_LEVEL: Final = RidgeLevel()
 RIDGE_AREA: Final = RidgeAreaError()
 PRINTED_MARKS: Final = PrintedMarks()
+SMOOTH: Final = SmoothModel()

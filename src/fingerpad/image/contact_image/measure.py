@@ -18,7 +18,7 @@ Five steps, each with its own type and module:
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Final, Unpack
+from typing import Final, Unpack, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -32,9 +32,10 @@ from fingerpad.image.contact_image.manual import RegionEdit, region_after_stroke
 from fingerpad.image.contact_image.region import Region, find_region
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.ridges import Ridges, find_ridges, smoothed
-from fingerpad.image.contact_image.view import ContactImageOptions, View, view_of
+from fingerpad.image.contact_image.smooth import evaluate_smooth, find_smooth
+from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View, view_of
 from fingerpad.image.ellipse import ImageEllipse
-from fingerpad.image.read import ImageLike, grey_levels
+from fingerpad.image.read import ImageLike, colour_levels, grey_levels
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
 # Contrast over noise below which no contact is detectable.
@@ -59,6 +60,12 @@ def measure_contact_image(
     shares, and all images of a device. The uncertainty of the semi-axes contains besides what their
     definition leaves open where the outline is no ellipse, and a fade that differs between the tips and the
     sides.
+
+    A contact without ridges, that of a silicone fingertip or of a gel, is measured with ``surface="smooth"``:
+    its edge is half-way on the step from the contact to what lies around it, and with a picture of the empty
+    view as `background` reflections do not count. Light passes thin gaps and water fills them: the visible
+    edge lies outside the contact, by a part of the step's width, which stands in the uncertainty that all of
+    the outline shares. All that concerns ridges is NaN. Colours of the picture count.
 
     Ridge area is what lies, in means along the ridges, about half-way from the level of the valleys to that
     of the ridges around, inside the outline. That level is shifted by what blur does to ridges of such width,
@@ -96,7 +103,7 @@ def measure_contact_image(
     >>> abs(contact_image.gross_area / truth.gross_area - 1) < 0.03, contact_image.flags
     (True, ())
     """
-    pixels = grey_levels(image)
+    pixels = colour_levels(image) if options.get("surface") == "smooth" else grey_levels(image)
     prepared = prepare_contact_image(pixels, scale, **options)
     return replace(prepared.measure(), _picture=np.asarray(pixels))
 
@@ -124,7 +131,7 @@ class PreparedContactImage(Displayed):
     scale: Scale
     reason: str | None
     _view: View
-    _ridges: Ridges
+    _ridges: Ridges | None
     _found: tuple[Region, Edge] | None
     _nearby: tuple["PreparedContactImage", ...] = ()
 
@@ -198,6 +205,8 @@ class PreparedContactImage(Displayed):
         if found is None:
             raise ImageError(self.reason)
         edited = ellipse is not None or bool(strokes)
+        if self._ridges is None:
+            return evaluate_smooth(self._view, *found, edited=edited)
         result = evaluate(self._view, self._ridges, *found, edited=edited)
         if not self._nearby:
             return result
@@ -245,6 +254,12 @@ def prepare_contact_image(
     >>> print(f"{prepared.measure(ellipse=drawn).gross_area:.1f} mm²")
     23.4 mm²
     """
+    surface = options.get("surface") or "ridged"
+    if surface not in get_args(Surface):
+        raise ImageError(f"surface must be ridged or smooth, found {surface!r:.100}")
+    if surface == "smooth":
+        view, found, reason = find_smooth(pixels, as_scale(scale), **options)
+        return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=None, _found=found)
     view = view_of(pixels, as_scale(scale), **options)
     seed, threshold = options.get("seed"), options.get("threshold")
     if threshold is not None:

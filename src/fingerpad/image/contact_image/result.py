@@ -12,7 +12,7 @@ from fingerpad._records import Recorded
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image._masks import centres_inside
 from fingerpad.image.contact_image.ridges import RidgeMap
-from fingerpad.image.contact_image.view import ContactImageOptions
+from fingerpad.image.contact_image.view import ContactImageOptions, Surface
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -61,6 +61,9 @@ class ContactImageResult(Recorded):
         Whether the contact is darker than the background.
     flags : tuple of str
         Doubts, by their codes in `fingerpad.flags`.
+    surface : str
+        ``ridged``, or ``smooth``: then all that concerns ridges is NaN, and the threshold is half of the
+        contrast.
 
     Examples
     --------
@@ -93,6 +96,7 @@ class ContactImageResult(Recorded):
     contrast: float
     dark_on_light: bool
     flags: tuple[str, ...]
+    surface: Surface = "ridged"
     _shape: tuple[int, int]
     _ridges: RidgeMap
     _picture: npt.NDArray[Any] | None = None
@@ -187,4 +191,9 @@ class ContactImageResult(Recorded):
     def settings(self) -> ContactImageOptions:
         """Contrast, ridge period (mm) and polarity, as options to measure other frames alike."""
         period = None if math.isnan(self.ridge_period) else self.ridge_period
-        return {"contrast": self.contrast, "ridge_period": period, "dark_on_light": self.dark_on_light}
+        settings: ContactImageOptions = {
+            "contrast": self.contrast,
+            "ridge_period": period,
+            "dark_on_light": self.dark_on_light,
+        }
+        return settings if self.surface == "ridged" else {**settings, "surface": self.surface}

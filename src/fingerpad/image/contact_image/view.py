@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple, TypeAlias, TypedDict, Unpack
+from typing import Any, Final, Literal, NamedTuple, TypeAlias, TypedDict, Unpack
 
 import cv2
 import numpy as np
@@ -16,6 +16,7 @@ from fingerpad.image.contact_image.spectra import ridge_period_px
 from fingerpad.image.levels import picture_array
 from fingerpad.image.scale import Scale
 
+Surface: TypeAlias = Literal["ridged", "smooth"]
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.float32]
 
 # Pixels of the copy to a ridge period.
@@ -56,6 +57,9 @@ class ContactImageOptions(TypedDict, total=False):
         `ContactImageResult.settings` of a good frame holds it.
     ridge_period : float
         Ridge period, mm; found from the image by default.
+    surface : {"ridged", "smooth"}
+        Whether the contact has ridges, as a finger has, or none, as that of a silicone fingertip; never found
+        from the image. Ridged by default.
 
     Examples
     --------
@@ -76,6 +80,7 @@ class ContactImageOptions(TypedDict, total=False):
     threshold: float | None
     contrast: float | None
     ridge_period: float | None
+    surface: Surface | None
 
 
 class Crop(NamedTuple):

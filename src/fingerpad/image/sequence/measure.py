@@ -104,6 +104,11 @@ def measure_sequence(
     """
     if (force is not None or phases is not None) and clock is None:
         raise LoadingError("force and phases need the times of the frames: give frames per second, or stamps")
+    if options.get("surface") == "smooth":
+        raise ImageError(
+            "sequences are read by their ridges: measure smooth contacts frame by frame with "
+            "measure_contact_image"
+        )
     sequence, scale = as_frames(frames), as_scale(scale)
     if settings is None and iter(sequence) is sequence:
         raise ImageError("frames are read twice, a generator only once: give a list, or settings")

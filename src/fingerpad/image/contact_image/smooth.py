@@ -1,0 +1,385 @@
+"""Measure a contact without ridges: that of a silicone fingertip, of a gel, or a print that water fills.
+
+Of the five steps of measure.py these contacts share the type of the results and what a person draws. Their
+edge (smooth_edge.py) is where the picture steps half-way from the contact to what lies around it.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final, Unpack
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, FloatArray, as_float32
+from fingerpad.exceptions import ImageError
+from fingerpad.flags import FLAGS
+from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image._masks import filled_polygon
+from fingerpad.image.contact_image.background import without_added_border
+from fingerpad.image.contact_image.calibration import SMOOTH
+from fingerpad.image.contact_image.edge import (
+    Edge,
+    axis_weights,
+    outward_normals,
+    point_spacings,
+    running_mean,
+)
+from fingerpad.image.contact_image.region import Region
+from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.contact_image.ridges import RidgeMap
+from fingerpad.image.contact_image.smooth_edge import Step, find_steps
+from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, crop
+from fingerpad.image.ellipse import polygon_moments
+from fingerpad.image.scale import Scale
+
+# Longer side of the copy, px, in which regions are drawn.
+_COPY_SIDE: Final = 500
+# A person draws an edge within so many mm, but no finer than so many px of the copy.
+_DRAWN_MM: Final = 0.45
+_DRAWN_PX: Final = 3.0
+_MANUAL: Final = math.sqrt(1 / 12 / 2)
+_POOR_OVERLAP: Final = 0.85
+# Dimension of (semi_major, semi_minor, gross_area, ridge_area) in lengths.
+_POWERS: Final = np.array([1, 1, 2, 2])
+_REFUSED: Final = (
+    "no contact found: a smooth contact is one compact patch, brighter or darker than the ground or of "
+    "another colour, with an edge that is seen all round"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SmoothEdge(Edge):
+    """The edge of a contact without ridges, px of the copy.
+
+    Attributes
+    ----------
+    own : float
+        Standard deviation of the edge's place in one profile.
+    stretch : float
+        Length of outline along which neighbouring profiles share that error.
+    hidden : float
+        Standard uncertainty of the mean place by what of the outline is not seen.
+    shared : float
+        Standard uncertainty of the edge's place all round, which images of one device share.
+    doubts : frozenset of str
+        Flags of this edge.
+    """
+
+    own: float
+    stretch: float
+    hidden: float
+    shared: float
+    doubts: frozenset[str]
+
+
+def find_smooth(
+    pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageOptions]
+) -> tuple[View, tuple[Region, SmoothEdge] | None, str | None]:
+    """Find the contact in a picture without ridges: its view, region and edge, or why there is none.
+
+    Raises
+    ------
+    ImageError
+        If the picture or an option is not as `measure_contact_image` requires.
+    """
+    for name in ("threshold", "ridge_period"):
+        if options.get(name) is not None:
+            raise ImageError(
+                f"{name} tells ridges apart, and a smooth contact has none: leave it out, "
+                "or give surface='ridged'"
+            )
+    part, values, light = _parts(pixels, options)
+    inside = np.ones(values.shape[:2], dtype=bool) if part.inside is None else part.inside
+    steps = [step for step in find_steps(values, light, inside) if _wanted(step, part, options)]
+    view = _view(part, values, inside, scale, steps[0] if steps else None)
+    if not steps:
+        return view, None, _reason(options)
+    best = steps[0]
+    if problem := _problem(best, options.get("contrast")):
+        return view, None, problem
+    edge = _edge(best, view)
+    patch = filled_polygon(edge.points, view.inside.shape) > 0
+    return view, (Region(patch=np.asarray(patch), several=_several(steps)), edge), None
+
+
+def evaluate_smooth(view: View, region: Region, edge: Edge, *, edited: bool) -> ContactImageResult:
+    """Measure a contact without ridges inside its edge."""
+    outline = view.to_picture(edge.points)
+    moments = polygon_moments(outline)
+    weights = axis_weights(moments, outline) * view.step**2
+    noise, offset = _outline_noise(edge, weights), 0.0
+    if isinstance(edge, SmoothEdge):
+        offset = edge.shared * float(1 - edge.manual.mean()) * view.step
+    extents = np.ptp(outline @ moments.axes.T, axis=0)
+    other = extents / 2 - moments.semi_axes
+    noise[:2, :2] += np.outer(other, other) / 3
+    overlap = _overlap(outline, moments.ellipse.points(360)[:, ::-1])
+    doubts = set(edge.doubts) if isinstance(edge, SmoothEdge) else set()
+    if view.touches_border(edge.points, edge.steps):
+        doubts.add("touches_border")
+    if view.cut_by_mask(edge.points, edge.steps):
+        doubts.add("cut_by_mask")
+    if region.several:
+        doubts.add("several_regions")
+    if overlap < _POOR_OVERLAP:
+        doubts.add("poor_ellipse")
+    if edited:
+        doubts.add("edited_manually")
+    units = view.scale.mm_per_px**_POWERS
+    values = np.array([*moments.semi_axes, moments.area, math.nan]) * units
+    covariance = np.full((4, 4), math.nan)
+    covariance[:3, :3] = noise
+    effect = np.array([offset, offset, offset * edge.steps.sum() * view.step, math.nan])
+    column, row = moments.centroid
+    nothing = np.zeros((1, 1), dtype=bool)
+    return ContactImageResult(
+        ellipse=Ellipse(float(values[0]), float(values[1])),
+        orientation=moments.orientation,
+        centroid=(float(row), float(column)),
+        outline=outline[:, ::-1],
+        gross_area=float(values[2]),
+        ridge_area=math.nan,
+        ridge_border=math.nan,
+        ridge_period=math.nan,
+        overlap=overlap,
+        noise_covariance=covariance * np.outer(units, units),
+        edge_effect=effect * units,
+        mm_per_px=view.scale.mm_per_px,
+        scale_effect=_POWERS * view.scale.relative_std * values,
+        threshold=view.contrast / 2,
+        contrast=view.contrast,
+        dark_on_light=view.dark_on_light,
+        flags=tuple(flag for flag in FLAGS["contact"] if flag in doubts),
+        surface="smooth",
+        _shape=view.shape,
+        _ridges=RidgeMap(
+            is_ridge=nothing,
+            inside=nothing,
+            corner=(0, 0),
+            step=1,
+            softness=0.0,
+            grain=0.0,
+            clipped=0.0,
+            has_print=False,
+        ),
+    )
+
+
+def _parts(
+    pixels: npt.ArrayLike, options: ContactImageOptions
+) -> tuple[Crop, npt.NDArray[np.float32], npt.NDArray[np.float32] | None]:
+    """Return the part that is measured, its colours, and those of the background there."""
+    background = options.get("background")
+    limits: ContactImageOptions = {**options, "background": None}
+    crops = [crop(channel, **limits) for channel in _channels(pixels)]
+    grey = (
+        crops[0]
+        if len(crops) == 1
+        else crops[0]._replace(pixels=as_float32(np.mean([each.pixels for each in crops], axis=0)))
+    )
+    values = np.stack([as_float32(each.pixels) for each in crops], axis=-1)
+    if np.ptp(values) < 1e-15:
+        raise ImageError(f"no contact found: every pixel has the same level, {values.flat[0]:g}")
+    if background is None:
+        return grey, values, None
+    lights = [crop(channel, **limits) for channel in _channels(background)]
+    if lights[0].shape != grey.shape:
+        raise ImageError(f"background must have the picture's shape {grey.shape}, found {lights[0].shape}")
+    return grey, values, np.stack([as_float32(each.pixels) for each in lights], axis=-1)
+
+
+def _channels(pixels: npt.ArrayLike) -> list[npt.NDArray[Any]]:
+    array = np.asarray(pixels)
+    if array.ndim == 3 and array.shape[2] == 3:
+        return [array[..., k] for k in range(3)]
+    return [array]
+
+
+def _wanted(step: Step, part: Crop, options: ContactImageOptions) -> bool:
+    """Return whether a step is of the wanted polarity and at the seed."""
+    dark, seed = options.get("dark_on_light"), options.get("seed")
+    if dark is not None and step.sign != (-1 if dark else 1):
+        return False
+    if seed is None:
+        return True
+    place = (float(seed[1]) - part.corner[1], float(seed[0]) - part.corner[0])
+    return cv2.pointPolygonTest(as_float32(step.points), place, False) >= 0
+
+
+def _reason(options: ContactImageOptions) -> str:
+    if (seed := options.get("seed")) is not None:
+        return f"no contact found at seed {seed}: give a (row, column) within the contact"
+    return f"{_REFUSED}; none was found: give background, the same view without a finger, or draw the contact"
+
+
+def _problem(step: Step, contrast: float | None) -> str | None:
+    """Return why a step is no contact's, None where it may be."""
+    if contrast is not None and step.height < contrast / 2:
+        return f"no contact found: contrast {step.height:.3g} is less than half of the given {contrast:.3g}"
+    if step.height < SMOOTH.least_contrast * _ground(step):
+        return (
+            f"no contact found: contrast {step.height:.3g} against {step.noise:.3g} of the ground around it: "
+            "give background, the same view without a finger, or draw the contact"
+        )
+    if step.score < (SMOOTH.least_score_cut if step.cut else SMOOTH.least_score):
+        return (
+            f"{_REFUSED}; the clearest patch shows its edge in {step.seen:.0%} of all directions, "
+            f"{step.width:.3g} px wide: give background, the same view without a finger, or draw the contact"
+        )
+    return None
+
+
+def _ground(step: Step) -> float:
+    """Return the spread of the ground that a step must stand out from."""
+    return step.noise * (SMOOTH.crest_contrast if step.ring else 1.0)
+
+
+def _several(steps: list[Step]) -> bool:
+    """Return whether another step of some clarity lies round another patch."""
+    best = steps[0]
+    centre = best.points.mean(axis=0)
+    return any(
+        step.score > 0.7 * best.score
+        and step.radius > 0.45 * best.radius
+        and float(np.linalg.norm(step.points.mean(axis=0) - centre)) > best.radius
+        for step in steps[1:]
+    )
+
+
+def _view(
+    part: Crop, values: npt.NDArray[np.float32], inside: BoolArray, scale: Scale, step: Step | None
+) -> View:
+    rows, columns = part.pixels.shape
+    reduction = max(1.0, max(rows, columns) / _COPY_SIDE)
+    shape = max(8, round(rows / reduction)), max(8, round(columns / reduction))
+    steps = rows / shape[0], columns / shape[1]
+    size = shape[::-1]
+    dark = step is not None and step.sign < 0
+    copy = as_float32(cv2.resize(as_float32(values.mean(axis=2)), size, interpolation=cv2.INTER_AREA))
+    turned = -copy if dark else copy
+    ground = np.full_like(copy, np.median(turned))
+    (row, column), whole = part.corner, part.shape
+    in_copy = cv2.resize(inside.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
+    return View(
+        picture=part.pixels,
+        corner=part.corner,
+        shape=whole,
+        scale=scale,
+        ridge_period=math.nan,
+        contact=as_float32(turned - ground),
+        ground=ground,
+        noise=0.0 if step is None else step.noise,
+        contrast=0.0 if step is None else step.height,
+        dark_on_light=dark,
+        shown=without_added_border(part.pixels, shape),
+        inside=np.asarray(in_copy),
+        cut=(row > 0, column > 0, row + rows < whole[0], column + columns < whole[1]),
+        period=max(_DRAWN_PX, _DRAWN_MM / scale.mm_per_px / math.sqrt(steps[0] * steps[1])),
+        steps=steps,
+    )
+
+
+def _edge(step: Step, view: View) -> SmoothEdge:
+    """Return a step as the edge of a contact in the copy, moved to where the contact ends."""
+    shift, shared, unclear = _beyond(step)
+    doubts = {"low_contrast"} if step.height < SMOOTH.low_contrast * _ground(step) else set()
+    if step.cut:
+        doubts.add("touches_border")
+    elif step.seen < SMOOTH.least_seen:
+        doubts.add("edge_hidden")
+    if unclear or shared > SMOOTH.most_shared * step.radius:
+        doubts.add("edge_unclear")
+    points = step.points + outward_normals(step.points, 1.0) * shift
+    corner = np.array(view.corner[::-1])
+    rows, columns = view.contact.shape
+    points = view.to_copy(points + corner).clip(-0.5, [columns - 0.5, rows - 0.5])
+    steps = point_spacings(points)
+    own, run = _scatter(step)
+    hidden = SMOOTH.hidden * step.radius * (1 - step.seen) ** 1.5
+    if step.cut:
+        hidden = SMOOTH.cut * step.radius
+    return SmoothEdge(
+        points=points,
+        normals=outward_normals(points, 1.0),
+        steps=steps,
+        along=np.zeros(len(points)),
+        period=view.period,
+        noise=view.relative_noise,
+        softness=0.0,
+        resolved=False,
+        manual=np.zeros(len(points), dtype=bool),
+        differs=np.zeros(len(points)),
+        own=own / view.step,
+        stretch=run * float(steps.mean()),
+        hidden=hidden / view.step,
+        shared=shared / view.step,
+        doubts=frozenset(doubts),
+    )
+
+
+def _beyond(step: Step) -> tuple[float, float, bool]:
+    """Return how far out from a step the contact ends, its standard uncertainty, and whether that is unclear.
+
+    Light passes gaps thinner than its wavelength and water fills those at the edge: the visible edge lies
+    outside the contact.
+    """
+    terms = [SMOOTH.pixel, SMOOTH.by_width * step.width, SMOOTH.by_scatter * step.scatter]
+    shift, unclear = 0.0, False
+    if step.ring:
+        # The slope of a gel is steepest at the edge, and its skin rounds that.
+        shift = (-1 if step.narrow else 1) * SMOOTH.crest * step.width
+        terms.append(SMOOTH.crest_std * step.width)
+        unclear = True
+    elif step.overshoot > SMOOTH.least_overshoot:
+        # Fringes tell the gap: a quarter of a wavelength at the first, a twelfth at half level.
+        shift = -SMOOTH.fringe * step.fringe
+        terms.append(SMOOTH.fringe_std * step.fringe)
+        unclear = True
+    elif (second := max(step.outer_edge, step.inner_edge)) > 0:
+        terms.append(SMOOTH.second * second)
+        unclear = True
+    return shift, math.hypot(*terms), unclear
+
+
+def _scatter(step: Step) -> tuple[float, float]:
+    """Return the standard deviation of the edge in one profile, and how many neighbours share its error."""
+    off = step.off - np.nanmedian(step.off)
+    spread = step.scatter
+    off = np.where(np.isfinite(off), off, 0.0).clip(-3 * spread, 3 * spread)
+    power = float((off**2).mean())
+    run = 1.0
+    if power > 0:
+        for lag in range(1, len(off) // 6):
+            share = float((off * np.roll(off, lag)).mean()) / power
+            if share < 0.1:
+                break
+            run += 2 * share
+    return max(spread, 0.02), run
+
+
+def _outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
+    """Return the covariance of (semi_major, semi_minor, area) by errors of this image's outline."""
+    drawn = np.where(edge.manual, _MANUAL * edge.period, 0.0)
+    own, width, hidden = 0.0, 1.0, 0.0
+    if isinstance(edge, SmoothEdge):
+        own, width, hidden = edge.own, edge.stretch / max(float(edge.steps.mean()), 1e-9), edge.hidden
+    response = weights * (edge.steps * np.where(edge.manual, drawn, own))[:, None]
+    # The outline is a sum of few waves: an error of one profile spreads over a stretch of it.
+    count = min(max(1, round(width)), len(response))
+    spread = running_mean(response, count)
+    together = weights.T @ (edge.steps * drawn)
+    unseen = weights * (edge.steps * hidden)[:, None]
+    part = running_mean(unseen, len(unseen) // 2)
+    return np.asarray(
+        spread.T @ spread * count + np.outer(together, together) + part.T @ part * (len(unseen) // 2)
+    )
+
+
+def _overlap(outline: FloatArray, ellipse: FloatArray) -> float:
+    """Return the intersection over union of two outlines (x, y)."""
+    corner = np.minimum(outline.min(axis=0), ellipse.min(axis=0)) - 1
+    columns, rows = np.ceil(np.maximum(outline.max(axis=0), ellipse.max(axis=0)) - corner).astype(int) + 2
+    both, other = (filled_polygon(points - corner, (rows, columns)) for points in (outline, ellipse))
+    return float(np.count_nonzero(both & other) / np.count_nonzero(both | other))

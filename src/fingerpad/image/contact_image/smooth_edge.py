@@ -1,0 +1,522 @@
+"""The edge of a contact without ridges: where the picture steps from the contact to what lies around it.
+
+Signals are how far a picture lies above or below its ground, or how far its colour lies from it. In each a
+rough patch is found, profiles are read across its outline, and the outline is moved to where they step.
+The signal whose step is clearest all round shows the contact.
+"""
+
+import math
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
+from fingerpad.image._masks import disk, distance_to, fill_holes, filled_polygon, longest_contour
+from fingerpad.image.ellipse import evenly_spaced, polygon_moments, signed_area
+
+# Longer side of the copy in which patches are found, px, and the blur before.
+_ROUGH_SIDE: Final = 200
+_ROUGH_BLUR: Final = 1.2
+# Levels tried, in parts of Otsu's.
+_LEVELS: Final = (1.0, 0.6, 1.6)
+_LEAST_AREA: Final = 0.003
+_MOST_AREA: Final = 0.9
+# Parts of a patch narrower than this share of its width are reflections, not contact.
+_APPENDAGE: Final = 0.4
+# Scores beyond which signals of another kind, or other levels, are not tried.
+_CLEAR: Final = 0.4
+_VERY_CLEAR: Final = 0.85
+# A second edge drops by no less than this share of the main one.
+_LEAST_SECOND: Final = 0.25
+# A contact of which less of the outline is seen may leave the frame.
+_SEEN: Final = 0.85
+_DIRECTIONS: Final = 180
+# How far profiles reach to both sides, in parts of the contact's mean radius, round by round.
+_REACHES: Final = (0.45, 0.3, 0.25, 0.25, 0.25)
+_ORDERS: Final = (2, 2, 3, 4, 4)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Step:
+    """The step of a picture along an outline, px of the picture.
+
+    Attributes
+    ----------
+    points : ndarray, (n, 2)
+        (x, y) of the outline, evenly spaced.
+    off : ndarray, (n,)
+        How far out from it the edge lies in the profile at each point; NaN where none is seen.
+    seen : float
+        Share of the outline at which the edge is seen.
+    height : float
+        Level of the contact above what lies around it, median along the outline, grey levels.
+    noise : float
+        Standard deviation of the level around the contact, grey levels.
+    width : float
+        Width of the step at half height of its slope.
+    unevenness : float
+        Standard deviation of the height along the outline, in parts of it.
+    sign : int
+        +1 where the contact is brighter than the ground, -1 where darker, 0 where only its colour differs.
+    ring : bool
+        Whether the edge is a crest, not a step.
+    narrow : bool
+        Whether that crest is a narrow ring round a level floor.
+    outer_edge, inner_edge : float
+        How far outside or inside a second edge lies, 0 for none.
+    overshoot : float
+        How far the first fringe outside rises beyond the ground, in parts of the height; 0 for none.
+    fringe : float
+        How far outside the edge it lies.
+    cut : bool
+        Whether the contact leaves the picture.
+    """
+
+    points: FloatArray
+    off: FloatArray
+    seen: float
+    height: float
+    noise: float
+    width: float
+    unevenness: float
+    sign: int
+    ring: bool
+    narrow: bool
+    outer_edge: float
+    inner_edge: float
+    overshoot: float
+    fringe: float
+    cut: bool = False
+
+    @property
+    def radius(self) -> float:
+        """Mean radius of the contact."""
+        return math.sqrt(abs(signed_area(self.points)) / math.pi)
+
+    @property
+    def scatter(self) -> float:
+        """Robust standard deviation of the edge in profiles about the outline."""
+        off = self.off[np.isfinite(self.off)]
+        return 1.4826 * float(np.median(np.abs(off - np.median(off)))) if len(off) else math.inf
+
+    @property
+    def score(self) -> float:
+        """How clear the step is, 0 to 1."""
+        sharp = 1 / (1 + (self.width / (0.25 * self.radius)) ** 2)
+        straight = 1 / (1 + (self.scatter / (0.03 * self.radius + 0.5)) ** 2)
+        clear = self.height / (self.height + 2 * self.noise)
+        return self.seen * sharp * straight * clear
+
+
+def find_steps(
+    picture: npt.NDArray[np.number], background: npt.NDArray[np.number] | None, inside: BoolArray
+) -> list[Step]:
+    """Return the steps found round patches of all signals, the clearest first."""
+    steps: list[Step] = []
+    for signal, sign in _signals(picture, background, inside):
+        # Colour off the ground in any direction shows contacts of gels, and rounds all other edges.
+        if sign == 0 and max((step.score for step in steps), default=0.0) > _CLEAR:
+            break
+        for patch, factor in _patches(signal, inside):
+            contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
+            step = _refined((contour + 0.5) * factor - 0.5, signal, inside, sign)
+            if step is not None:
+                steps.append(replace(step, cut=_is_cut(step, patch, signal.shape)))
+                if step.score > _VERY_CLEAR:
+                    break
+    return sorted(steps, key=lambda step: -step.score)
+
+
+def _is_cut(step: Step, patch: BoolArray, shape: tuple[int, ...]) -> bool:
+    """Return whether the frame cuts a contact: its outline reaches it, or hides where its patch does."""
+    reach = np.array(shape[::-1]) - 2.5
+    if ((step.points < 1.5) | (step.points > reach)).any():
+        return True
+    frame = np.ones_like(patch)
+    frame[1:-1, 1:-1] = False
+    return step.seen < _SEEN and int(np.count_nonzero(patch & frame)) > 3
+
+
+def _signals(
+    picture: npt.NDArray[np.number], background: npt.NDArray[np.number] | None, inside: BoolArray
+) -> Iterator[tuple[Float32Array, int]]:
+    """Yield how far a picture lies above and below its ground, and how far off in any way."""
+    values = np.atleast_3d(as_float32(picture))
+    if background is not None:
+        light = np.atleast_3d(as_float32(background))
+        if light.shape[2] != values.shape[2]:
+            values, light = (each.mean(axis=2, keepdims=True) for each in (values, light))
+        rim = _rim(inside)
+        gain = np.median((values[rim].mean(axis=1) + 1) / (light[rim].mean(axis=1) + 1))
+        ground = gain * (light + 1) - 1
+    else:
+        ground = np.stack([_even_ground(values[..., k], inside) for k in range(values.shape[2])], axis=-1)
+    off = values - ground
+    off -= np.median(off[_rim(inside)], axis=0)
+    off[~inside] = 0
+    small = cv2.resize(off, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA).reshape(-1, off.shape[2])
+    _, ways = np.linalg.eigh(small.T @ small)
+    way = ways[:, -1] * (1 if ways[:, -1].sum() >= 0 else -1)
+    level = as_float32(off @ way)
+    yield level, 1
+    yield as_float32(-level), -1
+    soft = np.atleast_3d(cv2.GaussianBlur(off, (0, 0), 1.5))
+    yield as_float32(np.sqrt((soft**2).sum(axis=2))), 0
+
+
+def _rim(inside: BoolArray) -> BoolArray:
+    """Return where a picture has its rim, which a contact seldom fills."""
+    rows, columns = inside.shape
+    rim = inside.copy()
+    margin = max(2, round(0.1 * min(rows, columns)))
+    rim[margin:-margin, margin:-margin] = False
+    return rim if rim.any() else inside
+
+
+def _even_ground(values: Float32Array, inside: BoolArray) -> Float32Array:
+    """Return a smooth surface of second degree through most of a picture."""
+    rows, columns = values.shape
+    y, x = np.meshgrid(np.linspace(-1, 1, rows), np.linspace(-1, 1, columns), indexing="ij")
+    some = np.zeros_like(inside)
+    some[:: max(1, rows // 80), :: max(1, columns // 80)] = True
+    some &= inside
+
+    def terms(u: FloatArray, v: FloatArray) -> FloatArray:
+        return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
+
+    base, level = terms(x[some], y[some]), values[some]
+    weight = _rim(inside)[some].astype(np.float64)
+    ground = np.zeros(len(level))
+    for _ in range(12):
+        found = np.linalg.lstsq(base * weight[:, None], level * weight, rcond=None)[0]
+        ground = base @ found
+        rest = level - ground
+        spread = 1.4826 * np.median(np.abs(rest[weight > 0.1])) + 1e-6
+        weight = np.where(_rim(inside)[some], 1.0, 0.5) / (1 + (rest / (2 * spread)) ** 2)
+    return as_float32(terms(x, y) @ found)
+
+
+def _patches(signal: Float32Array, inside: BoolArray) -> Iterator[tuple[BoolArray, FloatArray]]:
+    """Yield compact patches of a reduced copy above several levels, and the picture's pixels in one of it."""
+    rows, columns = signal.shape
+    reduction = max(1.0, max(rows, columns) / _ROUGH_SIDE)
+    shape = max(8, round(rows / reduction)), max(8, round(columns / reduction))
+    small = cv2.resize(signal, shape[::-1], interpolation=cv2.INTER_AREA)
+    small = cv2.GaussianBlur(small, (0, 0), _ROUGH_BLUR)
+    counts = cv2.resize(inside.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
+    low, high = np.percentile(small[counts], (2, 99.5))
+    if not high > low:
+        return
+    scaled = ((small - low) / (high - low) * 255).clip(0, 255).astype(np.uint8)
+    otsu, _ = cv2.threshold(scaled[counts].reshape(-1, 1), 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
+    factor = np.array([columns / shape[1], rows / shape[0]])
+    seen: list[BoolArray] = []
+    for part in _LEVELS:
+        patch = _compact((scaled > part * otsu) & counts)
+        if patch is None or any(np.array_equal(patch, other) for other in seen):
+            continue
+        seen.append(patch)
+        yield patch, factor
+
+
+def _compact(mask: BoolArray) -> BoolArray | None:
+    """Return the largest compact piece of a mask, without holes, None where there is none of some size."""
+    closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, disk(3)) > 0
+    filled = fill_holes(closed)
+    pad = 40
+    wide = np.pad(filled, pad, mode="edge")
+    within = distance_to(~np.pad(filled, 1))[1:-1, 1:-1]
+    count, labels = cv2.connectedComponents(filled.astype(np.uint8))
+    if count < 2:
+        return None
+    thickest = max(range(1, count), key=lambda k: float(within[labels == k].max()))
+    radius = max(2.0, min(pad - 2.0, _APPENDAGE * float(within[labels == thickest].max())))
+    part = np.pad(np.asarray(labels == thickest), pad, mode="edge") & wide
+    opened = cv2.morphologyEx(part.astype(np.uint8), cv2.MORPH_OPEN, disk(radius))[pad:-pad, pad:-pad] > 0
+    share = np.count_nonzero(opened) / mask.size
+    if not _LEAST_AREA < share < _MOST_AREA:
+        return None
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(opened.astype(np.uint8))
+    return np.asarray(labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA])))
+
+
+def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign: int) -> Step | None:
+    """Move a rough outline to the step of a signal."""
+    moments = polygon_moments(contour)
+    (row, column), (major, minor) = moments.ellipse.centre, moments.semi_axes
+    if not minor > 3:
+        return None
+    t = np.linspace(0, 2 * math.pi, 720, endpoint=False)
+    points = (column, row) + np.stack([np.cos(t) * major, np.sin(t) * minor], axis=1) @ moments.axes
+    points = _spaced(points)
+    step = None
+    for reach, order in zip(_REACHES, _ORDERS, strict=True):
+        step = _step_across(points, signal, inside, sign, reach)
+        if step is None:
+            return None
+        shift = _low_order(step.off, order)
+        if shift is None:
+            return None
+        limit = 0.5 * reach * step.radius
+        points = _spaced(points + _normals(points) * shift.clip(-limit, limit)[:, None])
+        if not abs(signed_area(points)) > 20:
+            return None
+    return _step_across(points, signal, inside, sign, _REACHES[-1])
+
+
+def _spaced(points: FloatArray) -> FloatArray:
+    length = float(np.linalg.norm(np.diff(points, axis=0, append=points[:1]), axis=1).sum())
+    even = evenly_spaced(points, length / _DIRECTIONS)
+    place = np.arange(_DIRECTIONS) * len(even) / _DIRECTIONS
+    low = place.astype(int)
+    share = (place - low)[:, None]
+    return np.asarray(even[low] * (1 - share) + even[(low + 1) % len(even)] * share)
+
+
+def _normals(points: FloatArray) -> FloatArray:
+    tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
+    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * (1.0 if signed_area(points) > 0 else -1.0)
+
+
+def _low_order(off: FloatArray, order: int) -> FloatArray | None:
+    """Return a robust sum of few waves round the outline through what is seen of it."""
+    good = np.isfinite(off)
+    if np.count_nonzero(good) < 0.25 * len(off):
+        return None
+    t = 2 * math.pi * np.arange(len(off)) / len(off)
+    waves = [np.ones_like(t)] + [each(k * t) for k in range(1, order + 1) for each in (np.cos, np.sin)]
+    base = np.stack(waves, axis=1)
+    # Where part of the outline is hidden, fine waves stay small.
+    stiff = np.diag([0.0] * min(5, base.shape[1]) + [0.02 * len(off)] * max(0, base.shape[1] - 5))
+    values, weight = np.where(good, off, 0.0), good.astype(np.float64)
+    found = np.zeros(base.shape[1])
+    found[0] = np.median(off[good])
+    for _ in range(15):
+        rest = values - base @ found
+        spread = 1.4826 * np.median(np.abs(rest[good])) + 0.05
+        weight = good * np.maximum(0.0, 1 - (rest / (4 * spread)) ** 2) ** 2
+        normal = base.T @ (base * weight[:, None]) + stiff + 1e-6 * np.eye(len(found))
+        found = np.linalg.solve(normal, base.T @ (weight * values))
+    return np.asarray(base @ found)
+
+
+def _step_across(
+    points: FloatArray, signal: Float32Array, inside: BoolArray, sign: int, reach: float
+) -> Step | None:
+    """Return the step along an outline as profiles across it show it."""
+    radius = math.sqrt(abs(signed_area(points)) / math.pi)
+    far = max(6.0, reach * radius)
+    spacing = max(0.5, far / 200)
+    across = np.arange(-far, far + spacing / 2, spacing)
+    places = points[:, None] + _normals(points)[:, None] * across[:, None]
+    profiles = _sampled(signal, inside, places)
+    seen = np.isfinite(profiles).mean(axis=0) > 0.3
+    if not seen.all():
+        across, profiles = across[seen], profiles[:, seen]
+    if len(across) < 12:
+        return None
+    with np.errstate(all="ignore"):
+        typical = _nanmedian(profiles, axis=0)
+    smooth = _smoothed(typical, max(0.7, 0.6 / spacing))
+    place, width, others, ring = _edge_of(smooth, across, sign)
+    if place is None or (sign == 0 and not ring):
+        return None
+    near = min(1.2 * width + 0.5, 0.15 * radius)
+    inner = (across < place - near) & (across > place - near - max(4.0, 0.12 * radius))
+    outer = (across > place + near) & (across < place + near + max(4.0, 0.12 * radius))
+    if (inner.sum() < 3 and not ring) or outer.sum() < 3:
+        return None
+    high, low = (_running_median(_nanmedian(profiles[:, band], axis=1)) for band in (inner, outer))
+    # Along each profile only.
+    blur = max(0.5, 0.25 * width / spacing)
+    blurred = as_float32(cv2.GaussianBlur(as_float32(np.nan_to_num(profiles)), (0, 0), blur, sigmaY=1e-3))
+    search = max(3.0, min(0.5 * far, 2.5 * width))
+    if ring:
+        search = min(max(search, 0.1 * radius), 0.5 * far)
+        off, height = _crests(blurred, across, place, search, low)
+        typical_height = float(np.nanmedian(height))
+    else:
+        height = high - low
+        off = _crossings(blurred, across, place, search, (high + low) / 2)
+        typical_height = float(np.nanmedian(height))
+    if not typical_height > 0:
+        return None
+    off = np.where(np.isfinite(profiles).mean(axis=1) > 0.7, off, np.nan)
+    off = np.where(height > 0.35 * typical_height, off, np.nan)
+    noise = _ground_spread(signal, inside, points, 1 + (place + near) / radius)
+    beyond = smooth[outer]
+    bottom = float(np.median(beyond))
+    top = float(np.nanmedian(high))
+    trough = (across > place) & (across < place + near + 2 * width + 3)
+    least = float(smooth[trough].min())
+    overshoot = max(0.0, (bottom - least) / max(top - bottom, 1e-9))
+    return Step(
+        points=points,
+        off=off,
+        seen=float(np.isfinite(off).mean()),
+        height=typical_height,
+        noise=noise,
+        width=width,
+        unevenness=float(1.4826 * np.nanmedian(np.abs(height - typical_height))) / typical_height,
+        sign=sign,
+        ring=ring,
+        narrow=ring and _is_narrow(smooth, across, place, 0.2 * radius),
+        outer_edge=max((at - place for at in others if at > place), default=0.0),
+        inner_edge=max((place - at for at in others if at < place), default=0.0),
+        overshoot=overshoot,
+        fringe=float(across[trough][smooth[trough].argmin()] - place),
+    )
+
+
+def _ground_spread(signal: Float32Array, inside: BoolArray, points: FloatArray, larger: float) -> float:
+    """Return the robust standard deviation of a signal outside an outline."""
+    every = max(2, round(max(signal.shape) / _ROUGH_SIDE))
+    rows, columns = signal.shape[0] // every, signal.shape[1] // every
+    whole = np.s_[: rows * every, : columns * every]
+    small = cv2.resize(signal[whole], (columns, rows), interpolation=cv2.INTER_AREA)
+    counts = cv2.resize(inside[whole].astype(np.uint8), (columns, rows), interpolation=cv2.INTER_NEAREST)
+    centre = points.mean(axis=0)
+    wide = (centre + (points - centre) * max(1.0, larger) + 0.5) / every - 0.5
+    ground = small[(filled_polygon(wide, small.shape) == 0) & (counts > 0)]
+    if len(ground) < 20:
+        return 0.0
+    return float(np.subtract(*np.percentile(ground, (84, 16)))) / 2
+
+
+def _sampled(signal: Float32Array, inside: BoolArray, places: FloatArray) -> FloatArray:
+    x, y = (np.ascontiguousarray(places[..., k], dtype=np.float32) for k in (0, 1))
+    values = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    counts = cv2.remap(
+        inside.astype(np.uint8), x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=0
+    )
+    return np.where(counts > 0, values, np.nan).astype(np.float64)
+
+
+def _nanmedian(values: FloatArray, axis: int) -> FloatArray:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return np.asarray(np.nanmedian(values, axis=axis))
+
+
+def _running_median(values: FloatArray, reach: int = 4) -> FloatArray:
+    stack = np.stack([np.roll(values, k) for k in range(-reach, reach + 1)])
+    return _nanmedian(stack, axis=0)
+
+
+def _smoothed(values: FloatArray, sigma: float) -> FloatArray:
+    reach = math.ceil(3 * sigma)
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
+    return np.convolve(np.pad(values, reach, mode="edge"), kernel / kernel.sum(), mode="valid")
+
+
+def _edge_of(
+    profile: FloatArray, across: FloatArray, sign: int
+) -> tuple[float | None, float, list[float], bool]:
+    """Return the place of the main edge of a profile that falls outward, its width, and other edges."""
+    spacing = float(across[1] - across[0])
+    slope = -np.gradient(profile, spacing)
+    if sign == 0:
+        found = _crest_of(profile, across)
+        if found is not None:
+            return (*found, [], True)
+    rises, falls = slope[1:-1] >= slope[:-2], slope[1:-1] > slope[2:]
+    peaks = (np.flatnonzero(rises & falls & (slope[1:-1] > 0)) + 1).tolist()
+    if not peaks:
+        return None, 0.0, [], False
+    best = max(peaks, key=lambda k: slope[k])
+    strong = [k for k in peaks if slope[k] > 0.3 * slope[best]]
+    width = _width_at(slope, best) * spacing
+    least = _LEAST_SECOND * _drop(profile, slope, best)
+    others = []
+    for k in strong:
+        if k == best:
+            continue
+        low, high = sorted((k, best))
+        # Between two edges lies a level stretch.
+        level = slope[low : high + 1].min() < 0.4 * slope[k]
+        if level and across[high] - across[low] > 1.2 * width and _drop(profile, slope, k) > least:
+            others.append(k)
+    edges = [*others, best]
+    chosen = min(edges)
+    rest = [float(across[k]) for k in edges if k != chosen]
+    return float(across[chosen]), _width_at(slope, chosen) * spacing, rest, False
+
+
+def _drop(profile: FloatArray, slope: FloatArray, k: int) -> float:
+    """Return by how much a profile falls across a peak of its slope."""
+    reach = round(_width_at(slope, k))
+    return float(profile[max(0, k - reach)] - profile[min(len(profile) - 1, k + reach)])
+
+
+def _crest_of(profile: FloatArray, across: FloatArray) -> tuple[float, float] | None:
+    """Return the place and the width of a crest that is lower on both sides, None where there is none."""
+    k = int(profile.argmax())
+    if not 2 < k < len(profile) - 3:
+        return None
+    inner, outer = float(profile[:k].min()), float(profile[k:].min())
+    top = float(profile[k])
+    if not top - inner > 0.25 * (top - outer):
+        return None
+    spacing = float(across[1] - across[0])
+    lower, centre, upper = profile[k - 1 : k + 2]
+    shift = 0.5 * (lower - upper) / min(lower - 2 * centre + upper, -1e-12)
+    # The outer flank tells how sharp it is.
+    slope = -np.gradient(profile, spacing)
+    flank = k + int(slope[k : k + max(3, len(slope) // 4)].argmax())
+    return float(across[k] + shift * spacing), float(2 * (across[flank] - across[k]) + spacing)
+
+
+def _is_narrow(profile: FloatArray, across: FloatArray, place: float, depth: float) -> bool:
+    """Return whether a profile falls to half of its crest within a depth inside it."""
+    k = int(np.abs(across - place).argmin())
+    inner = profile[(across < place) & (across > place - depth)]
+    return bool(len(inner) and inner.min() < 0.5 * profile[k])
+
+
+def _width_at(values: FloatArray, k: int) -> float:
+    """Return the full width of a peak at half of its height, in samples."""
+    half = values[k] / 2
+    low, high = k, k
+    while low > 0 and values[low] > half:
+        low -= 1
+    while high < len(values) - 1 and values[high] > half:
+        high += 1
+    return max(1.0, float(high - low - 1))
+
+
+def _crossings(
+    profiles: npt.NDArray[np.floating], across: FloatArray, place: float, search: float, level: FloatArray
+) -> FloatArray:
+    """Return where each profile falls through its level nearest to a place, NaN where it does not."""
+    above = profiles - level[:, None]
+    falls = (above[:, :-1] > 0) & (above[:, 1:] <= 0)
+    middle = (across[:-1] + across[1:]) / 2
+    distance = np.where(falls, np.abs(middle - place), np.inf)
+    k = distance.argmin(axis=1)
+    row = np.arange(len(profiles))
+    first, second = above[row, k], above[row, k + 1]
+    share = first / np.where(first > second, first - second, 1.0)
+    found = across[k] + share * (across[1] - across[0])
+    return np.where(distance[row, k] < search, found, np.nan)
+
+
+def _crests(
+    profiles: npt.NDArray[np.floating], across: FloatArray, place: float, search: float, low: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return where each profile is highest near a place, and how high."""
+    near = np.abs(across - place) < search
+    band, where = profiles[:, near], across[near]
+    k = band.argmax(axis=1)
+    row = np.arange(len(band))
+    edge = (k == 0) | (k == len(where) - 1)
+    k = k.clip(1, len(where) - 2)
+    lower, centre, upper = band[row, k - 1], band[row, k], band[row, k + 1]
+    shift = 0.5 * (lower - upper) / np.minimum(lower - 2 * centre + upper, -1e-12)
+    found = where[k] + shift.clip(-1, 1) * (across[1] - across[0])
+    return np.where(edge, np.nan, found), centre - low

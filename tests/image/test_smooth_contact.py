@@ -1,0 +1,147 @@
+"""Contacts without ridges: fixed small pictures of ellipses under uneven light, with reflections and dust."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from fingerpad.exceptions import ImageError
+from fingerpad.image import (
+    BrushStroke,
+    Scale,
+    draw_overlay,
+    measure_contact_image,
+    measure_sequence,
+    prepare_contact_image,
+)
+
+_SCALE = Scale(0.03, 0.0)
+_CENTRE, _AXES, _ANGLE = (118.3, 131.6), (70.2, 52.7), 25.0
+
+
+def _picture(*, contrast=90.0, reflection=False, contact=True, seed=1):
+    """Return a picture of a blurred ellipse with dust, grain and perhaps a reflection, and its background."""
+    rng = np.random.default_rng(seed)
+    rows, columns = np.mgrid[:240, :260].astype(float)
+    fine = np.zeros((240 * 8, 260 * 8), np.uint8)
+    centre = tuple(round(((c + 0.5) * 8 - 0.5) * 16) for c in _CENTRE[::-1])
+    if contact:
+        axes = tuple(round(a * 8 * 16) for a in _AXES)
+        cv2.ellipse(fine, centre, axes, _ANGLE, 0, 360, 255, -1, shift=4)
+    inside = cv2.resize(fine, (260, 240), interpolation=cv2.INTER_AREA) / 255
+    inside = cv2.GaussianBlur(inside, (0, 0), 1.2)
+    light = 1 - 0.4 * ((rows - 90) ** 2 + (columns - 160) ** 2) / 240**2
+    dust = np.zeros_like(light)
+    for row, column in rng.uniform(0, 240, (25, 2)):
+        cv2.circle(dust, (int(column), int(row)), 1, 1, -1)
+    ground = 110 * light * (1 - 0.4 * dust)
+    shine = np.zeros_like(light)
+    if reflection:
+        cv2.line(shine, (150, 60), (220, 110), 120, 7)
+        shine = cv2.GaussianBlur(shine, (0, 0), 1.5)
+    image = ground + contrast * light * inside + shine
+    pictures = [each + rng.normal(0, 1.5, each.shape) for each in (image, ground)]
+    return [np.rint(each).clip(0, 255).astype(np.uint8) for each in pictures]
+
+
+_AREA = math.pi * _AXES[0] * _AXES[1] * 0.03**2
+
+
+@pytest.mark.parametrize("contrast", [90.0, -60.0])
+@pytest.mark.parametrize("reflection", [False, True])
+@pytest.mark.parametrize("with_background", [True, False])
+def test_area_and_axes_are_within_their_uncertainty(contrast, reflection, with_background):
+    image, ground = _picture(contrast=contrast, reflection=reflection)
+    found = measure_contact_image(
+        image, _SCALE, surface="smooth", background=ground if with_background else None
+    )
+    assert abs(found.gross_area / _AREA - 1) < 0.015
+    assert abs(found.gross_area - _AREA) < 2.5 * found.gross_area_std
+    assert found.gross_area_std < 0.02 * _AREA
+    for axis, std, true in zip(
+        (found.ellipse.semi_major, found.ellipse.semi_minor),
+        (found.semi_major_std, found.semi_minor_std),
+        _AXES,
+        strict=True,
+    ):
+        assert abs(axis - 0.03 * true) < 3 * std
+    assert np.allclose(found.centroid, _CENTRE, atol=0.7)
+    assert found.dark_on_light == (contrast < 0)
+    assert set(found.flags) <= {"edge_hidden"}
+
+
+def test_all_that_concerns_ridges_is_empty():
+    image, ground = _picture()
+    found = measure_contact_image(image, _SCALE, surface="smooth", background=ground)
+    record = found.as_record()
+    assert found.surface == "smooth"
+    for name in ("ridge_area_mm2", "ridge_area_mm2_std", "ridge_border_mm", "ridge_period_mm"):
+        assert math.isnan(record[name])
+    assert math.isfinite(record["gross_area_mm2_std"])
+    assert not found.ridges.any()
+    assert draw_overlay(image, found).ndim == 3
+
+
+def test_colours_show_a_contact_that_grey_levels_do_not():
+    _, ground = _picture(contrast=0.0, contact=False)
+    contact, _ = (each.astype(float) for each in _picture(contrast=40.0))
+    lift = contact - ground
+    colours = np.stack([ground + lift, ground - lift / 2, ground - lift / 2], axis=-1).clip(0, 255)
+    plain = np.stack([ground] * 3, axis=-1)
+    found = measure_contact_image(colours, _SCALE, surface="smooth", background=plain)
+    assert abs(found.gross_area / _AREA - 1) < 0.02
+
+
+def test_a_picture_without_a_contact_is_refused_and_can_be_drawn():
+    image, _ = _picture(contact=False, reflection=True)
+    prepared = prepare_contact_image(image, _SCALE, surface="smooth", background=image)
+    with pytest.raises(ImageError, match="one compact patch"):
+        prepared.measure()
+    drawn = prepared.measure([BrushStroke(action="add", points=[_CENTRE], radius=50)])
+    assert drawn.flags == ("edited_manually",)
+    assert abs(drawn.gross_area / (math.pi * 50**2 * 0.03**2) - 1) < 0.05
+    assert math.isnan(drawn.ridge_area)
+
+
+def test_a_manual_edit_moves_the_outline_and_is_flagged():
+    image, ground = _picture()
+    prepared = prepare_contact_image(image, _SCALE, surface="smooth", background=ground)
+    automatic = prepared.measure()
+    row, column = automatic.centroid
+    bite = BrushStroke(action="remove", points=[(row - 52, column)], radius=12)
+    edited = prepared.measure([bite])
+    assert edited.gross_area < automatic.gross_area
+    assert "edited_manually" in edited.flags
+    assert edited.gross_area_std > automatic.gross_area_std
+
+
+def test_a_contact_at_the_frame_is_flagged():
+    image, ground = _picture()
+    found = measure_contact_image(image[100:], _SCALE, surface="smooth", background=ground[100:])
+    assert "touches_border" in found.flags
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"threshold": 20.0}, "tells ridges apart"),
+        ({"ridge_period": 0.5}, "tells ridges apart"),
+        ({"seed": (5.0, 5.0)}, "at seed"),
+        ({"background": np.ones((20, 20))}, "picture's shape"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(options, words):
+    image, _ = _picture()
+    with pytest.raises(ImageError, match=words):
+        measure_contact_image(image, _SCALE, surface="smooth", **options)
+
+
+def test_an_unknown_surface_is_refused():
+    with pytest.raises(ImageError, match="ridged or smooth"):
+        measure_contact_image(_picture()[0], _SCALE, surface="rough")
+
+
+def test_a_sequence_of_smooth_contacts_is_refused():
+    with pytest.raises(ImageError, match="frame by frame"):
+        measure_sequence([], _SCALE, surface="smooth")
