@@ -87,8 +87,8 @@ def fit_loading_curve(
     area_relative_std : float
         Relative standard uncertainty of the areas that is common to all of them, as of their scale.
     law : str or ContactLaw, optional
-        A contact law to fit as well and to compare with ours: one's own (`contact_law`), by itself or its
-        name, or as ``my_laws.py:ogden``; or ``jkr``, which is fitted to the way out.
+        A contact law to fit as well and to compare with ours: one's own (`contact_law`) or its name, also as
+        ``my_laws.py:ogden``; or ``jkr``, which is fitted to the way out.
 
     Returns
     -------
