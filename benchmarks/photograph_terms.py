@@ -19,12 +19,13 @@ from benchmarks import anatomic_fingers, finger_shapes, fingertips, outlines, ph
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Scale, measure_photograph
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
-from fingerpad.image.photograph import _face
+from fingerpad.image.photograph import face_arc
 from fingerpad.image.photograph.outline import _arc
 from fingerpad.image.photograph.result import PhotographFit
+from fingerpad.image.photograph.shape_doubt import DOUBT
 
 Array: TypeAlias = npt.NDArray[np.float64]
-Face: TypeAlias = tuple[str, Array, _face.FaceArc]
+Face: TypeAlias = tuple[str, Array, face_arc.FaceArc]
 
 # Longest error that counts, so that one lost face does not decide a root mean square.
 _MOST = 0.5
@@ -71,7 +72,7 @@ WITHOUT: dict[str, dict[str, Any]] = {
     "nothing": {},
     "averaging over the arc's ends": {"average_over_ends": _without_averaging},
     "extension of an arc of known ends": {"extend_arc": lambda *given: given[2]},
-    "shape": {"_departure": lambda *_: None, "ROUGH_STD": 0.0},
+    "shape": {"_departure": lambda *_: None, "DOUBT": replace(DOUBT, rough_std=0.0)},
     "lengths": {"with_lengths": _without_lengths},
     "shared": {"_SHARED_PX": (1e-6, 0.0), "_SHARED_FOUND_PX": (1e-6, 0.0)},
 }
@@ -80,7 +81,7 @@ WITHOUT: dict[str, dict[str, Any]] = {
 @contextmanager
 def switched_off(term: str) -> Iterator[None]:
     """Fit faces without a term."""
-    with mock.patch.multiple(_face, **WITHOUT[term]) if WITHOUT[term] else mock.MagicMock():
+    with mock.patch.multiple(face_arc, **WITHOUT[term]) if WITHOUT[term] else mock.MagicMock():
         yield
 
 
@@ -103,7 +104,7 @@ def main(count: int, seeds: list[int]) -> None:
     measured = [face for seed in seeds for face in faces(count, seed)]
     for term in WITHOUT:
         with switched_off(term):
-            rows = fitted_again(measured, _face.face_from_arc)
+            rows = fitted_again(measured, face_arc.face_from_arc)
         print(f"\nwithout {term}\n{'':18}    n  median |error|    rms    std   held  silent")
         for family, some in rows.items():
             off, std, flagged = np.abs(some[:, 0]), some[:, 1], some[:, 2] > 0

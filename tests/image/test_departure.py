@@ -10,10 +10,10 @@ from benchmarks import fingertips
 from benchmarks.finger_shapes import SHAPES, SIDES, render, tip_outline
 
 from fingerpad.image import Scale, measure_photograph, photograph_from_ellipse
-from fingerpad.image.photograph._departure import PadShape, departure_of, is_significant
-from fingerpad.image.photograph._lengths import lengths_contradict, with_lengths
-from fingerpad.image.photograph._outline_radius import radius_of_outline
+from fingerpad.image.photograph.lengths import lengths_contradict, with_lengths
 from fingerpad.image.photograph.outline_fit import fit_outline_ellipse
+from fingerpad.image.photograph.outline_radius import radius_of_outline
+from fingerpad.image.photograph.shape import PadShape, departure_of, is_significant
 from fingerpad.simulate import render_finger
 
 ACROSS, ALONG = 180.0, 250.0

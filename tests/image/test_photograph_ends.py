@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.ndimage import gaussian_filter1d
 
-from fingerpad.image.photograph._arc import fit_arc
-from fingerpad.image.photograph._arc_averaging import average_over_ends
+from fingerpad.image.photograph.arc import fit_arc
+from fingerpad.image.photograph.ends import average_over_ends
 
 SEMI_AXES = np.array([197.0, 230.0])
 TILT = (0.0, math.radians(2))

@@ -21,13 +21,14 @@ from fingerpad.image.ellipse import (
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
 from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.levels import MEMORY_LIMIT
-from fingerpad.image.photograph.direct import direct_semi_axes
 from fingerpad.image.photograph.faces import (
     FaceSemiAxes,
     OutlineSemiAxes,
     combine_faces,
+    direct_semi_axes,
     implausible_size,
 )
+from fingerpad.image.photograph.files import read_marks, read_outline
 from fingerpad.image.photograph.manual import (
     photograph_from_ellipse,
     photograph_from_handles,
@@ -35,12 +36,7 @@ from fingerpad.image.photograph.manual import (
 )
 from fingerpad.image.photograph.measure import measure_photograph
 from fingerpad.image.photograph.orientation import FACE_AXES, SEMI_AXES, Direction, Face
-from fingerpad.image.photograph.outline import (
-    face_from_outline,
-    read_marks,
-    read_outline,
-    semi_axes_from_outlines,
-)
+from fingerpad.image.photograph.outline import face_from_outline, semi_axes_from_outlines
 from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse
 from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
 from fingerpad.image.photograph.result import PhotographFit

@@ -4,7 +4,7 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.image.ellipse_fit import distances
-from fingerpad.image.photograph._arc import IndexArray
+from fingerpad.image.photograph.arc import IndexArray
 from fingerpad.image.photograph.outline_fit import (
     OutlineFit,
     departure_covariance,

@@ -9,8 +9,8 @@ import numpy as np
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
 from fingerpad.exceptions import ImageError
 from fingerpad.image.ellipse import rotation
-from fingerpad.image.photograph._arc import PAD_MIDDLE
-from fingerpad.image.photograph._face import FaceArc, face_from_arc
+from fingerpad.image.photograph.arc import PAD_MIDDLE
+from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
 from fingerpad.image.photograph.orientation import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
 from fingerpad.image.scale import ScaleLike, as_scale

@@ -4,31 +4,22 @@ The finger is separated from the backdrop by colour, its outline located to a fr
 the pad selected, and an ellipse along the finger's axis fitted to it by least orthogonal distance.
 """
 
+import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, FloatArray
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.photograph._arc import PAD_MIDDLE, candidate_points, fit_arc, longest_arc
-from fingerpad.image.photograph._edges import SubpixelOutline, locate_edges
-from fingerpad.image.photograph._face import FaceArc, face_from_arc
-from fingerpad.image.photograph._finger_axis import finger_tilt
-from fingerpad.image.photograph._input import (
-    Window,
-    between,
-    check_image,
-    check_marks,
-    check_not_cut,
-    check_window,
-    opponent_light,
-    pad_sides,
-    within,
-)
-from fingerpad.image.photograph._silhouette import Silhouette, find_silhouette
+from fingerpad.image.levels import picture_array
+from fingerpad.image.photograph.arc import PAD_MIDDLE, candidate_points, finger_tilt, fit_arc, longest_arc
+from fingerpad.image.photograph.edges import SubpixelOutline, Window, locate_edges
+from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
 from fingerpad.image.photograph.orientation import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit
+from fingerpad.image.photograph.silhouette import Silhouette, find_silhouette, opponent_light
 from fingerpad.image.read import ImageLike, colour_levels
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
@@ -99,10 +90,10 @@ def measure_photograph(
     """
     sides = palmar_directions(face, tip, palmar)
     pixels, scale = colour_levels(image), as_scale(scale)
-    light = opponent_light(check_image(pixels))
+    light = opponent_light(_check_image(pixels))
     size = (light.shape[0], light.shape[1])
-    window = None if region_of_interest is None else check_window(region_of_interest, size)
-    marks = None if points is None else check_marks(points, size)
+    window = None if region_of_interest is None else _check_window(region_of_interest, size)
+    marks = None if points is None else _check_marks(points, size)
     silhouette = find_silhouette(light, None if face == "distal" else opposite(tip), window)
     edges = _outline(light, silhouette)
     marked = window is not None or marks is not None
@@ -111,7 +102,7 @@ def measure_photograph(
     for side in sides:
         try:
             if not marked:
-                check_not_cut(silhouette, pad_sides(face, tip, side), tip)
+                silhouette.check_not_cut(_pad_sides(face, tip, side), tip)
             arc = _pad_arc(edges, (face, face_axes(face, tip, side)), scale, window, marks)
             border = (*(np.array(light.shape[:2]) - 1.0).tolist(), 6.0 + 3 * silhouette.reduction)
             tried.append(face_from_arc(replace(arc, border=border)))
@@ -156,9 +147,9 @@ def _pad_arc(
     local = (edges.points - place) @ axes.T
     tilt, pad = finger_tilt(local, face), candidate_points(local, face)
     if marks is not None:
-        order = between(edges, marks)
+        order = edges.between(marks)
     elif window is not None:
-        order = within(edges, window)
+        order = edges.within(window)
     else:
         order = pad
     if edges.found[order].sum() < _MIN_POINTS:
@@ -195,3 +186,59 @@ def _pad_arc(
         ends_known=ends_known,
         blur=edges.blur,
     )
+
+
+def _pad_sides(face: Face, tip: Direction, palmar: Direction) -> tuple[Direction, ...]:
+    """Return the sides of the frame that the pad faces, where it must not be cut."""
+    return {"palmar": (tip,), "distal": (palmar,)}.get(face, (tip, palmar))
+
+
+def _check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:
+    """Return the picture, validated."""
+    values = picture_array(pixels, "pixels")
+    if not (values.ndim == 2 or (values.ndim == 3 and values.shape[2] in (3, 4))) or not values.size:
+        raise ImageError(
+            f"pixels must be grey (rows, columns) or colour (rows, columns, 3), found shape {values.shape}"
+        )
+    if values.dtype.kind not in "uif":
+        raise ImageError(f"pixels must be numbers, found {values.dtype}: read the picture as grey or colour")
+    if values.dtype.kind == "f" and not np.isfinite(values).all():
+        raise ImageError("pixels must be finite: fill NaN and infinite ones before measuring")
+    return values
+
+
+def _check_window(region: tuple[float, float, float, float], size: tuple[int, int]) -> Window:
+    """Return the region of interest as slices."""
+    edges = real_array(region, "region_of_interest", ImageError)
+    if edges.shape != (4,) or not np.isfinite(edges).all():
+        raise ImageError(f"region_of_interest must be four numbers, row, column, row, column, found {region}")
+    first_row, first_column, last_row, last_column = edges.tolist()
+    rows = slice(max(0, math.floor(first_row)), min(size[0], math.ceil(last_row)))
+    columns = slice(max(0, math.floor(first_column)), min(size[1], math.ceil(last_column)))
+    if rows.stop <= rows.start or columns.stop <= columns.start:
+        raise ImageError(
+            f"region_of_interest {region} is empty or outside the picture of {size[0]} rows and {size[1]} "
+            "columns: give first row, first column, last row, last column"
+        )
+    return rows, columns
+
+
+def _check_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
+    """Return the marks, checked."""
+    marks = real_array(points, "points", ImageError)
+    if marks.ndim != 2 or marks.shape[1] != 2 or len(np.unique(marks, axis=0)) < 2:
+        raise ImageError(
+            f"points must be two or more different marks (row, column), found shape {marks.shape}"
+        )
+    inside = (
+        np.isfinite(marks).all(axis=1)
+        & (marks >= 0).all(axis=1)
+        & (marks <= as_float_array(size) - 1).all(axis=1)
+    )
+    if not inside.all():
+        row, column = marks[int(np.argmin(inside))]
+        raise ImageError(
+            f"points: row {row:g}, column {column:g} is outside the picture of {size[0]} rows and {size[1]} "
+            "columns: give marks as (row, column)"
+        )
+    return marks

@@ -1,19 +1,16 @@
-"""Semi-axes of the finger pad from outlines of its faces, and reading outlines and marks from files."""
+"""Semi-axes of the finger pad from outlines of its faces."""
 
 import math
 from collections.abc import Mapping
-from os import PathLike
-from pathlib import Path
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad._columns import columns_named_by, read_columns
-from fingerpad.exceptions import FitError, ImageError, LoadingError
+from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
-from fingerpad.image.photograph._arc import PAD_MIDDLE
-from fingerpad.image.photograph._face import FaceArc, face_from_arc
+from fingerpad.image.photograph.arc import PAD_MIDDLE
+from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
 from fingerpad.image.photograph.faces import FaceSemiAxes, OutlineSemiAxes, combine_faces
 from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.outline_fit import turns_from
@@ -157,75 +154,3 @@ def _arc(face: Face, points: FloatArray, ellipse: PlaneEllipse) -> FaceArc:
         ends_known=True,
         alike=min(max(len(points) // _INDEPENDENT_POINTS, 1), _MOST_ALIKE),
     )
-
-
-def read_outline(path: str | PathLike[str]) -> FloatArray:
-    r"""Read outline points from a CSV file with columns like ``x_mm, y_mm`` or ``X [um], Y [um]``.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Points (x, y), mm.
-
-    Raises
-    ------
-    ImageError
-        If the file cannot be opened, lacks a column, or holds anything but finite numbers; the message names
-        file, column and line.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder, "outline.csv")
-    ...     _ = path.write_text("x_mm,y_mm\n11.8,0\n0,13.8\n")
-    ...     read_outline(path)
-    array([[11.8,  0. ],
-           [ 0. , 13.8]])
-    """
-    return _read_points(Path(path), "x", "y")
-
-
-def read_marks(path: str | PathLike[str]) -> FloatArray:
-    r"""Read marks on a picture from a CSV file with the columns ``row_px`` and ``column_px``.
-
-    Parameters
-    ----------
-    path : path-like
-        The file.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Marks (row, column), px.
-
-    Raises
-    ------
-    ImageError
-        As `read_outline`.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder, "marks.csv")
-    ...     _ = path.write_text("row_px,column_px\n24,200\n300,436\n")
-    ...     read_marks(path)
-    array([[ 24., 200.],
-           [300., 436.]])
-    """
-    return _read_points(Path(path), "row", "column")
-
-
-def _read_points(path: Path, first: str, second: str) -> FloatArray:
-    try:
-        with columns_named_by(lambda _: ""):  # nothing else names them
-            found = read_columns(path, (first, second))
-    except LoadingError as error:
-        raise ImageError(str(error)) from error
-    return np.column_stack([found[first], found[second]])

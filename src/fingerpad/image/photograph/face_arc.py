@@ -13,16 +13,10 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import rotation
-from fingerpad.image.photograph._arc import PAD_MIDDLE, initial_ellipse
-from fingerpad.image.photograph._arc_averaging import average_over_ends
 from fingerpad.image.photograph._arc_extension import extend_arc
-from fingerpad.image.photograph._departure import (
-    Departure,
-    PadShape,
-    departure_of,
-    is_significant,
-)
-from fingerpad.image.photograph._lengths import half_width, lengths_contradict, with_lengths
+from fingerpad.image.photograph.arc import PAD_MIDDLE, initial_ellipse
+from fingerpad.image.photograph.ends import average_over_ends
+from fingerpad.image.photograph.lengths import half_width, lengths_contradict, with_lengths
 from fingerpad.image.photograph.orientation import Face
 from fingerpad.image.photograph.outline_fit import (
     OutlineFit,
@@ -31,6 +25,12 @@ from fingerpad.image.photograph.outline_fit import (
     turns_from,
 )
 from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
+from fingerpad.image.photograph.shape import (
+    Departure,
+    PadShape,
+    departure_of,
+    is_significant,
+)
 from fingerpad.image.photograph.shape_doubt import DOUBT
 from fingerpad.image.scale import Scale
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import fill_holes, longest_contour
+from fingerpad.image.levels import LUMA, linear_light
 from fingerpad.image.photograph.orientation import STEPS, Direction
 
 _SIDE_PX = 900
@@ -72,6 +74,39 @@ class Silhouette:
         return {
             side: (float(place.min()), float(place.max())) for side, place in places.items() if place.size > 2
         }
+
+    def check_not_cut(self, sides: tuple[Direction, ...], tip: Direction) -> None:
+        """Refuse a finger whose pad lies on the frame."""
+        rows, columns = np.nonzero(self.mask)
+        cuts = self.cut_sides()
+        for side in sides:
+            if side not in cuts:
+                continue
+            along = rows if tip in ("up", "down") else columns
+            low, high = float(along.min()) * self.reduction, float(along.max()) * self.reduction
+            first, last = cuts[side]
+            # A tilted finger may leave through a side; its half at the tip may not.
+            depth = first - low if tip in ("up", "left") else high - last
+            if side == tip or len(sides) == 1 or depth < (high - low) / 2:
+                raise ImageError(
+                    f"the frame cuts the finger on its {side} side, where the pad is: leave a margin there, "
+                    "give region_of_interest or points for the part that shows, or check tip and palmar"
+                )
+
+
+def opponent_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
+    """Return luma as light, then red and blue beyond it; luma alone for a grey picture.
+
+    Cameras' files keep luma sharp and colour at half the resolution: apart, each is trusted as it deserves.
+    """
+    if pixels.ndim == 2:
+        return linear_light(pixels)[..., None]
+    light = linear_light(pixels[..., :3])
+    luma = light @ LUMA
+    np.subtract(light[..., 0], luma, out=light[..., 1])
+    light[..., 2] -= luma
+    light[..., 0] = luma
+    return light
 
 
 def find_silhouette(

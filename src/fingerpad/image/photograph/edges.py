@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import cv2
 import numpy as np
@@ -12,6 +12,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.special import ndtr
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.exceptions import ImageError
 from fingerpad.image.ellipse import evenly_spaced, signed_area
 
 # Samples per pixel along a normal, and blurs (standard deviation, px) that are tried.
@@ -22,6 +23,11 @@ _TRIAL_STEP = 0.25
 _MIN_STEP_RATIO = 3.0
 _ALONG_PX = 1.5
 _MIN_VARIANCE = 1e-6
+# How far a mark may be off the outline, in widths of the finger.
+_MARK_REACH = 0.1
+
+IndexArray: TypeAlias = npt.NDArray[np.intp]
+Window: TypeAlias = tuple[slice, slice]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -50,6 +56,41 @@ class SubpixelOutline:
     step_ratio: FloatArray
     spacing: float
     closed: bool
+
+    def between(self, marks: FloatArray) -> IndexArray:
+        """Return the indices of the outline's points from the first to the last mark, by way of all."""
+        away = np.linalg.norm(self.points[:, None] - marks, axis=2)
+        nearest = np.sort(away.argmin(axis=0))
+        reach = _MARK_REACH * float(np.ptp(self.points, axis=0).min())
+        worst = int(away.min(axis=0).argmax())
+        if away.min(axis=0)[worst] > reach:
+            row, column = marks[worst]
+            raise ImageError(
+                f"points: the mark at row {row:g}, column {column:g} is {away.min(axis=0)[worst]:.0f} px off "
+                "the finger's outline: put marks on the edge of the pad"
+            )
+        count = len(self.points)
+        if self.closed:
+            # The arc leaves out the widest gap between marks.
+            gaps = np.diff(np.append(nearest, nearest[0] + count))
+            first = int((np.argmax(gaps) + 1) % len(nearest))
+            return np.asarray(
+                (nearest[first] + np.arange(count - int(gaps.max()) + 1)) % count, dtype=np.intp
+            )
+        return np.arange(nearest[0], nearest[-1] + 1)
+
+    def within(self, window: Window) -> IndexArray:
+        """Return the indices of the outline's points in the longest piece inside the region of interest."""
+        rows, columns = window
+        row, column = self.points.T
+        inside = (row >= rows.start) & (row < rows.stop) & (column >= columns.start) & (column < columns.stop)
+        if inside.all():
+            return np.arange(len(inside))
+        start = int(np.argmin(inside)) if self.closed else 0
+        order = np.roll(np.arange(len(inside)), -start)
+        pieces = np.split(order, np.flatnonzero(np.diff(inside[order].astype(int))) + 1)
+        longest: IndexArray = max((piece for piece in pieces if inside[piece[0]]), key=len, default=order[:0])
+        return longest
 
 
 def locate_edges(
