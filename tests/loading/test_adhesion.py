@@ -113,7 +113,7 @@ def test_fit_of_a_record_with_areas() -> None:
     assert fit.law.loading_radius.lower < 10 < fit.law.loading_radius.upper
     assert fit.law.phase == "unloading"
     assert fit.law.preferred_model == "jkr"
-    assert "JKR holds" in fit.law.notes["law"]
+    assert "JKR holds" in fit.law.verdict
     # Hertz on the same rows is wrong by far more than its neighbour's uncertainty.
     assert abs(fit.law.models["hertz"].values["youngs_modulus"] / 0.04 - 1) > 0.1
     shown = {each["name"]: each for each in fit.as_record()["law"]["parameters"]}

@@ -63,8 +63,10 @@ class LawFit(Recorded):
         ``loading``, or ``unloading`` for an adhesive law.
     models : mapping of str to FittedForceModel
         The law, and ours on the same rows under the same noise, whose `aicc` compares them.
+    verdict : str
+        Whether the law holds at these parameters, in its own words; empty where it does not say.
     notes : mapping of str to str
-        What a flag means here, and ``law``: whether the law holds at these parameters.
+        What a flag means here.
     flags : tuple of str
         Doubts.
 
@@ -88,6 +90,7 @@ class LawFit(Recorded):
     contact_offset: Estimate
     phase: str
     models: Mapping[str, FittedForceModel]
+    verdict: str
     notes: Mapping[str, str]
     flags: tuple[str, ...]
 
@@ -149,8 +152,8 @@ class LawFit(Recorded):
                 value = f"{value_with_uncertainty(each['value'], each['std'])} {each['unit']}"
                 yield f"  {each['name']:<{width}}  {value:<24}  95 %: {low:.4g} to {high:.4g}"
         yield self.conclusion
-        if "law" in self.notes:
-            yield self.notes["law"]
+        if self.verdict:
+            yield self.verdict
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers by name, each with its unit.
@@ -173,6 +176,7 @@ class LawFit(Recorded):
             "weights": self.weights,
             "preferred_model": self.preferred_model,
             "conclusion": self.conclusion,
+            "verdict": self.verdict,
             "notes": dict(self.notes),
             "flags": list(self.flags),
         }
@@ -327,9 +331,11 @@ def _result(
             f"the force departs from {law.label} by more than its noise without contact: its parameters are "
             "less certain than stated"
         )
+    said = ""
     if law.verdict is not None and known and not at_bound:
         holds, said = evaluate(law, law.verdict, fit.values, **_given(fit))
-        notes["law" if holds else "law_out_of_range"] = said
+        if not holds:
+            notes["law_out_of_range"] = said
     return LawFit(
         law=law.name,
         parameters=parameters,
@@ -339,8 +345,9 @@ def _result(
         contact_offset=fit.estimate("contact_offset"),
         phase=phase,
         models=dict(models),
+        verdict=said,
         notes=notes,
-        flags=tuple(name for name in notes if name != "law"),
+        flags=tuple(notes),
     )
 
 
@@ -389,6 +396,7 @@ def _failed(
         contact_offset=unknown,
         phase=phase,
         models=dict(models),
+        verdict="",
         notes={flag: reason},
         flags=(flag,),
     )
