@@ -5,6 +5,7 @@ import math
 import cv2
 import numpy as np
 import pytest
+from benchmarks.smooth_accuracy import accuracy
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import (
@@ -145,3 +146,11 @@ def test_an_unknown_surface_is_refused():
 def test_a_sequence_of_smooth_contacts_is_refused():
     with pytest.raises(ImageError, match="frame by frame"):
         measure_sequence([], _SCALE, surface="smooth")
+
+
+@pytest.mark.parametrize("kind", ["ftir", "ftir_dark"])
+def test_pictures_made_from_the_optics_alone_are_held(kind):
+    found = accuracy(kind, range(9, 10), 1)
+    assert found["refused"] == 0
+    assert found["rms"] < 2
+    assert found["covered"] == 1

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from benchmarks.engine import measured_scales
 
-from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image
+from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image, read_image
 from fingerpad.simulate import render_contact_image, render_finger
 from fingerpad.study.corrections.apply import (
     contact_correction,
@@ -18,7 +18,7 @@ from fingerpad.study.corrections.apply import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest import Study
+from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import finger_result, photograph_item
 from fingerpad.study.measuring.measure import measure_observation, reviewed
@@ -258,3 +258,21 @@ def test_reviewing_leaves_what_was_measured(folder, tmp_path):
     plain = measured(folder, tmp_path, "p")
     assert reviewed(plain, None) is plain
     assert Path(plain.overlay).name == "p.png"
+
+
+def test_an_observation_states_that_its_contact_is_smooth(tmp_path):
+    ground = np.full((200, 200, 3), 90, np.uint8)
+    image = cv2.GaussianBlur(
+        cv2.ellipse(ground.copy(), (100, 95), (60, 45), 20, 0, 360, (90, 90, 200), -1), (0, 0), 1
+    )
+    cv2.imwrite(str(tmp_path / "gel.png"), image)
+    cv2.imwrite(str(tmp_path / "empty.png"), ground)
+    table = {"name": "p", "finger": "f", "wedge_angle_deg": 30, "load_N": 1, "file": "gel.png"}
+    observation = Observation.model_validate(
+        {**table, "scale": {"mm_per_px": 0.1}, "background": "empty.png", "surface": "smooth"}
+    )
+    pixels = read_image(tmp_path / "gel.png").pixels
+    seen = corrected_contact_image(pixels, Scale(0.1), observation, tmp_path)
+    assert seen.contact_image.surface == "smooth"
+    assert abs(seen.contact_image.gross_area / (math.pi * 6.05 * 4.55) - 1) < 0.03
+    assert math.isnan(seen.contact_image.ridge_area)

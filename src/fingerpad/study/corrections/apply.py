@@ -18,6 +18,7 @@ from fingerpad.image import (
     measure_photograph,
     photograph_from_ellipse,
     prepare_contact_image,
+    read_colour_image,
     read_image,
     with_marked_points,
 )
@@ -29,7 +30,7 @@ from fingerpad.study.corrections.changes import (
 )
 from fingerpad.study.corrections.history import ActiveCorrection, phases_item
 from fingerpad.study.corrections.key_frames import InterpolatedCorrection
-from fingerpad.study.manifest import CORRECTIONS, Contact, Photograph
+from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Photograph
 
 NOTHING = ContactCorrection()
 # Changes of these have the ridges detected again; strokes and ellipse are measured on those detected before.
@@ -97,13 +98,17 @@ def contact_options(
     """Return how a contact's picture is measured, as the manifest and a person say."""
     window = _first(correction.region_of_interest_px, contact.region_of_interest_px)
     seed = _first(correction.seed_px, contact.seed_px)
+    smooth = _is_smooth(contact)
+    ground = contact.background
+    read = read_colour_image if smooth else _read_grey
     return {
-        "background": None if contact.background is None else read_image(folder / contact.background).pixels,
+        "background": None if ground is None else read(folder / ground),
         "seed": None if seed is None else (seed[0], seed[1]),
         "mask": _first(correction.mask_px, contact.mask_px),
         "region_of_interest": None if window is None else (window[0], window[1], window[2], window[3]),
         "dark_on_light": _first(correction.dark_on_light, contact.dark_on_light),
         "threshold": _first(correction.threshold, contact.threshold),
+        "surface": "smooth" if smooth else "ridged",
     }
 
 
@@ -139,6 +144,9 @@ def prepared_contact(
         If the picture is no good, or an option misses it.
     """
     options = contact_options(contact, folder, correction)
+    if _is_smooth(contact) and contact.file is not None:
+        # A gel shows a contact by colour.
+        pixels = read_colour_image(folder / contact.file)
     if settings is not None:
         polarity = options["dark_on_light"]
         # The frames of a sequence share a relative level: the manifest's threshold has gone into learning it.
@@ -245,6 +253,14 @@ def corrected_photograph(
     )
     erased = [(stroke.points_px, stroke.radius_px) for stroke in wanted.erased]
     return with_marked_points(found.without_picture(), added=wanted.added_points_px, erased=erased)
+
+
+def _is_smooth(contact: Contact) -> bool:
+    return isinstance(contact, Observation) and contact.surface == "smooth"
+
+
+def _read_grey(path: Path) -> npt.ArrayLike:
+    return read_image(path).pixels
 
 
 def _first(wanted: Any, given: Any) -> Any:

@@ -23,7 +23,7 @@ Direction = Literal["along", "across"]
 
 # What a person can correct in the measurement of a contact image.
 CORRECTIONS: Final = frozenset(("dark_on_light", "mask_px", "region_of_interest_px", "seed_px", "threshold"))
-_IMAGE_KEYS: Final = CORRECTIONS | {"background", "scale", "finger_axis_deg"}
+_IMAGE_KEYS: Final = CORRECTIONS | {"background", "scale", "finger_axis_deg", "surface"}
 
 
 class PlacedFinger(ManifestModel):
@@ -91,6 +91,8 @@ class Observation(PlacedFinger):
     """The contact image."""
     ellipse_mm: ContactEllipse | None = None
     """Contact ellipse measured elsewhere, in place of an image."""
+    surface: Literal["ridged", "smooth"] = "ridged"
+    """Whether the contact in the image has ridges, or none, as of a silicone fingertip."""
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
