@@ -604,6 +604,8 @@ def test_order_of_flags():
         "not_a_contact_image",
         "ridges_merge",
         "printed_marks",
+        "edge_hidden",
+        "edge_unclear",
         "edited_manually",
     )
 

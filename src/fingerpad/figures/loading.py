@@ -51,6 +51,8 @@ _RIVAL_STYLES: Final = ((BLACK, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "
 _MILLI: Final = 1000.0
 # Of the largest indentation, how much of the approach is shown.
 _APPROACH: Final = 0.4
+# A band sets the scale up to this share of the range of loads, or so many times the usual residual.
+_ROOM, _WIDEST = 0.3, 10.0
 
 
 @in_style
@@ -105,6 +107,11 @@ def plot_load_indentation(
     mark_synthetic(axes, synthetic)
     _draw_fits(axes, fits)
     _draw_band(axes, band)
+    if band is not None and W.size:
+        # Where a law has a pole its band has no end, which must not set the scale.
+        room = _ROOM * float(np.ptp(W))
+        low, high = axes.get_ylim()
+        axes.set_ylim(max(low, float(W.min()) - room), min(high, float(W.max()) + room))
     if phase is not None:
         _crop_approach(axes, xi)
     axes.set_xlabel("indentation ξ (mm)")
@@ -179,9 +186,9 @@ def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = Fal
         )
     mark_synthetic(axes, synthetic)
     band = np.append(lower, upper) - np.append(law, law)
-    # The platen's turn leaves a row or two far off, which must not set the scale.
+    # Rows far off at the platen's turn, and a band without end at a pole, must not set the scale.
     usual = float(np.percentile(np.abs(off), 99))
-    largest = 1.1 * max(1.3 * usual, _MILLI * float(np.nanmax(np.abs(band))))
+    largest = 1.1 * max(1.3 * usual, min(_MILLI * float(np.nanmax(np.abs(band))), _WIDEST * usual))
     axes.set_ylim(-largest, largest)
     _crop_approach(axes, fit.indentation)
     axes.set_xlabel("indentation ξ (mm)")

@@ -21,6 +21,7 @@ from fingerpad.figures.wedge import plot_wedge
 from fingerpad.geometry import Placement
 from fingerpad.image import ContactImageResult, PhotographFit, draw_overlay, draw_photograph_overlay
 from fingerpad.loading import LoadingFit
+from fingerpad.loading.result import MAIN
 
 # More contacts than these make no readable figure.
 _MAX_CONTACTS: Final = 20
@@ -161,11 +162,17 @@ def _(result: PhotographFit) -> Drawing:
 @draw.register
 def _(result: LoadingFit) -> Drawing:
     figure, (loads, residuals) = new_figure(width_mm=170, height_mm=75, columns=2)
+    xi, load, phase = result.indentation, result.load, np.where(result.indentation > 0, "loading", "baseline")
+    own = result.law
+    if own is not None and own.phase == "unloading":
+        out = own.displacement - result.models[MAIN].values["contact_offset"]
+        xi, load = np.append(xi, out), np.append(load, own.load)
+        phase = np.append(phase, np.full(out.size, own.phase))
     plot_load_indentation(
         loads,
-        result.indentation,
-        result.load,
-        phase=np.where(result.indentation > 0, "loading", "baseline"),
+        xi,
+        load,
+        phase=phase,
         fits=law_lines(result),
         band=predicted_band(result),
     )

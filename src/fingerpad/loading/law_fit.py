@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Final
 
 import numpy as np
 
+from fingerpad._arrays import FloatArray
 from fingerpad._records import Recorded
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.estimate import Estimate
@@ -61,6 +62,8 @@ class LawFit(Recorded):
         R_g and the place of contact by this law, mm.
     phase : str
         ``loading``, or ``unloading`` for an adhesive law.
+    displacement, load : ndarray
+        Rows that it was fitted to: readings (mm), and forces without their zero and drift (N).
     models : mapping of str to FittedForceModel
         The law, and ours on the same rows under the same noise, whose `aicc` compares them.
     verdict : str
@@ -89,6 +92,8 @@ class LawFit(Recorded):
     loading_radius: Estimate
     contact_offset: Estimate
     phase: str
+    displacement: FloatArray
+    load: FloatArray
     models: Mapping[str, FittedForceModel]
     verdict: str
     notes: Mapping[str, str]
@@ -149,7 +154,8 @@ class LawFit(Recorded):
                 yield f"  {each['name']:<{width}}  unknown: {each['reason']}"
             else:
                 low, high = each["ci95"]
-                value = f"{value_with_uncertainty(each['value'], each['std'])} {each['unit']}"
+                unit = "" if each["unit"] == "1" else each["unit"]
+                value = f"{value_with_uncertainty(each['value'], each['std'])} {unit}"
                 yield f"  {each['name']:<{width}}  {value:<24}  95 %: {low:.4g} to {high:.4g}"
         yield self.conclusion
         if self.verdict:
@@ -344,6 +350,8 @@ def _result(
         loading_radius=radius,
         contact_offset=fit.estimate("contact_offset"),
         phase=phase,
+        displacement=fit.record.displacement,
+        load=fit.corrected_load(fit.record.clock, fit.record.load),
         models=dict(models),
         verdict=said,
         notes=notes,
@@ -395,6 +403,8 @@ def _failed(
         loading_radius=unknown,
         contact_offset=unknown,
         phase=phase,
+        displacement=np.zeros(0),
+        load=np.zeros(0),
         models=dict(models),
         verdict="",
         notes={flag: reason},

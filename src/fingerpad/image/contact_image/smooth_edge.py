@@ -352,7 +352,7 @@ def _step_across(
     noise = _ground_spread(signal, inside, points, 1 + (place + near) / radius)
     beyond = smooth[outer]
     bottom = float(np.median(beyond))
-    top = float(np.nanmedian(high))
+    top = float(np.nanmedian(high)) if np.isfinite(high).any() else math.nan  # of a ring no plateau is seen
     trough = (across > place) & (across < place + near + 2 * width + 3)
     least = float(smooth[trough].min())
     overshoot = max(0.0, (bottom - least) / max(top - bottom, 1e-9))
