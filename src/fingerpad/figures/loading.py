@@ -51,7 +51,7 @@ _RIVAL_STYLES: Final = ((BLACK, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "
 _MILLI: Final = 1000.0
 # Of the largest indentation, how much of the approach is shown.
 _APPROACH: Final = 0.4
-# A band sets the scale up to this share of the range of loads, or so many times the usual residual.
+# A band is drawn up to this share of the range of loads beyond it, and to so many times the usual residual.
 _ROOM, _WIDEST = 0.3, 10.0
 
 
@@ -106,12 +106,12 @@ def plot_load_indentation(
                 axes.plot(xi[chosen], W[chosen], ".", color=colour, markersize=2.2, label=name)
     mark_synthetic(axes, synthetic)
     _draw_fits(axes, fits)
-    _draw_band(axes, band)
     if band is not None and W.size:
         # Where a law has a pole its band has no end, which must not set the scale.
         room = _ROOM * float(np.ptp(W))
-        low, high = axes.get_ylim()
-        axes.set_ylim(max(low, float(W.min()) - room), min(high, float(W.max()) + room))
+        depth, *ends = band
+        lower, upper = np.clip(ends, W.min() - room, W.max() + room)
+        _draw_band(axes, (depth, lower, upper))
     if phase is not None:
         _crop_approach(axes, xi)
     axes.set_xlabel("indentation ξ (mm)")
@@ -131,10 +131,9 @@ def _crop_approach(axes: AnyAxes, xi: FloatArray) -> None:
         axes.set_xlim(-_APPROACH * xi.max(), 1.05 * xi.max())
 
 
-def _draw_band(axes: AnyAxes, band: tuple[ArrayLike, ArrayLike, ArrayLike] | None) -> None:
-    if band is not None:
-        depth, lower, upper = map(as_float_array, band)
-        axes.fill_between(depth, lower, upper, color=ORANGE, alpha=0.25, linewidth=0, label="95 % interval")
+def _draw_band(axes: AnyAxes, band: tuple[ArrayLike, ArrayLike, ArrayLike]) -> None:
+    depth, lower, upper = map(as_float_array, band)
+    axes.fill_between(depth, lower, upper, color=ORANGE, alpha=0.25, linewidth=0, label="95 % interval")
 
 
 @in_style
