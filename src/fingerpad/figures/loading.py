@@ -109,9 +109,8 @@ def plot_load_indentation(
     if band is not None and W.size:
         # Where a law has a pole its band has no end, which must not set the scale.
         room = _ROOM * float(np.ptp(W))
-        depth, *ends = band
-        lower, upper = np.clip(ends, W.min() - room, W.max() + room)
-        _draw_band(axes, (depth, lower, upper))
+        lower, upper = (np.clip(as_float_array(end), W.min() - room, W.max() + room) for end in band[1:])
+        _draw_band(axes, (band[0], lower, upper))
     if phase is not None:
         _crop_approach(axes, xi)
     axes.set_xlabel("indentation ξ (mm)")
