@@ -35,13 +35,13 @@ Line: TypeAlias = tuple[ArrayLike, ArrayLike]
 
 # Alternatives as legends give them, from this Akaike weight on.
 _SHORT: Final = {
-    "area_offset": "offset of the areas",
+    "area_offset": "areas offset",
     "area_growth": "areas not ∝ ξ",
-    "stage_compliance": "stage that yields",
+    "stage_compliance": "yielding stage",
     "inverse_thickness": "layer on bone",
     "exact_sphere": "exact sphere",
-    "hertz_stage_compliance": "one modulus, stage that yields",
-    "hertz_inverse_thickness": "one modulus, layer on bone",
+    "hertz_stage_compliance": "Hertz, yielding stage",
+    "hertz_inverse_thickness": "Hertz, layer on bone",
 }
 _SHOWN_WEIGHT: Final = 0.01
 _LINE_POINTS: Final = 200
@@ -163,7 +163,7 @@ def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = Fal
     >>> figure, (axes,) = new_figure()
     >>> fit = fit_loading_curve(simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1))
     >>> plot_load_residuals(axes, fit).get_ylabel()
-    'load W less the fitted law (mN)'
+    'W less the fitted law (mN)'
     """
     depth, lower, upper = predicted_band(fit)
     law = fit.predict(depth).value
@@ -190,7 +190,7 @@ def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = Fal
     axes.set_ylim(-largest, largest)
     _crop_approach(axes, fit.indentation)
     axes.set_xlabel("indentation ξ (mm)")
-    axes.set_ylabel("load W less the fitted law (mN)")
+    axes.set_ylabel("W less the fitted law (mN)")
     legend_above(axes, columns=2)
     return axes
 
