@@ -20,9 +20,13 @@ SKIN, STEEL, BONE = "#f3d9c6", "#c9ced4", "#ece7dc"
 @in_style
 def draw(path: Path) -> None:
     """Write the drawing as SVG."""
-    figure, (pad, wedge, layer) = plt.subplots(
-        1, 3, figsize=(10.5, 3.6), layout="constrained", width_ratios=(1, 1, 1.15)
+    figure, axes = plt.subplot_mosaic(
+        [["pad", "wedge"], ["layer", "layer"]],
+        figsize=(6.8, 5.6),
+        layout="constrained",
+        height_ratios=(1.35, 1),
     )
+    pad, wedge, layer = (axes[name] for name in ("pad", "wedge", "layer"))
     plot_wedge_in_pad_axes(pad, PAD, wedge_angle=WEDGE)
     pad.set_title("1  the pad's own axes (z across, towards you)")
     plot_wedge(wedge, PAD, wedge_angle=WEDGE)
