@@ -40,7 +40,7 @@ def public_methods(each):
 
 
 def results(objects) -> set[type]:
-    """Return the classes that functions return, and those that these hold: nobody constructs them."""
+    """Return the classes that functions return, and those that these hold: users do not construct them."""
     classes = {each.__name__: each for each in objects.values() if inspect.isclass(each)}
 
     def named(*annotations) -> set[type]:

@@ -165,8 +165,9 @@ def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = Fal
     >>> plot_load_residuals(axes, fit).get_ylabel()
     'W less the fitted law (mN)'
     """
-    depth, lower, upper = predicted_band(fit)
-    law = fit.predict(depth).value
+    depth = _depths(fit)
+    found = fit.predict(depth)
+    law, lower, upper = map(as_float_array, (found.value, found.lower, found.upper))
     main = fit.models[MAIN]
     off = _MILLI * (fit.load - main.load(fit.rows.displacement))
     axes.plot(fit.indentation, off, ".", color=BLUE, markersize=2.2, label="measured")
@@ -195,16 +196,20 @@ def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = Fal
     return axes
 
 
+def _depths(fit: LoadingFit) -> FloatArray:
+    return np.linspace(0, float(fit.indentation.max()), _LINE_POINTS)
+
+
 def predicted_band(fit: LoadingFit) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return indentations up to the largest, and the ends of the 95 % interval of the load there."""
-    depth = np.linspace(0, float(fit.indentation.max()), _LINE_POINTS)
+    depth = _depths(fit)
     found = fit.predict(depth)
     return depth, as_float_array(found.lower), as_float_array(found.upper)
 
 
 def law_lines(fit: LoadingFit) -> dict[str, Line]:
     """Return each law of the force as a line from the zeros of the points, the one that is stated first."""
-    depth = np.linspace(0, float(fit.indentation.max()), _LINE_POINTS)
+    depth = _depths(fit)
     laws = sorted(fit.models.values(), key=lambda model: (model.law != MAIN, model.aicc))
     own = fit.law
     way_out: dict[str, Line] = {}
@@ -226,7 +231,9 @@ def _load_among_points(fit: LoadingFit, law: FittedForceModel, depth: FloatArray
     """Return the load of a law where the points have that indentation, less their zero of the force."""
     main, rows = fit.models[MAIN], fit.rows
     displacement = main.values["contact_offset"] + depth
-    displacement += main.values.get("stage_compliance", 0.0) * as_float_array(fit.predict(depth).value)
+    compliance = main.values.get("stage_compliance", 0.0)
+    if compliance:
+        displacement += compliance * as_float_array(fit.predict(depth).value)
     clock = np.interp(displacement, np.maximum.accumulate(rows.smooth_displacement), rows.clock)
     measured = law.load(displacement) - law.corrected_load(clock, np.zeros(depth.size))
     return main.corrected_load(clock, measured)

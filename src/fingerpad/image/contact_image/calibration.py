@@ -119,7 +119,7 @@ class PrintedMarks:
     darker: float = 1.1  # by this factor
     stroke: float = 0.4  # periods; least width of their strokes
     reach: float = 2.2  # periods; least reach of a stroke along and across
-    fewest: int = 2  # so many are print
+    minimum: int = 2  # strokes; fewer are no print
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

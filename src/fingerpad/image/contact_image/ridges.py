@@ -1,4 +1,4 @@
-"""Ridges of a contact image, told from valleys: roughly in the copy, and finely in the picture.
+"""Ridges of a contact image, separated from valleys: roughly in the copy, and finely in the picture.
 
 In the copy, windows of three periods give the levels of valleys and ridges; closed over the valleys, these
 ridges show the region of the contact. In the picture, extremes around each place do, in means along the
@@ -290,7 +290,7 @@ def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, perio
         ):
             x, y = contour.reshape(-1, 2).mean(axis=0).astype(int)
             letters += bool(inside[y, x])
-    return letters >= PRINTED_MARKS.fewest
+    return letters >= PRINTED_MARKS.minimum
 
 
 def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) -> float:
