@@ -171,7 +171,7 @@ def test_a_file_name_may_hold_signs_of_addresses(browser, written_example, tmp_p
         numbers(page, "face")
         expect(page.get_by_role("heading", name="Photographs")).to_be_visible()
         page.keyboard.press("Enter")
-        page.get_by_text("accepted", exact=True).first.wait_for(state="attached")
+        page.get_by_role("option", name=re.compile("palmar face, accepted")).wait_for()
         assert corrections(folder)[-1]["item"] == f"{finger['name']}/{renamed}"
         tab.go("study")
         page.get_by_role("link", name=f"Photograph {name}").click()
