@@ -252,7 +252,7 @@ def test_text_output_with_units() -> None:
             "--tip must be up",
         ),
         (["measure", "print", "x.png", "--ppi", "500", "--seed-px", "12"], "--seed-px takes 2 numbers"),
-        (["measure", "print", "x.png", "--ppi", "-500"], "--ppi.*should be greater"),
+        (["measure", "print", "x.png", "--ppi", "-500"], "--ppi: expected .* 20, found -500"),
         (
             ["measure", "print", "x.png", "--ppi", "500", "--mm-per-px", "0.05"],
             "give either .*, found --ppi and --mm-per-px",
@@ -263,10 +263,13 @@ def test_text_output_with_units() -> None:
             ["measure", "print", "x.png", "--scale-line", "5,5,5,5", "--line-mm", "3"],
             "--scale-line.* two different ends",
         ),
-        (["measure", "print", "x.png", "--scale-line", "5,5,-5,5", "--line-mm", "3"], "lie in the picture"),
+        (
+            ["measure", "print", "x.png", "--scale-line", "5,5,-5,5", "--line-mm", "3"],
+            "--scale-line: expected .* 0, found -5",
+        ),
         (
             ["measure", "print", "x.png", "--scale-line", "5,5,5,9", "--line-mm", "-3"],
-            "--line-mm.*should be greater",
+            "--line-mm: expected greater than 0.*, found -3",
         ),
         (FIELDS, "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
         ([*FIELDS, "--load-n", "2", "--area-mm2", "90"], "give exactly one"),
@@ -279,16 +282,16 @@ def test_text_output_with_units() -> None:
             "--depth-mm must be at least 0 and at most --thickness-mm 6, found 7",
         ),
         (["measure", "print", "x.png", "--scale-line", "5,5,5", "--line-mm", "3"], "takes 4 numbers"),
-        (["measure", "print", "x.png", "--scale-line", "5,5,5,9"], "give --line-mm"),
+        (["measure", "print", "x.png", "--scale-line", "5,5,5,9"], "needs --line-mm"),
         (
             ["measure", "print", "x.png", "--line-mm", "3"],
             "--line-mm belongs to --scale-line, found it alone",
         ),
         (["measure", "print", "x.png", "--ppi", "500", "--coin-mm", "3"], "belongs to --coin.* beside --ppi"),
-        (["measure", "print", "x.png", "--coin", "c.png"], "give --coin-mm"),
+        (["measure", "print", "x.png", "--coin", "c.png"], "needs --coin-mm"),
         (["measure", "print", "x.png", "--coin", "c.png", "--coin-mm", "23"], "c.png: no such file"),
         (["measure", "print", "x.png", "--scale-circle", "5,5,5,9", "--circle-mm", "3"], "takes 6 numbers"),
-        (["measure", "print", "x.png", "--scale-circle", "5,5,5,9,9,9"], "give --circle-mm"),
+        (["measure", "print", "x.png", "--scale-circle", "5,5,5,9,9,9"], "needs --circle-mm"),
         (
             ["measure", "print", "x.png", "--scale-circle", "5,5,5,9,5,12", "--circle-mm", "3"],
             "--scale-circle, --circle-mm: .*line",
@@ -297,8 +300,8 @@ def test_text_output_with_units() -> None:
             ["measure", "print", "x.png", "--ppi", "500", "--scale-circle", "5,5,5,9,9,9"],
             "found --ppi and --scale-circle",
         ),
-        (["measure", "print", "x.png", "--grid", "g.png"], "give --grid-points"),
-        (["measure", "print", "x.png", "--grid", "g.png", "--grid-points", "7,9"], "give --grid-spacing-mm"),
+        (["measure", "print", "x.png", "--grid", "g.png"], "needs --grid-points"),
+        (["measure", "print", "x.png", "--grid", "g.png", "--grid-points", "7,9"], "needs --grid-spacing-mm"),
         (
             [
                 "measure",
@@ -311,7 +314,7 @@ def test_text_output_with_units() -> None:
                 "--grid-spacing-mm",
                 "1",
             ],
-            "takes two whole numbers",
+            "--grid-points: expected a valid integer.* found 7.5",
         ),
         (
             ["measure", "print", "x.png", "--ppi", "500", "--grid-pattern", "dots"],
@@ -487,7 +490,7 @@ def test_scale_from_ruler_and_coin(print_file: Path, tmp_path: Path) -> None:
     assert coin["semi_major_mm_std"] > known["semi_major_mm_std"]
     code, _, err = run(*common, "--coin", print_file, "--coin-mm", 12)
     assert code == 2
-    assert re.search(r"--coin .*p\.png: no coin found", err)
+    assert re.search(r"--coin.*p\.png: no coin found", err)
 
 
 def test_scale_from_circle_and_grid(print_file: Path, tmp_path: Path) -> None:
@@ -514,7 +517,7 @@ def test_scale_from_circle_and_grid(print_file: Path, tmp_path: Path) -> None:
         assert found["semi_major_mm"] == pytest.approx(known["semi_major_mm"], rel=2e-3)
     code, _, err = run(*common, "--grid", print_file, "--grid-points", "7,9", "--grid-spacing-mm", 1)
     assert code == 2
-    assert re.search(r"--grid .*p\.png: no grid of 7 × 9 inner corners found", err)
+    assert re.search(r"--grid.*p\.png: no grid of 7 × 9 inner corners found", err)
 
 
 def test_progress_bar_on_terminals_only(
