@@ -16,10 +16,9 @@ import tifffile
 from benchmarks.memory import peak_mb, peak_of_children_mb
 from fingerpad.report import write_report
 from fingerpad.simulate import render_sequence
-from fingerpad.study.engine.limits import DEFAULT_LIMITS
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.engine.task import TaskResult, perform
+from fingerpad.study.engine.task import DEFAULT_LIMITS, TaskResult, perform
 from fingerpad.study.manifest import Study, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables

@@ -17,12 +17,10 @@ import numpy as np
 from benchmarks.memory import peak_mb
 from fingerpad.image import SequenceSummary
 from fingerpad.report import write_report
-from fingerpad.study.engine.executors import local_executor
-from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
-from fingerpad.study.engine.progress import Progress
-from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.runner import Progress, records_of
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.engine.task import Task, TaskResult, perform
+from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task, TaskResult, perform
+from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest import Contact, ContactSequence, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import FingerResult

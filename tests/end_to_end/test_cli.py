@@ -25,7 +25,7 @@ from fingerpad.simulate import (
     render_finger,
     render_sequence,
 )
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 
 FIELDS = ["fields", "--semi-axes-mm", "7.9", "13.8", "11.8", "--wedge-deg", "30"]
 FIELDS += ["--youngs-modulus-kpa", "70", "--grid", "64"]

@@ -23,9 +23,8 @@ import fingerpad
 from fingerpad.cli import app
 from fingerpad.exceptions import ClusterError
 from fingerpad.study.engine import cluster
-from fingerpad.study.engine.limits import Limits
-from fingerpad.study.engine.progress import Progress
-from fingerpad.study.engine.task import Task
+from fingerpad.study.engine.runner import Progress
+from fingerpad.study.engine.task import Limits, Task
 from fingerpad.study.pipeline import run_study
 
 TOTAL = PICTURES + 2 + FRAMES

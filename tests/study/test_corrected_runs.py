@@ -7,7 +7,7 @@ from tests.study.small_study import copy
 
 from fingerpad.report import write_report
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext

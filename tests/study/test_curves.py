@@ -12,7 +12,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report import write_report
 from fingerpad.simulate import outline_points, simulate_loading_curve
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.measuring.curves import placed_pad
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.digest import digest_of_values

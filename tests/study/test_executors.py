@@ -11,12 +11,10 @@ import pytest
 from tests.waiting import wait_until
 
 from fingerpad.exceptions import StoreError
-from fingerpad.study.engine.executors import local_executor
-from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
 from fingerpad.study.engine.runner import records_of, run_plans
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.engine.task import Record, Task
-from fingerpad.study.engine.worker import Worker
+from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Record, Task
+from fingerpad.study.engine.worker import Worker, local_executor
 
 
 def process(_folder: Path, _out: Path) -> Record:

@@ -20,7 +20,7 @@ from tests.waiting import wait_until
 
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine import store as store_module
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.worker import POOL
 from fingerpad.study.pipeline import run_study

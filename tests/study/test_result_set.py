@@ -19,7 +19,7 @@ from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.report import write_report
 from fingerpad.simulate import render_finger
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study

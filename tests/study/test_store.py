@@ -22,7 +22,7 @@ from typer.testing import CliRunner
 from fingerpad.cli import app
 from fingerpad.exceptions import StoreError
 from fingerpad.simulate import render_contact_image
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study

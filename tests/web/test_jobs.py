@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 from fingerpad.cli import app
 from fingerpad.exceptions import ManifestError
 from fingerpad.report import write_report
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.pipeline import run_study
 from fingerpad.web import run_job
 from fingerpad.web.events import Events

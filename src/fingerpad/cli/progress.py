@@ -14,7 +14,7 @@ from fingerpad.exceptions import FingerpadError
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
-    from fingerpad.study.engine.progress import Progress
+    from fingerpad.study.engine.runner import Progress
 
 _BEGINNING = '{"time": '
 

@@ -8,7 +8,7 @@ import typer
 
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
-from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
+from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
 
 if TYPE_CHECKING:
     from fingerpad.study.results.study_result import StudyResult

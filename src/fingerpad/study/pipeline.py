@@ -19,12 +19,10 @@ from fingerpad.loading.curve import unread_curve_columns
 from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.items import image_of, on_another_image
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.engine.executors import Executor, executor_for, local_executor
-from fingerpad.study.engine.limits import DEFAULT_LIMITS, Limits
-from fingerpad.study.engine.progress import Progress
-from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.runner import Executor, Progress, executor_for, records_of
 from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
-from fingerpad.study.engine.task import Task
+from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
+from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult

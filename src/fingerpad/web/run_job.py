@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
-from fingerpad.study.engine.progress import Progress
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.pipeline import Draw, run_study
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.web.errors import RequestError

@@ -18,8 +18,7 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.exceptions import ClusterError
-from fingerpad.study.engine.limits import Limits
-from fingerpad.study.engine.task import Task, TaskResult, working_code
+from fingerpad.study.engine.task import Limits, Task, TaskResult, working_code
 from fingerpad.study.engine.worker import IsolatedRunner
 
 _ADDRESS: Final = re.compile(r"((tcp|tls|ws|wss|ucx)://)?([\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1,5}")

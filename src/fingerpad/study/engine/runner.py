@@ -5,19 +5,96 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Final, Literal, Protocol, TypeAlias
 
-from fingerpad.study.engine.executors import Executor
+from fingerpad.study.engine.cluster import cluster_executor
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import CHANGED, Record, Task, TaskResult
+from fingerpad.study.engine.task import CHANGED, DEFAULT_LIMITS, Limits, Record, Task, TaskResult
+from fingerpad.study.engine.worker import local_executor
 
 # Tasks stage by stage: those of one stage do not depend on one another, but on all of the stage before.
 Plan: TypeAlias = Iterator[list[Task]]
 
 _POLL_S: Final = 1.0
+
+
+class Executor(Protocol):
+    """Performs the tasks of a run."""
+
+    @property
+    def limits(self) -> Limits:
+        """What a task may take."""
+
+    @property
+    def capacity(self) -> int:
+        """Number of tasks that keep it busy."""
+
+    def submit(self, task: Task) -> Future[TaskResult]:
+        """Begin a task as soon as possible."""
+
+    def require_workers(self) -> None:
+        """Raise `ClusterError` if no worker is left."""
+
+
+def executor_for(
+    manifest: Path, workers: int, scheduler: str | None, limits: Limits = DEFAULT_LIMITS
+) -> AbstractContextManager[Executor]:
+    """Return the executor of a run, which is closed in the end.
+
+    Parameters
+    ----------
+    manifest : Path
+        The study's manifest.
+    workers : int
+        Number of processes on this machine.
+    scheduler : str or None
+        Address of a Dask scheduler, if one is to be used.
+    limits : Limits
+        What measuring a picture may take.
+
+    Raises
+    ------
+    ClusterError
+        If the scheduler or its workers cannot be used.
+    """
+    if scheduler is None:
+        return local_executor(manifest.absolute().parent, workers, limits)
+    return cluster_executor(manifest, workers, scheduler, limits)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """Where a run stands. Loading curves count as pictures do.
+
+    Attributes
+    ----------
+    item : str
+        Observation, photograph, curve or sequence that has just been dealt with; empty at the start.
+    file : str
+        Its file, relative to the study folder; empty at the start.
+    status : {"started", "done", "failed", "checked", "written"}
+        What has happened. Once all is measured: ``checked``, the uncertainty of a contact was checked;
+        ``written``, a file of the results is being written, which `item` names.
+    pictures : int
+        Pictures and frames dealt with so far, those of earlier runs included.
+    failed : int
+        Items that failed so far.
+    total : int
+        Pictures and frames in all.
+    seconds : float
+        What this one cost.
+    """
+
+    item: str = ""
+    file: str = ""
+    status: Literal["started", "done", "failed", "checked", "written"] = "started"
+    pictures: int
+    failed: int
+    total: int
+    seconds: float = 0.0
 
 
 @dataclass(slots=True)

@@ -22,8 +22,7 @@ from filelock import FileLock, Timeout
 
 from fingerpad._files import content_digest, content_stamp, make_folder
 from fingerpad.exceptions import StoreError
-from fingerpad.study.engine.limits import Limits
-from fingerpad.study.engine.task import Task, TaskResult
+from fingerpad.study.engine.task import Limits, Task, TaskResult
 
 FORMAT: Final = 4
 STORE_NAME: Final = "store.sqlite"

@@ -1,4 +1,4 @@
-"""One task: what it measures, the key of everything it depends on, and its result."""
+"""One task: what it measures, the key of everything it depends on, its limits, and its result."""
 
 import errno
 import hashlib
@@ -15,7 +15,6 @@ from typing import Any, Final, NamedTuple, TypeAlias
 import cv2
 
 from fingerpad.exceptions import StoreError, reason_of
-from fingerpad.study.engine.limits import Limits
 from fingerpad.study.error_text import in_study
 
 Record: TypeAlias = dict[str, Any]
@@ -28,6 +27,29 @@ CHANGED: Final = "{}: changed while it was being measured: run again"
 
 class ChangedError(Exception):
     """A result is missing because its input changed after its key was made."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What measuring may take; a picture that needs more fails with its reason.
+
+    Attributes
+    ----------
+    seconds : float
+        Time for one picture.
+    memory_gb : float
+        Memory beyond that of an idle process, 10⁹ bytes. Enforced where the system can (Linux).
+    """
+
+    seconds: float = 300.0
+    memory_gb: float = 4.0
+
+    def exceed(self, other: "Limits") -> bool:
+        """Tell whether something that `other` stopped may fit into these."""
+        return self.seconds > other.seconds or self.memory_gb > other.memory_gb
+
+
+DEFAULT_LIMITS: Final = Limits()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

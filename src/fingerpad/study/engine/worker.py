@@ -15,16 +15,16 @@ import struct
 import subprocess
 import sys
 import threading
-from concurrent.futures import CancelledError
-from contextlib import suppress
+from collections.abc import Iterator
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Final
 
 import cv2
 
 from fingerpad._threads import ONE_THREAD
-from fingerpad.study.engine.limits import Limits
-from fingerpad.study.engine.task import Task, TaskResult, perform
+from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task, TaskResult, perform
 
 if sys.platform != "win32":
     import resource
@@ -329,3 +329,32 @@ def _limit_memory(idle_size: int, limits: Limits) -> None:
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     wanted = idle_size + round(limits.memory_gb * 1e9)
     resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
+
+
+class LocalExecutor:
+    """Processes of this machine."""
+
+    def __init__(self, threads: ThreadPoolExecutor, workers: int, runner: IsolatedRunner) -> None:
+        self.capacity = 2 * workers
+        self.limits = runner.limits
+        self._threads, self._runner = threads, runner
+
+    def submit(self, task: Task) -> Future[TaskResult]:
+        """Begin a task as soon as a process is free."""
+        return self._threads.submit(self._runner.perform, task)
+
+    def require_workers(self) -> None:
+        """Do nothing: a process that dies is replaced."""
+
+
+@contextmanager
+def local_executor(folder: Path, workers: int, limits: Limits = DEFAULT_LIMITS) -> Iterator[LocalExecutor]:
+    """Provide so many processes of this machine, for tasks whose inputs are in `folder`."""
+    threads, runner = ThreadPoolExecutor(workers), IsolatedRunner(folder, limits)
+    try:
+        yield LocalExecutor(threads, workers, runner)
+    finally:
+        threads.shutdown(wait=False, cancel_futures=True)
+        runner.abandon()
+        threads.shutdown()
+        POOL.trim()

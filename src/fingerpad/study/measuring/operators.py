@@ -12,8 +12,7 @@ import numpy as np
 from fingerpad.image import read_image
 from fingerpad.study.corrections.apply import corrected_contact_image
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.engine.executors import Executor
-from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.error_text import in_study

@@ -6,12 +6,9 @@ from functools import partial
 from itertools import chain
 from typing import Literal
 
-from fingerpad.study.engine.executors import Executor
-from fingerpad.study.engine.limits import Limits
-from fingerpad.study.engine.progress import Progress
-from fingerpad.study.engine.runner import Plan, put_unless_changed, records_of, run_plans
+from fingerpad.study.engine.runner import Executor, Plan, Progress, put_unless_changed, records_of, run_plans
 from fingerpad.study.engine.store import Store, TaskStatus
-from fingerpad.study.engine.task import Task, TaskResult
+from fingerpad.study.engine.task import Limits, Task, TaskResult
 from fingerpad.study.manifest import Contact, Finger
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult, curve_items, curve_key, curve_results, curve_tasks

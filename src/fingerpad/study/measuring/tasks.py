@@ -9,8 +9,7 @@ from pathlib import Path, PurePosixPath
 from fingerpad._files import file_stem
 from fingerpad.study.corrections.apply import contact_correction, photograph_correction
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.engine.executors import Executor
-from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.manifest import Finger, Observation, Photograph

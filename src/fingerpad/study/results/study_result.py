@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fingerpad._display import Displayed
-from fingerpad.study.engine.executors import Executor
-from fingerpad.study.engine.runner import records_of
+from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
