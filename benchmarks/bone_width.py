@@ -25,9 +25,9 @@ from scipy.sparse import bmat
 from scipy.sparse.linalg import splu
 
 from fingerpad._arrays import FloatArray
+from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.contact.grid import contact_outline
 from fingerpad.contact.influence import influence as uniform_influence
-from fingerpad.contact.laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Gap, Placement
 
 TABLE_1 = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)

@@ -11,7 +11,7 @@ from benchmarks.contact_laws import AREA_BIAS
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.contact.contact import AnyPlacement
-from fingerpad.contact.laws import plate_gap, press
+from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
 _NAMES = "load", "area", "indentation"

@@ -16,8 +16,8 @@ from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
 from fingerpad.contact import law_coefficients as law
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.elliptic import curvature_ratio
+from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.contact.law_factors import LayerFactors, PadFactors, layer_basis, thin_layer
-from fingerpad.contact.laws import plate_gap
 from fingerpad.geometry import Ellipsoid, Gap, Paraboloid, Placement
 
 AREA_BIAS = 1.000545  # of the solver's area at 128² cells, from circular contacts; the median

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fingerpad.contact import Contact, Tissue, fast_contact, hertz_contact, solve_contact
+from fingerpad.contact.fast_laws import press
 from fingerpad.contact.law_factors import LayerFactors, PadFactors
-from fingerpad.contact.laws import press
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Counterface, Ellipsoid, Gap, Paraboloid, Placement
 from fingerpad.geometry.ellipsoid import tangents

@@ -42,7 +42,7 @@ def modulus(
     are flagged, and say nothing, beyond their range.
     """
     from fingerpad.contact.contact import from_reduced_modulus
-    from fingerpad.contact.laws import find_modulus, plate_gap
+    from fingerpad.contact.fast_laws import find_modulus, plate_gap
     from fingerpad.geometry import Paraboloid
 
     only_one({"--area-mm2": area_mm2, "--indentation-mm": indentation_mm})

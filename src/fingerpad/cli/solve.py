@@ -51,7 +51,7 @@ def solve(
     direction, the one nearer to the finger's axis, along the second, or along either.
     """
     from fingerpad.contact import fast_contact, hertz_contact, solve_contact
-    from fingerpad.contact.laws import ERROR_OF_BOTH, ERROR_OF_PAD
+    from fingerpad.contact.fast_laws import ERROR_OF_BOTH, ERROR_OF_PAD
 
     given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
     option = only_one(given)

@@ -7,6 +7,7 @@ from fingerpad.contact.elliptic import (
     size_factor,
     solve_contact_ellipse,
 )
+from fingerpad.contact.fast_laws import fast_contact, youngs_modulus
 from fingerpad.contact.field import ContactField, ContactSection
 from fingerpad.contact.hertz import (
     equivalent_radius_from_area,
@@ -15,7 +16,6 @@ from fingerpad.contact.hertz import (
     hertz_contact,
 )
 from fingerpad.contact.hertz_pressure import HertzPressure
-from fingerpad.contact.laws import fast_contact, youngs_modulus
 from fingerpad.contact.solved_stress import SolvedStress
 from fingerpad.contact.solver import SolvedContact, solve_contact, solve_gap
 from fingerpad.contact.stress import StressField, hertz_stress

@@ -27,7 +27,7 @@ from scipy.interpolate import CubicSpline
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad._display import Displayed
-from fingerpad.contact.laws import press
+from fingerpad.contact.fast_laws import press
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.geometry.gap import Gap, paraboloid_gap
 

@@ -11,7 +11,7 @@ import numpy as np
 from fingerpad._json import plain
 from fingerpad._records import Recorded
 from fingerpad.contact.contact import AnyPlacement
-from fingerpad.contact.laws import plate_gap
+from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import LoadingError
 from fingerpad.loading.averaging import akaike_weights, average_models

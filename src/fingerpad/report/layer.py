@@ -9,7 +9,7 @@ import numpy as np
 
 from fingerpad.contact import ContactField, Tissue, solve_contact
 from fingerpad.contact.contact import from_reduced_modulus
-from fingerpad.contact.laws import find_modulus, plate_gap
+from fingerpad.contact.fast_laws import find_modulus, plate_gap
 from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.figures import plot_layer_effect, section_figure
 from fingerpad.figures.panels import new_panels

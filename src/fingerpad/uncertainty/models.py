@@ -10,8 +10,8 @@ import numpy.typing as npt
 from fingerpad._arrays import IN_RADIANS, ArrayLike, FloatArray, as_float_array, broadcast, check_all
 from fingerpad.contact.contact import Contact, from_reduced_modulus
 from fingerpad.contact.elliptic import solve_contact_ellipse
+from fingerpad.contact.fast_laws import find_modulus
 from fingerpad.contact.hertz import equivalent_radius_ratios
-from fingerpad.contact.laws import find_modulus
 from fingerpad.exceptions import GeometryError, UncertaintyError
 from fingerpad.geometry.ellipsoid import principal_radii_kernel
 from fingerpad.geometry.gap import gap_kernel

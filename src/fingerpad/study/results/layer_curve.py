@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 
 from fingerpad._arrays import FloatArray, broadcast
 from fingerpad.contact.contact import from_reduced_modulus
-from fingerpad.contact.laws import find_modulus, plate_gap, press
+from fingerpad.contact.fast_laws import find_modulus, plate_gap, press
 from fingerpad.geometry import Ellipsoid, Gap, Placement
 from fingerpad.geometry.gap import gap_kernel, paraboloid_gap
 from fingerpad.geometry.placement import platen_normal

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact.laws import plate_gap, press
+from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio, known_error

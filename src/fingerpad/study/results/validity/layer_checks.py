@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from fingerpad.contact.laws import law_form, plate_gap
+from fingerpad.contact.fast_laws import law_form, plate_gap
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.results.layer_curve import curve_on_layer
