@@ -25,7 +25,7 @@ import tomlkit
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write_report
-from fingerpad.study.corrections.history import CORRECTIONS_NAME
+from fingerpad.study.corrections.items import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study

@@ -19,7 +19,7 @@ NAMES = {"doubts", "flags", "notes", "flag"}
 PLACES = {
     "contact": ("image/contact_image",),
     "scale": ("image/coin", "image/grid.py"),
-    "frame": ("image/sequence/measure.py", "study/corrections/key_frames.py"),
+    "frame": ("image/sequence/measure.py", "study/corrections/apply.py"),
     "photograph": ("image/photograph",),
     "curve": ("loading",),
     "layer": ("contact", "study/results/layer.py", "study/results/layer_curve.py"),

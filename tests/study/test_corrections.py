@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.history import CORRECTIONS_NAME
-from fingerpad.study.corrections.items import frames_of, kind_of
+from fingerpad.study.corrections.items import CORRECTIONS_NAME, frames_of, kind_of
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
 

@@ -9,7 +9,7 @@ import pytest
 from tests.study.small_study import PPI, copy
 
 from fingerpad.report import write_report
-from fingerpad.study.corrections.history import SECOND_OPERATOR_NAME
+from fingerpad.study.corrections.items import SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.operators import blind_order

@@ -12,7 +12,7 @@ from PIL import Image
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement, reviewed

@@ -16,9 +16,9 @@ from fingerpad.image import ImageEllipse, interpolated_ellipse
 from fingerpad.report import write_report
 from fingerpad.report.text import fingers_without_results
 from fingerpad.simulate import SyntheticSequence, render_sequence
+from fingerpad.study.corrections.apply import frame_corrections
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.history import ActiveCorrection
-from fingerpad.study.corrections.key_frames import frame_corrections
+from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Final, Self
 
-from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
+from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.journal import LOCK_NAME

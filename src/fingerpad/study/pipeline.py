@@ -16,8 +16,12 @@ from fingerpad._plausible import MOST_N, semi_axes_doubt, unit_doubts
 from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
 from fingerpad.image.sequence.force_tables import unread_force_columns
 from fingerpad.loading.curve import unread_curve_columns
-from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
-from fingerpad.study.corrections.items import image_of, on_another_image
+from fingerpad.study.corrections.items import (
+    CORRECTIONS_NAME,
+    SECOND_OPERATOR_NAME,
+    image_of,
+    on_another_image,
+)
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.runner import Executor, Progress, executor_for, records_of
 from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
+from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.error_text import counted

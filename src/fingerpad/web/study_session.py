@@ -11,7 +11,7 @@ from urllib.parse import quote
 from fingerpad._files import digest_of
 from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
-from fingerpad.study.corrections.history import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, sequence_of_phases
+from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, sequence_of_phases
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.checklist import Missing, missing

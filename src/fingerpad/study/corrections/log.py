@@ -16,18 +16,20 @@ from typing import Any, Final
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.atomic_files import locked, sync_folder
 from fingerpad.study.corrections.changes import Change
-from fingerpad.study.corrections.history import (
+from fingerpad.study.corrections.items import (
     CORRECTIONS_NAME,
     Action,
     ActiveCorrection,
     History,
     Record,
     checked_change,
+    kind_of,
     line_of,
     model_of,
+    named_kind,
+    picture_digest,
     record_of,
 )
-from fingerpad.study.corrections.items import kind_of, named_kind, picture_digest
 from fingerpad.study.manifest import Study
 
 _LOCK: Final = ".corrections.lock"

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, Self
 
-from fingerpad.study.corrections.history import ActiveCorrection, is_rejected
+from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, Record
 from fingerpad.study.engine.versions import versions_of

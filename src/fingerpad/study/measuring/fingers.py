@@ -25,7 +25,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
-from fingerpad.study.corrections.history import ActiveCorrection, is_rejected
+from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.measuring.pad_shape import ELLIPSOID_STD, radius_deviation

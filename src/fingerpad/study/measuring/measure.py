@@ -11,7 +11,7 @@ from fingerpad._files import file_stem, make_folder
 from fingerpad.image import ContactImageResult, read_image, write_overlay
 from fingerpad.study.corrections.apply import NOTHING, CorrectedContactImage, corrected_contact_image
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Contact, Direction, Observation
 from fingerpad.study.measuring.scales import FoundScale, require_scale

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 from fingerpad.image import SequenceSummary
 from fingerpad.study.corrections.apply import ManualPhases, manual_phases
-from fingerpad.study.corrections.history import ActiveCorrection
-from fingerpad.study.corrections.items import frames_of
+from fingerpad.study.corrections.items import ActiveCorrection, frames_of
 from fingerpad.study.engine.task import Record
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext

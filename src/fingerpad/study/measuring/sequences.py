@@ -30,10 +30,14 @@ from fingerpad.image import (
     read_frame_stamps,
     sequence_summary,
 )
-from fingerpad.study.corrections.apply import ManualPhases, contact_correction, manual_phases
-from fingerpad.study.corrections.history import ActiveCorrection, phases_item
-from fingerpad.study.corrections.items import frames_of
-from fingerpad.study.corrections.key_frames import frame_corrections, frame_edits
+from fingerpad.study.corrections.apply import (
+    ManualPhases,
+    contact_correction,
+    frame_corrections,
+    frame_edits,
+    manual_phases,
+)
+from fingerpad.study.corrections.items import ActiveCorrection, frames_of, phases_item
 from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work
 from fingerpad.study.error_text import in_study

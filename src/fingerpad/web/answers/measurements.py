@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from fingerpad.study.corrections.history import Action
+from fingerpad.study.corrections.items import Action
 from fingerpad.web.answers.base import Answer, Axis, Face, MeasuredBy, Point, PoolingCorrectionRecord
 from fingerpad.web.answers.study import SemiAxes
 

@@ -22,11 +22,11 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import (
     contact_correction,
     contact_options,
+    frame_corrections,
     measured_under,
     prepared_contact,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.key_frames import frame_corrections
 from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
 from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
 from fingerpad.study.measuring.scales import FoundScale

@@ -9,10 +9,15 @@ from pydantic import Field
 from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.history import ActiveCorrection, Record
-from fingerpad.study.corrections.items import kind_of, on_another_image
+from fingerpad.study.corrections.items import (
+    ActiveCorrection,
+    Record,
+    kind_of,
+    on_another_image,
+    similar_images,
+    with_settings_of,
+)
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.corrections.similar import similar_images, with_settings_of
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.web.answers.measurements import Corrections, SimilarImages
 from fingerpad.web.answers.study import SecondOperator

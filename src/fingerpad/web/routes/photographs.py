@@ -20,7 +20,7 @@ from fingerpad.image import (
 )
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
-from fingerpad.study.corrections.history import is_rejected
+from fingerpad.study.corrections.items import is_rejected
 from fingerpad.study.manifest import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import (
     FingerResult,

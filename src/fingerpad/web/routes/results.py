@@ -13,7 +13,7 @@ from fingerpad.flags import FLAGS
 from fingerpad.published import audit
 from fingerpad.report.plots import group_name
 from fingerpad.report.text import pooling_words
-from fingerpad.study.corrections.history import ActiveCorrection
+from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.results.columns import COLUMNS, Column
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT

@@ -16,14 +16,14 @@ from fingerpad.flags import FLAGS
 from fingerpad.image import FACE_AXES
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.write import REPORT_NAME
-from fingerpad.study.corrections.history import (
+from fingerpad.study.corrections.apply import InterpolatedCorrection, frame_corrections
+from fingerpad.study.corrections.items import (
     CORRECTIONS_NAME,
     SECOND_OPERATOR_NAME,
     ActiveCorrection,
+    frames_of,
     is_rejected,
 )
-from fingerpad.study.corrections.items import frames_of
-from fingerpad.study.corrections.key_frames import InterpolatedCorrection, frame_corrections
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
