@@ -12,7 +12,7 @@ import tomlkit
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from fingerpad.exceptions import ArchiveError, ManifestError
+from fingerpad.exceptions import ManifestError
 from fingerpad.study.archive import pack, unpack
 from fingerpad.study.bundle import Bundle
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -102,7 +102,7 @@ def write(folder, files, folders, ways):
     (folder / "corrections.jsonl").write_text(json.dumps(RECORD) + "\n")
     (folder / "results/figures").mkdir(parents=True, exist_ok=True)
     (folder / "results/results.csv").write_text("observation\n")
-    (folder / "results/figures/a:b.svg").write_text("<svg/>")
+    (folder / "results/figures/a b.svg").write_text("<svg/>")
     return used
 
 
@@ -146,13 +146,26 @@ def contents(folder, *, hidden=False):
 def test_an_exported_study_is_imported_unchanged(tmp_path_factory, study):
     folder = tmp_path_factory.mktemp("bundle") / "study"
     used = write(folder, *study)
-    _, other = round_trip(folder)
-    assert contents(other) == contents(folder)
-    for name in used:
+    found, other = round_trip(folder)
+    reasons = ("a name that not every system can have", "another differs from it by case or accents")
+    left = {one.file.rstrip("/") for one in found.left_out if one.why.startswith(reasons)}
+    assert contents(other) == {name: one for name, one in contents(folder).items() if name not in left}
+    for name in set(used) - left:
         assert (other / name).read_bytes() == (folder / name).read_bytes()
         assert not (other / name).is_symlink()
-    assert read_study(other / "study.toml") == read_study(folder / "study.toml")
-    assert set(contents(other, hidden=True)) >= set(used)
+    assert not any((other / name).exists() for name in left)
+    assert (other / "study.toml").read_bytes() == (folder / "study.toml").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "name", ["a:b.png", "C:evil.png", "up\\x.png", "tail.", "CON", "nul.png", "?*<>|", "LEFT_OUT.txt"]
+)
+def test_a_name_that_not_every_system_can_have_is_left_out_and_listed(tmp_path, name):
+    folder = tmp_path / "study"
+    write(folder, {name: (b"x", 0.0), "b.png": (b"b", 0.0)}, set(), {name: "used", "b.png": "used"})
+    found, other = round_trip(folder)
+    assert name in {one.file for one in found.left_out}
+    assert (other / "b.png").read_bytes() == b"b"
 
 
 def test_files_left_out_are_listed(tmp_path):
@@ -234,28 +247,17 @@ def test_a_file_in_the_place_of_results_travels(tmp_path):
     assert (other / "results").read_text() == "notes"
 
 
-def test_a_name_that_goes_up_and_down_leads_to_its_file(tmp_path):
+@pytest.mark.parametrize("place", ["absolute", "up and down"])
+def test_a_file_named_from_outside_the_study_is_refused(tmp_path, place):
     folder = tmp_path / "study"
     write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})
-    one = {**OBSERVATION, "name": "o", "file": ".data/../a.png"}
+    name = {"absolute": str(folder / "a.png"), "up and down": ".data/../a.png"}[place]
+    one = {**OBSERVATION, "name": "o", "file": name}
     (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": [one]}))
-    found, other = round_trip(folder)
-    assert [left.file for left in found.left_out] == [".data/"]
-    assert read_study(other / "study.toml") == read_study(folder / "study.toml")
-
-
-def test_an_absolute_name_is_listed(tmp_path):
-    folder = tmp_path / "study"
-    write(folder, {"a.png": (b"a", 0.0)}, set(), {"a.png": "unused"})
-    one = {**OBSERVATION, "name": "o", "file": str(folder / "a.png")}
-    (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "observations": [one]}))
-    found, other = round_trip(folder)
-    assert {one.file: one.why for one in found.left_out}[str(folder / "a.png")].startswith(
-        "named by its absolute"
-    )
+    with pytest.raises(ManifestError, match=r"name the file from the study folder, without \.\."):
+        read_study(folder / "study.toml")
+    _, other = round_trip(folder)  # incomplete as it is, it travels
     assert (other / "a.png").read_bytes() == b"a"
-    with pytest.raises(ManifestError, match="leaves the study folder"):
-        read_study(other / "study.toml")
 
 
 def test_a_store_in_use_travels_whole(tmp_path):
@@ -292,46 +294,10 @@ def test_a_file_that_shrinks_a_lot_comes_back(tmp_path):
 
 def test_a_zip_that_was_packed_again_by_hand_comes_back(tmp_path):
     folder = tmp_path / "study"
-    write(folder, {"a:b.png": (b"ab", 0.0)}, {"empty"}, {"a:b.png": "used"})
+    write(folder, {"a b.png": (b"ab", 0.0)}, {"empty"}, {"a b.png": "used"})
     pack(folder, bundle_of(folder), tmp_path / "study.zip")
     with zipfile.ZipFile(tmp_path / "study.zip") as old, zipfile.ZipFile(tmp_path / "new.zip", "w") as new:
         for entry in old.infolist():
             new.writestr(f"top/{entry.filename}", old.read(entry))
     unpack(tmp_path / "new.zip", tmp_path / "other", ROOM)
     assert contents(tmp_path / "other") == contents(folder)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "../evil",
-        "/evil",
-        "a/../../evil",
-        "a//b",
-        "",
-        "a/./b",
-        "a\0b",
-        "study.toml",
-        "a" * 300,
-        "\udc00\ud800",
-    ],
-)
-def test_an_index_leads_nowhere_else(tmp_path, name):
-    with zipfile.ZipFile(tmp_path / "bad.zip", "w") as archive:
-        archive.writestr("study.toml", "title = 'x'")
-        archive.writestr("fingerpad-bundle/renamed/1.png", b"x")
-        renamed = {"fingerpad-bundle/renamed/1.png": name}
-        archive.writestr("fingerpad-bundle/index.json", json.dumps({"renamed": renamed}))
-    before = set(tmp_path.parent.rglob("*"))
-    with pytest.raises(ArchiveError):
-        unpack(tmp_path / "bad.zip", tmp_path / "x", ROOM)
-    assert set(tmp_path.parent.rglob("*")) == before
-
-
-@pytest.mark.parametrize("index", ["[]", "{}", "3", '{"renamed": {"a": 1}}', "no JSON", '{"renamed": []}'])
-def test_an_index_of_another_shape_is_refused(tmp_path, index):
-    with zipfile.ZipFile(tmp_path / "bad.zip", "w") as archive:
-        archive.writestr("study.toml", "title = 'x'")
-        archive.writestr("fingerpad-bundle/index.json", index)
-    with pytest.raises(ArchiveError, match=r"not as fingerpad writes it|no ZIP that can be read"):
-        unpack(tmp_path / "bad.zip", tmp_path / "x", ROOM)

@@ -1,9 +1,12 @@
 """Contents of a study's ZIP, and files left out."""
 
 import os
+import re
 import stat
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import accumulate
 from pathlib import Path, PurePosixPath
 from typing import Final, Self
 
@@ -18,6 +21,10 @@ _DOCUMENTS: Final = (STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERATOR_
 _OF_A_RUN: Final = OUTPUT_NAMES | {STORE_NAME, "results.parquet", "results.mat"}
 # Lock files of running programs.
 _LOCKS: Final = frozenset((LOCK_NAME, ".corrections.lock"))
+# What is in no file name on Windows, and the names that are devices there.
+_NOWHERE: Final = '\\:*?"<>|'
+_DEVICE: Final = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
+LEFT_OUT_NAME: Final = "LEFT_OUT.txt"
 _BESIDE_A_STORE: Final = frozenset((f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", "store.lock"))
 
 
@@ -77,7 +84,7 @@ class Bundle:
             if (folder / name).is_file():
                 bundle.files[name] = folder / name
         bundle._add_named(folder, sheet or "")
-        bundle.documents = tuple(bundle.files)
+        documents = tuple(bundle.files)
         for name in sorted(named):
             bundle._add_named(folder, name)
         results = folder / RESULTS_NAME
@@ -91,9 +98,24 @@ class Bundle:
             for path, name in bundle._entries(out, f"{RESULTS_NAME}/"):
                 if not folder.is_relative_to(out) or path.name in _OF_A_RUN:
                     bundle._add(path, name, out, out)
-        bundle.folders = list(dict.fromkeys(bundle.folders))
+        bundle._leave_unportable()
+        bundle.documents = tuple(name for name in documents if name in bundle.files)
         bundle.left_out = sorted({one for one in bundle.left_out if one.file not in bundle.files})
         return bundle
+
+    def _leave_unportable(self) -> None:
+        """Leave out what a system without case, or with names of its own, could not unpack."""
+        taken = {_folded(LEFT_OUT_NAME): ""}
+        for name in [*self.files, *dict.fromkeys(self.folders)]:
+            bare = name.rstrip("/")
+            ways = accumulate(bare.split("/"), "{}/{}".format)
+            if not is_portable(bare):
+                self._leave(name, f"a name that not every system can have: rename it without {_NOWHERE}")
+            elif any(taken.setdefault(_folded(way), way) != way for way in ways):
+                self._leave(name, "another differs from it by case or accents only: rename one")
+        left = {one.file for one in self.left_out}
+        self.files = {name: path for name, path in self.files.items() if name not in left}
+        self.folders = [name for name in dict.fromkeys(self.folders) if name not in left]
 
     def _leave(self, name: str, why: str) -> None:
         self.left_out.append(LeftOut(name, why))
@@ -103,21 +125,14 @@ class Bundle:
         path = folder / name
         if not name or not (os.path.isfile(path) or os.path.isdir(path)):
             return
-        plain = Path(os.path.relpath(os.path.normpath(path), folder)).as_posix()
-        if not path.resolve().is_relative_to(folder.resolve()) or plain.split("/")[0] == "..":
+        parts = PurePosixPath(name).parts
+        if os.path.isabs(name) or ".." in parts or not path.resolve().is_relative_to(folder.resolve()):
             return
-        if os.path.isabs(name):
-            self._leave(name, "named by its absolute path; name it relative to the study folder")
-        if (folder / plain).resolve() != path.resolve():
-            self._leave(name, "named through a link and ..; name it without")
-            return
-        parts = PurePosixPath(name).parts  # the folders before a .. must be there, too
-        befores = ["/".join(parts[:k]) for k, part in enumerate(parts) if part == ".."]
-        self.folders += [f"{os.path.normpath(before)}/" for before in befores if before]
+        plain = "/".join(parts)
         if os.path.isfile(path):
             self.files.setdefault(plain, path)
             return
-        for frame, frame_name in self._entries(path, "" if plain == "." else f"{plain}/"):
+        for frame, frame_name in self._entries(path, plain and f"{plain}/"):
             if os.path.isfile(frame):
                 self._add(frame, frame_name, folder, folder)
 
@@ -161,3 +176,20 @@ class Bundle:
             for inner, inner_name in self._entries(path, f"{name}/"):
                 if inner != out:
                     self._add(inner, inner_name, home, out)
+
+
+def is_portable(name: str) -> bool:
+    """Tell whether every system can have a file of this name below the study folder."""
+    return all(
+        part not in {"", ".", ".."}
+        and part[-1] not in ". "
+        and not any(char in _NOWHERE or ord(char) < 32 or 0xD800 <= ord(char) < 0xE000 for char in part)
+        and len(part.encode()) <= 255
+        and not _DEVICE.fullmatch(part)
+        for part in name.split("/")
+    )
+
+
+def _folded(name: str) -> str:
+    """Return what names have in common that are one on a system without case or accents of two kinds."""
+    return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())

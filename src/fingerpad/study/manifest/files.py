@@ -15,6 +15,11 @@ def file_inside(folder: Path, name: str, *, may_be_folder: bool = False) -> Path
         If there is none of this name inside the study folder.
     """
     path, home = folder / name, os.path.realpath(folder)
+    if Path(name).is_absolute() or ".." in Path(name).parts:
+        raise ManifestError(
+            f"{name!r} leaves the study folder, or is named from outside it; name the file from the study "
+            "folder, without .."
+        )
     try:
         # A study names thousands of files: each check is a few system calls.
         known = path.exists() if may_be_folder else path.is_file()
