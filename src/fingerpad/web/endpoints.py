@@ -19,7 +19,7 @@ from starlette.routing import Route
 
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError, ManifestError
-from fingerpad.study.manifest.tables import Pixel
+from fingerpad.study.manifest.models import Pixel
 from fingerpad.web.answers.base import Answer, Refusal
 from fingerpad.web.answers.study import EVENTS
 from fingerpad.web.errors import RequestError

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.manifest.tables import Length
+from fingerpad.study.manifest.models import Length
 from fingerpad.study.measuring.fingers import FingerResult, finger_result, stated
 from fingerpad.study.results.result_set import (
     RERUN,

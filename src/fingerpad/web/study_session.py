@@ -28,11 +28,9 @@ from fingerpad.study.manifest import (
     Study,
     load_study,
 )
-from fingerpad.study.manifest.check import Table
-from fingerpad.study.manifest.files import file_inside
-from fingerpad.study.manifest.load import STUDY_NAME, is_as_read
-from fingerpad.study.manifest.tables import ManifestModel
-from fingerpad.study.manifest.validation import Fault, validated
+from fingerpad.study.manifest.load import STUDY_NAME, Table, file_inside, is_as_read
+from fingerpad.study.manifest.messages import Fault, validated
+from fingerpad.study.manifest.models import ManifestModel
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures

@@ -124,8 +124,8 @@ def _measured(way: str, given: Mapping[str, Any]) -> "Scale":
     """Return the scale that a way means, checked and measured as that of a manifest."""
     from pydantic import TypeAdapter
 
-    from fingerpad.study.manifest.scales import OwnScale
-    from fingerpad.study.manifest.validation import checked
+    from fingerpad.study.manifest.messages import checked
+    from fingerpad.study.manifest.models import OwnScale
     from fingerpad.study.measuring.scales import measure_scale
 
     flags = {key: flag for key, flag in _WAYS[way].items() if flag in given}

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from fingerpad.image import BrushStroke, ImageEllipse, Phase, PhaseIntervals, RegionPolygon
-from fingerpad.study.manifest.fingers import Side
-from fingerpad.study.manifest.tables import Box, Finite, ManifestModel, Pixel, Point, Positive, not_tiny
+from fingerpad.study.manifest.models import Box, Finite, ManifestModel, Pixel, Point, Positive, Side, not_tiny
 
 Reason = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=500)]
 Size = Annotated[float, Field(gt=0, le=1e5, allow_inf_nan=False), AfterValidator(not_tiny)]

@@ -17,7 +17,7 @@ from fingerpad.study.corrections.changes import (
     SequenceCorrection,
 )
 from fingerpad.study.manifest import Study
-from fingerpad.study.manifest.validation import validated
+from fingerpad.study.manifest.messages import validated
 
 CORRECTIONS_NAME: Final = "corrections.jsonl"
 SECOND_OPERATOR_NAME: Final = "second_operator.jsonl"

@@ -13,10 +13,8 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.documents import StudyFiles
 from fingerpad.study.editing.toml_tables import added, new_table, remove, remove_scale, update
-from fingerpad.study.manifest.check import SECTIONS, Kind
-from fingerpad.study.manifest.load import LISTS, TABLES
-from fingerpad.study.manifest.scales import SCALE_KINDS
-from fingerpad.study.manifest.tables import Name
+from fingerpad.study.manifest.load import LISTS, SECTIONS, TABLES, Kind
+from fingerpad.study.manifest.models import SCALE_KINDS, Name
 
 _NAME: Final = TypeAdapter(Name)
 

@@ -9,9 +9,8 @@ from typing import Final
 from fingerpad.image import FACE_AXES
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
-from fingerpad.study.manifest.check import Table
-from fingerpad.study.manifest.load import STUDY_NAME
-from fingerpad.study.manifest.validation import Fault
+from fingerpad.study.manifest.load import STUDY_NAME, Table
+from fingerpad.study.manifest.messages import Fault
 from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES
 
 # What can be a picture, a sequence, a curve, an outline or a spreadsheet that tells of them.

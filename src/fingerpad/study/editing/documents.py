@@ -13,9 +13,15 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.study.atomic_files import read_text_or_none
 from fingerpad.study.editing.folded import folded, unfolded
 from fingerpad.study.journal import replace_files
-from fingerpad.study.manifest.check import SECTIONS
-from fingerpad.study.manifest.files import file_inside
-from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, checked_study, is_as_read, load_study
+from fingerpad.study.manifest.load import (
+    SECTIONS,
+    STUDY_NAME,
+    LoadedStudy,
+    checked_study,
+    file_inside,
+    is_as_read,
+    load_study,
+)
 from fingerpad.study.manifest.sheet import Sheet
 
 _FIRST_TABLE: Final = re.compile(r"^\s*\[", re.MULTILINE)

@@ -11,8 +11,8 @@ from fingerpad._csv import write_csv
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.fiji.ellipse import MeasuredEllipse
-from fingerpad.study.manifest.tables import Load, ManifestModel, Name, RollAngle, WedgeAngle
-from fingerpad.study.manifest.validation import validated
+from fingerpad.study.manifest.messages import validated
+from fingerpad.study.manifest.models import Load, ManifestModel, Name, RollAngle, WedgeAngle
 
 # What an ellipse does not tell of its contact.
 FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")

@@ -10,7 +10,7 @@ from typing import Any, Final, Self
 
 from fingerpad._csv import csv_cell, csv_text, unescape_formula
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.manifest.validation import Fault
+from fingerpad.study.manifest.messages import Fault
 
 # A cell holds no table: these columns make the tables of an observation.
 _TABLE_COLUMNS: Final = {

@@ -13,7 +13,7 @@ from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, Record
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.manifest import ScaleKey, Study
-from fingerpad.study.manifest.tables import ManifestModel
+from fingerpad.study.manifest.models import ManifestModel
 from fingerpad.study.measuring.scales import FoundScale, Scales, scale_key
 
 # What of a contact's table changes nothing in what is measured on its picture.

@@ -10,7 +10,7 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.study.error_text import counted
-from fingerpad.study.manifest.scales import is_exact
+from fingerpad.study.manifest.models import is_exact
 from fingerpad.study.results.study_result import StudyResult
 
 _FACES: Final = ("palmar", "distal", "radial", "ulnar")

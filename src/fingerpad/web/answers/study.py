@@ -2,8 +2,8 @@
 
 from typing import Any, Final, Literal
 
-from fingerpad.study.manifest.check import Kind
-from fingerpad.study.manifest.study import Apparatus, Uncertainty
+from fingerpad.study.manifest.load import Kind
+from fingerpad.study.manifest.models import Apparatus, Uncertainty
 from fingerpad.study.new_files.file_names import Kind as FileKind
 from fingerpad.study.new_files.quantities import Role
 from fingerpad.web.answers.base import Answer, Face, Status

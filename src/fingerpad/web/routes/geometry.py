@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.manifest.tables import Length, RollAngle, WedgeAngle
+from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint

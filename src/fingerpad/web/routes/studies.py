@@ -10,8 +10,7 @@ from fingerpad.exceptions import EditConflict
 from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.edit import create_study
 from fingerpad.study.editing.example import write_example
-from fingerpad.study.manifest.check import Kind
-from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.manifest.load import STUDY_NAME, Kind
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError

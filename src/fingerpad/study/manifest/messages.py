@@ -8,9 +8,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.manifest.scales import TAGS, ScaleTable
-from fingerpad.study.manifest.study import Study
-from fingerpad.study.manifest.tables import Loc, ManifestModel
+from fingerpad.study.manifest.models import TAGS, Loc, ManifestModel, ScaleTable, Study
 
 _SCALE_KEYS: Final = frozenset(key for table in ScaleTable.__args__ for key in table.model_fields)
 

@@ -1,0 +1,671 @@
+"""The tables of the manifest: scales, fingers, contacts, loading curves, and the whole study."""
+
+import math
+from collections.abc import Iterator
+from functools import cache
+from typing import Annotated, Final, Literal, Self, TypeAlias, get_args
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
+
+
+def not_tiny(value: float) -> float:
+    """Return a value that is more than positive by name: arithmetic on others underflows."""
+    if value < 1e-9:
+        raise ValueError(f"{value:g} is too small to be meant")
+    return value
+
+
+# Wide bounds that only a wrong unit or a typing error exceeds.
+Positive = Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False), AfterValidator(not_tiny)]
+Length = Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False), AfterValidator(not_tiny)]
+LengthStd = Annotated[float, Field(ge=1e-9, le=1000, allow_inf_nan=False)]
+# Of tissue over bone at a fingertip, with room on both sides: outside, the unit is wrong.
+TissueThickness = Annotated[float, Field(ge=0.5, le=50, allow_inf_nan=False)]
+Load = Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False), AfterValidator(not_tiny)]
+RelativeStd = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
+WedgeAngle = Annotated[float, Field(ge=0, le=90)]
+RollAngle = Annotated[float, Field(ge=-90, le=90)]
+AngleStd = Annotated[float, Field(ge=0, le=90, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+# A place in a picture, or so far beside it that nothing of it is seen.
+_NEAR = Field(ge=-1_000_000, le=1_000_000)
+Pixel = Annotated[float, _NEAR]
+# Names become file names: letters, digits and . _ + - only.
+Name = Annotated[str, Field(pattern=r"^\w[\w.+-]*$", max_length=60)]
+
+
+# Where something is in a table: keys, and numbers in lists.
+Loc: TypeAlias = tuple[int | str, ...]
+
+# Keys that name files; in a sequence `file` may name a folder of frames.
+FILE_KEYS: Final = ("background", "coin", "file", "force", "grid", "observations_csv", "outline", "times")
+# Keys that hold a table, or several by number or by name.
+_TABLE_KEYS: Final = ("scale", "scales", "fingers", "photographs", "observations", "sequences", "curves")
+
+
+class ManifestModel(BaseModel):
+    """A table of the manifest: no key that is not known, no value that changes."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
+
+    def files(self) -> Iterator[tuple[Loc, str]]:
+        """Yield where this table and those in it name a file, and the name."""
+        for key in _keys_of(type(self), FILE_KEYS):
+            if (name := getattr(self, key)) is not None:
+                yield (key,), name
+        for loc, table in self.tables():
+            yield from ((loc + inner, name) for inner, name in table.files())
+
+    def tables(self) -> Iterator[tuple[Loc, "ManifestModel"]]:
+        """Yield where this table holds another, and that table."""
+        for key in _keys_of(type(self), _TABLE_KEYS):
+            held = getattr(self, key)
+            if isinstance(held, ManifestModel):
+                yield (key,), held
+            elif isinstance(held, list | dict):
+                places = held.items() if isinstance(held, dict) else enumerate(held)
+                yield from (((key, place), table) for place, table in places)
+
+
+@cache
+def _keys_of(model: type[ManifestModel], keys: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(key for key in keys if key in model.model_fields)
+
+
+def _listed(value: object) -> object:
+    """Let a spreadsheet's cell hold a list, as in "250, 200"."""
+    return [float(part) for part in value.split(",")] if isinstance(value, str) else value
+
+
+Point: TypeAlias = Annotated[list[Pixel], Field(min_length=2, max_length=2), BeforeValidator(_listed)]
+Box: TypeAlias = Annotated[
+    list[Annotated[int, _NEAR]], Field(min_length=4, max_length=4), BeforeValidator(_listed)
+]
+
+
+MarkStd = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
+Mark = Annotated[list[Annotated[Pixel, Field(ge=0)]], Field(min_length=2, max_length=2)]
+
+
+class ResolutionScale(ManifestModel):
+    """Pixels per inch."""
+
+    ppi: Annotated[float, Field(ge=20, le=1e5)]
+    """Pixels per inch."""
+    relative_std: RelativeStd = 0.0
+    """Relative standard uncertainty."""
+
+
+class PitchScale(ManifestModel):
+    """Millimetres per pixel."""
+
+    mm_per_px: Annotated[float, Field(ge=1e-4, le=1)]
+    """Millimetres per pixel."""
+    relative_std: RelativeStd = 0.0
+    """Relative standard uncertainty."""
+
+
+class LineScale(ManifestModel):
+    """A line of known length, drawn on a ruler: its two ends (row, column), px."""
+
+    line: Annotated[list[Mark], Field(min_length=2, max_length=2)]
+    """The two ends, each (row, column), px."""
+    length_mm: Length
+    """Length of the line, mm."""
+    length_mm_std: MarkStd = 0.0
+    """Standard uncertainty of the length, mm."""
+    ends_px_std: MarkStd = 0.0
+    """Standard uncertainty of each end, px."""
+
+    @model_validator(mode="after")
+    def _two_ends(self) -> Self:
+        if self.line[0] == self.line[1]:
+            raise ValueError(f"the line must have two different ends, found {self.line[0]} twice")
+        return self
+
+
+class CoinScale(ManifestModel):
+    """A coin of known diameter, found in a picture taken like those to measure."""
+
+    coin: str
+    """Picture of the coin, in the plane of what is measured."""
+    diameter_mm: Length
+    """Diameter of the coin, mm."""
+    diameter_mm_std: MarkStd = 0.0
+    """Standard uncertainty of the diameter, mm."""
+
+
+class CircleScale(ManifestModel):
+    """Three points (row, column), px, on the rim of a coin or another circle of known diameter."""
+
+    circle: Annotated[list[Mark], Field(min_length=3, max_length=3)]
+    """The three points, each (row, column), px."""
+    diameter_mm: Length
+    """Diameter of the circle, mm."""
+    diameter_mm_std: MarkStd = 0.0
+    """Standard uncertainty of the diameter, mm."""
+    points_px_std: MarkStd = 0.0
+    """Standard uncertainty of each point, px."""
+
+
+class GridScale(ManifestModel):
+    """A checkerboard or a grid of dots in a picture taken like those to measure."""
+
+    grid: str
+    """Picture of the grid, in the plane of what is measured."""
+    points: Annotated[list[Annotated[int, Field(ge=3, le=200)]], Field(min_length=2, max_length=2)]
+    """Number of inner corners or of dots down and across."""
+    spacing_mm: Length
+    """Distance of neighbouring points, mm."""
+    spacing_mm_std: MarkStd = 0.0
+    """Standard uncertainty of the distance, mm."""
+    pattern: Literal["checkerboard", "dots"] = "checkerboard"
+    """What the grid consists of."""
+
+
+ScaleTable: TypeAlias = ResolutionScale | PitchScale | LineScale | CoinScale | CircleScale | GridScale
+# The first key of each tells which kind of table it is; the tag must not look like a key in messages.
+SCALE_KINDS: Final = tuple(next(iter(model.model_fields)) for model in get_args(ScaleTable))
+NAMED: Final = "<name>"
+TAGS: Final = frozenset((NAMED, *(f"<{kind}>" for kind in SCALE_KINDS)))
+
+
+def _one_way(value: object) -> object:
+    """Refuse a table that says its scale in no way or in two."""
+    if isinstance(value, dict):
+        found = [kind for kind in SCALE_KINDS if kind in value]
+        if len(found) != 1:
+            seen = " and ".join(found) if found else "none of them"
+            raise ValueError(f"give one of {', '.join(SCALE_KINDS)}, found {seen}")
+    elif not isinstance(value, str | ManifestModel):
+        raise ValueError("give the name of one of [scales], or a table such as { ppi = 500 }")  # noqa: TRY004
+    return value
+
+
+def _no_name(value: object) -> object:
+    """Refuse a name where the scale itself belongs: names do not lead to names."""
+    if isinstance(value, str):
+        raise ValueError("expected a table, as in { ppi = 500 }")  # noqa: TRY004
+    return value
+
+
+def _tag(value: object) -> str:
+    if isinstance(value, str):
+        return NAMED
+    keys = value if isinstance(value, dict) else type(value).model_fields  # type: ignore[attr-defined]
+    return next(f"<{kind}>" for kind in SCALE_KINDS if kind in keys)
+
+
+_Tagged: TypeAlias = (
+    Annotated[ResolutionScale, Tag("<ppi>")]
+    | Annotated[PitchScale, Tag("<mm_per_px>")]
+    | Annotated[LineScale, Tag("<line>")]
+    | Annotated[CoinScale, Tag("<coin>")]
+    | Annotated[CircleScale, Tag("<circle>")]
+    | Annotated[GridScale, Tag("<grid>")]
+)
+# A table, or the name of one that several pictures share: one uncertain number for all of them.
+ScaleKey: TypeAlias = Annotated[
+    _Tagged | Annotated[Name, Tag(NAMED)], Discriminator(_tag), BeforeValidator(_one_way)
+]
+OwnScale: TypeAlias = Annotated[
+    _Tagged, Discriminator(_tag), BeforeValidator(_one_way), BeforeValidator(_no_name)
+]
+
+
+def is_exact(scale: ManifestModel) -> bool:
+    """Tell whether a scale has no uncertainty; that of a coin or a grid follows from its picture."""
+    if isinstance(scale, LineScale):
+        return not (scale.length_mm_std or scale.ends_px_std)
+    if isinstance(scale, CircleScale):
+        return not (scale.diameter_mm_std or scale.points_px_std)
+    return isinstance(scale, ResolutionScale | PitchScale) and not scale.relative_std
+
+
+Side = Literal["up", "down", "left", "right"]
+
+
+class SemiAxes(ManifestModel):
+    """Semi-axes of a finger pad, mm."""
+
+    palmar: Length
+    """Out of the pad, mm."""
+    distal: Length
+    """Out of the fingertip, mm."""
+    radial_ulnar: Length
+    """Across the finger, mm."""
+
+
+class SemiAxesStd(ManifestModel):
+    """Standard uncertainties of semi-axes, mm."""
+
+    palmar: LengthStd
+    """Of the palmar semi-axis, mm."""
+    distal: LengthStd
+    """Of the distal semi-axis, mm."""
+    radial_ulnar: LengthStd
+    """Of the semi-axis across, mm."""
+
+
+class Photograph(ManifestModel):
+    """One face of a finger: a photograph before a plain backdrop with its scale, or points of its outline."""
+
+    face: Literal["palmar", "distal", "radial", "ulnar"]
+    """The face that looks at the camera."""
+    outline: str | None = None
+    """CSV file of outline points, `x_mm,y_mm`, in place of a photograph."""
+    outline_relative_std: RelativeStd = 0.0
+    """Relative standard uncertainty of the outline's scale, where `scale` does not name it."""
+    file: str | None = None
+    """The photograph."""
+    scale: ScaleKey | None = None
+    """Name of a scale, or a table of its own; of an outline, the one that its millimetres were made with."""
+    tip: Side = "up"
+    """Where the fingertip points in the photograph."""
+    palmar_side: Side | None = None
+    """Where the palmar side points; found in views from the side, down in the distal view."""
+    region_of_interest_px: Annotated[list[Pixel], Field(min_length=4, max_length=4)] | None = None
+    """First row and column, last row and column in which the outline is looked for."""
+    synthetic: bool = False
+    """Whether the photograph was rendered."""
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.outline is None) == (self.file is None):
+            raise ValueError("give either outline or file, one of the two")
+        if self.file is not None and self.scale is None:
+            raise ValueError("an image needs its scale, as in scale = { ppi = 500 }")
+        ours = {"face", "synthetic", "outline", "scale" if self.scale else "outline_relative_std"}
+        idle = (
+            self.model_fields_set - ours if self.outline else self.model_fields_set & {"outline_relative_std"}
+        )
+        if idle:
+            beside = "an outline" if self.outline else "an image"
+            raise ValueError(f"beside {beside} there is no use for {', '.join(sorted(idle))}")
+        return self
+
+
+class Finger(ManifestModel):
+    """A finger, with its semi-axes given or to be fitted to the outlines of its photographs."""
+
+    name: Name
+    """Name of the finger, by which observations refer to it."""
+    person: Name | None = None
+    """Code for the person; without it all fingers of the study are taken as one person's."""
+    semi_axes_mm: SemiAxes | None = None
+    """Semi-axes as measured elsewhere."""
+    semi_axes_mm_std: SemiAxesStd | None = None
+    """Their standard uncertainties."""
+    photographs: list[Photograph] = Field(default=[])
+    """Photographs or outlines of two or more faces, in place of semi-axes."""
+    pad_thickness_mm: Length | None = None
+    """Thickness of the soft pad, mm, to compare indentations with."""
+    effective_thickness_mm: TissueThickness | None = None
+    """Thickness, mm, of the layer on wide bone that acts like this finger's tissue."""
+    effective_thickness_mm_std: LengthStd | None = None
+    """Its standard uncertainty, mm; exact without it."""
+    synthetic: bool = False
+    """Whether the finger was rendered or simulated."""
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.semi_axes_mm is None) == (not self.photographs):
+            raise ValueError("give either semi_axes_mm or photographs, one of the two")
+        if (self.semi_axes_mm is None) != (self.semi_axes_mm_std is None):
+            raise ValueError("semi_axes_mm and semi_axes_mm_std belong together")
+        thickness, std = self.effective_thickness_mm, self.effective_thickness_mm_std
+        if std is not None and (thickness is None or std >= thickness):
+            raise ValueError(
+                "effective_thickness_mm_std is the uncertainty of effective_thickness_mm: give both, and the "
+                "uncertainty below the thickness"
+            )
+        images = [one.file for one in self.photographs if one.file is not None]
+        for image in dict.fromkeys(images):
+            if images.count(image) > 1:  # results and corrections know a photograph by its file
+                raise ValueError(
+                    f"the photograph {image} is named {images.count(image)} times: copy the picture under "
+                    "another name for each face that it shows"
+                )
+        return self
+
+
+Direction = Literal["along", "across"]
+
+# What a person can correct in the measurement of a contact image.
+CORRECTIONS: Final = frozenset(("dark_on_light", "mask_px", "region_of_interest_px", "seed_px", "threshold"))
+_IMAGE_KEYS: Final = CORRECTIONS | {"background", "scale", "finger_axis_deg", "surface"}
+
+
+class PlacedFinger(ManifestModel):
+    """A finger on its wedge, and how pictures of its contact are measured."""
+
+    name: Name
+    """Name, unique in the study."""
+    finger: str
+    """Name of the finger."""
+    wedge_angle_deg: WedgeAngle
+    """Angle of the wedge: 0 is flat, 90 on the fingertip."""
+    roll_angle_deg: RollAngle = 0.0
+    """Roll about the finger's long axis: 0 is flat, ±90 on a lateral face."""
+    scale: ScaleKey | None = None
+    """Name of a scale, or a table of its own."""
+    background: str | None = None
+    """Picture of the empty platen, which is divided out."""
+    finger_axis_deg: Finite = 0.0
+    """Direction of the finger in the picture, from straight up, counter-clockwise."""
+    dark_on_light: bool | None = None
+    """Whether ridges are darker than the background, where it is not found."""
+    seed_px: Point | None = None
+    """A point (row, column) inside the contact, where there are several patches."""
+    region_of_interest_px: Box | None = None
+    """First row and column, last row and column that are looked at."""
+    mask_px: Annotated[list[Point], Field(min_length=3)] | None = None
+    """Corners (row, column) of a polygon round the contact."""
+    threshold: Positive | None = None
+    """Grey levels from the background to a ridge."""
+    notes: str = ""
+    """Free text, kept in the tables."""
+    synthetic: bool = False
+    """Whether it was rendered or simulated."""
+
+
+class ContactEllipse(ManifestModel):
+    """Semi-axes of a contact ellipse measured elsewhere, mm."""
+
+    semi_major: Length
+    """Larger semi-axis, mm."""
+    semi_minor: Length
+    """Smaller semi-axis, mm."""
+    std: LengthStd
+    """Standard uncertainty of either, mm."""
+    long_axis: Direction | None = None
+    """Direction of the larger one relative to the finger."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.semi_minor > self.semi_major:
+            raise ValueError(
+                f"semi_minor {self.semi_minor:g} must not exceed semi_major {self.semi_major:g}; swap them"
+            )
+        return self
+
+
+class Observation(PlacedFinger):
+    """One contact at one load: a contact image with its scale, or an ellipse measured elsewhere."""
+
+    load_N: Load  # noqa: N815 (the unit's own letter)
+    """Normal load, N."""
+    session: Name | None = None
+    """What was measured at one time; repeats are looked for within it."""
+    file: str | None = None
+    """The contact image."""
+    ellipse_mm: ContactEllipse | None = None
+    """Contact ellipse measured elsewhere, in place of an image."""
+    surface: Literal["ridged", "smooth"] = "ridged"
+    """Whether the contact in the image has ridges, or none, as of a silicone fingertip."""
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.file is None) == (self.ellipse_mm is None):
+            raise ValueError("give either file or ellipse_mm, one of the two")
+        if self.file is not None and self.scale is None:
+            raise ValueError("an image needs its scale, as in scale = { ppi = 500 }")
+        idle = sorted(self.model_fields_set & _IMAGE_KEYS)
+        if self.file is None and idle:
+            raise ValueError(
+                f"without an image there is no use for {', '.join(idle)}; remove what is not meant"
+            )
+        return self
+
+
+class ContactSequence(PlacedFinger):
+    """An image sequence of one press: a folder of pictures, an image stack or a video, and its force."""
+
+    file: str
+    """Folder of pictures, TIFF of many pages, or video."""
+    force: str
+    """CSV file of the force, `time_s,force_N` and perhaps `trigger_V` and `displacement_mm`."""
+    force_columns: dict[Literal["time", "force", "trigger", "displacement"], str] = Field(default={})
+    """Other headers of that file, as in `Fz:mN` or `stage:um`."""
+    frames_per_second: Positive | None = None
+    """Rate of the frames."""
+    start_s: Finite | None = None
+    """Time of the first frame on the clock of the force, s."""
+    contact_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
+    """Force in the frame of first contact, N."""
+    times: str | None = None
+    """CSV file with one `time_s` for each frame."""
+    pool_min_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
+    """Least load of the loading frames that are pooled, N."""
+
+    @model_validator(mode="after")
+    def _one_clock(self) -> Self:
+        if self.scale is None:
+            raise ValueError("a sequence needs its scale, as in scale = { ppi = 500 }")
+        idle = sorted(self.model_fields_set & {"frames_per_second", "start_s", "contact_load_N"})
+        if self.times is not None and idle:
+            raise ValueError(f"times gives each frame its time: there is no use for {', '.join(idle)}")
+        if self.start_s is not None and self.contact_load_N is not None:
+            raise ValueError("give either start_s or contact_load_N, one of the two")
+        return self
+
+
+Contact: TypeAlias = Observation | ContactSequence
+
+
+_KNOWN = ("stage_compliance_mm_per_N", "area_delay_s", "thickness_mm")
+_FILE_KEYS = frozenset(
+    (
+        *("file_columns", "contact_point", "cycle", "fit_load_range_N", "scale", "area_relative_std"),
+        *_KNOWN,
+        *(f"{key}_std" for key in _KNOWN),
+    )
+)
+
+
+class Curve(ManifestModel):
+    """Loading data of one finger at one wedge angle: a curve, the radius R_g found elsewhere, or both."""
+
+    finger: str
+    """Name of the finger."""
+    wedge_angle_deg: WedgeAngle
+    """Angle of the wedge: 0 is flat, 90 on the fingertip."""
+    file: str | None = None
+    """CSV file, `time_s,force_N,displacement_mm,area_mm2`; time and area are optional."""
+    file_columns: dict[Literal["time", "force", "displacement", "area"], str] = Field(default={})
+    """Other headers of that file, as in `stage:um`."""
+    cycle: Annotated[int, Field(ge=0)] = 0
+    """Which press of the record is fitted, from 0."""
+    contact_point: Literal["joint", "contact_by_threshold", "two_lines", "gradient", "power_law"] = "joint"
+    """How the place of contact is found."""
+    fit_load_range_N: Annotated[list[Load], Field(min_length=2, max_length=2)] | None = None  # noqa: N815
+    """Loads between which the modulus grows, N."""
+    stage_compliance_mm_per_N: Annotated[float, Field(ge=0, le=100)] | None = None  # noqa: N815
+    """Compliance of the stage, mm/N."""
+    stage_compliance_mm_per_N_std: LengthStd | None = None  # noqa: N815
+    """Its standard uncertainty, mm/N."""
+    area_delay_s: Annotated[float, Field(ge=-60, le=60)] | None = None
+    """By how much areas are late, s."""
+    area_delay_s_std: Annotated[float, Field(gt=0, le=60)] | None = None
+    """Its standard uncertainty, s."""
+    scale: ScaleKey | None = None
+    """Name of the scale that the areas were measured with, or a table of its own."""
+    area_relative_std: RelativeStd | None = None
+    """Relative standard uncertainty of the areas that is common to all of the curve, where `scale` does not
+    give it: twice that of lengths."""
+    thickness_mm: Annotated[float, Field(ge=0.001, allow_inf_nan=True)] | None = None
+    """Thickness of the layer that is pressed, mm; `inf` for a half-space."""
+    thickness_mm_std: LengthStd | None = None
+    """Its standard uncertainty, mm."""
+    loading_radius_mm: Length | None = None
+    """R_g found elsewhere, mm."""
+    loading_radius_mm_std: LengthStd | None = None
+    """Its standard uncertainty, mm."""
+    synthetic: bool = False
+    """Whether the curve was simulated."""
+
+    @property
+    def place(self) -> tuple[str, float, bool]:
+        """Finger and angle, and whether it is synthetic: as in `Summary.place`."""
+        return self.finger, self.wedge_angle_deg, self.synthetic
+
+    @model_validator(mode="after")
+    def _useful(self) -> Self:
+        if self.file is None and self.loading_radius_mm is None:
+            raise ValueError("give file, loading_radius_mm, or both")
+        idle = _FILE_KEYS if self.file is None else frozenset()
+        if self.loading_radius_mm is None:
+            idle |= {"loading_radius_mm_std"}
+        if self.fit_load_range_N is not None and not self.fit_load_range_N[0] < self.fit_load_range_N[1]:
+            raise ValueError(
+                f"fit_load_range_N must rise, found {self.fit_load_range_N}; give the smaller load first"
+            )
+        idle |= {f"{key}_std" for key in _KNOWN if getattr(self, key) is None}
+        if self.thickness_mm == math.inf:
+            idle |= {"thickness_mm_std"}
+        if self.scale is not None:
+            idle |= {"area_relative_std"}
+        if found := sorted(idle & self.model_fields_set):
+            raise ValueError(f"there is no use for {found[0]} here; remove it")
+        return self
+
+
+# A phrase inside a sentence.
+Text = Annotated[str, Field(max_length=300)]
+
+
+class Uncertainty(ManifestModel):
+    """Standard uncertainties common to all observations."""
+
+    # A finger's angle on a wedge is known like a joint's by a goniometer, to 2 to 5 degrees.
+    wedge_angle_deg_std: AngleStd = 3.0
+    """Standard uncertainty of wedge angles; 0 takes them as exact."""
+    roll_angle_deg_std: AngleStd = 3.0
+    """Standard uncertainty of roll angles; 0 takes them as exact."""
+    load_relative_std: RelativeStd = 0.0
+    """Relative standard uncertainty of loads."""
+    poisson_ratio_std: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+    """Standard uncertainty of Poisson's ratio."""
+    method: Literal["first_order", "monte_carlo"] = "first_order"
+    """How uncertainties are propagated."""
+
+
+class Apparatus(ManifestModel):
+    """What a methods section says of the experiment and no file shows, in the words to be printed."""
+
+    imaging: Text = ""
+    """How contact images were taken."""
+    platen: Text = ""
+    """What the finger pressed on."""
+    force_sensor: Text = ""
+    """What measured the force."""
+    stage: Text = ""
+    """What moved finger or platen."""
+    scale_calibration: Text = ""
+    """How the scale was found."""
+    poisson_ratio_basis: Text = ""
+    """Why Poisson's ratio is what it is."""
+    thickness_basis: Text = ""
+    """Where the thickness of the tissue comes from."""
+    approach_mm_per_s: Positive | None = None
+    """Speed of approach, mm/s."""
+    dwell_s: Positive | None = None
+    """Time held before the image was taken, s."""
+
+
+class Study(ManifestModel):
+    """The whole manifest."""
+
+    model_config = ConfigDict(json_schema_extra={"required": ["title", "fingers"]})
+
+    title: str
+    """Title of the study."""
+    description: str = ""
+    """Whose fingers, which apparatus, which day."""
+    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)] = 0.5
+    """Poisson's ratio of the tissue."""
+    uncertainty: Uncertainty = Uncertainty()
+    """Standard uncertainties that all observations share."""
+    apparatus: Apparatus = Apparatus()
+    """What the methods section says of the experiment."""
+    scales: dict[Name, OwnScale] = Field(default={})
+    """Scales by name, for pictures that share one."""
+    fingers: list[Finger] = Field(default=[])
+    """The fingers."""
+    observations: list[Observation] = Field(default=[])
+    """Contacts, each at one load."""
+    observations_csv: str | None = None
+    """CSV file of observations, with the same keys as headers."""
+    sequences: list[ContactSequence] = Field(default=[])
+    """Image sequences of presses."""
+    curves: list[Curve] = Field(default=[])
+    """Loading curves."""
+
+    def named_scales(self) -> Iterator[str]:
+        """Yield the name of a scale for every use of it."""
+        return (scale for scale in self.scales_in_use() if isinstance(scale, str))
+
+    def scales_in_use(self) -> Iterator[ScaleKey]:
+        """Yield the scale of each picture and sequence: a table, or the name of one."""
+        for _, table in self.tables():
+            for one in (table, *(inner for _, inner in table.tables())):
+                if (scale := getattr(one, "scale", None)) is not None:
+                    yield scale
+
+    def assumed(self) -> list[str]:
+        """Name the uncertainties that results assume, since the manifest does not state them."""
+        common = self.uncertainty
+        stds = {
+            "wedge_angle_deg_std": f"the wedge angle to ± {common.wedge_angle_deg_std:g}°",
+            "roll_angle_deg_std": f"the roll angle to ± {common.roll_angle_deg_std:g}°",
+        }
+        return [words for key, words in stds.items() if key not in common.model_fields_set]
+
+    def taken_as_exact(self) -> list[str]:
+        """Name what results take as exact, since the manifest gives no uncertainty of it."""
+        common = self.uncertainty
+        stds = {
+            "the wedge angle": common.wedge_angle_deg_std,
+            "the roll angle": common.roll_angle_deg_std,
+            "the load": common.load_relative_std,
+            "Poisson's ratio": common.poisson_ratio_std,
+        }
+        used = dict.fromkeys(self.named_scales())
+        own = (scale for scale in self.scales_in_use() if isinstance(scale, ManifestModel))
+        return [
+            *(words for words, std in stds.items() if not std),
+            *(
+                f"the effective thickness of {finger.name}"
+                for finger in self.fingers
+                if finger.effective_thickness_mm is not None and finger.effective_thickness_mm_std is None
+            ),
+            *(
+                f"the scale of the outlines of {finger.name}"
+                for finger in self.fingers
+                if any(
+                    one.outline and one.scale is None and not one.outline_relative_std
+                    for one in finger.photographs
+                )
+            ),
+            *(
+                f"R_g of {curve.finger} at {curve.wedge_angle_deg:g}°"
+                for curve in self.curves
+                if curve.loading_radius_mm is not None and not curve.loading_radius_mm_std
+            ),
+            *(
+                ["the stage of loading curves (rigid)"]
+                if any(curve.file and curve.stage_compliance_mm_per_N is None for curve in self.curves)
+                else []
+            ),
+            *(f"the scale “{name}”" for name in used if is_exact(self.scales[name])),
+            *(["scales of single pictures"] if any(map(is_exact, own)) else []),
+        ]
