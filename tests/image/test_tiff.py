@@ -69,6 +69,13 @@ def with_tags(write, **tags):
     return overwritten
 
 
+def whole_strips(array, **options):
+    """Return a writer whose last strip is as long as the others, with rows below the picture."""
+    taller = np.pad(array, ((0, -ROWS % 7), *((0, 0),) * (array.ndim - 1)), mode="edge")
+    assert len(taller) > ROWS
+    return with_tags(written(taller, rowsperstrip=7, **options), ImageLength=ROWS)
+
+
 def packed(levels, bits):
     """Return grey levels of a few bits, packed into whole bytes row by row."""
     padded = np.pad(levels, ((0, 0), (0, -COLUMNS % (8 // bits)))).reshape(ROWS, -1, 8 // bits)
@@ -127,6 +134,14 @@ VARIANTS = {
     "8 bits big-endian": (written(GREY8, byteorder=">"), GREY8),
     "8 bits BigTIFF": (written(GREY8, bigtiff=True), GREY8),
     "8 bits Deflate": (written(GREY8, compression="zlib", rowsperstrip=5), GREY8),
+    "8 bits Deflate whole strips": (whole_strips(GREY8, compression="zlib"), GREY8),
+    "8 bits PackBits whole strips": (whole_strips(GREY8, compression="packbits"), GREY8),
+    "8 bits LZW whole strips": (whole_strips(GREY8, compression="lzw"), GREY8),
+    "16 bits Deflate predictor whole strips": (
+        whole_strips(GREY16, compression="zlib", predictor=True),
+        GREY16,
+    ),
+    "colour Deflate whole strips": (whole_strips(RGB8, compression="zlib", photometric="rgb"), RGB8),
     "8 bits Deflate tiles": (written(GREY8, compression="zlib", **TILES), GREY8),
     "8 bits Deflate predictor": (written(GREY8, compression="zlib", predictor=True), GREY8),
     "8 bits LZW": (by_opencv(GREY8, COMPRESSION, LZW), GREY8),
@@ -248,6 +263,16 @@ def test_jpeg_nearly(tmp_path, mode):
     Image.fromarray(grey).convert(mode).save(tmp_path / "a.tif", compression="jpeg", quality=98)
     levels = read_levels(tmp_path / "a.tif", MEMORY_LIMIT)[0]
     assert np.abs(levels.astype(int) - (SMOOTH if mode == "L" else grey)).max() <= 3
+
+
+@pytest.mark.parametrize("compression", ["zlib", "packbits"])
+def test_a_cut_strip_is_refused_where_others_are_whole(tmp_path, compression):
+    whole_strips(GREY8, compression=compression)(tmp_path / "a.tif")
+    with tifffile.TiffFile(tmp_path / "a.tif", mode="r+b") as tiff:
+        counts = tiff.pages[0].tags["StripByteCounts"]
+        counts.overwrite([*counts.value[:-1], counts.value[-1] // 3])
+    with pytest.raises(ImageError, match="cannot be decoded, the file is cut short or damaged"):
+        read_image(tmp_path / "a.tif")
 
 
 def test_pages_of_different_kinds(tmp_path):

@@ -5,6 +5,7 @@ import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import copy
 from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import Any, Final
@@ -52,8 +53,7 @@ def levels_of_page(path: Path, index: int, page: Any, memory_limit: int) -> Pixe
     if page.compression in _BY_PILLOW or photometric not in _PLAIN:
         return _decode_by_pillow(path, index)
     _check_segments(page)
-    # Planes, slices, rows, columns, samples side by side.
-    stored = page.asarray(squeeze=False, maxworkers=1, buffersize=_BUFFER)[:, 0]
+    stored = _stored(page)
     samples = stored[0] if len(stored) == 1 else np.moveaxis(stored[..., 0], 0, -1)
     levels = _levels(samples, page, photometric)
     return apply_orientation(levels, page.tags.valueof("Orientation", default=1))
@@ -114,6 +114,23 @@ def _check_segments(page: Any) -> None:
     held = sum(offset > 0 and size > 0 for offset, size in places)
     if held < count:
         raise ImageError(f"the file is cut short, it has {held} of {count} strips or tiles: copy it again")
+
+
+def _stored(page: Any) -> npt.NDArray[Any]:
+    """Return the samples of a page, (planes, rows, columns, samples side by side)."""
+    try:
+        return np.asarray(page.asarray(squeeze=False, maxworkers=1, buffersize=_BUFFER)[:, 0])
+    except RuntimeError:  # of imagecodecs
+        rows, below = page.imagelength, -page.imagelength % page.rowsperstrip
+        if page.is_tiled or not 0 < below < page.rowsperstrip < rows:
+            raise
+    # Some programs pack the last strip as long as the others, which imagecodecs takes for damage.
+    longer = copy(page)
+    for derived in ("decode", "hash"):
+        vars(longer).pop(derived, None)
+    longer.imagelength = rows + below
+    longer.shaped = (*page.shaped[:2], rows + below, *page.shaped[3:])
+    return np.asarray(longer.asarray(squeeze=False, maxworkers=1, buffersize=_BUFFER)[:, 0, :rows])
 
 
 def _levels(samples: npt.NDArray[Any], page: Any, photometric: int) -> Pixels:
