@@ -22,7 +22,7 @@ from fingerpad.study.engine.task import DEFAULT_LIMITS, TaskResult, perform
 from fingerpad.study.manifest import Study, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
-from fingerpad.study.measuring.sequence_header import header_task
+from fingerpad.study.measuring.sequence_tasks import header_task
 from fingerpad.study.measuring.sequences import sequence_plan
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status

@@ -26,7 +26,7 @@ from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.measuring.run import Measured
-from fingerpad.study.measuring.sequence_result import SequenceResult
+from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.study_result import StudyResult, result_of

@@ -5,7 +5,7 @@ import pytest
 
 from fingerpad.exceptions import LoadingError
 from fingerpad.image import ForceSignal
-from fingerpad.study.measuring.indentation import first_contact_displacement
+from fingerpad.study.measuring.sequences import first_contact_displacement
 
 
 def press(approach: float, rows: int = 400, noise: float = 0.0, exponent: float = 1.5) -> ForceSignal:

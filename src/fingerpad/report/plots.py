@@ -25,7 +25,7 @@ from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.sequence_result import SequenceResult
+from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exponent import Exponent, area_exponent
 from fingerpad.study.results.loading import LoadingRadius, loading_radius

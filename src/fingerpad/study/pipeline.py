@@ -31,8 +31,7 @@ from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, drawn_for, item_of, measure_study
-from fingerpad.study.measuring.sequence_result import frames_beyond
-from fingerpad.study.measuring.sequences import corrected_frames
+from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.result_set import (

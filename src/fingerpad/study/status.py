@@ -11,7 +11,7 @@ from fingerpad.study.manifest import Finger, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.run import item_of, items_of
-from fingerpad.study.measuring.sequence_header import frame_count
+from fingerpad.study.measuring.sequence_tasks import frame_count
 from fingerpad.study.results.result_set import result_set_faults
 
 _STATES: Final = ("done", "failed", "stale", "left")

@@ -16,9 +16,14 @@ from fingerpad.study.measuring.fingers import FingerResult, finger_result, photo
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
 from fingerpad.study.measuring.records import measurement_from
-from fingerpad.study.measuring.sequence_header import frame_count, header_task
-from fingerpad.study.measuring.sequence_result import SequenceResult, result_of_sequence
-from fingerpad.study.measuring.sequences import sequence_key, sequence_measurements, sequence_plan
+from fingerpad.study.measuring.sequence_tasks import frame_count, header_task
+from fingerpad.study.measuring.sequences import (
+    SequenceResult,
+    result_of_sequence,
+    sequence_key,
+    sequence_measurements,
+    sequence_plan,
+)
 from fingerpad.study.measuring.tasks import observation_tasks, photograph_tasks, pictures_of, resolve_scales
 
 

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -27,12 +28,48 @@ from fingerpad.study.corrections.apply import (
     corrected_contact_image,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.engine.task import Record
+from fingerpad.study.engine.store import DamagedResultError
+from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
+from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.measure import Measurement, from_contact_image, with_automatic_axes
 from fingerpad.study.measuring.records import measurement_record
 from fingerpad.study.measuring.scales import FoundScale
+
+# What says when a frame was taken and under which load, but nothing of what is seen in it.
+TIMING: Final = frozenset(
+    ("force", "force_columns", "times", "frames_per_second", "start_s", "contact_load_N")
+)
+
+
+def header_task(sequence: ContactSequence, context: RunContext) -> Task:
+    """Return the task that opens a sequence: it counts the frames."""
+    return Task(
+        name=f"{sequence.name} header",  # no name of the manifest holds a blank
+        item=sequence.name,
+        file=sequence.file,
+        key=cache_key(context.key(sequence, leave_out=TIMING), "header"),
+        work=partial(_header, sequence.file),
+        inputs=(sequence.file,),
+        pictures=0,
+    )
+
+
+def _header(path: str, folder: Path, _out: Path) -> Record:
+    header = asdict(open_frames(folder / path))
+    del header["path"]
+    return {"header": header}
+
+
+def frame_count(sequence: ContactSequence, context: RunContext) -> int:
+    """Return the number of frames of a sequence; 1 if it has not been opened, or cannot be."""
+    header = header_task(sequence, context)
+    try:
+        record = context.record(header.name, header.key)
+    except DamagedResultError:
+        record = None
+    return 1 if record is None or "header" not in record else int(record["header"]["count"])
 
 
 class FrameOverlay(NamedTuple):

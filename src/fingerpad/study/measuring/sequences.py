@@ -15,6 +15,7 @@ from typing import Final
 
 import numpy as np
 
+from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.exceptions import FingerpadError, LoadingError, StoreError, reason_of
 from fingerpad.image import (
@@ -23,6 +24,7 @@ from fingerpad.image import (
     FrameResult,
     Frames,
     SequenceSettings,
+    SequenceSummary,
     TextureScan,
     assign_times,
     frame_clock,
@@ -30,6 +32,7 @@ from fingerpad.image import (
     read_frame_stamps,
     sequence_summary,
 )
+from fingerpad.loading.cycles import fit_contact_start
 from fingerpad.study.corrections.apply import (
     ManualPhases,
     contact_correction,
@@ -43,14 +46,22 @@ from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Wor
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
-from fingerpad.study.measuring.indentation import first_contact_displacement
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
-from fingerpad.study.measuring.sequence_header import TIMING, frame_count, header_task
-from fingerpad.study.measuring.sequence_result import SequenceResult
-from fingerpad.study.measuring.sequence_tasks import FrameDigest, SequenceImages, survey_from
+from fingerpad.study.measuring.sequence_tasks import (
+    TIMING,
+    FrameDigest,
+    FrameOverlay,
+    SequenceImages,
+    frame_count,
+    header_task,
+    survey_from,
+)
 
+_MIN_ROWS: Final = 6
+# The way in is fitted up to this share of the largest force, beyond which tissue stiffens.
+_FITTED: Final = 0.5
 IN_CONTACT: Final = frozenset(("loading", "hold", "unloading"))
 # Below so many ridges from the centre to the nearest edge an ellipse is drawn by single ridges.
 LEAST_RIDGES: Final = 5
@@ -58,6 +69,103 @@ LEAST_RIDGES: Final = 5
 _FRAMES: Final = "frames"
 _LEAST_PIECE: Final = 50
 _MOST_PIECES: Final = 256
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SequenceResult:
+    """What a sequence comes to.
+
+    Attributes
+    ----------
+    manifest : ContactSequence
+        What the manifest says of it.
+    summary : SequenceSummary or None
+        Counts of frames; None where the sequence could not be measured.
+    overlays : tuple of FrameOverlay
+        A few frames.
+    reason : str or None
+        Why it could not be measured.
+    phases : ManualPhases or None
+        Its phases where a person set them; None where they follow from the force.
+    """
+
+    manifest: ContactSequence
+    summary: SequenceSummary | None = None
+    overlays: tuple[FrameOverlay, ...] = ()
+    reason: str | None = None
+    phases: ManualPhases | None = None
+
+
+def result_of_sequence(sequence: ContactSequence, record: Record, context: RunContext) -> SequenceResult:
+    """Return what a sequence came to, from its record in the store."""
+    summary = record.get("summary")
+    return SequenceResult(
+        manifest=sequence,
+        summary=summary and SequenceSummary(**{**summary, "notes": tuple(summary["notes"])}),
+        overlays=tuple(FrameOverlay(*overlay) for overlay in record.get("overlays", ())),
+        reason=record.get("reason"),
+        phases=manual_phases(context.active_corrections, sequence.name),
+    )
+
+
+def frames_beyond(
+    sequences: Iterable[SequenceResult], active_corrections: Mapping[str, ActiveCorrection]
+) -> Iterator[str]:
+    """Yield the corrected frames that lie beyond the end of their sequence."""
+    for sequence in sequences:
+        if sequence.summary is not None:
+            for frame in frames_of(active_corrections, sequence.manifest.name):
+                if frame >= sequence.summary.count:
+                    yield f"{sequence.manifest.name}#{frame}"
+
+
+def first_contact_displacement(signal: ForceSignal) -> float:
+    """Return the displacement at which the force begins to rise.
+
+    A level and a Hertzian rise that stiffens, W = W₀ + a s + b s² with s = (x − x₀)^(3/2), are fitted to the
+    first press, up to half of the largest force. The stage is taken as rigid.
+
+    Parameters
+    ----------
+    signal : ForceSignal
+        With a displacement.
+
+    Returns
+    -------
+    float
+        x₀, mm.
+
+    Raises
+    ------
+    LoadingError
+        If no displacement was recorded, there are fewer than six rows of the way in, or contact is made
+        before the record begins.
+
+    Examples
+    --------
+    >>> time = np.linspace(0, 1, 101)
+    >>> load = 2 * np.maximum(time - 0.2, 0) ** 1.5
+    >>> signal = ForceSignal(time, load, displacement=5 + time)
+    >>> round(first_contact_displacement(signal), 2)
+    5.2
+    """
+    if signal.displacement is None:
+        raise LoadingError("no displacement was recorded beside the force")
+    low = float(signal.load.min())
+    level = low + _FITTED * (float(signal.load.max()) - low)
+    stop = int(np.argmax(signal.load >= level)) + 1
+    if stop < _MIN_ROWS:
+        raise LoadingError(
+            f"the place of contact is unknown: the force passes half of its largest value after {stop} rows; "
+            f"{_MIN_ROWS} are needed"
+        )
+    way_in: FloatArray = signal.displacement[:stop]
+    place, _ = fit_contact_start(signal.time[:stop], signal.load[:stop], way_in, tilt=False)
+    if not place > way_in.min():
+        raise LoadingError(
+            "the place of contact is unknown: the record begins in contact; record some of the approach"
+        )
+    return place
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -12,7 +12,7 @@ from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import OutlineSemiAxes
 from fingerpad.study.measuring.scales import FoundScale
-from fingerpad.study.measuring.sequence_result import SequenceResult
+from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.exponent import area_exponent

@@ -19,7 +19,7 @@ from fingerpad.study.measuring.operators import OperatorPair
 from fingerpad.study.measuring.records import from_plain, to_plain
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.scales import FoundScale
-from fingerpad.study.measuring.sequence_result import SequenceResult
+from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.by_load import AtLoad, pool_by_load
 from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.digest import digest_of_values
