@@ -2,8 +2,10 @@
 
 import io
 import resource
+import zlib
 
 import cv2
+import imagecodecs
 import numpy as np
 import pytest
 import tifffile
@@ -272,6 +274,60 @@ def test_a_cut_strip_is_refused_where_others_are_whole(tmp_path, compression):
         counts = tiff.pages[0].tags["StripByteCounts"]
         counts.overwrite([*counts.value[:-1], counts.value[-1] // 3])
     with pytest.raises(ImageError, match="cannot be decoded, the file is cut short or damaged"):
+        read_image(tmp_path / "a.tif")
+
+
+ENCODERS = {
+    "lzw": imagecodecs.lzw_encode,
+    "zlib": zlib.compress,
+    "deflate": zlib.compress,
+    "packbits": imagecodecs.packbits_encode,
+}
+
+
+def write_strips(path, array, compression, change, **options):
+    """Write strips of 5 rows, after a change of what the last one of 2 rows holds."""
+    parts = [array[top : top + 5].tobytes() for top in range(0, ROWS, 5)]
+    strips = map(ENCODERS[compression], [*parts[:-1], change(parts[-1])])
+    options |= {"photometric": "rgb" if array.ndim == 3 else "minisblack", "rowsperstrip": 5}
+    tifffile.imwrite(path, strips, shape=array.shape, dtype=array.dtype, compression=compression, **options)
+
+
+@pytest.mark.parametrize("array", [SMOOTH, GREY8 // 128, GREY16, RGB8], ids=["8", "runs", "16", "colour"])
+@pytest.mark.parametrize("compression", ENCODERS)
+def test_last_strip_padded_by_a_byte(tmp_path, compression, array):
+    write_strips(tmp_path / "a.tif", array, compression, lambda data: data + b"\7")
+    np.testing.assert_array_equal(read_levels(tmp_path / "a.tif", MEMORY_LIMIT)[0], array)
+
+
+@pytest.mark.parametrize("compression", ENCODERS)
+def test_padded_last_strip_of_few_bits(tmp_path, compression):
+    rows = packed(GREY8 >> 4, 4)
+    write_strips(tmp_path / "a.tif", rows, compression, lambda data: data * 3, metadata=None)
+    with_tags(lambda path: None, BitsPerSample=4, ImageWidth=COLUMNS)(tmp_path / "a.tif")
+    levels = read_levels(tmp_path / "a.tif", MEMORY_LIMIT)[0]
+    np.testing.assert_array_equal(levels, GREY8 // 16 * np.uint8(17))
+
+
+def test_a_picture_lower_than_its_padded_strip(tmp_path):
+    part = zlib.compress(SMOOTH[:3].tobytes() + bytes(61 * COLUMNS))
+    options = {"shape": (3, COLUMNS), "dtype": "u1", "compression": "zlib", "photometric": "minisblack"}
+    tifffile.imwrite(tmp_path / "a.tif", iter([part]), rowsperstrip=3, **options)
+    with_tags(lambda path: None, RowsPerStrip=64)(tmp_path / "a.tif")
+    np.testing.assert_array_equal(read_image(tmp_path / "a.tif").pixels, SMOOTH[:3])
+
+
+@pytest.mark.parametrize("compression", ENCODERS)
+def test_a_last_strip_without_its_last_byte_is_refused(tmp_path, compression):
+    write_strips(tmp_path / "a.tif", GREY8, compression, lambda data: data[:-1])
+    with pytest.raises(ImageError, match="cut short or damaged"):
+        read_image(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize("compression", ["zlib", "deflate", "packbits"])
+def test_more_than_another_strip_too_much_is_refused(tmp_path, compression):
+    write_strips(tmp_path / "a.tif", GREY8, compression, lambda data: data * 9)
+    with pytest.raises(ImageError, match="cut short or damaged"):
         read_image(tmp_path / "a.tif")
 
 

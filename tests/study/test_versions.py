@@ -159,6 +159,14 @@ def test_another_release_of_a_library_measures_again(run, monkeypatch):
     assert study_status(manifest, out).stale == 8
 
 
+def test_another_release_of_lossless_decoders_does_not(run, monkeypatch):
+    manifest, out, _ = run
+    found = versions.library_versions()
+    assert "imagecodecs" in found  # the record of a run names it
+    monkeypatch.setattr(versions, "library_versions", lambda: found | {"imagecodecs": "another"})
+    assert study_status(manifest, out).stale == 0
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as scratch:
         found = measured(make_study(Path(scratch)), Path(scratch) / "out")

@@ -3,13 +3,13 @@
 import logging
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from copy import copy
 from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import Any, Final
 
+import imagecodecs
 import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageOps
@@ -28,6 +28,11 @@ from fingerpad.image.levels import (
 _WAY_OUT: Final = "convert the picture to PNG, or to TIFF with LZW or no compression"
 # None, LZW, Deflate by both its numbers, PackBits: imagecodecs stops at the size that the tags promise.
 _STREAMS: Final = (1, 5, 8, 32946, 32773)
+_PACKERS: Final[dict[int, tuple[Callable[..., Any], Callable[..., Any]]]] = {
+    8: (imagecodecs.deflate_decode, imagecodecs.deflate_encode),
+    32946: (imagecodecs.deflate_decode, imagecodecs.deflate_encode),
+    32773: (imagecodecs.packbits_decode, imagecodecs.packbits_encode),
+}
 # Fax and JPEG state a size of their own. Pillow decodes them, and other colours than RGB, at 8 bits or 1 bit:
 # its libtiff refuses a size that the tags do not promise, imagecodecs decodes it whatever memory it takes.
 _BY_PILLOW: Final = (2, 3, 4, 7)
@@ -53,7 +58,10 @@ def levels_of_page(path: Path, index: int, page: Any, memory_limit: int) -> Pixe
     if page.compression in _BY_PILLOW or photometric not in _PLAIN:
         return _decode_by_pillow(path, index)
     _check_segments(page)
-    stored = _stored(page)
+    if page.compression in _PACKERS and page.fillorder == 1 and not page.is_tiled:
+        page.decode = _decode_padded(page)
+    # Planes, slices, rows, columns, samples side by side.
+    stored = page.asarray(squeeze=False, maxworkers=1, buffersize=_BUFFER)[:, 0]
     samples = stored[0] if len(stored) == 1 else np.moveaxis(stored[..., 0], 0, -1)
     levels = _levels(samples, page, photometric)
     return apply_orientation(levels, page.tags.valueof("Orientation", default=1))
@@ -116,21 +124,26 @@ def _check_segments(page: Any) -> None:
         raise ImageError(f"the file is cut short, it has {held} of {count} strips or tiles: copy it again")
 
 
-def _stored(page: Any) -> npt.NDArray[Any]:
-    """Return the samples of a page, (planes, rows, columns, samples side by side)."""
-    try:
-        return np.asarray(page.asarray(squeeze=False, maxworkers=1, buffersize=_BUFFER)[:, 0])
-    except RuntimeError:  # of imagecodecs
-        rows, below = page.imagelength, -page.imagelength % page.rowsperstrip
-        if page.is_tiled or not 0 < below < page.rowsperstrip < rows:
-            raise
-    # Some programs pack the last strip as long as the others, which imagecodecs takes for damage.
-    longer = copy(page)
-    for derived in ("decode", "hash"):
-        vars(longer).pop(derived, None)
-    longer.imagelength = rows + below
-    longer.shaped = (*page.shaped[:2], rows + below, *page.shaped[3:])
-    return np.asarray(longer.asarray(squeeze=False, maxworkers=1, buffersize=_BUFFER)[:, 0, :rows])
+def _decode_padded(page: Any) -> Callable[..., Any]:
+    """Return the decoder of a page's strips, which drops what follows a strip's last row.
+
+    Many programs pack the last strip as long as the others, or pad it by some bytes, which imagecodecs takes
+    for damage. What holds more than another strip more has other rows than its tags say.
+    """
+    decode, (unpack, pack) = page.decode, _PACKERS[page.compression]
+    height = page.tags.valueof("RowsPerStrip", default=page.rowsperstrip)
+
+    def decode_padded(data: Any, index: int, **options: Any) -> Any:
+        try:
+            return decode(data, index, **options)
+        except RuntimeError:  # of imagecodecs
+            shape = decode(None, index)[2]
+            row_bytes = -(-page.bitspersample * shape[2] * shape[3] // 8)
+            size = shape[1] * row_bytes
+            held = unpack(data, out=size + min(height * row_bytes, max(size, _BUFFER)))
+            return decode(pack(held[:size]), index, **options)
+
+    return decode_padded
 
 
 def _levels(samples: npt.NDArray[Any], page: Any, photometric: int) -> Pixels:

@@ -3,6 +3,7 @@
 from typing import Final, Literal
 
 import cv2
+import imagecodecs
 import numpy
 import PIL
 import scipy
@@ -20,9 +21,10 @@ def library_versions() -> dict[str, str]:
     Examples
     --------
     >>> sorted(library_versions())
-    ['numpy', 'opencv', 'pillow', 'scipy', 'tifffile']
+    ['imagecodecs', 'numpy', 'opencv', 'pillow', 'scipy', 'tifffile']
     """
     return {
+        "imagecodecs": imagecodecs.__version__,
         "numpy": numpy.__version__,
         "opencv": cv2.__version__,
         "pillow": PIL.__version__,
@@ -33,4 +35,7 @@ def library_versions() -> dict[str, str]:
 
 def versions_of(*measurements: Literal["image", "loading", "uncertainty"]) -> list[object]:
     """Return what belongs into the cache key of results of some kinds of measurement."""
-    return [{kind: MEASUREMENT_VERSIONS[kind] for kind in measurements}, library_versions()]
+    libraries = library_versions()
+    # It only unpacks TIFF without loss: what another release reads otherwise, it refuses.
+    libraries.pop("imagecodecs", None)
+    return [{kind: MEASUREMENT_VERSIONS[kind] for kind in measurements}, libraries]
