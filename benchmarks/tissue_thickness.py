@@ -12,8 +12,7 @@ from fingerpad.contact import Contact, Tissue, fast_contact, hertz_contact, solv
 from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style, new_figure
 from fingerpad.geometry import Placement
 from fingerpad.published import dzidek2017, fit_tissue_thickness
-from fingerpad.published.dzidek2017 import METHODS, PublishedWedge
-from fingerpad.published.tissue_thickness import area_over_pi_indentation
+from fingerpad.published.dzidek2017 import PublishedWedge
 
 _IMAGES = Path(__file__).parents[1] / "docs" / "images"
 _SOURCE = dzidek2017()
@@ -68,6 +67,11 @@ def line(name: str, lowest: float = 0.0) -> Callable[[Placement, Tissue, FloatAr
     return read
 
 
+def area_over_pi_indentation(placement: Placement, tissue: Tissue, area: FloatArray) -> FloatArray:
+    """Return R_g read as A/(πξ)."""
+    return fast_contact(placement, tissue, area=area).area_over_pi_indentation
+
+
 LINES = ("slope", "slope_through_origin")
 READINGS = {"ratio": area_over_pi_indentation} | {name: line(name) for name in LINES}
 
@@ -81,7 +85,7 @@ def placed(method: str, wedge: PublishedWedge) -> Placement:
 def thicknesses() -> None:
     """Print the fitted thickness over axes, ν, reading and load range."""
     print("\naxes     ν     reading               t (mm)  95 %           χ²    t, R_g at 30° and 45° (mm)")
-    for method in reversed(METHODS):
+    for method in ("ellipse", "direct"):
         for name, reading in READINGS.items():
             for nu in (0.5, 0.48, 0.45):
                 fit = fit_tissue_thickness(method=method, reading=reading, poisson_ratio=nu)
@@ -102,7 +106,7 @@ def thicknesses() -> None:
 def solver() -> None:
     """Print R_g, E* and axis ratio on 8 mm of tissue, by the laws and by the solver on 256² cells."""
     print("\naxes     θ    A/(πξ): laws, solver      E* (kPa)  along/across: laws, solver")
-    for method in reversed(METHODS):
+    for method in ("ellipse", "direct"):
         for angle, wedge in _WEDGES.items():
             place = placed(method, wedge)
             modulus, contact = _of_printed_area(place, wedge, 8.0)

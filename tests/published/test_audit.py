@@ -31,10 +31,10 @@ def items() -> dict[str, AuditItem]:
 
 
 def printed_numbers(table: object, path: tuple[str, ...] = ()) -> list[float]:
-    """Return every number of the data file but the angles and loads that only say where others hold."""
+    """Return every number of the data file but the load, which only says where others hold."""
     if isinstance(table, dict):
         return [number for key, part in table.items() for number in printed_numbers(part, (*path, key))]
-    if path in {("table2", "u_deg"), ("table3", "load_N")}:
+    if path == ("table3", "load_N"):
         return []
     return [float(number) for number in (table if isinstance(table, list) else [table])]
 

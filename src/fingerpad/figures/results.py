@@ -25,7 +25,7 @@ from fingerpad.figures.style import (
     mark_synthetic,
     plain_log_ticks,
 )
-from fingerpad.published import PublishedWedge
+from fingerpad.published.dzidek2017 import PublishedWedge
 
 Side: TypeAlias = Literal["top", "center", "bottom"]
 _SHAPE_POINTS: Final = 13.0

@@ -9,11 +9,12 @@ The extremes of the computed interval are taken at the corners of the box of inp
 these every equation used here is monotonic in each input, or flat to far below the last digit.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 from itertools import product
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -21,23 +22,22 @@ from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._display import Displayed
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
-from fingerpad.published.dzidek2017 import METHODS, Printed, PublishedWedge, SemiAxes, dzidek2017
+from fingerpad.published.dzidek2017 import Printed, PublishedWedge, dzidek2017
+
+Equation: TypeAlias = Callable[..., FloatArray]
+Radii: TypeAlias = Callable[..., tuple[FloatArray, FloatArray]]  # true, and with the misprint
 
 _MEAN_RADIUS: Final = "R_0g = 1/H, H from Eq. (1) at v = 90°"
 _PLACEMENT: Final = "tan u = (ℓb/ℓa) tan θ"
 _CORRECTION: Final = "R_corr = R_0g F₂⁻³, Johnson's F₂ ≤ 1: their F₁ with the factor (2/π) k^½"
 _SLIP_REMARK: Final = "printed with cos 2u in Eq. (1) replaced by cos 2v = −1"
 _MEASURED: Final = "measured input; nothing is printed from which it could be computed"
+_AXES: Final = ("palmar semi-axis ℓa", "distal semi-axis ℓb", "radial–ulnar semi-axis ℓc")
+_PARTS: Final = ("Table 1", "Table 2", "Text", "Table 3", "Table 4", "Pooled")
 
 
 class Verdict(StrEnum):
-    """Whether a printed number follows from the equations.
-
-    Examples
-    --------
-    >>> sum(item.verdict is Verdict.NOT_REPRODUCIBLE for item in audit())
-    24
-    """
+    """Whether a printed number follows from the equations."""
 
     REPRODUCED = "reproduced"
     WITH_MISPRINT = "reproduced with the known misprint"
@@ -58,7 +58,7 @@ class AuditItem(Displayed):
     unit : str
         Unit of all numbers here.
     verdict : Verdict
-        One of the three verdicts.
+        Whether it follows from the equations.
     computed : float or None
         What the equations give from the printed inputs; None for a measured input.
     low, high : float or None
@@ -69,17 +69,11 @@ class AuditItem(Displayed):
         The equation used; empty for a measured input.
     remark : str
         A remark; may be empty.
-
-    Examples
-    --------
-    >>> item = {item.item: item for item in audit()}["Table 3, θ = 30°, u"]
-    >>> item.printed, round(item.computed, 1), item.unit
-    (47.6, 45.2, '°')
     """
 
     item: str
     printed: float | None
-    unit: str
+    unit: str = "mm"
     verdict: Verdict
     computed: float | None = None
     low: float | None = None
@@ -105,15 +99,19 @@ def audit() -> list[AuditItem]:
     (25.3, 17.11, 25.26, 'reproduced with the known misprint')
     """
     article = dzidek2017()
-    items = [item for method in METHODS for item in _table_1(method, article.semi_axes[method])]
-    for method in METHODS:
-        for u_deg, printed in zip(article.table2_u_deg, article.table2_radii_mm[method], strict=True):
-            items.append(_table_2(method, article.semi_axes[method], u_deg, printed))
-    wedges = sorted(article.wedges.values(), key=lambda wedge: -wedge.wedge_angle_deg)  # as the tables do
-    for part in (_text, _table_3, _table_4, _pooled):
-        for wedge in wedges:
-            items.extend(part(wedge, article.semi_axes["ellipse"]))
-    return items
+    items = [
+        _measured(f"Table 1, {method}, {name}", printed)
+        for method, axes in article.semi_axes.items()
+        for name, printed in zip(_AXES, axes, strict=True)
+    ]
+    items += [
+        _mean_radius(f"Table 2, {method}, u = {u}°", printed, method, _MEAN_RADIUS, partial(_radii, float(u)))
+        for method, radii in article.table2_radii_mm.items()
+        for u, printed in radii.items()
+    ]
+    for angle in sorted(article.wedges, reverse=True):  # as the tables do
+        items += _on_wedge(article.wedges[angle])
+    return sorted(items, key=lambda item: _PARTS.index(item.item.partition(",")[0]))
 
 
 def radius_with_misprint(ellipsoid: Ellipsoid, u: FloatArray | float) -> FloatArray:
@@ -129,182 +127,104 @@ def radius_with_misprint(ellipsoid: Ellipsoid, u: FloatArray | float) -> FloatAr
     return radius
 
 
-def _table_1(method: str, axes: SemiAxes) -> Iterator[AuditItem]:
+def _on_wedge(wedge: PublishedWedge) -> Iterator[AuditItem]:
+    """Audit what is printed for one wedge angle."""
+    angle, load = f"θ = {wedge.wedge_angle_deg}°", f"{wedge.load_N:g} N"
+    semi_axes, theta = dzidek2017().semi_axes, np.radians(wedge.wedge_angle_deg)
+    radius, axes = wedge.mean_curvature_radius_mm, (wedge.semi_major_mm, wedge.semi_minor_mm)
+
+    def u_deg(*semi_axes: FloatArray) -> FloatArray:
+        return np.degrees(Placement(Ellipsoid(*semi_axes), wedge_angle=theta).u)
+
+    def radii(*semi_axes: FloatArray) -> tuple[FloatArray, FloatArray]:
+        placement = Placement(Ellipsoid(*semi_axes), wedge_angle=theta)
+        misprinted = radius_with_misprint(placement.ellipsoid, placement.u)
+        return placement.curvature.mean_curvature_radius, misprinted
+
+    def corrected(radius: FloatArray, semi_major: FloatArray, semi_minor: FloatArray) -> FloatArray:
+        return equivalent_radius_from_indentation(radius, semi_minor / semi_major)
+
     for name, printed in (
-        ("palmar semi-axis ℓa", axes.palmar),
-        ("distal semi-axis ℓb", axes.distal),
-        ("radial–ulnar semi-axis ℓc", axes.radial_ulnar),
+        (f"Text, ellipse, {angle}, R_0g", wedge.text_mean_curvature_radius_mm),
+        (f"Table 4, {angle}, R_0g", radius),
     ):
-        yield _measured(f"Table 1, {method}, {name}", printed, "mm")
-
-
-def _table_2(method: str, axes: SemiAxes, u_deg: float, printed: Printed) -> AuditItem:
-    u = np.radians(u_deg)
-
-    def mean_curvature_radius(*semi_axes: FloatArray) -> FloatArray:
-        return Ellipsoid(*semi_axes).curvature(u, np.pi / 2).mean_curvature_radius
-
-    return _checked(
-        f"Table 2, {method}, u = {u_deg:g}°",
-        printed,
-        "mm",
-        mean_curvature_radius,
-        (axes.palmar, axes.distal, axes.radial_ulnar),
-        formula=_MEAN_RADIUS,
-        with_misprint=lambda *semi_axes: radius_with_misprint(Ellipsoid(*semi_axes), u),
-    )
-
-
-def _text(wedge: PublishedWedge, axes: SemiAxes) -> Iterator[AuditItem]:
-    name = f"Text, ellipse, θ = {wedge.wedge_angle_deg}°, R_0g"
-    yield _placed_radius(name, wedge.text_mean_curvature_radius_mm, wedge, axes)
-
-
-def _table_3(wedge: PublishedWedge, axes: SemiAxes) -> Iterator[AuditItem]:
-    name = f"Table 3, θ = {wedge.wedge_angle_deg}°"
-    yield _measured(f"{name}, semi-major axis ℓd", wedge.semi_major_mm, "mm")
-    yield _measured(f"{name}, semi-minor axis ℓe", wedge.semi_minor_mm, "mm")
-    yield _checked(
-        f"{name}, area",
-        wedge.area_mm2,
-        "mm²",
-        lambda major, minor: Ellipse(major, minor).area,
-        (wedge.semi_major_mm, wedge.semi_minor_mm),
-        formula="π ℓd ℓe",
-    )
-    direct = dzidek2017().semi_axes["direct"].ellipsoid
-    yield _checked(
-        f"{name}, u",
-        wedge.u_deg,
-        "°",
-        lambda *semi_axes: np.degrees(_placement(Ellipsoid(*semi_axes), wedge).u),
-        (axes.palmar, axes.distal, axes.radial_ulnar),
-        formula=_PLACEMENT,
-        remark=f"ellipse semi-axes; the direct ones give {np.degrees(_placement(direct, wedge).u):.2f}°",
-    )
-
-
-def _table_4(wedge: PublishedWedge, axes: SemiAxes) -> Iterator[AuditItem]:
-    name = f"Table 4, θ = {wedge.wedge_angle_deg}°"
-    yield _placed_radius(f"{name}, R_0g", wedge.mean_curvature_radius_mm, wedge, axes)
-    yield _checked(
-        f"{name}, R_corr",
-        wedge.corrected_radius_mm,
-        "mm",
-        _corrected_radius,
-        (wedge.mean_curvature_radius_mm, wedge.semi_major_mm, wedge.semi_minor_mm),
-        formula=_CORRECTION,
-        remark="from the printed R_0g and contact ellipse",
-    )
-    yield _measured(f"{name}, R_g", wedge.measured_radius_mm, "mm")
-
-
-def _pooled(wedge: PublishedWedge, _: SemiAxes) -> Iterator[AuditItem]:
-    """Return the pooled value and its uncertainty: only one of the loads pooled is printed."""
-    name = f"Pooled, θ = {wedge.wedge_angle_deg}°"
-    exact = Printed(wedge.mean_curvature_radius_mm.value, 0.0)  # "the geometric radius is assumed exact"
-    value, low, high = _over_rounding(_corrected_radius, (exact, wedge.semi_major_mm, wedge.semi_minor_mm))
+        yield _mean_radius(name, printed, "ellipse", f"{_MEAN_RADIUS}, {_PLACEMENT}", radii)
+    yield _measured(f"Table 3, {angle}, semi-major axis ℓd", wedge.semi_major_mm)
+    yield _measured(f"Table 3, {angle}, semi-minor axis ℓe", wedge.semi_minor_mm)
+    name, area = f"Table 3, {angle}, area", wedge.area_mm2
+    yield _checked(name, area, lambda *axes: Ellipse(*axes).area, axes, "π ℓd ℓe", unit="mm²")
+    remark = f"ellipse semi-axes; the direct ones give {u_deg(*semi_axes['direct'].ellipsoid.semi_axes):.2f}°"
+    name, printed = f"Table 3, {angle}, u", wedge.u_deg
+    yield _checked(name, printed, u_deg, semi_axes["ellipse"], _PLACEMENT, unit="°", remark=remark)
+    remark = "from the printed R_0g and contact ellipse"
+    name, printed = f"Table 4, {angle}, R_corr", wedge.corrected_radius_mm
+    yield _checked(name, printed, corrected, (radius, *axes), _CORRECTION, remark=remark)
+    yield _measured(f"Table 4, {angle}, R_g", wedge.measured_radius_mm)
+    exact = Printed(radius.value, 0.0)  # "the geometric radius is assumed exact"
+    name, printed = f"Pooled, {angle}, R_corr", wedge.pooled_radius_mm
+    remark = f"computed for {load}, the only load of which the contact ellipse is printed"
+    yield _checked(name, printed, corrected, (exact, *axes), _CORRECTION, remark=remark)
+    _, low, high = _over_rounding(corrected, (exact, *axes))
     yield AuditItem(
-        item=f"{name}, R_corr",
-        printed=wedge.pooled_radius_mm.value,
-        computed=value,
-        low=low,
-        high=high,
-        unit="mm",
-        verdict=Verdict.NOT_REPRODUCIBLE,
-        formula=_CORRECTION,
-        remark=f"computed for {wedge.load_N:g} N, the only load of which the contact ellipse is printed",
-    )
-    yield AuditItem(
-        item=f"{name}, uncertainty of R_corr",
+        item=f"Pooled, {angle}, uncertainty of R_corr",
         printed=wedge.pooled_uncertainty_mm.value,
-        computed=(high - low) / 2,
-        unit="mm",
         verdict=Verdict.NOT_REPRODUCIBLE,
+        computed=(high - low) / 2,
         formula=f"half the range of {_CORRECTION}",
-        remark=f"computed from the rounding of the contact ellipse at {wedge.load_N:g} N, R_0g exact; "
+        remark=f"computed from the rounding of the contact ellipse at {load}, R_0g exact; "
         "neither the other loads nor the uncertainty of the axes are printed",
     )
 
 
-def _placement(ellipsoid: Ellipsoid, wedge: PublishedWedge) -> Placement:
-    return Placement(ellipsoid, wedge_angle=np.radians(wedge.wedge_angle_deg))
+def _radii(u_deg: float, *semi_axes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return R_0g where u is given, true and with the misprint."""
+    pad, u = Ellipsoid(*semi_axes), np.radians(u_deg)
+    return pad.curvature(u, np.pi / 2).mean_curvature_radius, radius_with_misprint(pad, u)
 
 
-def _placed_radius(name: str, printed: Printed, wedge: PublishedWedge, axes: SemiAxes) -> AuditItem:
-    """Audit R_0g at the place of contact on a wedge."""
+def _measured(name: str, printed: Printed) -> AuditItem:
+    return AuditItem(item=name, printed=printed.value, verdict=Verdict.NOT_REPRODUCIBLE, remark=_MEASURED)
 
-    def misprint(*semi_axes: FloatArray) -> FloatArray:
-        ellipsoid = Ellipsoid(*semi_axes)
-        return radius_with_misprint(ellipsoid, _placement(ellipsoid, wedge).u)
 
-    return _checked(
-        name,
-        printed,
-        "mm",
-        lambda *semi_axes: _placement(Ellipsoid(*semi_axes), wedge).curvature.mean_curvature_radius,
-        (axes.palmar, axes.distal, axes.radial_ulnar),
-        formula=f"{_MEAN_RADIUS}, {_PLACEMENT}",
-        with_misprint=misprint,
+def _mean_radius(name: str, printed: Printed, method: str, formula: str, radii: Radii) -> AuditItem:
+    """Audit R_0g, and if it is not reproduced try the known misprint."""
+    true, slip = (
+        _checked(name, printed, lambda *axes, i=i: radii(*axes)[i], dzidek2017().semi_axes[method], formula)
+        for i in range(2)
     )
-
-
-def _corrected_radius(radius: FloatArray, semi_major: FloatArray, semi_minor: FloatArray) -> FloatArray:
-    return equivalent_radius_from_indentation(radius, Ellipse(semi_major, semi_minor).axis_ratio)
-
-
-def _measured(name: str, printed: Printed, unit: str) -> AuditItem:
-    return AuditItem(
-        item=name,
-        printed=printed.value,
-        unit=unit,
-        verdict=Verdict.NOT_REPRODUCIBLE,
-        remark=_MEASURED,
-    )
+    if slip.verdict is Verdict.REPRODUCED and true.verdict is not Verdict.REPRODUCED:
+        true = replace(true, verdict=Verdict.WITH_MISPRINT, remark=_SLIP_REMARK)
+    return replace(true, with_misprint=slip.computed)
 
 
 def _checked(
     name: str,
     printed: Printed,
-    unit: str,
-    equation: Callable[..., FloatArray],
-    inputs: tuple[Printed, ...],
-    *,
+    equation: Equation,
+    inputs: Sequence[Printed],
     formula: str,
-    with_misprint: Callable[..., FloatArray] | None = None,
+    *,
+    unit: str = "mm",
     remark: str = "",
 ) -> AuditItem:
-    """Audit a number that an equation gives from printed inputs, and if it fails try the known misprint."""
+    """Audit a number that an equation gives from printed inputs."""
     value, low, high = _over_rounding(equation, inputs)
-    misprint = None if with_misprint is None else _over_rounding(with_misprint, inputs)
-    verdict = Verdict.NOT_REPRODUCIBLE
-    if _meets(printed, low, high):
-        verdict = Verdict.REPRODUCED
-    elif misprint is not None and _meets(printed, *misprint[1:]):
-        verdict, remark = Verdict.WITH_MISPRINT, _SLIP_REMARK
+    meets = printed.interval[0] <= high and low <= printed.interval[1]
     return AuditItem(
         item=name,
         printed=printed.value,
+        unit=unit,
+        verdict=Verdict.REPRODUCED if meets else Verdict.NOT_REPRODUCIBLE,
         computed=value,
         low=low,
         high=high,
-        with_misprint=None if misprint is None else misprint[0],
-        unit=unit,
-        verdict=verdict,
         formula=formula,
         remark=remark,
     )
 
 
-def _meets(printed: Printed, low: float, high: float) -> bool:
-    return printed.interval[0] <= high and low <= printed.interval[1]
-
-
-def _over_rounding(
-    equation: Callable[..., FloatArray], inputs: tuple[Printed, ...]
-) -> tuple[float, float, float]:
+def _over_rounding(equation: Equation, inputs: Sequence[Printed]) -> tuple[float, float, float]:
     """Return the equation's value at the printed inputs, and its extremes over their rounding."""
-    corners = np.array(list(product(*(number.interval for number in inputs)))).T
-    extremes = equation(*corners)
-    value = float(equation(*(as_float_array(number.value) for number in inputs)))
-    return value, float(extremes.min()), float(extremes.max())
+    extremes = equation(*np.array(list(product(*(number.interval for number in inputs)))).T)
+    value = equation(*(as_float_array(number.value) for number in inputs))
+    return float(value), float(extremes.min()), float(extremes.max())

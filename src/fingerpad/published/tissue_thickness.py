@@ -4,9 +4,10 @@ R_g is read from contact area and indentation. Bone raises it: tissue of finite 
 for the same contact area. One number is fitted here, the thickness, to two measured ones.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import astuple, dataclass
-from typing import Final, TypeAlias
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -17,20 +18,13 @@ from fingerpad.contact import Tissue, fast_contact
 from fingerpad.exceptions import FitError, GeometryError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.published.audit import AuditItem, Verdict
-from fingerpad.published.dzidek2017 import METHODS, PublishedWedge, dzidek2017
+from fingerpad.published.dzidek2017 import dzidek2017
 from fingerpad.units import KPA_PER_MPA
 
-# R_g of placements on tissue, the contact area at 2 N being known.
-Reading: TypeAlias = Callable[[Placement, Tissue, FloatArray], FloatArray]
-
-# Dzidek et al. print no uncertainty of the angles and the areas; these are assumptions.
-_ANGLE_STD: Final = np.radians(1.0)
-_AREA_RELATIVE_STD: Final = 0.05
-
+_ANGLE_STD, _AREA_RELATIVE_STD = np.radians(1.0), 0.05  # assumed: Dzidek et al. print none
 _THINNEST: Final = 3.0  # contact radius over thickness, to which the laws hold
 _CHI_SQUARE_95: Final = 3.841
-_KNOTS: Final = 241
-_STEPS: Final = 100_001
+_KNOTS, _STEPS = 241, 100_001  # of 1/t: where R_g is computed, and where it is interpolated
 _DIFFERENCE: Final = 1e-3
 _LAYER: Final = "whole ellipsoid on a layer of thickness t bonded to bone, ν = 0.5, frictionless plate"
 
@@ -55,12 +49,6 @@ class TissueThickness(Displayed):
         R_g at 30° and 45° with the fitted thickness.
     contribution_mm : dict
         Standard uncertainty of the thickness from each group of inputs.
-
-    Examples
-    --------
-    >>> fit = fit_tissue_thickness()
-    >>> {source: round(std, 1) for source, std in fit.contribution_mm.items()}
-    {'loading radii': 0.9, 'semi-axes': 0.5, 'wedge angles': 0.4, 'contact areas': 0.1}
     """
 
     thickness_mm: float
@@ -72,13 +60,15 @@ class TissueThickness(Displayed):
     contribution_mm: dict[str, float]
 
 
-def area_over_pi_indentation(placement: Placement, tissue: Tissue, area: FloatArray) -> FloatArray:
-    """Return A/(πξ), which Dzidek et al. (2017) read as R_g, by the fast laws."""
+def _ratio(placement: Placement, tissue: Tissue, area: FloatArray) -> FloatArray:
     return fast_contact(placement, tissue, area=area).area_over_pi_indentation
 
 
 def fit_tissue_thickness(
-    *, method: str = "ellipse", poisson_ratio: float = 0.5, reading: Reading = area_over_pi_indentation
+    *,
+    method: str = "ellipse",
+    poisson_ratio: float = 0.5,
+    reading: Callable[[Placement, Tissue, FloatArray], FloatArray] = _ratio,
 ) -> TissueThickness:
     """Fit one thickness of tissue to the two R_g that Dzidek et al. (2017) print.
 
@@ -115,17 +105,21 @@ def fit_tissue_thickness(
     7.9 mm, 95 %: 6.1 to 10.6 mm
     >>> fit.thickness_by_angle_mm.round(1), fit.loading_radius_mm.round(1)
     (array([7.9, 7.9]), array([20.5, 14.5]))
+    >>> {source: round(std, 1) for source, std in fit.contribution_mm.items()}
+    {'loading radii': 0.9, 'semi-axes': 0.5, 'wedge angles': 0.4, 'contact areas': 0.1}
     """
-    if method not in METHODS:
-        raise GeometryError(f"method must be one of {', '.join(METHODS)}, found {method!r}")
     article = dzidek2017()
-    wedges = [article.wedges[angle] for angle in sorted(article.wedges)]
-    measured = np.array([wedge.measured_radius_mm.value for wedge in wedges])
-    areas = np.array([wedge.area_mm2.value for wedge in wedges])
-    angles = np.radians([wedge.wedge_angle_deg for wedge in wedges])
+    if method not in article.semi_axes:
+        raise GeometryError(f"method must be one of {', '.join(article.semi_axes)}, found {method!r}")
+    angles = np.radians(list(article.wedges))
+    areas, measured, radius_std = (
+        np.array([getattr(wedge, name).value for wedge in article.wedges.values()])
+        for name in ("area_mm2", "measured_radius_mm", "pooled_uncertainty_mm")
+    )
+    axes, rounding = np.transpose(list(article.semi_axes.values()))
+    axes_std = np.hypot(np.std(axes, axis=1, ddof=1), rounding[:, 0] / np.sqrt(3))
     inputs = np.concatenate([article.semi_axes[method].ellipsoid.semi_axes, angles, areas])
-    radius_std = np.array([wedge.pooled_uncertainty_mm.value for wedge in wedges])
-    input_std = np.concatenate([_semi_axes_std(), 2 * [_ANGLE_STD], _AREA_RELATIVE_STD * areas])
+    input_std = np.concatenate([axes_std, 2 * [_ANGLE_STD], _AREA_RELATIVE_STD * areas])
 
     def model(inputs: FloatArray, inverse: FloatArray) -> FloatArray:
         pad = Ellipsoid(*np.moveaxis(inputs[..., None, :3], -1, 0))
@@ -171,15 +165,6 @@ def fit_tissue_thickness(
     )
 
 
-def _semi_axes_std() -> FloatArray:
-    """Return the standard deviation of the two methods of Table 1, and of rounding, in one."""
-    (direct, rounding), (ellipse, _) = (
-        np.transpose(astuple(dzidek2017().semi_axes[name])) for name in METHODS
-    )
-    std: FloatArray = np.hypot((direct - ellipse) / np.sqrt(2), rounding / np.sqrt(3))
-    return std
-
-
 def layer_items() -> list[AuditItem]:
     """Return what one layer of tissue over bone gives, its thickness fitted to the two printed R_g.
 
@@ -199,49 +184,29 @@ def layer_items() -> list[AuditItem]:
     One layer, θ = 30°, R_g 20.5 20.5
     One layer, θ = 30°, E* None 65.7
     """
-    fit = fit_tissue_thickness()
-    thickness = AuditItem(
-        item="One layer, effective thickness t",
-        printed=None,
-        computed=fit.thickness_mm,
-        low=fit.interval_mm[0],
-        high=fit.interval_mm[1],
-        unit="mm",
-        verdict=Verdict.FITTED,
-        formula=_LAYER,
-        remark="fitted to R_g = A/(πξ) at 2 N of both angles, ellipse semi-axes; 95 % interval",
-    )
-    wedges = sorted(dzidek2017().wedges.values(), key=lambda wedge: wedge.wedge_angle_deg)
-    return [thickness, *(item for wedge in wedges for item in _on_layer(wedge, fit.thickness_mm))]
-
-
-def _on_layer(wedge: PublishedWedge, thickness: float) -> Iterator[AuditItem]:
-    pad = dzidek2017().semi_axes["ellipse"].ellipsoid
-    unit = fast_contact(
-        Placement(pad, wedge_angle=np.radians(wedge.wedge_angle_deg)),
-        Tissue.of_reduced_modulus(1.0, thickness=thickness),
-        area=wedge.area_mm2.value,
-    )
-    modulus_kpa = KPA_PER_MPA * wedge.load_N / unit.load
-    axis_ratio = wedge.semi_major_mm.value / wedge.semi_minor_mm.value
-    for item, printed, computed, symbol, verdict, remark in (
-        ("R_g", wedge.measured_radius_mm.value, unit.area_over_pi_indentation, "mm", Verdict.FITTED, ""),
-        ("E*", None, modulus_kpa, "kPa", Verdict.FITTED, "gives the printed contact area at 2 N"),
-        (
-            "contact axis along the finger over across",
-            axis_ratio,
-            unit.aspect_ratio if unit.along else 1 / unit.aspect_ratio,
-            "1",
-            Verdict.NOT_REPRODUCIBLE,
-            "printed is ℓd/ℓe, taken as along the finger; no direction is printed",
-        ),
-    ):
-        yield AuditItem(
-            item=f"One layer, θ = {wedge.wedge_angle_deg}°, {item}",
-            printed=printed,
-            computed=float(computed),
-            unit=symbol,
-            verdict=verdict,
-            formula=_LAYER,
-            remark=remark,
-        )
+    fit, article = fit_tissue_thickness(), dzidek2017()
+    fitted = partial(AuditItem, verdict=Verdict.FITTED, formula=_LAYER)
+    remark = "fitted to R_g = A/(πξ) at 2 N of both angles, ellipse semi-axes; 95 % interval"
+    low, high = fit.interval_mm
+    name = "One layer, effective thickness t"
+    items = [fitted(item=name, printed=None, computed=fit.thickness_mm, low=low, high=high, remark=remark)]
+    tissue = Tissue.of_reduced_modulus(1.0, thickness=fit.thickness_mm)
+    for angle, wedge in article.wedges.items():
+        placement = Placement(article.semi_axes["ellipse"].ellipsoid, wedge_angle=np.radians(angle))
+        unit = fast_contact(placement, tissue, area=wedge.area_mm2.value)
+        radius, modulus = unit.area_over_pi_indentation, KPA_PER_MPA * wedge.load_N / unit.load
+        ratio = unit.aspect_ratio if unit.along else 1 / unit.aspect_ratio
+        name, remark = f"One layer, θ = {angle}°", "gives the printed contact area at 2 N"
+        items += [
+            fitted(item=f"{name}, R_g", printed=wedge.measured_radius_mm.value, computed=float(radius)),
+            fitted(item=f"{name}, E*", printed=None, unit="kPa", computed=float(modulus), remark=remark),
+            fitted(
+                item=f"{name}, contact axis along the finger over across",
+                printed=wedge.semi_major_mm.value / wedge.semi_minor_mm.value,
+                unit="1",
+                verdict=Verdict.NOT_REPRODUCIBLE,
+                computed=float(ratio),
+                remark="printed is ℓd/ℓe, taken as along the finger; no direction is printed",
+            ),
+        ]
+    return items
