@@ -150,7 +150,7 @@ def _again(manifest: Path, out: Path) -> tuple[int, float, float]:
 def measured_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
     """Return every scale of a study, or why there is none."""
     return {
-        key: scale_from(scale_record(name, table, folder, folder), name)
+        key: scale_from(scale_record(name, table, folder, folder))
         for key, (name, table) in scale_tables(study).items()
     }
 

@@ -19,28 +19,22 @@ from fingerpad.exceptions import ConvergenceError, FingerpadError, FitError, Geo
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import (
-    Cycle,
-    FittedForceModel,
-    Hysteresis,
-    LawUncertainty,
     LayerThicknessFit,
     LoadingCurve,
     LoadingFit,
-    Segment,
     fit_contact_compliance,
     fit_layer_thickness,
     fit_loading_curve,
     read_loading_curve,
     sphere_ratio,
 )
-from fingerpad.loading.joint import FitData
+from fingerpad.study.engine.codec import fields_from, to_record
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Curve, Study, Uncertainty
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.fingers import FingerResult, photograph_item
-from fingerpad.study.measuring.records import from_plain, to_plain
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 
@@ -123,24 +117,6 @@ class CurveResult:
             self.manifest.file
             or f"{self.manifest.finger} at {self.manifest.wedge_angle_deg:g}°, R_g as given"
         )
-
-
-_KINDS: Final = {
-    kind.__name__: kind
-    for kind in (
-        Cycle,
-        Estimate,
-        FitData,
-        FittedForceModel,
-        Hysteresis,
-        LawUncertainty,
-        LayerThicknessFit,
-        LoadingCurve,
-        LoadingFit,
-        Segment,
-        Shape,
-    )
-}
 
 
 def curve_items(study: Study) -> Iterator[tuple[str, Curve]]:
@@ -267,7 +243,7 @@ def _record(
     ):
         known = {"poisson_ratio": poisson_ratio, "cycle": curve.cycle, **_instrument(curve, scale)}
         found = replace(found, layer=_layer(found.curve, placed, given, known))
-    values = {name: to_plain(getattr(found, name)) for name in _FOUND}
+    values = {name: to_record(getattr(found, name)) for name in _FOUND}
     return {"curve": values, "reason": found.reason if found.failed else None}
 
 
@@ -288,8 +264,7 @@ def _given(curve: Curve) -> CurveResult:
 def _known(curve: Curve, record: Record) -> CurveResult:
     if "curve" not in record:
         return CurveResult(manifest=curve, reason=record["reason"])
-    values: dict[str, Any] = {name: from_plain(value, _KINDS) for name, value in record["curve"].items()}
-    return CurveResult(manifest=curve, **values)
+    return CurveResult(manifest=curve, **fields_from(CurveResult, record["curve"]))
 
 
 def curve_result(

@@ -12,7 +12,6 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
-from fingerpad.flags import FLAGS
 from fingerpad.image import (
     FaceSemiAxes,
     OutlineSemiAxes,
@@ -26,6 +25,7 @@ from fingerpad.image import (
 from fingerpad.study.corrections.apply import corrected_photograph
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
+from fingerpad.study.engine.codec import fields_from, from_record, to_record
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
 from fingerpad.study.measuring.pad_shape import ELLIPSOID_STD, radius_deviation
@@ -302,11 +302,9 @@ def face_record(
     )
     axes = found.face_semi_axes
     return {
-        "semi_axes": axes.semi_axes.tolist(),
-        "covariance": axes.covariance.tolist(),
-        "relative_scale_std": axes.relative_scale_std,
+        "axes": to_record(axes),
         "overlay": overlay,
-        "uncertainty": found.uncertainty_mm_std,
+        "uncertainty": to_record(found.uncertainty_mm_std),
         "arc_deg": found.arc_deg,
         "exponent": None if np.isnan(found.exponent) else (found.exponent, found.exponent_std),
         "outline_radii": outline_radii(found),
@@ -352,21 +350,5 @@ def _face(
     if record.get("reason") is not None:
         raise FingerpadError(record["reason"])
     scale = require_scale(scales[scale_key(photograph.scale)])
-    axes = FaceSemiAxes(
-        face=photograph.face,
-        semi_axes=np.array(record["semi_axes"]),
-        covariance=np.array(record["covariance"]),
-        relative_scale_std=record["relative_scale_std"],
-        scale=scale.name,
-        flags=frozenset(record["flags"]).intersection(FLAGS["photograph"]),
-    )
-    return axes, PhotographResult(
-        manifest=photograph,
-        scale=scale,
-        overlay=record["overlay"],
-        uncertainty=record["uncertainty"],
-        arc_deg=record["arc_deg"],
-        exponent=None if record["exponent"] is None else tuple(record["exponent"]),
-        outline_radii=tuple(map(tuple, record["outline_radii"])),
-        flags=tuple(record["flags"]),
-    )
+    axes = replace(from_record(FaceSemiAxes, record["axes"]), scale=scale.name)
+    return axes, PhotographResult(manifest=photograph, scale=scale, **fields_from(PhotographResult, record))

@@ -6,6 +6,7 @@ from functools import partial
 from itertools import chain
 from typing import Literal
 
+from fingerpad.study.engine.codec import from_record
 from fingerpad.study.engine.runner import Executor, Plan, Progress, put_unless_changed, records_of, run_plans
 from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
@@ -15,7 +16,6 @@ from fingerpad.study.measuring.curves import CurveResult, curve_items, curve_key
 from fingerpad.study.measuring.fingers import FingerResult, finger_result, photograph_item
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
-from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.sequence_tasks import frame_count, header_task
 from fingerpad.study.measuring.sequences import (
     SequenceResult,
@@ -141,7 +141,7 @@ class _Contacts:
             if record.keys() == {"reason"}:
                 seen = Measurement(observation=observation.name, reason=record["reason"])
             else:
-                seen = measurement_from(record)
+                seen = from_record(Measurement, record)
             seen = replace(seen, load_N=observation.load_N)  # which may have changed since
             yield observation, reviewed(seen, context.active_corrections.get(observation.name))
         for sequence in self.sequences:

@@ -1,7 +1,7 @@
 """Scales of a study: from a table of the manifest, or by the name that several pictures share."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
+from fingerpad.study.engine.codec import from_record, to_record
 from fingerpad.study.engine.task import Record
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import (
@@ -67,15 +68,14 @@ def scale_record(name: str | None, table: ScaleTable, folder: Path, _out: Path) 
         found = measure_scale(table, folder, name)
     except FingerpadError as error:
         return {"reason": in_study(error if name is None else f"scale {name}: {error}", folder)}
-    return {**asdict(found.scale), "flags": list(found.flags)}
+    return {**to_record(found)}
 
 
-def scale_from(record: Record, name: str | None) -> FoundScale | str:
+def scale_from(record: Record) -> FoundScale | str:
     """Return a scale from its record."""
     if (reason := record.get("reason")) is not None:
         return str(reason)
-    scale = Scale(mm_per_px=record["mm_per_px"], mm_per_px_std=record["mm_per_px_std"])
-    return FoundScale(scale=scale, name=name, flags=tuple(record["flags"]))
+    return from_record(FoundScale, record)
 
 
 def require_scale(found: FoundScale | str) -> FoundScale:

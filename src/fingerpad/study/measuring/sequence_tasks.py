@@ -1,12 +1,10 @@
 """The work on the pictures of a sequence, each part of it a task of its own."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple
-
-import numpy as np
 
 from fingerpad._files import file_stem, make_folder
 from fingerpad.image import (
@@ -28,13 +26,13 @@ from fingerpad.study.corrections.apply import (
     corrected_contact_image,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.engine.codec import to_record
 from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.measure import Measurement, from_contact_image, with_automatic_axes
-from fingerpad.study.measuring.records import measurement_record
 from fingerpad.study.measuring.scales import FoundScale
 
 # What says when a frame was taken and under which load, but nothing of what is seen in it.
@@ -130,11 +128,7 @@ class SequenceImages:
         """Look at the texture of a piece's frames."""
         frames = open_frames(folder / self.sequence.file).between(*piece)
         scan = scan_texture(frames, self.found.scale, **contact_options(self.sequence, folder))
-        return {
-            "index": scan.index.tolist(),
-            "texture": scan.texture.tolist(),
-            "unreadable": scan.reason and in_study(scan.reason, folder),
-        }
+        return {"scan": to_record(replace(scan, reason=scan.reason and in_study(scan.reason, folder)))}
 
     def learn(self, scan: TextureScan, folder: Path, _out: Path) -> Record:
         """Learn from the frames of the largest contact how to read all of them."""
@@ -153,7 +147,7 @@ class SequenceImages:
         digests: dict[int, str] = {}
 
         def keep(index: int, _: object, contact_image: ContactImageResult) -> None:
-            measured[index] = measurement_record(self._measured(contact_image))
+            measured[index] = to_record(self._measured(contact_image))
 
         def seen(frames: Iterator[Frame]) -> Iterator[Frame]:
             for frame in frames:
@@ -171,7 +165,7 @@ class SequenceImages:
             measured.pop(index, None)
             if one.contact_image is not None:
                 found = with_automatic_axes(self._measured(one.contact_image), one)
-                measured[index] = measurement_record(found)
+                measured[index] = to_record(found)
         return {
             "frames": [
                 {
@@ -213,15 +207,6 @@ class SequenceImages:
             make_folder((out / file).parent)
             write_overlay(out / file, frame.pixels, contact_image, label=label)
         return {
-            "summary": asdict(frame_digest.summary),
-            "overlays": [list(overlay) for overlay in overlays.values()],
+            "summary": to_record(frame_digest.summary),
+            "overlays": to_record(list(overlays.values())),
         }
-
-
-def survey_from(record: Record) -> TextureScan:
-    """Return a survey from its record."""
-    return TextureScan(
-        index=np.array(record["index"], dtype=np.int64),
-        texture=np.array(record["texture"], dtype=np.float64),
-        reason=record["unreadable"],
-    )

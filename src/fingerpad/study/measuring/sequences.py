@@ -41,13 +41,13 @@ from fingerpad.study.corrections.apply import (
     manual_phases,
 )
 from fingerpad.study.corrections.items import ActiveCorrection, frames_of, phases_item
+from fingerpad.study.engine.codec import fields_from, from_record
 from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.measure import Measurement, reviewed
-from fingerpad.study.measuring.records import measurement_from
 from fingerpad.study.measuring.scales import require_scale
 from fingerpad.study.measuring.sequence_tasks import (
     TIMING,
@@ -56,7 +56,6 @@ from fingerpad.study.measuring.sequence_tasks import (
     SequenceImages,
     frame_count,
     header_task,
-    survey_from,
 )
 
 _MIN_ROWS: Final = 6
@@ -98,12 +97,9 @@ class SequenceResult:
 
 def result_of_sequence(sequence: ContactSequence, record: Record, context: RunContext) -> SequenceResult:
     """Return what a sequence came to, from its record in the store."""
-    summary = record.get("summary")
     return SequenceResult(
         manifest=sequence,
-        summary=summary and SequenceSummary(**{**summary, "notes": tuple(summary["notes"])}),
-        overlays=tuple(FrameOverlay(*overlay) for overlay in record.get("overlays", ())),
-        reason=record.get("reason"),
+        **fields_from(SequenceResult, record),
         phases=manual_phases(context.active_corrections, sequence.name),
     )
 
@@ -211,7 +207,8 @@ class OpenedSequence:
             found = replace(found, name=f"sequence:{sequence.name}")
         header = header_task(sequence, context)
         frames = Frames(
-            path=context.folder / sequence.file, **_good(context, header.name, header.key)["header"]
+            path=context.folder / sequence.file,
+            **fields_from(Frames, _good(context, header.name, header.key)["header"]),
         )
         active = frame_corrections(context.active_corrections, sequence.name)
         columns = {str(key): value for key, value in sequence.force_columns.items()}
@@ -261,7 +258,9 @@ class OpenedSequence:
             self._task("survey", partial(self.sequence_images.scan, piece), piece) for piece in self.pieces
         ]
         yield scan
-        surveyed = TextureScan.joined(survey_from(_good(self.context, task.name, task.key)) for task in scan)
+        surveyed = TextureScan.joined(
+            from_record(TextureScan, _good(self.context, task.name, task.key)["scan"]) for task in scan
+        )
         learn = self._task("reading", partial(self.sequence_images.learn, surveyed))
         yield [learn]
         learnt = _good(self.context, learn.name, learn.key)
@@ -369,7 +368,7 @@ class OpenedSequence:
         if not result.readable:
             seen = Measurement(reason=result.reason)
         elif measured is not None and result.phase in IN_CONTACT:
-            seen = measurement_from(measured)
+            seen = from_record(Measurement, measured)
         else:
             return None
         return replace(

@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath
 from fingerpad._files import file_stem
 from fingerpad.study.corrections.apply import contact_correction, photograph_correction
 from fingerpad.study.corrections.changes import ContactCorrection
+from fingerpad.study.engine.codec import to_record
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task
@@ -16,7 +17,6 @@ from fingerpad.study.manifest import Finger, Observation, Photograph
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.fingers import face_record, photograph_item
 from fingerpad.study.measuring.measure import measure_observation
-from fingerpad.study.measuring.records import measurement_record
 from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
 
 
@@ -38,7 +38,7 @@ def resolve_scales(context: RunContext, store: Store, executor: Executor) -> dic
     }
     records = dict(zip(tasks, records_of(list(tasks.values()), executor, store, context.folder), strict=True))
     return {
-        key: scale_from(records.get(key) or scale_record(name, table, context.folder, context.folder), name)
+        key: scale_from(records.get(key) or scale_record(name, table, context.folder, context.folder))
         for key, (name, table) in tables.items()
     }
 
@@ -65,7 +65,7 @@ def _observed(
     folder: Path,
     out: Path,
 ) -> Record:
-    return measurement_record(measure_observation(observation, scale, folder, out, correction))
+    return {**to_record(measure_observation(observation, scale, folder, out, correction))}
 
 
 def photograph_tasks(finger: Finger, context: RunContext) -> Iterator[Task]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fingerpad._display import Displayed
+from fingerpad.study.engine.codec import from_record, to_record
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task
@@ -16,7 +17,6 @@ from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.operators import OperatorPair
-from fingerpad.study.measuring.records import from_plain, to_plain
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
@@ -256,10 +256,11 @@ def _checks(
         for one in highest_load
         if one is not None
     ]
-    records = iter(records_of(tasks, executor, store, folder, lambda task: on_check(task.item)))
-    kinds = {"UncertaintyCheck": UncertaintyCheck}
-    return [None if one is None else from_plain(next(records).get("check"), kinds) for one in highest_load]
+    records = records_of(tasks, executor, store, folder, lambda task: on_check(task.item))
+    checks = (record.get("check") for record in records)
+    found = (None if one is None else next(checks) for one in highest_load)
+    return [None if one is None else from_record(UncertaintyCheck, one) for one in found]
 
 
 def _checked(highest_load: HighestLoad, _folder: Path, _out: Path) -> Record:
-    return {"check": to_plain(UncertaintyCheck.of(highest_load.observation, highest_load.inputs))}
+    return {"check": to_record(UncertaintyCheck.of(highest_load.observation, highest_load.inputs))}

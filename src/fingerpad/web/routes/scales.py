@@ -34,7 +34,7 @@ def scale_of(opened: StudySession, key: ScaleKey) -> FoundScale:
     stamp = [_stamp(opened, file) for file in pictures]
     found = _FOUND.get(
         (opened.folder, name, table.model_dump_json(), tuple(stamp)),
-        lambda: scale_from(scale_record(name, table, opened.folder, opened.folder), name),
+        lambda: scale_from(scale_record(name, table, opened.folder, opened.folder)),
     )
     return require_scale(found)
 
