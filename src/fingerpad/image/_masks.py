@@ -1,6 +1,7 @@
 """Polygons and outlines of masks, by OpenCV; points are (x, y), and pixel centres whole numbers."""
 
 import math
+from functools import lru_cache
 from typing import Final, TypeAlias
 
 import cv2
@@ -40,8 +41,9 @@ def longest_contour(patch: BoolArray) -> npt.NDArray[np.int32]:
     return np.asarray(max(contours, key=len), dtype=np.int32)
 
 
+@lru_cache(maxsize=64)
 def disk(radius: float) -> UInt8:
-    """Return a disk as a kernel."""
+    """Return a disk as a kernel, to read only."""
     reach = math.floor(radius)
     rows, columns = np.ogrid[-reach : reach + 1, -reach : reach + 1]
     return np.asarray(rows**2 + columns**2 <= radius**2, dtype=np.uint8)

@@ -64,7 +64,7 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
         "several_regions": region.several,
         "poor_ellipse": overlap < _POOR_OVERLAP,
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
-        "not_a_contact_image": not shows_ridges(view.picture, outline - view.corner[::-1], scale.mm_per_px),
+        "not_a_contact_image": not shows_ridges(view.contact, edge.points, scale.mm_per_px, view.step),
         "ridges_merge": merged,
         # Dark places tell of print only between ridges that are seen apart.
         "printed_marks": fine.has_print and view.resolved and not merged,

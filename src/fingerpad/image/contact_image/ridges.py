@@ -231,24 +231,24 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
     turn = _to_copy((row, column), step, view)
     turned = -box if view.dark_on_light else box
     values = as_float32(turned - _warped(view.ground, turn, box.shape[::-1], cv2.INTER_LINEAR))
-    inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape) > 0
+    inside = filled_polygon((outline - low + 0.5) / step - 0.5, box.shape).view(bool)
     level, grain, clipped = 0.5, 0.0, 0.0
     if threshold is not None:
         amount = as_float32(values / np.float32(2 * threshold))
     else:
         means = _mean_along_ridges(values, period / step)
         valley, rise = _local_levels(means, view.contrast, period / step)
-        amount, off = as_float32(means - valley), as_float32(values - means)
-        amount /= rise
-        off /= rise
-        grain = _excess_grain(off, amount, inside)
+        amount = as_float32((means - valley) / rise)
+        grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
         clipped = _clipped_share(box, inside & (amount < level), dark_on_light=view.dark_on_light)
-        level += _blur_shift(amount[inside]) - RIDGE_LEVEL.by_grain * grain
-        level -= RIDGE_LEVEL.by_clipping * clipped**2
-    within, is_ridge = amount[inside], np.asarray(amount > level)
+        level -= RIDGE_LEVEL.by_grain * grain + RIDGE_LEVEL.by_clipping * clipped**2
+    within = np.compress(inside.ravel(), amount)
+    if threshold is None:
+        level += _blur_shift(within)
+    is_ridge = np.asarray(amount > level)
     return RidgeMap(
         is_ridge=is_ridge,
-        inside=np.asarray(inside),
+        inside=inside,
         corner=(row, column),
         step=step,
         softness=_change_with_level(within, level) / max(int(np.count_nonzero(within > level)), 1),
@@ -275,19 +275,20 @@ def _warped(
 
 def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, period: float) -> bool:
     """Return whether places darker than the ridges around are as large, and as many, as letters."""
-    side = 2 * round(PRINTED_MARKS.around * period / 2) + 1
-    share = as_float32(ridges)
-    level, count = (cv2.blur(each, (side, side)) for each in (values * share, share))
-    dark = (values * count > np.float32(PRINTED_MARKS.darker) * level) & (count > 0)
+    every = max(1, round(period / _FEWER_PER_PERIOD))
+    some = np.ascontiguousarray(ridges[::every, ::every]).view(np.uint8)
+    side = [2 * round(PRINTED_MARKS.around * period / every / 2) + 1] * 2
+    levels = cv2.copyTo(np.ascontiguousarray(values[::every, ::every]), some)
+    total = cv2.boxFilter(levels, cv2.CV_32F, side, normalize=False)
+    count = cv2.boxFilter(some, cv2.CV_32F, side, normalize=False)
+    limit = np.where(count > 0, total * np.float32(PRINTED_MARKS.darker) / np.maximum(count, 1), np.inf)
+    dark = values > enlarge(as_float32(limit), every, values.shape, cv2.INTER_NEAREST)
     stroke = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, [max(2, round(PRINTED_MARKS.stroke * period))] * 2)
-    strokes = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, stroke)
+    strokes = cv2.morphologyEx(dark.view(np.uint8), cv2.MORPH_OPEN, stroke)
     contours, _ = cv2.findContours(strokes, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    letters = 0
+    letters, reach = 0, PRINTED_MARKS.reach * period
     for contour in contours:
-        if (
-            len(contour) > 2 * PRINTED_MARKS.reach * period
-            and min(cv2.minAreaRect(contour)[1]) > PRINTED_MARKS.reach * period
-        ):
+        if len(contour) > 2 * reach and min(cv2.minAreaRect(contour)[1]) > reach:
             x, y = contour.reshape(-1, 2).mean(axis=0).astype(int)
             letters += bool(inside[y, x])
     return letters >= PRINTED_MARKS.minimum
@@ -298,11 +299,15 @@ def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) ->
 
     `off` is what lies above the means along the ridges. Valleys show the noise.
     """
-    ridges, valleys = (
-        float(cv2.meanStdDev(off, mask=(where & inside).astype(np.uint8))[1][0, 0])
-        for where in (amount > RIDGE_LEVEL.crest, amount < 1 - RIDGE_LEVEL.crest)
-    )
-    return max(0.0, math.sqrt(max(0.0, ridges**2 - valleys**2)) - RIDGE_LEVEL.usual_grain)
+    squares = off * off
+    variances = []
+    for where in (amount > RIDGE_LEVEL.crest, amount < 1 - RIDGE_LEVEL.crest):
+        place = as_float32(where & inside).ravel()
+        count = max(float(np.count_nonzero(place)), 1.0)
+        mean = float(place @ off.ravel()) / count
+        variances.append(float(place @ squares.ravel()) / count - mean * mean)
+    ridges, valleys = variances
+    return max(0.0, math.sqrt(max(0.0, ridges - valleys)) - RIDGE_LEVEL.usual_grain)
 
 
 def _change_with_level(amount: Float32Array, level: float) -> float:
@@ -337,10 +342,10 @@ def _mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
     They leave the width of ridges as it is, while noise, mottle and grain no longer count as gaps.
     """
     right, down = _steps_along_ridges(values, period)
-    columns, rows = np.meshgrid(*(np.arange(n, dtype=np.float32) for n in values.shape[::-1]), sparse=True)
+    flags = cv2.INTER_LINEAR | cv2.WARP_RELATIVE_MAP
     total = values.copy()
-    for x, y in ((columns - right, rows - down), (columns + right, rows + down)):
-        total += cv2.remap(values, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    for x, y in ((-right, -down), (right, down)):
+        total += cv2.remap(values, x, y, flags, borderMode=cv2.BORDER_REPLICATE)
     total /= 3
     return total
 
@@ -354,10 +359,14 @@ def _steps_along_ridges(values: Float32Array, period: float) -> tuple[Float32Arr
     cos2, sin2 = (
         cv2.GaussianBlur(each, (0, 0), RIDGE_LEVEL.direction * few) for each in (y * y - x * x, -2 * x * y)
     )
-    angle, step = np.arctan2(sin2, cos2) / 2, np.float32(RIDGE_LEVEL.sample * period)
+    # The direction is half that of (cos2, sin2). Of both formulas, the one without a difference is exact.
+    length = np.maximum(cv2.magnitude(cos2, sin2), np.float32(1e-30))
+    longer = length + np.abs(cos2)
+    more = np.sqrt(longer / length) * np.float32(RIDGE_LEVEL.sample * period / math.sqrt(2))
+    less, flat = sin2 / longer * more, cos2 >= 0
     right, down = (
-        enlarge(as_float32(step * each), every, values.shape, cv2.INTER_NEAREST)
-        for each in (np.cos(angle), np.sin(angle))
+        enlarge(as_float32(each), every, values.shape, cv2.INTER_NEAREST)
+        for each in (np.where(flat, more, less), np.where(flat, less, more))
     )
     return right, down
 

@@ -71,8 +71,8 @@ _BENT: Final = 0.6
 # Lines more alike than these in direction and spacing are print or a grating.
 _PARALLEL: Final = 0.98
 _EVEN: Final = 0.03
-# Fewer windows than this, some 10 mm², tell nothing.
-_TELLING: Final = 20
+# Less than this tells nothing.
+_TELLING_MM2: Final = 10.0
 # Without a scale, windows are judged by their deviation: this share of the picture's range, so many levels.
 _BUSY_SHARE: Final = 0.08
 _BUSY_LEVELS: Final = 0.7
@@ -192,7 +192,7 @@ def _weighted_median(values: Float32Array, weights: Float32Array) -> float:
     return float(values[order][np.searchsorted(total, total[-1] / 2)])
 
 
-def shows_ridges(picture: Pixels, outline: FloatArray, mm_per_px: float) -> bool:
+def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step: float) -> bool:
     """Return whether ridges as far apart as a finger's fill at least a quarter of an outline.
 
     Local spectra, as those that the ridge period is found from, but at the scale of the picture: where a
@@ -202,23 +202,26 @@ def shows_ridges(picture: Pixels, outline: FloatArray, mm_per_px: float) -> bool
 
     Parameters
     ----------
-    picture : ndarray, (rows, columns)
-        Grey levels.
+    copy : ndarray of float32, (rows, columns)
+        The picture reduced to some pixels a ridge period.
     outline : ndarray, (n, 2)
-        (x, y), px of the picture.
+        (x, y), px of the copy.
     mm_per_px : float
-        Its scale.
+        Scale of the picture.
+    step : float
+        Pixels of the picture in one of the copy.
     """
     if mm_per_px > _COARSEST_MM:
         return True
-    pitch = max(_PITCH_MM, mm_per_px)
-    copy, places = _copy_of(picture, outline, pitch / mm_per_px)
-    centres, step = _centres(places)
-    inside = _is_inside(places, centres)
-    if np.count_nonzero(inside) < _TELLING:
+    pitch = mm_per_px * step
+    centres, apart = _centres(outline)
+    inside = _is_inside(outline, centres)
+    if np.count_nonzero(inside) * (apart * pitch) ** 2 < _TELLING_MM2:
         return True
+    short = [max(0, _SIDE - n) for n in copy.shape]
+    copy = as_float32(cv2.copyMakeBorder(copy, 0, short[0], 0, short[1], cv2.BORDER_REFLECT))
     share, waves = _waves(copy, centres[inside], pitch)
-    ridged = (share > _MIN_SHARE) & _flows_on(waves, share, inside, _STEP // step)
+    ridged = (share > _MIN_SHARE) & _flows_on(waves, share, inside, _STEP // apart)
     if ridged.mean() < _MIN_RIDGED:
         return False
     return not _is_grating(waves[ridged])
@@ -269,25 +272,6 @@ def _lines_of_copy(copy: Float32Array) -> LineTexture:
     parallel = abs(((waves[lined] / lengths) ** 2).mean())
     filled = float(np.count_nonzero(lined) / busy.size)
     return LineTexture(filled, float(parallel), float(lengths.std() / lengths.mean()))
-
-
-def _copy_of(picture: Pixels, places: FloatArray, reduction: float) -> tuple[Float32Array, FloatArray]:
-    """Return the outline's box with half a window round it, reduced, and the outline in it."""
-    rows, columns = picture.shape
-    margin = math.ceil(_SIDE / 2 * reduction) + 1
-    low = np.floor(places.min(axis=0)).astype(int)
-    high = np.ceil(places.max(axis=0)).astype(int) + 1
-    low, high = low.clip(0, [columns - 1, rows - 1]), high.clip(1, [columns, rows])
-    first, last = np.maximum(low - margin, 0), np.minimum(high + margin, [columns, rows])
-    box = picture[first[1] : last[1], first[0] : last[0]]
-    over = np.maximum(margin - (low - first), 0), np.maximum(margin - (last - high), 0)
-    top, bottom, left, right = (int(n[k]) for k in (1, 0) for n in over)
-    whole = cv2.copyMakeBorder(box, top, bottom, left, right, cv2.BORDER_REFLECT)
-    size = [max(_SIDE + 1, round(n / reduction)) for n in whole.shape[::-1]]
-    steps = np.array(whole.shape[::-1]) / size
-    return as_float32(cv2.resize(whole, size, interpolation=cv2.INTER_AREA)), (
-        places - (first - over[0]) + 0.5
-    ) / steps - 0.5
 
 
 def _centres(places: FloatArray) -> tuple[FloatArray, int]:
