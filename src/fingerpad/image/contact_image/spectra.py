@@ -72,7 +72,7 @@ _BENT: Final = 0.6
 _PARALLEL: Final = 0.98
 _EVEN: Final = 0.03
 # Less than this tells nothing.
-_TELLING_MM2: Final = 10.0
+_TELLING_MM2: Final = 13.0
 # Without a scale, windows are judged by their deviation: this share of the picture's range, so many levels.
 _BUSY_SHARE: Final = 0.08
 _BUSY_LEVELS: Final = 0.7
