@@ -23,7 +23,7 @@ from fingerpad.study.manifest import Study, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
 from fingerpad.study.measuring.sequence_tasks import header_task
-from fingerpad.study.measuring.sequences import sequence_plan
+from fingerpad.study.measuring.sequences import SequenceItem
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 
@@ -166,7 +166,7 @@ def _fill(manifest: Path, out: Path) -> None:
         records: dict[str, str] = {}
         for sequence in study.sequences:
             header = header_task(sequence, context)
-            stages = sequence_plan(sequence, context)
+            stages = SequenceItem(context=context, name=sequence.name, sequence=sequence).stages()
             for task in chain([header], chain.from_iterable(stages)):
                 like = task.name.replace(sequence.name, first, 1)
                 if like not in records:

@@ -24,6 +24,7 @@ from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest import Contact, ContactSequence, Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.items import StudyItems
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.sequences import SequenceResult
@@ -159,7 +160,7 @@ def study_result(
     with Store.writing(folder / STORE_NAME) as store:
         return result_of(
             Measured(
-                context=RunContext(study=study, folder=folder),
+                items=StudyItems.of(RunContext(study=study, folder=folder)),
                 progress=Progress(pictures=rows, failed=0, total=rows),
                 fingers=known,
                 sequences=[

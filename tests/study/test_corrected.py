@@ -20,10 +20,9 @@ from fingerpad.study.corrections.changes import ContactCorrection, PhotographCor
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.fingers import finger_result, photograph_item
+from fingerpad.study.measuring.fingers import finger_result, photograph_item, photograph_items
 from fingerpad.study.measuring.measure import measure_observation, reviewed
 from fingerpad.study.measuring.scales import scale_key
-from fingerpad.study.measuring.tasks import photograph_tasks
 
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)
 MM_PER_PX = 0.1
@@ -99,7 +98,8 @@ def measured(folder, tmp_path, name, change=None):
 def finger_of(finger, scales, folder, out, active_corrections):
     """Measure a finger's photographs as a run does, and combine them."""
     context = RunContext(study=STUDY, folder=folder, active_corrections=active_corrections, scales=scales)
-    records = {task.item: task.work(folder, out) for task in photograph_tasks(finger, context)}
+    tasks = (task for one in photograph_items(finger, context) for stage in one.stages() for task in stage)
+    records = {task.item: task.work(folder, out) for task in tasks}
     return finger_result(finger, scales, folder, records, active_corrections)
 
 

@@ -11,6 +11,7 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.items import StudyItems
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.output import summary_record
@@ -131,7 +132,9 @@ def semi_axes_states(manifest: Path, run_of: StudyResult | None) -> dict[str, st
     study, log = read_study(manifest), CorrectionLog(manifest.parent)
     records = {one["finger"]: one for one in summary_record(run_of)["fingers"]} if run_of else {}
     with Store.reading(manifest.parent / "out" / STORE_NAME) as store:
-        states = item_states(RunContext.of(study, manifest.parent, log.active_corrections(), store))
+        states = item_states(
+            StudyItems.of(RunContext.of(study, manifest.parent, log.active_corrections(), store))
+        )
     return {one.name: semi_axes_state(one, states, records.get(one.name)) for one in study.fingers}
 
 

@@ -24,7 +24,7 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.sequences import sequence_key
+from fingerpad.study.measuring.items import StudyItems
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.output import summary_record
@@ -386,7 +386,6 @@ def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_els
 ) -> None:
     (study_dir / "study.toml").write_text(MANIFEST + SEQUENCE % ("p", CLOCK))
     study = read_study(study_dir / "study.toml")
-    sequence = study.sequences[0]
 
     def key_of(**frames: dict) -> tuple[str, str]:
         active = {
@@ -397,7 +396,7 @@ def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_els
         }
         edits = {frame: one.change.edits for frame, one in frame_corrections(active, "p").items()}
         measured = repr(sorted((frame, edit) for frame, edit in edits.items() if edit))
-        return measured, sequence_key(sequence, RunContext.of(study, study_dir, active, None))
+        return measured, StudyItems.of(RunContext.of(study, study_dir, active, None)).sequences[0].key
 
     ellipse = {"ellipse_px": {"centre": [50, 50], "semi_axes": [30, 20]}}
     larger = {"ellipse_px": {"centre": [50, 50], "semi_axes": [40, 20]}}

@@ -30,7 +30,8 @@ from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.run import Measured, drawn_for, item_of, measure_study
+from fingerpad.study.measuring.items import StudyItems, item_of
+from fingerpad.study.measuring.run import Measured, measure_study
 from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.provenance import provenance
@@ -205,7 +206,7 @@ def _write_results(
         on_progress(replace(measured.progress, item=what, status="written"))
 
     with new_result_set(store) as new:
-        _add_drawn(new, store, drawn_for(measured.context, store))
+        _add_drawn(new, store, _drawn(measured.items, store))
         written("tables")
         write_tables(result, new.folder)
         if write_report is None:
@@ -279,6 +280,14 @@ def _column_notes(study: Study, folder: Path) -> Iterator[str]:
 
 def _first_of(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
+
+
+def _drawn(items: StudyItems, store: Store) -> Iterator[tuple[str, str]]:
+    """Yield the overlays that belong to the study as it is, by name, each with its digest."""
+    statuses = store.statuses()
+    for item in items:
+        if (status := statuses.get(item.name)) is not None:
+            yield from status.drawn.items()
 
 
 def _add_drawn(new: NewResultSet, store: Store, drawn: Iterable[tuple[str, str]]) -> None:

@@ -1,6 +1,6 @@
 """How far a study is: what is measured, what has changed since, and what is left."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -8,10 +8,9 @@ from typing import Any, Final
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
 from fingerpad.study.manifest import Finger, manifest_in, read_study
-from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.fingers import photograph_item
-from fingerpad.study.measuring.run import item_of, items_of
-from fingerpad.study.measuring.sequence_tasks import frame_count
+from fingerpad.study.measuring.items import StudyItems, item_of
 from fingerpad.study.results.result_set import result_set_faults
 
 _STATES: Final = ("done", "failed", "stale", "left")
@@ -73,7 +72,7 @@ def study_status(manifest: Path, out: Path) -> Status:
     active_corrections = CorrectionLog(folder).active_corrections()
     if not (out / STORE_NAME).is_file():
         context = RunContext.of(study, folder, active_corrections, None)
-        counts = {**dict.fromkeys(_STATES, 0), "left": len(item_states(context))}
+        counts = {**dict.fromkeys(_STATES, 0), "left": len(list(StudyItems.of(context)))}
         return Status(
             **counts,
             seconds=dict.fromkeys(_STATES),
@@ -82,17 +81,17 @@ def study_status(manifest: Path, out: Path) -> Status:
         )
     counts, pictures = dict.fromkeys(_STATES, 0), dict.fromkeys(_STATES, 0)
     spent: dict[str, float] = dict.fromkeys(_STATES, 0.0)
-    sequences = {sequence.name: sequence for sequence in study.sequences}
     with Store.reading(out / STORE_NAME) as store:
         context = RunContext.of(study, folder, active_corrections, store)
         statuses = store.statuses()
         of_item = _by_item(statuses)
-        states = item_states(context)
-        for name, state in states.items():
-            parts = of_item.get(name, ())
+        items = StudyItems.of(context)
+        states = item_states(items)
+        for item in items:
+            state, parts = states[item.name], of_item.get(item.name, ())
             counts[state] += 1
             spent[state] += sum(part.seconds for part in parts)
-            pictures[state] += frame_count(sequences[name], context) if name in sequences else 1
+            pictures[state] += item.pictures
             if state == "left":
                 pictures[state] -= sum(part.count for part in parts)
         faults = tuple(result_set_faults(out, store.digest))
@@ -107,18 +106,19 @@ def study_status(manifest: Path, out: Path) -> Status:
     )
 
 
-def item_states(context: RunContext) -> dict[str, str]:
+def item_states(items: StudyItems) -> dict[str, str]:
     """Return the state of each photograph, loading curve, observation and sequence, as `Status` counts them.
 
     The files of an item that is not in the store are not read.
     """
-    statuses = {} if context.store is None else context.store.statuses()
+    store = items.context.store
+    statuses = {} if store is None else store.statuses()
 
-    def state(name: str, key: Callable[[], str]) -> str:
-        status = statuses.get(name)
-        return "left" if status is None else status.status if status.key == key() else "stale"
+    def state(item: Item) -> str:
+        status = statuses.get(item.name)
+        return "left" if status is None else status.status if status.key == item.key else "stale"
 
-    return {name: state(name, key) for name, key in items_of(context)}
+    return {item.name: state(item) for item in items}
 
 
 def semi_axes_state(finger: Finger, states: Mapping[str, str], record: Mapping[str, Any] | None) -> str:

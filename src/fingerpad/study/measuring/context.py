@@ -1,16 +1,17 @@
-"""What a run knows: the study, people's corrections, scales, and the store; and the keys of its tasks."""
+"""What a run knows: the study, people's corrections, scales, and the store; and what it measures."""
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final, Self
 
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import CHANGED, Record
+from fingerpad.study.engine.task import CHANGED, Record, Task, Work
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.manifest import ScaleKey, Study
 from fingerpad.study.manifest.models import ManifestModel
@@ -92,14 +93,6 @@ class RunContext:
         """Return what the store holds of a task, None where there is nothing with this key."""
         return None if self.store is None else self.store.record(name, key)
 
-    def measured(self, name: str, key: str, file: str | None) -> Record:
-        """Return the same of a task that has been performed, or the reason why it is not there."""
-        return self.record(name, key) or {"reason": CHANGED.format(file)}
-
-    def item_key(self, item: str, table: ManifestModel) -> str:
-        """Return the key of an observation or a photograph."""
-        return self.key(table, self.edits(item))
-
     def key(self, table: ManifestModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
         """Return the key of what the manifest says in a table.
 
@@ -125,6 +118,61 @@ class RunContext:
         scale = getattr(table, "scale", None)
         shared = self.study.scales[scale].files() if isinstance(scale, str) else ()
         return tuple(file for loc, file in (*table.files(), *shared) if loc[0] not in leave_out)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Item(ABC):
+    """Something of a study that is measured on its own and counts as one.
+
+    Attributes
+    ----------
+    context : RunContext
+        What the run knows.
+    name : str
+        Its name in the store, in corrections, and in the progress of a run.
+    """
+
+    context: RunContext
+    name: str
+
+    @property
+    @abstractmethod
+    def file(self) -> str:
+        """The file that it shows, empty without any."""
+
+    @property
+    def pictures(self) -> int:
+        """Number of pictures or frames by which it advances the run."""
+        return 1
+
+    @cached_property
+    def key(self) -> str:
+        """Digest of all that its result depends on, found once."""
+        return self._key()
+
+    @abstractmethod
+    def _key(self) -> str: ...
+
+    @abstractmethod
+    def stages(self) -> Iterator[list[Task]]:
+        """Yield its tasks; those of one stage need all of the stage before in the store."""
+
+    @property
+    def record(self) -> Record:
+        """What the store holds of it, or the reason why there is nothing."""
+        return self.context.record(self.name, self.key) or {"reason": CHANGED.format(self.file)}
+
+    def task(self, work: Work, inputs: tuple[str, ...]) -> Task:
+        """Return the task whose result is the item's own."""
+        return Task(
+            name=self.name,
+            item=self.name,
+            file=self.file,
+            key=self.key,
+            work=work,
+            inputs=inputs,
+            pictures=self.pictures,
+        )
 
 
 def cache_key(*parts: object) -> str:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -32,9 +32,9 @@ from fingerpad.study.engine.codec import fields_from, to_record
 from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.engine.versions import versions_of
 from fingerpad.study.error_text import in_study
-from fingerpad.study.manifest import Curve, Study, Uncertainty
-from fingerpad.study.measuring.context import RunContext, cache_key
-from fingerpad.study.measuring.fingers import FingerResult, photograph_item
+from fingerpad.study.manifest import Curve, Finger, Study, Uncertainty
+from fingerpad.study.measuring.context import Item, cache_key
+from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_item
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 
@@ -119,60 +119,79 @@ class CurveResult:
         )
 
 
-def curve_items(study: Study) -> Iterator[tuple[str, Curve]]:
-    """Yield each curve that has a file with its item: finger and file, numbered from the second time on."""
-    seen: Counter[str] = Counter()
-    for curve in study.curves:
-        if curve.file is not None:
-            item = f"{curve.finger}/{curve.file}"
-            seen[item] += 1
-            yield item if seen[item] == 1 else f"{item} ({seen[item]})", curve
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CurveItem(Item):
+    """A loading curve that has a file.
 
+    Attributes
+    ----------
+    curve : Curve
+        What the manifest says of it.
+    finger : Finger
+        Whose it is.
+    photographs : sequence of PhotographItem
+        Those of the finger, which must be stored before the curve is compared with the pad.
+    """
 
-def curve_key(curve: Curve, context: RunContext) -> str:
-    """Return the key of a curve: what is fitted, by which version, and the pad that it is compared with."""
-    pad = next(finger for finger in context.study.fingers if finger.name == curve.finger)
-    faces = [
-        (
-            photograph.face,
-            context.key(photograph, context.edits(item), context.is_rejected(item)),
+    curve: Curve
+    finger: Finger
+    photographs: Sequence[PhotographItem]
+
+    @property
+    def file(self) -> str:
+        """The file of the curve."""
+        assert self.curve.file is not None  # as the item was made
+        return self.curve.file
+
+    def _key(self) -> str:
+        context, pad = self.context, self.finger
+        faces = [
+            (photograph.face, context.key(photograph, context.edits(item), context.is_rejected(item)))
+            for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
+        ]
+        axes = pad.model_dump(mode="json", include={"semi_axes_mm", "semi_axes_mm_std"})
+        stds = context.study.uncertainty.model_dump(mode="json", exclude={"method"})
+        fitted = context.key(self.curve, self.curve.wedge_angle_deg, context.study.poisson_ratio)
+        return cache_key(fitted, stds, axes, faces, versions_of("loading"))
+
+    def stages(self) -> Iterator[list[Task]]:
+        """Yield its one task."""
+        pad, given = pad_of(self.finger, self.photographs, self.context), self.context.study.uncertainty
+        known = pad.reason is None
+        work = partial(
+            _record,
+            curve=self.curve,
+            pad=Ellipsoid(*pad.semi_axes) if known else None,
+            poisson_ratio=self.context.study.poisson_ratio,
+            placed=placed_pad(pad, self.curve.wedge_angle_deg, given) if known else None,
+            given=given,
+            scale=None if self.curve.scale is None else self.context.scale(self.curve.scale),
         )
-        for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
-    ]
-    axes = pad.model_dump(mode="json", include={"semi_axes_mm", "semi_axes_mm_std"})
-    stds = context.study.uncertainty.model_dump(mode="json", exclude={"method"})
-    return cache_key(
-        context.key(curve, curve.wedge_angle_deg, context.study.poisson_ratio),
-        stds,
-        axes,
-        faces,
-        versions_of("loading"),
-    )
+        yield [self.task(work, self.context.inputs_of(self.curve))]
+
+    def result(self) -> CurveResult:
+        """Return what was found."""
+        record = self.record
+        if "curve" not in record:
+            return CurveResult(manifest=self.curve, reason=record["reason"])
+        return CurveResult(manifest=self.curve, **fields_from(CurveResult, record["curve"]))
 
 
-def curve_tasks(finger: FingerResult, context: RunContext) -> Iterator[Task]:
-    """Yield a task for each loading curve of a finger whose photographs are measured."""
-    known = finger.reason is None
-    pad = Ellipsoid(*finger.semi_axes) if known else None
-    given = context.study.uncertainty
-    for item, curve in curve_items(context.study):
-        if curve.finger == finger.name:
-            yield Task(
-                name=item,
-                item=item,
-                file=curve.file or "",
-                key=curve_key(curve, context),
-                work=partial(
-                    _record,
-                    curve=curve,
-                    pad=pad,
-                    poisson_ratio=context.study.poisson_ratio,
-                    placed=placed_pad(finger, curve.wedge_angle_deg, given) if known else None,
-                    given=given,
-                    scale=None if curve.scale is None else context.scale(curve.scale),
-                ),
-                inputs=context.inputs_of(curve),
-            )
+def curve_names(study: Study) -> list[str | None]:
+    """Return the name of each curve as an item: finger and file, numbered from the second time on.
+
+    None for one without a file, of which nothing is measured.
+    """
+    seen: Counter[str] = Counter()
+
+    def name(curve: Curve) -> str | None:
+        if curve.file is None:
+            return None
+        item = f"{curve.finger}/{curve.file}"
+        seen[item] += 1
+        return item if seen[item] == 1 else f"{item} ({seen[item]})"
+
+    return [name(curve) for curve in study.curves]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -247,24 +266,11 @@ def _record(
     return {"curve": values, "reason": found.reason if found.failed else None}
 
 
-def curve_results(context: RunContext) -> list[CurveResult]:
-    """Return what the store holds of each loading curve of a study, and those found elsewhere."""
-    records = (
-        context.measured(item, curve_key(one, context), one.file) for item, one in curve_items(context.study)
-    )
-    return [_given(one) if one.file is None else _known(one, next(records)) for one in context.study.curves]
-
-
-def _given(curve: Curve) -> CurveResult:
+def given_curve(curve: Curve) -> CurveResult:
+    """Return the radius that was found elsewhere."""
     radius, std = curve.loading_radius_mm, curve.loading_radius_mm_std
     assert radius is not None  # the manifest's own rule, where there is no file
     return CurveResult(manifest=curve, loading_radius=radius, loading_radius_std=std or math.nan)
-
-
-def _known(curve: Curve, record: Record) -> CurveResult:
-    if "curve" not in record:
-        return CurveResult(manifest=curve, reason=record["reason"])
-    return CurveResult(manifest=curve, **fields_from(CurveResult, record["curve"]))
 
 
 def curve_result(

@@ -1,16 +1,19 @@
 """The fingers of a study: semi-axes as given, or measured in photographs of the faces or their outlines."""
 
+import hashlib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from functools import partial
+from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad._files import make_folder
+from fingerpad._files import file_stem, make_folder
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FaceSemiAxes,
@@ -22,12 +25,14 @@ from fingerpad.image import (
     read_outline,
     write_photograph_overlay,
 )
-from fingerpad.study.corrections.apply import corrected_photograph
+from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.codec import fields_from, from_record, to_record
+from fingerpad.study.engine.task import Task
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Finger, Photograph
+from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.pad_shape import ELLIPSOID_STD, radius_deviation
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
 
@@ -261,6 +266,58 @@ def stated(finger: Finger) -> dict[str, Any]:
 def photograph_item(finger: Finger, photograph: Photograph) -> str:
     """Return the name under which a photograph is corrected."""
     return f"{finger.name}/{photograph.file or photograph.outline}"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PhotographItem(Item):
+    """A photograph of a finger's face."""
+
+    finger: Finger
+    photograph: Photograph
+
+    @property
+    def file(self) -> str:
+        """The photograph."""
+        assert self.photograph.file is not None  # as the item was made
+        return self.photograph.file
+
+    def _key(self) -> str:
+        return self.context.key(self.photograph, self.context.edits(self.name))
+
+    def stages(self) -> Iterator[list[Task]]:
+        """Yield its one task."""
+        assert self.photograph.scale is not None  # the manifest's own rule
+        work = partial(
+            face_record,
+            photograph=self.photograph,
+            correction=photograph_correction(self.context.active_corrections.get(self.name)),
+            overlay=_overlay(self.finger.name, self.photograph.face, self.file),
+            scale=self.context.scale(self.photograph.scale),
+        )
+        yield [self.task(work, self.context.inputs_of(self.photograph))]
+
+
+def photograph_items(finger: Finger, context: RunContext) -> list[PhotographItem]:
+    """Return the photographs of a finger that are pictures and not rejected."""
+    named = ((photograph_item(finger, one), one) for one in finger.photographs if one.file is not None)
+    return [
+        PhotographItem(context=context, name=name, finger=finger, photograph=one)
+        for name, one in named
+        if not context.is_rejected(name)
+    ]
+
+
+def pad_of(finger: Finger, photographs: Iterable[PhotographItem], context: RunContext) -> FingerResult:
+    """Return the semi-axes of a finger from what the store holds of its photographs."""
+    faces = {one.name: one.record for one in photographs}
+    return finger_result(finger, context.scales, context.folder, faces, context.active_corrections)
+
+
+def _overlay(finger: str, face: str, file: str) -> str:
+    """Return the name of a photograph's overlay, which no other photograph has, now or in another run."""
+    name = re.sub(r"[^\w-]+", "-", PurePosixPath(file).stem)  # folders, blanks and # are for the digest
+    stem = file_stem(f"{finger}_{face}_{name}_{hashlib.sha256(file.encode()).hexdigest()[:8]}")
+    return f"overlays/photographs/{stem}.png"
 
 
 def face_record(

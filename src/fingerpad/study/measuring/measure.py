@@ -1,6 +1,8 @@
 """Measuring one observation: from its picture, or from the ellipse given, to a contact ellipse."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -9,11 +11,19 @@ import numpy as np
 from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem, make_folder
 from fingerpad.image import ContactImageResult, read_image, write_overlay
-from fingerpad.study.corrections.apply import NOTHING, CorrectedContactImage, corrected_contact_image
+from fingerpad.study.corrections.apply import (
+    NOTHING,
+    CorrectedContactImage,
+    contact_correction,
+    corrected_contact_image,
+)
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import ActiveCorrection
+from fingerpad.study.engine.codec import from_record, to_record
+from fingerpad.study.engine.task import Record, Task
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Contact, Direction, Observation
+from fingerpad.study.measuring.context import Item
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 
 # What a measurement takes from the record of a contact image as it is.
@@ -106,6 +116,48 @@ class Measurement:
     phase: str | None = None
     phase_corrected_by: str | None = None
     measured_indentation_mm: float = np.nan
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ObservationItem(Item):
+    """One contact at one load."""
+
+    observation: Observation
+
+    @property
+    def file(self) -> str:
+        """The contact image, where there is one."""
+        return self.observation.file or ""
+
+    def _key(self) -> str:
+        return self.context.key(self.observation, self.context.edits(self.name))
+
+    def stages(self) -> Iterator[list[Task]]:
+        """Yield its one task."""
+        one, context = self.observation, self.context
+        scale = None if one.scale is None else context.scale(one.scale)
+        work = partial(_observed, one, scale, contact_correction(context.active_corrections.get(self.name)))
+        yield [self.task(work, context.inputs_of(one))]
+
+    def result(self) -> Measurement:
+        """Return what was measured, as a person reviewed it."""
+        record = self.record
+        if record.keys() == {"reason"}:
+            seen = Measurement(observation=self.name, reason=record["reason"])
+        else:
+            seen = from_record(Measurement, record)
+        seen = replace(seen, load_N=self.observation.load_N)  # which may have changed since
+        return reviewed(seen, self.context.active_corrections.get(self.name))
+
+
+def _observed(
+    observation: Observation,
+    scale: FoundScale | str | None,
+    correction: ContactCorrection,
+    folder: Path,
+    out: Path,
+) -> Record:
+    return {**to_record(measure_observation(observation, scale, folder, out, correction))}
 
 
 def measure_observation(

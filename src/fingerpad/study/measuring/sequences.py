@@ -46,7 +46,7 @@ from fingerpad.study.engine.store import DamagedResultError
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.measuring.context import RunContext, cache_key
+from fingerpad.study.measuring.context import Item, RunContext, cache_key
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.measuring.scales import require_scale
 from fingerpad.study.measuring.sequence_tasks import (
@@ -93,15 +93,6 @@ class SequenceResult:
     overlays: tuple[FrameOverlay, ...] = ()
     reason: str | None = None
     phases: ManualPhases | None = None
-
-
-def result_of_sequence(sequence: ContactSequence, record: Record, context: RunContext) -> SequenceResult:
-    """Return what a sequence came to, from its record in the store."""
-    return SequenceResult(
-        manifest=sequence,
-        **fields_from(SequenceResult, record),
-        phases=manual_phases(context.active_corrections, sequence.name),
-    )
 
 
 def frames_beyond(
@@ -246,8 +237,10 @@ class OpenedSequence:
         length = max(_LEAST_PIECE, -(-count // _MOST_PIECES))
         return [(start, min(start + length, count)) for start in range(0, count, length)]
 
-    def stages(self) -> Iterator[list[Task]]:
-        """Yield the tasks of each stage; one's results must be in the store before the next is asked for.
+    def stages(self, key: str) -> Iterator[list[Task]]:
+        """Yield the tasks of each stage; the last has the key of the sequence.
+
+        One stage's results must be in the store before the next is asked for.
 
         Raises
         ------
@@ -273,11 +266,7 @@ class OpenedSequence:
             for piece in self.pieces
         ]
         draw = partial(self.sequence_images.draw, settings, _gist_of(self.placed(), self.force))
-        yield [
-            replace(
-                self._task("", draw), name=self.sequence.name, key=sequence_key(self.sequence, self.context)
-            )
-        ]
+        yield [replace(self._task("", draw), name=self.sequence.name, key=key)]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
         return Task(
@@ -393,49 +382,54 @@ class OpenedSequence:
         return measured.semi_minor_mm >= LEAST_RIDGES * measured.ridge_period_mm
 
 
-def sequence_key(sequence: ContactSequence, context: RunContext) -> str:
-    """Return the key of all that is known of a sequence."""
-    return context.key(
-        sequence,
-        frame_edits(context.active_corrections, sequence.name),
-        context.edits(phases_item(sequence.name)),
-    )
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SequenceItem(Item):
+    """An image sequence of one press."""
 
+    sequence: ContactSequence
 
-def sequence_plan(sequence: ContactSequence, context: RunContext) -> Iterator[list[Task]]:
-    """Yield the tasks of a sequence, stage by stage; whatever goes wrong costs this sequence only.
+    @property
+    def file(self) -> str:
+        """The folder, stack or video."""
+        return self.sequence.file
 
-    Parameters
-    ----------
-    sequence : ContactSequence
-        A sequence of the manifest.
-    context : RunContext
-        What the run knows; the results of a stage must be in its store before the next is asked for.
-    """
-    key, left = sequence_key(sequence, context), frame_count(sequence, context)
-    try:
-        for stage in OpenedSequence.open(sequence, context).stages():
-            left -= sum(task.pictures for task in stage)
-            yield stage
-    except ChangedError:
-        key, reason = "", CHANGED.format(sequence.file)  # never up to date: the next run measures it again
-    except StoreError:
-        raise
-    except Exception as error:  # a force table can be odd in unforeseen ways
-        reason = in_study(reason_of(error, f"{sequence.file}: cannot be measured"), context.folder)
-    else:
-        return
-    yield [
-        Task(
-            name=sequence.name,
-            item=sequence.name,
-            file=sequence.file,
-            key=key,
-            work=partial(_failed, reason),
-            inputs=context.inputs_of(sequence),
-            pictures=left,
+    @property
+    def pictures(self) -> int:
+        """Number of its frames; 1 if it has not been opened, or cannot be."""
+        return frame_count(self.sequence, self.context)
+
+    def _key(self) -> str:
+        return self.context.key(
+            self.sequence,
+            frame_edits(self.context.active_corrections, self.name),
+            self.context.edits(phases_item(self.name)),
         )
-    ]
+
+    def stages(self) -> Iterator[list[Task]]:
+        """Yield its tasks, stage by stage; whatever goes wrong costs this sequence only."""
+        key, left = self.key, self.pictures
+        try:
+            for stage in OpenedSequence.open(self.sequence, self.context).stages(self.key):
+                left -= sum(task.pictures for task in stage)
+                yield stage
+        except ChangedError:
+            key, reason = "", CHANGED.format(self.file)  # never up to date: the next run measures it again
+        except StoreError:
+            raise
+        except Exception as error:  # a force table can be odd in unforeseen ways
+            reason = in_study(reason_of(error, f"{self.file}: cannot be measured"), self.context.folder)
+        else:
+            return
+        task = self.task(partial(_failed, reason), self.context.inputs_of(self.sequence))
+        yield [replace(task, key=key, pictures=left)]
+
+    def result(self) -> SequenceResult:
+        """Return what it came to."""
+        return SequenceResult(
+            manifest=self.sequence,
+            **fields_from(SequenceResult, self.record),
+            phases=manual_phases(self.context.active_corrections, self.name),
+        )
 
 
 def _failed(reason: str, _folder: Path, _out: Path) -> Record:

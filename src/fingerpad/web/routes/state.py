@@ -28,7 +28,8 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.curves import curve_items
+from fingerpad.study.measuring.curves import curve_names
+from fingerpad.study.measuring.items import StudyItems
 from fingerpad.study.new_files.file_names import read_file_name
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.status import item_states, semi_axes_state
@@ -128,8 +129,8 @@ def _item_states(
     path = opened.out / STORE_NAME
     if path.is_file():
         with suppress(*_UNREADABLE), Store.reading(path) as store:  # a run reports what is wrong with it
-            return item_states(RunContext.of(study, opened.folder, active_corrections, store))
-    return item_states(RunContext.of(study, opened.folder, active_corrections, None))
+            return item_states(StudyItems.of(RunContext.of(study, opened.folder, active_corrections, store)))
+    return item_states(StudyItems.of(RunContext.of(study, opened.folder, active_corrections, None)))
 
 
 def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:
@@ -296,19 +297,19 @@ def _sequence(
 
 def _curves(loaded: LoadedStudy, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
     place = ("finger", "wedge_angle_deg", "file")
-    items = iter(curve_items(loaded.study))
+    names = iter(curve_names(loaded.study))
     seen = found.summary["curves"] if found else []
     reasons = {tuple(one[name] for name in place): one["reason"] for one in seen}
 
     def described(key: str, table: dict[str, Any], complete: bool) -> dict[str, Any]:
-        item = next(items)[0] if complete and table.get("file") else ""
+        item = next(names) if complete else None
         return {
             "key": key,
             **_values(table, str, "finger", "file"),
             **_values(table, (int, float), "wedge_angle_deg", "loading_radius_mm", "loading_radius_mm_std"),
             "synthetic": table.get("synthetic") is True,
             "complete": complete,
-            "status": states.get(item, "given"),
+            "status": states.get(item or "", "given"),
             "reason": reasons.get(tuple(table.get(name) for name in place)) if complete else None,
         }
 
