@@ -12,10 +12,7 @@ import numpy as np
 
 from benchmarks.adhesion_truth import KINDS, records
 from fingerpad.exceptions import FingerpadError
-from fingerpad.loading import LoadingCurve
-from fingerpad.loading.law_fit import LawFit, fit_adhesive_law
-from fingerpad.loading.laws import LAWS
-from fingerpad.loading.press import known_quantities
+from fingerpad.loading import LawFit, LoadingCurve, fit_adhesion
 
 
 def fit_record(record: dict[str, Any]) -> LawFit | None:
@@ -24,13 +21,11 @@ def fit_record(record: dict[str, Any]) -> LawFit | None:
     curve = LoadingCurve(time=record["time_s"], load=record["force_n"], indentation=record["displacement_mm"])
     compliance = truth["machine_compliance_mm_per_n"] if truth["displacement_is_stage"] else None
     try:
-        return fit_adhesive_law(
+        return fit_adhesion(
             curve,
-            LAWS["jkr"],
-            known_quantities(curve, stage_compliance=compliance),
             poisson_ratio=truth["poisson"],
             loading_radius=truth["radius_mm"],
-            cycle=0,
+            stage_compliance=compliance,
         )
     except FingerpadError:
         return None

@@ -62,10 +62,6 @@ from fingerpad.image import (
 )
 from fingerpad.loading import (
     LoadingCurve,
-    area_from_load,
-    indentation_from_load,
-    load_from_indentation,
-    local_area_exponent,
     read_loading_curve,
     secant_modulus,
 )
@@ -289,11 +285,7 @@ SCALARS = {
     "uncertainty": lambda: propagate(lambda load: {"double": load}, Inputs.of(load=(2, 0.1)))["double"].std,
     "F2": lambda: indentation_factor(0.7),
     "F1": lambda: size_factor(0.7),
-    "load from indentation": lambda: load_from_indentation(1.8, loading_radius=20, initial_modulus=0.1),
-    "indentation from load": lambda: indentation_from_load(2, loading_radius=20, initial_modulus=0.1),
-    "area from load": lambda: area_from_load(2, loading_radius=20, initial_modulus=0.1),
     "secant modulus": lambda: secant_modulus(2, 1.8, loading_radius=20),
-    "area exponent": lambda: local_area_exponent(2, initial_modulus=0.04, load_coefficient=0.02),
     "radius of a paraboloid": lambda: BODIES.first_radius,
     "flatness of a paraboloid": lambda: BODIES.gap.flatness,
     "radius of a gap": lambda: PLACED.gap.second_radius,

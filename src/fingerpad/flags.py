@@ -1,7 +1,8 @@
 """Flags of measurements: what each means, what it keeps out of results, and what to do about it."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Final, Literal, TypeAlias
 
 # What is flagged: a contact image, the scale of a picture, a frame of a sequence, a photograph of a face, a
@@ -396,7 +397,9 @@ FLAGS: Final[Mapping[Flagged, Mapping[str, Flag]]] = {
 }
 
 
-def flags_in(codes: str | Iterable[str], *kinds: Flagged) -> Iterator[Flag]:
+def flags_in(
+    codes: str | Iterable[str], *kinds: Flagged, notes: Mapping[str, str] = MappingProxyType({})
+) -> Iterator[Flag]:
     """Yield the flags of some codes, in their order.
 
     Parameters
@@ -405,6 +408,8 @@ def flags_in(codes: str | Iterable[str], *kinds: Flagged) -> Iterator[Flag]:
         Codes, or a cell of a table with codes separated by spaces.
     *kinds : {"contact", "scale", "frame", "photograph", "curve", "layer", "row"}
         What is flagged; where two know a code, the first says what it means.
+    notes : mapping of str to str
+        What a code means in this case, in the place of its own words.
 
     Yields
     ------
@@ -418,4 +423,5 @@ def flags_in(codes: str | Iterable[str], *kinds: Flagged) -> Iterator[Flag]:
      'rectify the pictures by their grid, or hold the camera square to it']
     """
     for code in codes.split() if isinstance(codes, str) else codes:
-        yield next(FLAGS[kind][code] for kind in kinds if code in FLAGS[kind])
+        flag = next(FLAGS[kind][code] for kind in kinds if code in FLAGS[kind])
+        yield replace(flag, words=notes.get(code, flag.words))

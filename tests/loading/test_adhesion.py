@@ -5,11 +5,13 @@ import pytest
 from benchmarks.adhesion import judged
 from benchmarks.adhesion_truth import Sphere, records
 from numpy.testing import assert_allclose
+from typer.testing import CliRunner
 
 import fingerpad as fp
-from fingerpad.exceptions import LoadingError
-from fingerpad.loading import LoadingCurve, tabor_parameter
-from fingerpad.loading.laws import LAWS
+from fingerpad.cli import app
+from fingerpad.exceptions import FitError, LoadingError
+from fingerpad.loading import LoadingCurve, fit_adhesion, tabor_parameter
+from fingerpad.loading.law_registry import LAWS
 from fingerpad.report.loading import loading_plots
 from fingerpad.simulate import simulate_loading_curve
 
@@ -120,6 +122,32 @@ def test_fit_of_a_record_with_areas() -> None:
     assert shown["work_of_adhesion"]["unit"] == "mJ/m²"
     assert abs(shown["work_of_adhesion"]["value"] - 150) < 10
     assert next(iter(loading_plots("press", curve, fit))).name == "press_load_indentation"
+
+
+def test_the_way_in_need_not_be_fitted(tmp_path) -> None:
+    """A record that begins shortly before the platen turns has hardly a way in, and all of the way out."""
+    truth = {"youngs_modulus": 0.04, "work_of_adhesion": 150e-6}
+    whole = adhesive(**truth)
+    columns = {name: getattr(whole, name)[147:] for name in ("time", "load", "indentation", "area")}
+    curve = LoadingCurve(**columns)
+    with pytest.raises(FitError, match="rows in contact"):
+        fp.fit_loading_curve(curve, law="jkr")
+    fit = fit_adhesion(curve)
+    for name, value in truth.items():
+        found = fit.parameters[name]
+        assert abs(found.value - value) < 3 * found.std < 0.2 * value
+    with pytest.raises(LoadingError, match="hertz is not adhesive"):
+        fit_adhesion(curve, law="hertz")
+    path = tmp_path / "press.csv"
+    header = "time_s,force_N,displacement_mm,area_mm2"
+    table = np.stack(list(columns.values()), axis=-1)
+    np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.8f")
+    result = CliRunner().invoke(app, ["fit", str(path), "--law", "jkr"])
+    assert result.exit_code == 0
+    assert "the way out alone" in result.stderr
+    assert "work_of_adhesion" in result.stdout
+    result = CliRunner().invoke(app, ["fit", str(path), "--law", "hertz"])
+    assert result.exit_code != 0
 
 
 def test_without_a_pull_off_nothing_is_guessed() -> None:

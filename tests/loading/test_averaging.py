@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fingerpad import Estimate
-from fingerpad.loading.averaging import akaike_weights, average_models
+from fingerpad.loading.rivals import akaike_weights, average_models
 
 
 def test_akaike_weights_fall_by_exp_of_half_the_difference() -> None:

@@ -11,7 +11,8 @@ import fingerpad as fp
 from fingerpad.exceptions import LoadingError
 from fingerpad.figures.show import draw
 from fingerpad.loading import ContactLaw, LoadingCurve, contact_law
-from fingerpad.loading.laws import LAWS, find_law, load_at, shape_factors
+from fingerpad.loading.law_registry import LAWS, find_law
+from fingerpad.loading.laws import load_at, shape_factors
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import save_plot
 from fingerpad.simulate import simulate_loading_curve

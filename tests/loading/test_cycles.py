@@ -15,7 +15,7 @@ from fingerpad.loading import (
     fit_loading_curve,
     hysteresis,
 )
-from fingerpad.loading.cycles import saturated_rows
+from fingerpad.loading.curve import saturated_rows
 from fingerpad.simulate import simulate_loading_curve
 
 NOISE = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0}

@@ -6,17 +6,12 @@ from numpy.testing import assert_allclose
 
 from fingerpad.contact import Tissue, hertz_contact, indentation_factor, size_factor
 from fingerpad.geometry import Paraboloid
-from fingerpad.loading import (
-    area_from_load,
-    indentation_from_load,
-    load_from_indentation,
-    local_area_exponent,
-    secant_modulus,
-    sphere_ratio,
-)
-from fingerpad.loading.laws import FittedForceModel
+from fingerpad.loading import FittedForceModel, secant_modulus, sphere_ratio
+from fingerpad.loading.law_registry import LAWS
+from fingerpad.loading.laws import area_at, hertz, load_dependent
 from fingerpad.published import dzidek2017
 
+GIVEN = {"loading_radius": 14.5, "poisson_ratio": 0.5}
 PAD = {"loading_radius": 14.5, "initial_modulus": 0.04, "load_coefficient": 0.02}
 
 
@@ -29,34 +24,58 @@ def test_published_contacts_at_2_N(angle, indentation, modulus_kpa) -> None:
     assert_allclose(1000 * secant_modulus(2.0, xi, loading_radius=radius), modulus_kpa, atol=0.06)
 
 
+def indentation_under(load, *, loading_radius, initial_modulus, load_coefficient):
+    """Return ξ under a load by Hertz theory with the modulus of that load."""
+    modulus = initial_modulus + load_coefficient * load
+    return (3 * 0.75 * load / (4 * np.sqrt(loading_radius) * modulus)) ** (2 / 3)
+
+
 def test_hertz_without_load_coefficient() -> None:
     contact = hertz_contact(Paraboloid(14.5, 14.5), Tissue(0.04), load=2.0)
-    found = load_from_indentation(contact.indentation, loading_radius=14.5, initial_modulus=0.04)
+    pad = {**PAD, "load_coefficient": 0.0}
+    found = load_dependent(contact.indentation, **pad, poisson_ratio=0.5)
     assert_allclose(found, 2.0, rtol=1e-12)
-    area = area_from_load(2.0, loading_radius=14.5, initial_modulus=0.04)
+    assert_allclose(hertz(contact.indentation, youngs_modulus=0.04, **GIVEN), 2.0, rtol=1e-12)
+    area = area_at(pad, "load_dependent", np.atleast_1d(contact.indentation), 0.5)
     assert_allclose(area, contact.area, rtol=1e-12)
 
 
 def test_indentation_and_load_invert() -> None:
     load = np.geomspace(1e-6, 50, 40)
-    assert_allclose(load_from_indentation(indentation_from_load(load, **PAD), **PAD), load, rtol=1e-9)
-    assert load_from_indentation(-1.0, **PAD) == 0
-    assert np.isnan(load_from_indentation(100.0, **PAD))  # beyond where the growing modulus ends it
+    found = load_dependent(indentation_under(load, **PAD), **PAD, poisson_ratio=0.5)
+    assert_allclose(found, load, rtol=1e-9)
+    model = FittedForceModel(
+        law="load_dependent", values={**PAD, "contact_offset": 0.0}, poisson_ratio=0.5, aicc=0.0
+    )
+    # Before contact, and beyond where the growing modulus ends it: without an end a search cannot come back.
+    before, beyond = model.load(np.array([-1.0, 100.0]))
+    assert before == 0
+    assert 50 < beyond < np.inf
 
 
 def test_secant_modulus_grows_linearly() -> None:
     load = np.array([0.5, 1.0, 2.0])
-    secant = secant_modulus(load, indentation_from_load(load, **PAD), loading_radius=14.5)
+    secant = secant_modulus(load, indentation_under(load, **PAD), loading_radius=14.5)
     assert_allclose(secant, 0.04 + 0.02 * load, rtol=1e-12)
 
 
-def test_area_exponent_is_logarithmic_slope() -> None:
-    load = np.geomspace(0.01, 20, 30)
+def test_area_exponent_falls_as_the_modulus_grows() -> None:
+    xi = np.geomspace(0.01, 3, 30)
     step = 1e-5
-    area = [area_from_load(load * np.exp(way * step), **PAD) for way in (1, -1)]
-    slope = (np.log(area[0]) - np.log(area[1])) / (2 * step)
-    found = local_area_exponent(load, initial_modulus=0.04, load_coefficient=0.02)
-    assert_allclose(found, slope, rtol=1e-7)
+    steps = [xi * np.exp(way * step) for way in (1, -1)]
+    area = [area_at(PAD, "load_dependent", at, 0.5) for at in steps]
+    load = [load_dependent(at, **PAD, poisson_ratio=0.5) for at in steps]
+    slope = np.log(area[0] / area[1]) / np.log(load[0] / load[1])
+    at = load_dependent(xi, **PAD, poisson_ratio=0.5)
+    assert_allclose(slope, 2 / 3 * 0.04 / (0.04 + 0.02 * at), rtol=1e-7)
+
+
+@pytest.mark.parametrize("law", [hertz, load_dependent, LAWS["exact_sphere"]])
+def test_slopes_that_laws_state_are_those_of_their_loads(law) -> None:
+    values = {name: {"youngs_modulus": 0.05}.get(name, PAD.get(name)) for name in law.parameters}
+    xi, step = np.geomspace(0.01, 2, 20), 1e-6
+    up, down = (law(xi + way * step, **values, **GIVEN) for way in (1, -1))
+    assert_allclose(law.slope(xi, **values, **GIVEN), (up - down) / (2 * step), rtol=1e-6)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1.2, 2.0])

@@ -12,9 +12,8 @@ from fingerpad import Estimate
 from fingerpad.exceptions import LoadingError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 from fingerpad.loading import LoadingCurve, fit_layer_thickness
-from fingerpad.loading.joint import fit_joint
+from fingerpad.loading.joint import fit_joint, prepare
 from fingerpad.loading.layer import THICKER_THAN_FINGER, LayerThicknessFit
-from fingerpad.loading.press import prepare
 
 PAD = Pad(radius=14.0, modulus=0.05)
 SPHERE = Paraboloid(14.0, 14.0)

@@ -17,10 +17,11 @@ from fingerpad.cli.shared import (
     print_note,
     require_positive,
 )
-from fingerpad.exceptions import LoadingError
+from fingerpad.exceptions import FitError, LoadingError
 
 if TYPE_CHECKING:
     from fingerpad.estimate import Estimate
+    from fingerpad.loading import LawFit, LoadingCurve
 
 
 def fit(
@@ -121,6 +122,7 @@ def fit(
     """
     from fingerpad._columns import columns_named_by, unread_notes
     from fingerpad.estimate import Estimate
+    from fingerpad.flags import flags_in
     from fingerpad.loading import fit_layer_thickness, fit_loading_curve, read_loading_curve
     from fingerpad.loading.curve import unread_curve_columns
 
@@ -138,19 +140,29 @@ def fit(
     for note in (*doubts, *notes):
         print_note(note)
     area_std: dict[str, Any] = {} if area_relative_std is None else {"area_relative_std": area_relative_std}
-    found = fit_loading_curve(
-        record,
-        poisson_ratio=poisson_ratio,
-        loading_radius=_given("--radius-mm", radius_mm, radius_mm_std),
-        cycle=cycle,
-        contact_point=contact_point,
-        fit_load_range=None if load_range_n is None else _loads(load_range_n),
-        stage_compliance=compliance,
-        area_delay=delay,
-        thickness=_given("--thickness-mm", _thickness(thickness_mm), thickness_mm_std),
-        law=law,
+    given: dict[str, Any] = {
+        "poisson_ratio": poisson_ratio,
+        "loading_radius": _given("--radius-mm", radius_mm, radius_mm_std),
+        "cycle": cycle,
+        "stage_compliance": compliance,
+        "area_delay": delay,
         **area_std,
-    )
+    }
+    thickness = _given("--thickness-mm", _thickness(thickness_mm), thickness_mm_std)
+    asked: dict[str, Any] = {
+        "contact_point": contact_point,
+        "fit_load_range": None if load_range_n is None else _loads(load_range_n),
+        "thickness": thickness,
+    }
+    try:
+        found = fit_loading_curve(record, law=law, **given, **asked)
+    except FitError as error:
+        alone = None if thickness is not None else _way_out_alone(record, law, given)
+        if alone is None:
+            raise
+        print_note(f"the way in is not fitted, the way out alone is: {error}")
+        _show(alone.report(), {"file": str(curve), "law": alone.as_record()}, as_json=as_json)
+        return
     if constraint is not None:
         found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
     layer = None
@@ -176,15 +188,31 @@ def fit(
         )
     if plot is not None:
         _draw(plot, curve.stem, record, found, cycle)
-    if as_json:
-        on_layer = {} if layer is None else {"layer": layer.as_record()}
-        print_json({"file": str(curve), **found.as_record(), **on_layer})
-    else:
-        typer.echo(found.report().replace("or loading_radius", "or --radius-mm"))
-        if layer is not None:
-            typer.echo(f"layer: {'; '.join([layer.conclusion, *layer.notes.values()])}")
-            typer.echo(f"modulus: {layer.advice}")
+    lines, on_layer = [found.report()], {}
+    if layer is not None:
+        lines += [f"layer: {layer.conclusion}", f"modulus: {layer.advice}"]
+        for flag in flags_in(layer.notes, "curve", notes=layer.notes):
+            lines.append(f"flag {flag.code}: of the layer, {flag.words}. To do: {flag.to_do}.")
+        on_layer["layer"] = layer.as_record()
+    _show("\n".join(lines), {"file": str(curve), **found.as_record(), **on_layer}, as_json=as_json)
     print_folder("Figures", plot, as_json)
+
+
+def _way_out_alone(record: "LoadingCurve", law: str | None, given: Mapping[str, Any]) -> "LawFit | None":
+    """Return the fit of an adhesive law, which does not need the way in; None for any other."""
+    from fingerpad.loading import fit_adhesion
+    from fingerpad.loading.law_registry import find_law
+
+    if law is None or find_law(law).pull_off is None:
+        return None
+    return fit_adhesion(record, law=law, **given)
+
+
+def _show(text: str, record: Mapping[str, Any], *, as_json: bool) -> None:
+    if as_json:
+        print_json(record)
+    else:
+        typer.echo(text.replace("or loading_radius", "or --radius-mm"))
 
 
 def _given(flag: str, value: float | None, std: float) -> "Estimate | None":

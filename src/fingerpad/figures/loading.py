@@ -27,8 +27,7 @@ from fingerpad.figures.style import (
     plain_log_ticks,
 )
 from fingerpad.loading import FittedForceModel, LoadingFit
-from fingerpad.loading.laws import LAWS
-from fingerpad.loading.result import MAIN
+from fingerpad.loading.law_registry import LAWS
 from fingerpad.units import KPA_PER_MPA
 
 Line: TypeAlias = tuple[ArrayLike, ArrayLike]
@@ -168,13 +167,13 @@ def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = Fal
     depth = _depths(fit)
     found = fit.predict(depth)
     law, lower, upper = map(as_float_array, (found.value, found.lower, found.upper))
-    main = fit.models[MAIN]
+    main = fit.main
     off = _MILLI * (fit.load - main.load(fit.rows.displacement))
     axes.plot(fit.indentation, off, ".", color=BLUE, markersize=2.2, label="measured")
     axes.axhline(0.0, color=ORANGE, linewidth=1.2)
     _draw_band(axes, (depth, _MILLI * (lower - law), _MILLI * (upper - law)))
     shown = sorted(
-        (name for name, of in fit.uncertainty.items() if name != MAIN and of.weight >= _SHOWN_WEIGHT),
+        (name for name, of in fit.uncertainty.items() if name != fit.main.law and of.weight >= _SHOWN_WEIGHT),
         key=lambda name: -fit.uncertainty[name].weight,
     )
     for name, (colour, style) in zip(shown, _RIVAL_STYLES, strict=False):
@@ -210,7 +209,7 @@ def predicted_band(fit: LoadingFit) -> tuple[FloatArray, FloatArray, FloatArray]
 def law_lines(fit: LoadingFit) -> dict[str, Line]:
     """Return each law of the force as a line from the zeros of the points, the one that is stated first."""
     depth = _depths(fit)
-    laws = sorted(fit.models.values(), key=lambda model: (model.law != MAIN, model.aicc))
+    laws = sorted(fit.models.values(), key=lambda model: (model is not fit.main, model.aicc))
     own = fit.law
     way_out: dict[str, Line] = {}
     if own is not None and own.law in own.models:
@@ -220,7 +219,7 @@ def law_lines(fit: LoadingFit) -> dict[str, Line]:
             # On the way out, from its own zeros.
             law = own.models[own.law]
             place = np.linspace(float(fit.indentation.min()), depth[-1], 2 * _LINE_POINTS)
-            way_out[LAWS[law.law].label] = place, law.load(place + fit.models[MAIN].values["contact_offset"])
+            way_out[LAWS[law.law].label] = place, law.load(place + fit.main.values["contact_offset"])
     lines: dict[str, Line] = {
         LAWS[law.law].label: (depth, _load_among_points(fit, law, depth)) for law in laws
     }
@@ -229,7 +228,7 @@ def law_lines(fit: LoadingFit) -> dict[str, Line]:
 
 def _load_among_points(fit: LoadingFit, law: FittedForceModel, depth: FloatArray) -> FloatArray:
     """Return the load of a law where the points have that indentation, less their zero of the force."""
-    main, rows = fit.models[MAIN], fit.rows
+    main, rows = fit.main, fit.rows
     displacement = main.values["contact_offset"] + depth
     compliance = main.values.get("stage_compliance", 0.0)
     if compliance:

@@ -21,7 +21,6 @@ from fingerpad.figures.wedge import plot_wedge
 from fingerpad.geometry import Placement
 from fingerpad.image import ContactImageResult, PhotographFit, draw_overlay, draw_photograph_overlay
 from fingerpad.loading import LoadingFit
-from fingerpad.loading.result import MAIN
 
 # More contacts than these make no readable figure.
 _MAX_CONTACTS: Final = 20
@@ -165,7 +164,7 @@ def _(result: LoadingFit) -> Drawing:
     xi, load, phase = result.indentation, result.load, np.where(result.indentation > 0, "loading", "baseline")
     own = result.law
     if own is not None and own.phase == "unloading":
-        out = own.displacement - result.models[MAIN].values["contact_offset"]
+        out = own.displacement - result.main.values["contact_offset"]
         xi, load = np.append(xi, out), np.append(load, own.load)
         phase = np.append(phase, np.full(out.size, own.phase))
     plot_load_indentation(

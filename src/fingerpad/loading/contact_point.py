@@ -1,26 +1,87 @@
-"""Estimators of the place of first contact, with uncertainty from simulation.
+"""The place of first contact from force and displacement alone.
 
-The joint fit finds the place of contact together with everything else. These find it from force and
-displacement alone, as in manual analysis, and are late or early by amounts that depend on the noise.
+The joint fit finds it together with everything else, and begins at `fit_contact_start`. The others are those
+of manual analysis, late or early by amounts that depend on the noise.
 """
 
 from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
-from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
-from fingerpad.loading.cycles import fit_contact_start
-from fingerpad.loading.joint import JointFit
 from fingerpad.loading.least_squares import fit_least_squares
 
 # Share of the way at the start that is taken to be free of contact, and deviations that noise does not reach.
 _FREE_SHARE, _DEVIATIONS, _IN_A_ROW = 0.1, 4.0, 3
 # The two lines are fitted below this share of the largest force.
 _FOOT = 0.3
-_TRIALS = 20
+_START_GRID, _START_ROWS, _ZOOMS = 30, 300, 3
+# Shortest press, as a share of the way in, and the approach, in presses, that says where contact begins.
+_SHORTEST_PRESS, _APPROACH = 0.02, 3.0
+# A record is upside down where, turned about, it leaves less than this share of its sum of squares.
+_UPSIDE_DOWN = 0.2
+BOTH_REVERSED: Final = (
+    "force and displacement are both of the wrong sign (force sign flipped, displacement too): turned about "
+    "they are a press; compression is positive, and displacement grows into the pad: reverse both columns"
+)
+
+
+def fit_contact_start(
+    clock: FloatArray, load: FloatArray, displacement: FloatArray, *, tilt: bool
+) -> tuple[float, FloatArray]:
+    """Return the place of contact (mm) and coefficients of force = 1 (+ clock) + s + s², s = ξ^1.5.
+
+    The law whose modulus grows with load begins like that; for a given place of contact it is linear.
+    """
+
+    def best(places: FloatArray, rows: npt.NDArray[np.intp]) -> tuple[float, FloatArray]:
+        some = rows[np.unique(np.linspace(0, rows.size - 1, min(rows.size, _START_ROWS)).astype(int))]
+        t, y, x = clock[some], load[some], displacement[some]
+        basis = [np.ones_like(y), t] if tilt else [np.ones_like(y)]
+        found = []
+        for place in places:
+            s = np.maximum(x - place, 0) ** 1.5
+            columns = np.stack([*basis, s, s * s], axis=-1)
+            parts, *_ = np.linalg.lstsq(columns, y)
+            found.append((float(np.sum((y - columns @ parts) ** 2)), float(place), parts))
+        return min(found, key=lambda each: each[0])[1:]
+
+    end, rows = float(displacement.max()), np.arange(load.size)
+    for _ in range(_ZOOMS):
+        start = float(displacement[rows].min())
+        grid = np.linspace(start, end - (end - start) * _SHORTEST_PRESS, _START_GRID)
+        place, _ = best(grid, rows)
+        # After a long approach few of all rows are in contact.
+        near = np.flatnonzero(displacement >= place - _APPROACH * (end - place))
+        if near.size == rows.size:
+            break
+        rows = near
+    step = float(grid[1] - grid[0])
+    return best(np.minimum(place + step * np.linspace(-1, 1, 11), grid[-1]), rows)
+
+
+def contact_rise(
+    clock: FloatArray, load: FloatArray, displacement: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the rise of the force over its zero by `fit_contact_start`, and what is left of the force."""
+    place, parts = fit_contact_start(clock, load, displacement, tilt=False)
+    s = np.maximum(displacement - place, 0) ** 1.5
+    rise = parts[1] * s + parts[2] * s * s
+    return rise, load - parts[0] - rise
+
+
+def both_reversed(clock: FloatArray, load: FloatArray, displacement: FloatArray) -> bool:
+    """Return whether force and displacement are a press far better with both signs reversed.
+
+    A press grows ever steeper after a level baseline; upside down it ends in one.
+    """
+    _, rest = contact_rise(clock, load, displacement)
+    rise, turned = contact_rise(clock, -load, -displacement)
+    rising = float(rise[np.argmax(np.abs(rise))]) > 0
+    return rising and float(turned @ turned) < _UPSIDE_DOWN * float(rest @ rest)
 
 
 def contact_by_threshold(displacement: FloatArray, load: FloatArray) -> float:
@@ -80,33 +141,6 @@ ESTIMATORS: Final[Mapping[str, Callable[[FloatArray, FloatArray], float]]] = {
     "gradient": gradient,
     "power_law": power_law,
 }
-
-
-def contact_by(name: str, fit: JointFit) -> Estimate:
-    """Return the place of contact (mm) by an estimator, with its error on records like the fit's.
-
-    Its root mean square error, bias included, on twenty records that are simulated from the fit with its
-    noise is the standard uncertainty. The value itself is not corrected.
-
-    Raises
-    ------
-    FitError
-        If it finds none, or fails on half of the simulated records.
-    """
-    estimator, rng, errors = ESTIMATORS[name], np.random.default_rng(0), []
-    try:
-        value = estimator(fit.record.displacement, fit.record.load)
-    except FitError as error:
-        raise FitError(f"no place of contact by {name}: {error}") from error
-    for _ in range(_TRIALS):
-        try:
-            errors.append(estimator(*fit.simulated(rng)) - fit.values["contact_offset"])
-        except FitError:
-            continue
-    if len(errors) < _TRIALS // 2:
-        failed = f"{_TRIALS - len(errors)} of {_TRIALS} simulated records like this"
-        raise FitError(f"no place of contact by {name}: it fails on {failed}")
-    return Estimate.symmetric(value, float(np.sqrt(np.mean(np.square(errors)))))
 
 
 def _foot(displacement: FloatArray, load: FloatArray) -> tuple[FloatArray, FloatArray]:

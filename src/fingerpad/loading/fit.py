@@ -6,39 +6,55 @@ from dataclasses import replace
 
 import numpy as np
 
+from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError, LoadingError
-from fingerpad.loading.areas import NO_RADIUS, area_exponent
-from fingerpad.loading.averaging import akaike_weights
-from fingerpad.loading.contact_point import ESTIMATORS, contact_by
-from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.cycles import hysteresis
-from fingerpad.loading.joint import FitData, JointFit, bounded, fit_joint
-from fingerpad.loading.law_fit import fit_adhesive_law, fit_law
-from fingerpad.loading.laws import ContactLaw, find_law, secant_modulus
-from fingerpad.loading.press import (
+from fingerpad.loading.contact_point import ESTIMATORS
+from fingerpad.loading.curve import LoadingCurve, choose_cycle, hysteresis, rows_in_contact
+from fingerpad.loading.joint import (
+    NO_AREA,
+    NO_RADIUS,
+    FitData,
+    JointFit,
     Press,
+    bounded,
     determined,
     fixed_quantities,
     known_quantities,
     prepare,
     start_values,
 )
-from fingerpad.loading.result import MAIN, LawUncertainty, LoadingFit, load_gradient
-from fingerpad.loading.rivals import FAILURES, Comparison, allow_for_bend, compare, fit_growing
+from fingerpad.loading.law_fit import fit_adhesion, fit_law, fits_under
+from fingerpad.loading.law_registry import ContactLaw, find_law
+from fingerpad.loading.laws import MAIN, secant_modulus
+from fingerpad.loading.least_squares import fit_least_squares
+from fingerpad.loading.result import LawUncertainty, LoadingFit, load_gradient
+from fingerpad.loading.rivals import (
+    DECISIVE,
+    FAILURES,
+    Comparison,
+    akaike_weights,
+    allow_for_bend,
+    average_models,
+    compare,
+    fit_growing,
+)
 
-# AICc by which the law with a growing modulus must be ahead before the modulus is said to depend on the load.
-_DECISIVE = 10.0
 # Beyond these no finger pad lies, mm and MPa: a wrong unit.
 PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
 # A given radius is doubted when the slope of the area is so many standard uncertainties away.
-_CONTRADICTED, _MIN_AREAS = 4.0, 5
+_CONTRADICTED = 4.0
 _PARAMETERS = ("loading_radius", "initial_modulus", "load_coefficient", "contact_offset")
 _BINS, _MIN_ROWS = 12, 5
 # Nearer to contact than this share of the depth its place decides the modulus.
 _NEAR_CONTACT = 0.2
 # A fall counts that is both this share of the modulus and this many standard uncertainties.
 _FALL, _DEVIATIONS = 0.1, 3.0
+# Simulated records from which the error of a place of contact is found.
+_SIMULATED = 20
+# An area that grows by less than this share of itself does not grow.
+_FLAT = 1e-9
+_FEWEST_AREAS = 5
 
 
 def fit_loading_curve(
@@ -132,25 +148,31 @@ def fit_loading_curve(
         compared = compare(allow_for_bend(main))
         main = compared.main
         models = _models(main)
-        grows = "hertz" in models and models["hertz"].aicc > main.aicc + _DECISIVE
+        grows = "hertz" in models and models["hertz"].aicc > main.aicc + DECISIVE
         known = press.record.area.size > 0 or loading_radius is not None
         found, added = _quantities(compared, models, known=known)
         by_law = None
         if chosen is not None and chosen.pull_off is not None:
-            by_law = fit_adhesive_law(
+            if thickness is not None:
+                raise LoadingError(
+                    f"{chosen.name} is a law of a half-space: leave the thickness out, or the law"
+                )
+            by_law = fit_adhesion(
                 curve,
-                chosen,
-                known_parts,
+                law=chosen,
                 poisson_ratio=poisson_ratio,
                 loading_radius=loading_radius,
                 cycle=cycle,
+                stage_compliance=stage_compliance,
+                area_delay=area_delay,
+                area_relative_std=area_relative_std,
             )
         elif chosen is not None:
             by_law = fit_law(main, models, chosen, known=known)
         return LoadingFit(
             **found,
             misfit_std=added,
-            modulus_load=_top_load(main),
+            modulus_load=main.top_load,
             fit_load_range=limits,
             cycles=press.cycles,
             hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
@@ -170,6 +192,55 @@ def fit_loading_curve(
                 *(() if by_law is None else (flag for flag in by_law.flags if flag in by_law.notes)),
             ),
         )
+
+
+def fit_contact_compliance(curve: LoadingCurve, *, cycle: int = 0) -> Estimate:
+    """Fit R_g, the slope of contact area against πξ ("contact compliance"), by least squares.
+
+    The rows are those of one loading, from where the area is well above zero. A smooth sphere or ellipse
+    gives R = A/(πξ) at every load, whatever its modulus and however it varies with load. The zero of
+    displacement is free.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        With an area.
+    cycle : int
+        Which press of the record to fit.
+
+    Returns
+    -------
+    Estimate
+        R_g, mm, with its uncertainty from the residuals.
+
+    Raises
+    ------
+    LoadingError
+        If there is no such press in the record (`find_cycles`).
+    FitError
+        If the curve has no area or fewer than three rows in contact, or if area does not grow with
+        indentation.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
+    >>> print(f"{fit_contact_compliance(curve)} mm (truth: 15)")
+    15.003 ± 0.020 mm (truth: 15)
+    """
+    if curve.area is None:
+        raise FitError("the loading curve has no contact area; R_g needs a column area_mm2")
+    _, press = choose_cycle(curve, cycle)
+    rows = rows_in_contact(curve, press)
+    if rows.size < 3:
+        raise FitError(f"{rows.size} rows in contact while the load grows; at least 3 are needed for a line")
+    x, y = np.pi * curve.indentation[rows], curve.area[rows]
+    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
+    if not slope * np.ptp(x) > _FLAT * np.abs(y).max():
+        raise FitError(
+            f"contact area falls as the displacement grows (slope {slope:.3g} mm); is its sign reversed?"
+        )
+    return Estimate.symmetric(slope, math.sqrt(covariance[0, 0]), rows.size - 2)
 
 
 def _require_options(poisson_ratio: float, contact_point: str) -> None:
@@ -213,7 +284,7 @@ def _main_fit(
             doubts.append("modulus_partly_decreases")
             main = part
         else:
-            limits = (0.0, _top_load(main))
+            limits = (0.0, main.top_load)
     before = np.count_nonzero(record.smooth_displacement < main.values["contact_offset"])
     if before < 2 and "no_baseline" not in press.flags:
         doubts.append("no_baseline")
@@ -257,18 +328,12 @@ def _uncertainty(fit: JointFit, weight: float) -> LawUncertainty:
 
 
 def _models(main: JointFit) -> dict[str, JointFit]:
-    """Return the laws fitted under one noise, those that can be."""
+    """Return the laws of this library under one noise, those that can be fitted."""
     start = {**main.values, "load_exponent": 1.5}
-    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * _top_load(main)
-    found = {"load_dependent": main}
-    for law in ("hertz", "free_exponent"):
-        unused = {"load_exponent"} if law == "hertz" else set()
-        begin = {name: value for name, value in start.items() if name not in unused}
-        try:
-            found[law] = fit_joint(main.record, law, begin, main.held, main.noise)
-        except FitError:
-            continue
-    return found
+    start["youngs_modulus"] = start.pop("initial_modulus") + start.pop("load_coefficient") * main.top_load
+    begins = {"hertz": {**start}, "free_exponent": start}
+    del begins["hertz"]["load_exponent"]
+    return {MAIN: main, **dict(fits_under(main.noise, main.record, begins, main.held))}
 
 
 def _quantities(
@@ -279,7 +344,7 @@ def _quantities(
     Those that need a radius are unknown where it is not `known`.
     """
     main = compared.main
-    top = _top_load(main)
+    top = main.top_load
     whole = {"initial_modulus": 1.0, "load_coefficient": top}
     value = sum(main.values[name] * weight for name, weight in whole.items())
     found: dict[str, Estimate] = {"youngs_modulus": main.combined(value, whole)}
@@ -302,7 +367,7 @@ def _quantities(
             if "free_exponent" in models
             else Estimate.unknown("a power law with free exponent does not fit the curve")
         ),
-        "area_exponent": area_exponent(compared),
+        "area_exponent": area_exponent(compared) if known else Estimate.unknown(NO_RADIUS),
     }
     return found, {**added, "reduced_modulus": reduction * added["youngs_modulus"]}
 
@@ -319,7 +384,7 @@ def _spread_of_laws(name: str, value: float, models: Mapping[str, JointFit], une
         if law == "hertz":
             values |= {"initial_modulus": values["youngs_modulus"], "load_coefficient": 0.0}
         elif law == "free_exponent":
-            values["youngs_modulus"] *= _depth(model) ** (values["load_exponent"] - 1.5)
+            values["youngs_modulus"] *= model.depth ** (values["load_exponent"] - 1.5)
         elif name == "youngs_modulus":
             values[name] = value
         if name in values:
@@ -328,22 +393,13 @@ def _spread_of_laws(name: str, value: float, models: Mapping[str, JointFit], une
     return math.sqrt(sum(w * one**2 for w, one in zip(akaike_weights(criteria), apart, strict=True)))
 
 
-def _depth(model: JointFit) -> float:
-    return float(model.record.smooth_displacement.max()) - model.values["contact_offset"]
-
-
-def _top_load(main: JointFit) -> float:
-    """Return the fitted load at the largest displacement, N."""
-    return float(main.load(np.array([main.record.smooth_displacement.max()]))[0])
-
-
 def _implausible(main: JointFit, given: float | Estimate | None, *, known: bool) -> tuple[str, ...]:
     """Return flags for values that no finger pad has, and for a given radius that the area contradicts."""
     radius = main.values["loading_radius"]
-    modulus = main.values["initial_modulus"] + main.values["load_coefficient"] * _top_load(main)
+    modulus = main.values["initial_modulus"] + main.values["load_coefficient"] * main.top_load
     record = main.record
     contradicted = False
-    if given is not None and record.area.size >= _MIN_AREAS:
+    if given is not None and record.area.size >= _FEWEST_AREAS:
         displacement = record.smooth_displacement[record.with_area]
         (slope, _), covariance = np.polyfit(np.pi * displacement, record.area, 1, cov=True)
         given_std = given.std if isinstance(given, Estimate) else 0.0
@@ -423,3 +479,100 @@ def _increasing_range(fit: JointFit, record: FitData) -> tuple[float, float]:
     low = 0.0 if first == 0 else float(load[bins[first][0]])
     high = whole[1] if last == end else float(load[bins[last][-1]])
     return low, high
+
+
+# --- exponent of the area, and place of contact by other methods ---
+
+
+def area_exponent(compared: Comparison) -> Estimate:
+    """Return n by the best explanation, with the uncertainty of where the areas begin."""
+    best, name = compared.best, "area_offset"
+    found = _exponent(best, best.areas(), zeroed=True)
+    if not found.known:
+        return found
+    if name in best.values:
+        other, weight = _exponent(best, best.record.area, zeroed=False), 0.5
+    elif name in compared.rivals:
+        late = compared.rivals[name]
+        other, weight = _exponent(late, late.areas(), zeroed=True), compared.weights[name]
+    else:
+        return found
+    if not other.known:
+        return found
+    return average_models([found, other], [1 - weight, weight], value=found.value)
+
+
+def _exponent(main: JointFit, areas: FloatArray, *, zeroed: bool) -> Estimate:
+    """Fit A = a W^n to what was measured, with the noise of both and the uncertainty of their zeros."""
+    record, noise = main.record, main.noise
+    load = main.corrected_load(record.clock, record.load)[record.with_area]
+    smooth = main.load(record.smooth_displacement)[record.with_area]
+    used = smooth > max(
+        0.05 * float(smooth.max(initial=0.0)), 5 * math.hypot(noise.force_std, noise.drift_std)
+    )
+    W, A = load[used], areas[used]
+    if W.size < _FEWEST_AREAS:
+        few = f"{W.size} areas under load" if record.area.size else NO_AREA
+        return Estimate.unknown(f"{few}: give a column area_mm2 with {_FEWEST_AREAS} or more under load")
+    spread = np.hypot(noise.area_std, 0.5 * A * math.hypot(noise.force_std, noise.drift_std) / smooth[used])
+
+    def residuals(p: FloatArray) -> FloatArray:
+        grown = np.maximum(W / W.max(), 1e-9) ** float(np.clip(p[1], 0.02, 5.0))
+        return np.asarray((A - p[0] * grown) / spread)
+
+    try:
+        fit = fit_least_squares(residuals, [A.max(), 0.5], ["area", "area_exponent"])
+    except FitError as error:
+        return Estimate.unknown(str(error))
+    by_area = -np.linalg.pinv(fit.jacobian)[1] / spread
+    exponent = fit.value("area_exponent")
+    std = _exponent_std(main, used, by_area, -exponent * A / smooth[used] * by_area, zeroed=zeroed)
+    return Estimate.symmetric(exponent, std, fit.degrees_of_freedom)
+
+
+def _exponent_std(
+    main: JointFit, used: BoolArray, by_area: FloatArray, by_load: FloatArray, *, zeroed: bool
+) -> float:
+    """Return the standard uncertainty of a sum over the used areas and loads, with their fitted zeros."""
+    record = main.record
+    rows = np.flatnonzero(record.with_area)[used]
+    force, area = np.zeros((record.load.size, 1)), np.zeros((record.area.size, 1))
+    force[rows, 0], area[used, 0] = by_load, by_area
+    zeros = {
+        "force_zero": by_load.sum(),
+        "force_tilt": by_load @ record.clock[rows],
+        "area_offset": by_area.sum() if zeroed else 0.0,
+    }
+    gradient = np.array([zeros.get(name, 0.0) for name in main.fit.names])[:, None]
+    of_force, of_area = (answer @ gradient for answer in main.estimator())
+    # Noise of the displacement is in the residuals, to which the parameters answer, but not in the data.
+    shared = main.noise.of_displacement(of_force, of_area)
+    variance = main.noise.covariance_of_sums(force + of_force, area + of_area, shared)
+    return math.sqrt(float(variance[0, 0]))
+
+
+def contact_by(name: str, fit: JointFit) -> Estimate:
+    """Return the place of contact (mm) by an estimator, with its error on records like the fit's.
+
+    Its root mean square error, bias included, on twenty records that are simulated from the fit with its
+    noise is the standard uncertainty. The value itself is not corrected.
+
+    Raises
+    ------
+    FitError
+        If it finds none, or fails on half of the simulated records.
+    """
+    estimator, rng, errors = ESTIMATORS[name], np.random.default_rng(0), []
+    try:
+        value = estimator(fit.record.displacement, fit.record.load)
+    except FitError as error:
+        raise FitError(f"no place of contact by {name}: {error}") from error
+    for _ in range(_SIMULATED):
+        try:
+            errors.append(estimator(*fit.simulated(rng)) - fit.values["contact_offset"])
+        except FitError:
+            continue
+    if len(errors) < _SIMULATED // 2:
+        failed = f"{_SIMULATED - len(errors)} of {_SIMULATED} simulated records like this"
+        raise FitError(f"no place of contact by {name}: it fails on {failed}")
+    return Estimate.symmetric(value, float(np.sqrt(np.mean(np.square(errors)))))

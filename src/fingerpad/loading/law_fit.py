@@ -1,28 +1,39 @@
-"""A contact law of a lab, or that of JKR, fitted to a record and compared with ours."""
+"""The fit of a contact law that is asked for: of a lab's on the way in, of an adhesive one on the way out."""
 
 import itertools
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Final
+from dataclasses import replace
+from typing import Final, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from fingerpad._arrays import FloatArray
-from fingerpad._records import Recorded
-from fingerpad._rounding import value_with_uncertainty
+from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError, LoadingError
-from fingerpad.loading.adhesion import NO_PULL_OFF, prepare_retraction, start_on_way_out
-from fingerpad.loading.areas import NO_RADIUS
-from fingerpad.loading.averaging import akaike_weights
-from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.joint import FitData, JointFit, bounded, fit_joint, sum_of_squares
-from fingerpad.loading.laws import LAWS, ContactLaw, FittedForceModel, Law, evaluate, start_of
+from fingerpad.loading.curve import LoadingCurve, choose_cycle, moving_average, saturated_rows
+from fingerpad.loading.joint import (
+    NO_RADIUS,
+    FitData,
+    JointFit,
+    Press,
+    bounded,
+    determined,
+    fit_joint,
+    fixed_quantities,
+    known_quantities,
+    sum_of_squares,
+)
+from fingerpad.loading.law_registry import LAWS, ContactLaw, Law, Values, evaluate, find_law, start_of
+from fingerpad.loading.laws import MAIN
+from fingerpad.loading.least_squares import differences
 from fingerpad.loading.noise import Noise
-from fingerpad.loading.press import determined, fixed_quantities
-from fingerpad.loading.rivals import FAILURES, MOSTLY, allow_for_bend, unexplained_share
+from fingerpad.loading.result import LawFit
+from fingerpad.loading.rivals import DECISIVE, FAILURES, MOSTLY, allow_for_bend, unexplained_share
+
+IntArray: TypeAlias = npt.NDArray[np.intp]
 
 # Parameters of laws, which are no start of another one.
 _OF_OUR_LAWS: Final = (
@@ -40,160 +51,14 @@ _AT_ITS_BOUND: Final = "the fit lies at its bound"
 _FACTORS, _SHARES, _TRIALS, _SEARCHES = (1.0, 0.3, 3.0), (0.2, 0.5, 0.8), 256, 3
 # A law that leaves less than this share of the noise that ours leave has found what they call noise.
 _FAR_LESS: Final = 0.7
-# AICc by which an adhesive law must be ahead of ours on the way out: less is no pull-off.
-_MUST_PULL: Final = 10.0
-# Units of a law's parameters as they are printed and stored.
-_SHOWN: Final = {"MPa": ("kPa", 1e3), "MPa/N": ("kPa/N", 1e3), "mJ/mm²": ("mJ/m²", 1e6)}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class LawFit(Recorded):
-    """A contact law fitted to one press.
-
-    Attributes
-    ----------
-    law : str
-        Its name.
-    parameters, derived : mapping of str to Estimate
-        Its own parameters and what follows from them, in `units`; unknown with the reason.
-    units : mapping of str to str
-        Of both.
-    loading_radius, contact_offset : Estimate
-        R_g and the place of contact by this law, mm.
-    phase : str
-        ``loading``, or ``unloading`` for an adhesive law.
-    displacement, load : ndarray
-        Rows that it was fitted to: readings (mm), and forces without their zero and drift (N).
-    models : mapping of str to FittedForceModel
-        The law, and ours on the same rows under the same noise, whose `aicc` compares them.
-    verdict : str
-        Whether the law holds at these parameters, in its own words; empty where it does not say.
-    notes : mapping of str to str
-        What a flag means here.
-    flags : tuple of str
-        Doubts.
-
-    Examples
-    --------
-    >>> from fingerpad.loading import fit_loading_curve
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1)
-    >>> fit = fit_loading_curve(curve, law="free_exponent").law
-    >>> print(f"m = {fit.parameters['load_exponent']}, preferred: {fit.preferred_model}")
-    m = 2.639 ± 0.041, preferred: load_dependent
-    """
-
-    _title: ClassVar[str] = "Fit of a contact law"
-
-    law: str
-    parameters: Mapping[str, Estimate]
-    derived: Mapping[str, Estimate]
-    units: Mapping[str, str]
-    loading_radius: Estimate
-    contact_offset: Estimate
-    phase: str
-    displacement: FloatArray
-    load: FloatArray
-    models: Mapping[str, FittedForceModel]
-    verdict: str
-    notes: Mapping[str, str]
-    flags: tuple[str, ...]
-
-    @property
-    def aicc(self) -> dict[str, float]:
-        """Corrected Akaike criterion of each law."""
-        return {name: model.aicc for name, model in self.models.items()}
-
-    @property
-    def weights(self) -> dict[str, float]:
-        """Akaike weight of each law; their sum is 1."""
-        if not self.models:
-            return {}
-        return dict(zip(self.models, akaike_weights(list(self.aicc.values())), strict=True))
-
-    @property
-    def preferred_model(self) -> str:
-        """That of the least AICc; empty where nothing was fitted."""
-        return min(self.aicc, key=self.aicc.__getitem__, default="")
-
-    @property
-    def conclusion(self) -> str:
-        """Whether the law explains the curve better than ours, as text."""
-        label, aicc = LAWS[self.law].label, self.aicc
-        if self.law not in aicc:
-            return f"{label} was not fitted: {next(iter(self.notes.values()))}"
-        others = {name: value for name, value in aicc.items() if name != self.law}
-        if not others:
-            return f"{label} alone could be fitted"
-        best = min(others, key=others.__getitem__)
-        gain = others[best] - aicc[self.law]
-        word = "better" if gain > 0 else "worse"
-        weight = f"Akaike weight {self.weights[self.law]:.2g}"
-        return (
-            f"{label} explains the {self.phase} {word} than {LAWS[best].label}, the best of the others, by "
-            f"{abs(gain):.3g} in AICc ({weight})"
-        )
-
-    def lines(self) -> Iterator[str]:
-        """Return the parameters with units, uncertainty and interval, and how the law compares with ours.
-
-        Yields
-        ------
-        str
-            Line by line.
-        """
-        record = self.as_record()
-        if self.law not in self.models:
-            yield self.conclusion
-            return
-        yield f"law {LAWS[self.law].label}, fitted to the {self.phase}"
-        shown = [*record["parameters"], record["loading_radius"], record["contact_offset"]]
-        width = max(len(each["name"]) for each in shown)
-        for each in shown:
-            if each["value"] is None:
-                yield f"  {each['name']:<{width}}  unknown: {each['reason']}"
-            else:
-                low, high = each["ci95"]
-                unit = "" if each["unit"] == "1" else each["unit"]
-                value = f"{value_with_uncertainty(each['value'], each['std'])} {unit}"
-                yield f"  {each['name']:<{width}}  {value:<24}  95 %: {low:.4g} to {high:.4g}"
-        yield self.conclusion
-        if self.verdict:
-            yield self.verdict
-
-    def as_record(self) -> dict[str, Any]:
-        """Return the numbers by name, each with its unit.
-
-        Returns
-        -------
-        dict
-            Moduli in kPa, works of adhesion in mJ/m²; None where unknown.
-        """
-        return {
-            "law": self.law,
-            "parameters": [
-                _shown(name, found, self.units[name])
-                for name, found in {**self.parameters, **self.derived}.items()
-            ],
-            "loading_radius": _shown("loading_radius", self.loading_radius, "mm"),
-            "contact_offset": _shown("contact_offset", self.contact_offset, "mm"),
-            "phase": self.phase,
-            "aicc": self.aicc,
-            "weights": self.weights,
-            "preferred_model": self.preferred_model,
-            "conclusion": self.conclusion,
-            "verdict": self.verdict,
-            "notes": dict(self.notes),
-            "flags": list(self.flags),
-        }
-
-
-def _shown(name: str, found: Estimate, unit: str) -> dict[str, Any]:
-    unit, factor = _SHOWN.get(unit, (unit, 1.0))
-    if not found.known:
-        return {"name": name, "unit": unit, "value": None, "std": None, "ci95": None, "reason": found.reason}
-    found = found.times(factor)
-    return {"name": name, "unit": unit, "value": found.value, "std": found.std, "ci95": list(found.interval)}
+# A pull-off is that many deviations of the noise deep, and ends where less than this share of it is left.
+_DEVIATIONS, _TORN = 6.0, 0.35
+_WINDOWS: Final = (1, 5, 15)
+_FEWEST_FREE, _FEWEST_ATTACHED = 4, 8
+NO_PULL_OFF: Final = (
+    "no pull-off in the record: on the way out the force does not fall below its zero by more than its noise "
+    "and come back to it; record the way out until the contact is lost, and some rows more"
+)
 
 
 def fit_law(main: JointFit, others: Mapping[str, JointFit], law: ContactLaw, *, known: bool) -> LawFit:
@@ -202,25 +67,22 @@ def fit_law(main: JointFit, others: Mapping[str, JointFit], law: ContactLaw, *, 
     That is the noise which our model leaves, or that which the law leaves, where it is far less: what a wrong
     law leaves looks like a drift of the force.
     """
-    load = float(main.load(main.record.smooth_displacement).max())
-    start = {name: value for name, value in main.values.items() if name not in {*_OF_OUR_LAWS, "force_bend"}}
-    start |= start_of(law, main.values, load)
+    shared = {name: value for name, value in main.values.items() if name not in {*_OF_OUR_LAWS, "force_bend"}}
+    start = shared | start_of(law, main.values, main.top_load)
+    held = {name: given for name, given in main.held.items() if name != "force_bend"}
     try:
         with determined(f"the contact law {law.name}"):
-            held = {name: given for name, given in main.held.items() if name != "force_bend"}
-            fit = allow_for_bend(_search(main.record, law, start, held, None))
+            fit = allow_for_bend(_search(main.record, law, start, held))
             if _strength(fit.noise) < _FAR_LESS * _strength(main.noise):
-                others = dict(_under(fit.noise, others))
+                begins = {name: one.values for name, one in others.items()}
+                others = dict(fits_under(fit.noise, main.record, begins, main.held))
             else:
                 near = {name: fit.values[name] for name in fit.fit.names}
                 at_bound = {name: one for name, one in fit.held.items() if name in law.parameters}
                 fit = allow_for_bend(fit_joint(main.record, law.name, near, {**held, **at_bound}, main.noise))
-            models = {law.name: fit, **others}
-            compared = {name: each.fitted_law() for name, each in models.items()}
-            return _result(fit, law, compared, "loading", known=known)
+            return _found(fit, law, {law.name: fit, **others}, "loading", known=known)
     except FAILURES as fault:
-        compared = {name: each.fitted_law() for name, each in others.items()}
-        return _failed(law, compared, "loading", str(fault), "law_not_fitted")
+        return _not_found(law, others, "loading", str(fault), "law_not_fitted")
 
 
 def _strength(noise: Noise) -> float:
@@ -228,54 +90,86 @@ def _strength(noise: Noise) -> float:
     return noise.force_std**2 + noise.slow_variance
 
 
-def _under(noise: Noise, fits: Mapping[str, JointFit]) -> Iterator[tuple[str, JointFit]]:
-    """Fit again under another noise what can be."""
-    for name, fit in fits.items():
+def fits_under(
+    noise: Noise, record: FitData, begins: Mapping[str, Values], held: Mapping[str, Estimate]
+) -> Iterator[tuple[str, JointFit]]:
+    """Yield those laws that can be fitted under one noise, each from where it begins."""
+    for law, begin in begins.items():
         with suppress(*FAILURES):
-            yield name, fit_joint(fit.record, fit.law, fit.values, fit.held, noise)
+            yield law, fit_joint(record, law, begin, held, noise)
 
 
-def fit_adhesive_law(
+def fit_adhesion(
     curve: LoadingCurve,
-    law: ContactLaw,
-    held: Mapping[str, Estimate],
     *,
-    poisson_ratio: float,
-    loading_radius: float | Estimate | None,
-    cycle: int,
+    law: str | ContactLaw = "jkr",
+    poisson_ratio: float = 0.5,
+    loading_radius: float | Estimate | None = None,
+    cycle: int = 0,
+    stage_compliance: float | Estimate | None = None,
+    area_delay: float | Estimate | None = None,
+    area_relative_std: float = 0.0,
 ) -> LawFit:
     """Fit an adhesive law to the way out of a press, and compare it there with Hertz and the growing modulus.
 
-    Where the record has no pull-off, nothing is fitted, and the reason is given.
+    The way in needs not be one that `fit_loading_curve` can fit. Where the record has no pull-off, nothing is
+    fitted, and the reason is given.
+
+    Parameters
+    ----------
+    curve : LoadingCurve
+        The record, with the way out until the contact is lost.
+    law : str or ContactLaw
+        One with a `pull_off`.
+    poisson_ratio, loading_radius, cycle, stage_compliance, area_delay, area_relative_std
+        As for `fit_loading_curve`.
+
+    Returns
+    -------
+    LawFit
+        Its parameters, as the work of adhesion, with uncertainty.
+
+    Raises
+    ------
+    LoadingError
+        If the curve or an argument cannot be used, or the law is not adhesive.
+
+    Examples
+    --------
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=200, unloading=True, force_std=0.005, area_std=0.5, seed=1)
+    >>> fit_adhesion(curve).flags
+    ('no_pull_off',)
     """
-    if "inverse_thickness" in held:
-        raise LoadingError(f"{law.name} is a law of a half-space: leave the thickness out, or the law")
+    law = find_law(law)
+    if law.pull_off is None:
+        raise LoadingError(f"{law.name} is not adhesive: `fit_loading_curve` fits it to the way in")
+    given = known_quantities(
+        curve, stage_compliance=stage_compliance, area_delay=area_delay, area_relative_std=area_relative_std
+    )
     try:
         way_out = prepare_retraction(curve, poisson_ratio, cycle)
     except FitError as fault:
-        return _failed(law, {}, "unloading", str(fault), "no_pull_off")
+        return _not_found(law, {}, "unloading", str(fault), "no_pull_off")
     record = way_out.record
-    held = {**fixed_quantities(way_out, loading_radius), **held}
+    held = {**fixed_quantities(way_out, loading_radius), **given}
     known = record.area.size > 0 or loading_radius is not None
     try:
         with determined(f"the contact law {law.name}"):
             start = start_on_way_out(record, held)
             shared = {name: value for name, value in start.items() if name not in _OF_OUR_LAWS}
-            fit = allow_for_bend(_search(record, law, {**shared, **start_of(law, start, 0.0)}, held, None))
-            models = {law.name: fit.fitted_law()}
-            for other in ("hertz", "load_dependent"):
-                begin = {**start, **start_of(LAWS[other], {"load_coefficient": 0.0, **start}, 0.0)}
-                begin = {
-                    key: one for key, one in begin.items() if key in shared or key in LAWS[other].parameters
-                }
-                with suppress(*FAILURES):
-                    models[other] = fit_joint(record, other, begin, fit.held, fit.noise).fitted_law()
-            others = [one.aicc for name, one in models.items() if name != law.name]
-            if others and min(others) < fit.aicc + _MUST_PULL:
-                return _failed(law, models, "unloading", NO_PULL_OFF, "no_pull_off")
-            found = _result(fit, law, models, "unloading", known=known)
+            fit = allow_for_bend(_search(record, law, shared | start_of(law, start, 0.0), held))
+            begins = {
+                name: shared | start_of(LAWS[name], {"load_coefficient": 0.0, **start}, 0.0)
+                for name in ("hertz", MAIN)
+            }
+            others = dict(fits_under(fit.noise, record, begins, fit.held))
+            models = {law.name: fit, **others}
+            if others and min(one.aicc for one in others.values()) < fit.aicc + DECISIVE:
+                return _not_found(law, models, "unloading", NO_PULL_OFF, "no_pull_off")
+            found = _found(fit, law, models, "unloading", known=known)
     except FAILURES as fault:
-        return _failed(law, {}, "unloading", str(fault), "law_not_fitted")
+        return _not_found(law, {}, "unloading", str(fault), "law_not_fitted")
     return replace(found, flags=(*way_out.flags, *found.flags))
 
 
@@ -284,7 +178,6 @@ def _search(
     law: ContactLaw,
     start: Mapping[str, float],
     held: Mapping[str, Estimate],
-    noise: Noise | None,
 ) -> JointFit:
     """Fit a law from the likeliest of some starts that leads to a minimum."""
     choices = []
@@ -302,7 +195,7 @@ def _search(
     faults, found = [], []
     for place in np.argsort(costs, kind="stable")[:_SEARCHES]:
         try:
-            return fit_joint(record, law.name, begins[place], held, noise)
+            return fit_joint(record, law.name, begins[place], held)
         except FAILURES as fault:
             faults.append(fault)
     for name, ends in law.parameters.items():
@@ -311,19 +204,19 @@ def _search(
             stuck = {**held, name: Estimate.symmetric(end, 0.0)}
             begin = begins[int(np.argmin(costs))]
             with suppress(*FAILURES):
-                found.append(fit_joint(record, law.name, {**begin, name: end}, stuck, noise))
+                found.append(fit_joint(record, law.name, {**begin, name: end}, stuck))
     if not found:
         raise faults[0]
     # Each has its own noise: their AICc cannot be compared.
     return min(found, key=lambda fit: sum_of_squares(record, law.name, fit.values))
 
 
-def _result(
-    fit: JointFit, law: ContactLaw, models: Mapping[str, FittedForceModel], phase: str, *, known: bool
+def _found(
+    fit: JointFit, law: ContactLaw, models: Mapping[str, JointFit], phase: str, *, known: bool
 ) -> LawFit:
-    names = list(law.parameters)
+    """Return what a law that was fitted says, beside others on the same rows."""
     notes: dict[str, str] = {}
-    parameters = {name: _inside(fit.estimate(name), law.parameters[name]) for name in names}
+    parameters = {name: _inside(fit.estimate(name), ends) for name, ends in law.parameters.items()}
     radius = fit.estimate("loading_radius")
     derived = {name: _derived(fit, function, law) for name, function in law.derived.items()}
     if not known:
@@ -339,7 +232,11 @@ def _result(
         )
     said = ""
     if law.verdict is not None and known and not at_bound:
-        holds, said = evaluate(law, law.verdict, fit.values, **_given(fit))
+        radius_and_ratio = {
+            "loading_radius": fit.values["loading_radius"],
+            "poisson_ratio": fit.record.poisson_ratio,
+        }
+        holds, said = evaluate(law, law.verdict, fit.values, **radius_and_ratio)
         if not holds:
             notes["law_out_of_range"] = said
     return LawFit(
@@ -352,15 +249,31 @@ def _result(
         phase=phase,
         displacement=fit.record.displacement,
         load=fit.corrected_load(fit.record.clock, fit.record.load),
-        models=dict(models),
+        models={name: one.fitted_law() for name, one in models.items()},
         verdict=said,
         notes=notes,
         flags=tuple(notes),
     )
 
 
-def _given(fit: JointFit) -> dict[str, float]:
-    return {"loading_radius": fit.values["loading_radius"], "poisson_ratio": fit.record.poisson_ratio}
+def _not_found(law: ContactLaw, models: Mapping[str, JointFit], phase: str, reason: str, flag: str) -> LawFit:
+    """Return that nothing is known of a law, and why."""
+    unknown = Estimate.unknown(reason)
+    return LawFit(
+        law=law.name,
+        parameters=dict.fromkeys(law.parameters, unknown),
+        derived=dict.fromkeys(law.derived, unknown),
+        units=law.units,
+        loading_radius=unknown,
+        contact_offset=unknown,
+        phase=phase,
+        displacement=np.zeros(0),
+        load=np.zeros(0),
+        models={name: one.fitted_law() for name, one in models.items()},
+        verdict="",
+        notes={flag: reason},
+        flags=(flag,),
+    )
 
 
 def _inside(found: Estimate, ends: tuple[float, float]) -> Estimate:
@@ -376,37 +289,125 @@ def _inside(found: Estimate, ends: tuple[float, float]) -> Estimate:
 
 def _derived(fit: JointFit, function: Law, law: ContactLaw) -> Estimate:
     """Return a function of the parameters and the radius, to first order."""
-    values, nu = fit.values, fit.record.poisson_ratio
 
-    def at(changed: Mapping[str, float]) -> float:
-        return float(
-            evaluate(law, function, changed, loading_radius=changed["loading_radius"], poisson_ratio=nu)
+    def at(values: Values) -> float:
+        given = {"loading_radius": values["loading_radius"], "poisson_ratio": fit.record.poisson_ratio}
+        return float(evaluate(law, function, values, **given))
+
+    names = (*law.parameters, "loading_radius")
+    slopes = differences(at, fit.values, names).tolist()
+    return fit.combined(at(fit.values), dict(zip(names, slopes, strict=True)))
+
+
+# --- the way out of a record, up to the pull-off ---
+
+
+def prepare_retraction(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
+    """Choose the rows on the way out, up to the pull-off, and those without contact before and after it.
+
+    Raises
+    ------
+    FitError
+        If the record has no way out, no pull-off, or ends before the contact is lost.
+    """
+    cycles, chosen = choose_cycle(curve, cycle)
+    if chosen.unloading is None:
+        raise FitError("the record has no way out, and adhesion is seen where the contact tears off")
+    out = np.arange(chosen.unloading.start, chosen.unloading.stop)
+    displacement = moving_average(curve.indentation[out])
+    # Before contact no row is in touch that lies farther out than where the contact tore off.
+    begin = chosen.baseline.start if chosen.baseline else chosen.loading.start
+    before = np.arange(begin, chosen.loading.start)
+    smooth_before = moving_average(curve.indentation[before]) if before.size else np.zeros(0)
+    drift = _drift(curve.clock, curve.load, before, out)
+    last, unsure = _last_attached(curve.load[out] - drift * curve.clock[out])
+    free = smooth_before < displacement[last]
+    # Of the two rows about the jump one may be half of it.
+    kept = np.append(np.arange(last - unsure), np.arange(last + unsure + 2, out.size))
+    full = saturated_rows(curve, chosen.unloading)
+    kept = kept[~full[kept]]
+    rows = np.concatenate([before[free], out[kept]])
+    attached = np.concatenate([np.zeros(int(free.sum()), dtype=bool), kept < last])
+    if np.count_nonzero(attached) < _FEWEST_ATTACHED:
+        raise FitError(
+            f"{np.count_nonzero(attached)} rows on the way out to the pull-off; {_FEWEST_ATTACHED} needed"
         )
-
-    gradient = {}
-    for name in (*law.parameters, "loading_radius"):
-        step = 1e-5 * (abs(values[name]) or 1.0)
-        up, down = (at({**values, name: values[name] + way * step}) for way in (1, -1))
-        gradient[name] = (up - down) / (2 * step)
-    return fit.combined(at(values), gradient)
-
-
-def _failed(
-    law: ContactLaw, models: Mapping[str, FittedForceModel], phase: str, reason: str, flag: str
-) -> LawFit:
-    unknown = Estimate.unknown(reason)
-    return LawFit(
-        law=law.name,
-        parameters=dict.fromkeys(law.parameters, unknown),
-        derived=dict.fromkeys(law.derived, unknown),
-        units=law.units,
-        loading_radius=unknown,
-        contact_offset=unknown,
-        phase=phase,
-        displacement=np.zeros(0),
-        load=np.zeros(0),
-        models=dict(models),
-        verdict="",
-        notes={flag: reason},
-        flags=(flag,),
+    with_area: BoolArray = attached & (curve.area is not None)
+    if curve.area is not None:
+        with_area = attached & (curve.area[rows] > 0)
+    record = FitData(
+        clock=curve.clock[rows] - curve.clock[rows[0]],
+        load=curve.load[rows],
+        displacement=curve.indentation[rows],
+        smooth_displacement=np.concatenate([smooth_before[free], displacement[kept]]),
+        area=np.zeros(0) if curve.area is None else curve.area[rows][with_area],
+        with_area=with_area,
+        poisson_ratio=poisson_ratio,
+        attached=attached,
     )
+    return Press(
+        record=record,
+        cycles=cycles,
+        baseline_rows=int(np.count_nonzero(~attached)),
+        flags=(*(("saturated_force",) if full.any() else ()), *curve.doubts),
+    )
+
+
+def start_on_way_out(record: FitData, held: Mapping[str, Estimate]) -> dict[str, float]:
+    """Return where a search of an adhesive law may begin, from the pull-off and where the force passes zero.
+
+    With JKR the pull-off lies at −3 a_f²/R, and the zero of the force (t³ = 6) at 3.634 a_f²/R.
+    """
+    assert record.attached is not None  # of a way out
+    x, load = record.smooth_displacement[record.attached], record.load[record.attached]
+    zero = float(record.load[~record.attached].mean())
+    pull = max(zero - float(load.min()), 1e-6 * float(np.ptp(load)))
+    lost = float(x.min())
+    pulled = x[load < zero]
+    apart = max(float(pulled.max(initial=lost)) - lost, 0.02 * (float(x.max()) - lost))
+    place = lost + 3 / 6.634 * apart
+    depth = max(float(x.max()) - place, 1e-9)
+    if "loading_radius" in held:
+        radius = held["loading_radius"].value
+    else:
+        radius = float(record.area.max()) / (np.pi * (depth + 2 * apart))
+    work = pull / (1.5 * np.pi * radius)
+    modulus = np.pi * work * radius**2 / (8 * (apart * radius / 6.634) ** 1.5) * (1 - record.poisson_ratio**2)
+    start = {
+        "contact_offset": place,
+        "loading_radius": radius,
+        "youngs_modulus": float(modulus),
+        "work_of_adhesion": work,
+        "force_zero": zero,
+        "force_tilt": 0.0,
+    }
+    return {name: value for name, value in start.items() if name not in held}
+
+
+def _drift(clock: FloatArray, load: FloatArray, before: IntArray, out: IntArray) -> float:
+    """Return the drift of the force from before contact to the end of the way out; 0 where it is unknown."""
+    end = out[-max(out.size // 10, _FEWEST_FREE) :]
+    if before.size < _FEWEST_FREE:
+        return 0.0
+    return float(np.mean(load[end]) - np.mean(load[before])) / float(
+        np.mean(clock[end]) - np.mean(clock[before])
+    )
+
+
+def _last_attached(load: FloatArray) -> tuple[int, int]:
+    """Return the last row on the way out that the force still pulls in, and how many rows it may be off.
+
+    A pull that is weak beside the noise is looked for in means of a few rows.
+    """
+    for window in _WINDOWS:
+        mean = np.convolve(load, np.full(window, 1 / window), mode="valid")
+        lowest = int(np.argmin(mean)) + window // 2
+        zero = float(np.median(load[lowest + (load.size - lowest) // 2 :]))
+        depth = zero - float(mean.min())
+        # The likeliest row at which a pull of two thirds of its depth gives way to none.
+        last = lowest + int(np.argmax(np.cumsum(zero - _TORN * depth - load[lowest:])))
+        after = mean[last + window :]
+        enough = load.size - last >= _FEWEST_FREE + 2 and after.size >= _FEWEST_FREE
+        if enough and depth > _DEVIATIONS * float(np.std(after, ddof=1)):
+            return last, window // 2
+    raise FitError(NO_PULL_OFF)

@@ -6,21 +6,38 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, Self
 
-import numpy as np
-
 from fingerpad._json import plain
 from fingerpad._records import Recorded
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading.averaging import akaike_weights, average_models
 from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.joint import FitData, JointFit, bounded, find_noise, fit_joint
-from fingerpad.loading.laws import PAD_FORM
+from fingerpad.loading.joint import (
+    FitData,
+    JointFit,
+    Press,
+    bounded,
+    check_std,
+    determined,
+    find_noise,
+    fit_joint,
+    known_quantities,
+    prepare,
+    start_values,
+)
+from fingerpad.loading.law_registry import PAD_FORM
+from fingerpad.loading.laws import MAIN, THINNEST
 from fingerpad.loading.noise import Noise
-from fingerpad.loading.press import Press, check_std, determined, known_quantities, prepare, start_values
-from fingerpad.loading.rivals import FAILURES, FLAGGED, TOO_FEW_RUNS, runs_deviation
+from fingerpad.loading.rivals import (
+    FAILURES,
+    FLAGGED,
+    THICKEST_TISSUE,
+    akaike_weights,
+    average_models,
+    smoothed_note,
+    thinnest_tissue,
+)
 from fingerpad.units import KPA_PER_MPA
 
 # Flag of a thickness that no finger has.
@@ -33,12 +50,9 @@ _BODIES: Final = ("layer", "half_space", "paraboloid")
 _ADDED: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {"": (), "_load_dependent": ("load_coefficient",), "_area_offset": ("area_offset",)}
 )
-_THINNEST: Final = 2.95  # a/t, to which the laws hold
 _FEWEST_AREAS: Final = 5
 _CONTRADICTED: Final = 3.0
 _NARROWED: Final = 1 / 3
-_TISSUE: Final = (3.0, 25.0)  # mm, of a finger
-_LEAST_DEPTHS: Final = 2.0  # of tissue, in indentations
 # Standard uncertainties of what is not stated. No finger is an ellipsoid: its gap departs from the paraboloid
 # by half as much more or less.
 _PAD_FORM_STD: Final = 0.5
@@ -367,7 +381,7 @@ def _fit(
             begin |= dict.fromkeys(names, 0.0)
             law = "hertz"
             if "load_coefficient" in names:
-                law = "load_dependent"
+                law = MAIN
                 begin["initial_modulus"] = begin.pop("youngs_modulus")
             try:
                 models[body + added] = fit_joint(record, law, begin, given, noise, prior=prior)
@@ -427,9 +441,7 @@ def _result(
 
 def _possible(model: JointFit, main: JointFit) -> bool:
     """Return whether a finger can have a rival's tissue: the fit without additions always counts."""
-    inverse = model.values["inverse_thickness"]
-    deepest = float(model.record.smooth_displacement.max()) - model.values["contact_offset"]
-    return model is main or 0 <= inverse < 1 / max(_TISSUE[0], _LEAST_DEPTHS * deepest)
+    return model is main or 0 <= model.values["inverse_thickness"] < 1 / thinnest_tissue(model)
 
 
 def _inverse_thickness(model: JointFit, *, exact: bool) -> Estimate:
@@ -440,8 +452,7 @@ def _modulus(model: JointFit, *, exact: bool) -> Estimate:
     """Return E of a model; a growing one at the largest load."""
     if "youngs_modulus" in model.values:
         return model.estimate("youngs_modulus") if exact else _first_order(model, "youngs_modulus")
-    top = float(model.load(np.array([model.record.smooth_displacement.max()]))[0])
-    whole = {"initial_modulus": 1.0, "load_coefficient": top}
+    whole = {"initial_modulus": 1.0, "load_coefficient": model.top_load}
     return model.combined(sum(model.values[name] * weight for name, weight in whole.items()), whole)
 
 
@@ -452,7 +463,7 @@ def _thickness(inverse: Estimate, widest: float) -> Estimate:
         value=value,
         std=inverse.std * value**2,
         interval=(
-            1 / inverse.upper if inverse.upper * widest < _THINNEST else 0.0,
+            1 / inverse.upper if inverse.upper * widest < THINNEST else 0.0,
             1 / inverse.lower if inverse.lower > 0 else math.inf,
         ),
     )
@@ -537,19 +548,15 @@ def _notes(
                 f"the curve claims to know the radius to {found.std:.2g} mm, less than a third of the "
                 f"geometry's {known.std:.2g} mm"
             )
-    if inverse.upper * widest >= _THINNEST:
+    if inverse.upper * widest >= THINNEST:
         notes["layer_too_thin"] = "the layer may be thinner than a third of the contact's radius"
-    if inverse.lower > 0 and inverse.value * _TISSUE[1] < 1:
+    if inverse.lower > 0 and inverse.value * THICKEST_TISSUE < 1:
         notes[THICKER_THAN_FINGER] = (
             "a layer thicker than a finger hardly differs from a half-space: some other departure from the "
             "model can look like it"
         )
-    runs = runs_deviation(main.residuals()[1])
-    if runs < TOO_FEW_RUNS:
-        notes["correlated_area"] = (
-            f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
-            "deviations)"
-        )
+    if smoothed := smoothed_note(main.residuals()[1]):
+        notes["correlated_area"] = smoothed
     return notes
 
 

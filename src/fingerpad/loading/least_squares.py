@@ -1,7 +1,7 @@
 """Least squares for every nonlinear model here: values, covariance, profile intervals, AICc, correlation."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
@@ -219,6 +219,18 @@ def minimum(
     if not (found.success and np.isfinite(found.x).all() and math.isfinite(found.cost)):
         raise FitError(f"the fit of {', '.join(names)} found no minimum: {found.message}")
     return np.asarray(found.x)
+
+
+def differences(
+    function: Callable[[dict[str, float]], ArrayLike], values: Mapping[str, float], names: Sequence[str]
+) -> FloatArray:
+    """Return the derivatives of a function of named values by some of them, along a new last axis."""
+    columns = []
+    for name in names:
+        step = 1e-5 * (abs(values[name]) or 1.0)
+        up, down = (np.asarray(function({**values, name: values[name] + way * step})) for way in (1, -1))
+        columns.append((up - down) / (2 * step))
+    return np.stack(columns, axis=-1)
 
 
 def _jacobian(residuals: Residuals, values: FloatArray) -> FloatArray:

@@ -15,8 +15,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
-from fingerpad.loading.curve import LoadingCurve
-from fingerpad.loading.cycles import Cycle, moving_average
+from fingerpad.loading.curve import Cycle, LoadingCurve, moving_average
 from fingerpad.loading.least_squares import LeastSquaresFit, Residuals, effective_count, fit_least_squares
 
 # A term that takes off less than this share of the squares ends the search for more.

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Final, Self
 
 import numpy as np
-from scipy import special
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._display import Displayed
@@ -15,21 +14,19 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import LoadingError
 from fingerpad.flags import flags_in
-from fingerpad.loading.averaging import akaike_weights
-from fingerpad.loading.cycles import Cycle, Hysteresis
+from fingerpad.loading.curve import Cycle, Hysteresis
 from fingerpad.loading.joint import FitData
-from fingerpad.loading.law_fit import LawFit
-from fingerpad.loading.laws import LAWS, FittedForceModel, indentation_of, load_at, secant_modulus
-from fingerpad.loading.rivals import EXPLANATIONS
+from fingerpad.loading.law_registry import LAWS
+from fingerpad.loading.laws import MAIN, FittedForceModel, indentation_of, load_at, secant_modulus
+from fingerpad.loading.least_squares import differences
+from fingerpad.loading.rivals import EXPLANATIONS, NORMAL, akaike_weights, mixture_point
 from fingerpad.units import KPA_PER_MPA
 
-# The law whose quantities are stated, and the others of the force.
-MAIN: Final = "load_dependent"
 _MODULI: Final = ("reduced_modulus", "youngs_modulus", "initial_modulus", "load_coefficient")
 # Nearer to contact than this share of the depth a row's secant modulus says nothing.
 _FOOT: Final = 0.05
-_NORMAL: Final = float(special.ndtri(0.975))
-_HALVINGS: Final = 60
+# Units of a law's parameters as they are printed and stored.
+_SHOWN: Final = {"MPa": ("kPa", 1e3), "MPa/N": ("kPa/N", 1e3), "mJ/mm²": ("mJ/m²", 1e6)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -72,6 +69,158 @@ class LawUncertainty(Displayed):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class LawFit(Recorded):
+    """A contact law fitted to one press.
+
+    Attributes
+    ----------
+    law : str
+        Its name.
+    parameters, derived : mapping of str to Estimate
+        Its own parameters and what follows from them, in `units`; unknown with the reason.
+    units : mapping of str to str
+        Of both.
+    loading_radius, contact_offset : Estimate
+        R_g and the place of contact by this law, mm.
+    phase : str
+        ``loading``, or ``unloading`` for an adhesive law.
+    displacement, load : ndarray
+        Rows that it was fitted to: readings (mm), and forces without their zero and drift (N).
+    models : mapping of str to FittedForceModel
+        The law, and ours on the same rows under the same noise, whose `aicc` compares them.
+    verdict : str
+        Whether the law holds at these parameters, in its own words; empty where it does not say.
+    notes : mapping of str to str
+        What a flag means here.
+    flags : tuple of str
+        Doubts.
+
+    Examples
+    --------
+    >>> from fingerpad.loading import fit_loading_curve
+    >>> from fingerpad.simulate import simulate_loading_curve
+    >>> curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1)
+    >>> fit = fit_loading_curve(curve, law="free_exponent").law
+    >>> print(f"m = {fit.parameters['load_exponent']}, preferred: {fit.preferred_model}")
+    m = 2.639 ± 0.041, preferred: load_dependent
+    """
+
+    _title: ClassVar[str] = "Fit of a contact law"
+
+    law: str
+    parameters: Mapping[str, Estimate]
+    derived: Mapping[str, Estimate]
+    units: Mapping[str, str]
+    loading_radius: Estimate
+    contact_offset: Estimate
+    phase: str
+    displacement: FloatArray
+    load: FloatArray
+    models: Mapping[str, FittedForceModel]
+    verdict: str
+    notes: Mapping[str, str]
+    flags: tuple[str, ...]
+
+    @property
+    def aicc(self) -> dict[str, float]:
+        """Corrected Akaike criterion of each law."""
+        return {name: model.aicc for name, model in self.models.items()}
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """Akaike weight of each law; their sum is 1."""
+        if not self.models:
+            return {}
+        return dict(zip(self.models, akaike_weights(list(self.aicc.values())), strict=True))
+
+    @property
+    def preferred_model(self) -> str:
+        """That of the least AICc; empty where nothing was fitted."""
+        return min(self.aicc, key=self.aicc.__getitem__, default="")
+
+    @property
+    def conclusion(self) -> str:
+        """Whether the law explains the curve better than ours, as text."""
+        label, aicc = LAWS[self.law].label, self.aicc
+        if self.law not in aicc:
+            return f"{label} was not fitted: {next(iter(self.notes.values()))}"
+        others = {name: value for name, value in aicc.items() if name != self.law}
+        if not others:
+            return f"{label} alone could be fitted"
+        best = min(others, key=others.__getitem__)
+        gain = others[best] - aicc[self.law]
+        word = "better" if gain > 0 else "worse"
+        weight = f"Akaike weight {self.weights[self.law]:.2g}"
+        return (
+            f"{label} explains the {self.phase} {word} than {LAWS[best].label}, the best of the others, by "
+            f"{abs(gain):.3g} in AICc ({weight})"
+        )
+
+    def lines(self) -> Iterator[str]:
+        """Return the parameters with units, uncertainty and interval, and how the law compares with ours.
+
+        Yields
+        ------
+        str
+            Line by line.
+        """
+        if self.law not in self.models:
+            yield self.conclusion
+            return
+        yield f"law {LAWS[self.law].label}, fitted to the {self.phase}"
+        yield from _quantity_lines(self._quantities())
+        yield self.conclusion
+        if self.verdict:
+            yield self.verdict
+
+    def report(self) -> str:
+        """Return the `lines`, and the flags in words.
+
+        Returns
+        -------
+        str
+        """
+        return "\n".join([*self.lines(), "", *_flag_lines(self.flags, self.notes)])
+
+    def _quantities(self) -> dict[str, tuple[Estimate, str]]:
+        """Return all of them with the units that they are printed and stored in."""
+        found = {}
+        for name, one in {**self.parameters, **self.derived}.items():
+            unit, factor = _SHOWN.get(self.units[name], (self.units[name], 1.0))
+            found[name] = (one.times(factor), unit)
+        return {
+            **found,
+            "loading_radius": (self.loading_radius, "mm"),
+            "contact_offset": (self.contact_offset, "mm"),
+        }
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers by name, each with its unit.
+
+        Returns
+        -------
+        dict
+            Moduli in kPa, works of adhesion in mJ/m²; None where unknown.
+        """
+        shown = {name: _shown(name, *one) for name, one in self._quantities().items()}
+        radius, place = shown.pop("loading_radius"), shown.pop("contact_offset")
+        return {
+            "law": self.law,
+            "parameters": list(shown.values()),
+            "loading_radius": radius,
+            "contact_offset": place,
+            "phase": self.phase,
+            "aicc": self.aicc,
+            "weights": self.weights,
+            "preferred_model": self.preferred_model,
+            "conclusion": self.conclusion,
+            "verdict": self.verdict,
+            "notes": dict(self.notes),
+            "flags": list(self.flags),
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class LoadingFit(Recorded):
     """Results of fitting one press. A quantity that is not known has the reason.
 
@@ -104,7 +253,7 @@ class LoadingFit(Recorded):
         growth of the areas, a stage that yields, a layer on bone, both also with one modulus, an exact
         sphere.
     uncertainty : mapping of str to LawUncertainty
-        Of ``load_dependent`` and of each alternative; the weights have the sum 1.
+        Of `main` and of each alternative; the weights have the sum 1.
     unexplained : float
         Share of the force's residuals under load that noise does not explain, where there is no area.
     misfit_std : mapping of str to float
@@ -143,18 +292,20 @@ class LoadingFit(Recorded):
     flags: tuple[str, ...]
     law: LawFit | None = None
 
-    def _shown(self) -> list[tuple[str, Any]]:
-        return [(name, value) for name, value in Recorded._shown(self) if (name, value) != ("law", None)]
+    @property
+    def main(self) -> FittedForceModel:
+        """The law whose quantities these are, that of a growing modulus."""
+        return self.models[MAIN]
 
     @property
     def load(self) -> FloatArray:
         """Force of each row from its fitted zero, N."""
-        return self.models[MAIN].corrected_load(self.rows.clock, self.rows.load)
+        return self.main.corrected_load(self.rows.clock, self.rows.load)
 
     @property
     def indentation(self) -> FloatArray:
         """ξ of each row, mm, less what the stage yields; negative before the fitted place of contact."""
-        main = self.models[MAIN]
+        main = self.main
         return indentation_of(main.values, main.law, self.rows.displacement, main.poisson_ratio)
 
     @property
@@ -165,7 +316,7 @@ class LoadingFit(Recorded):
     @property
     def secant(self) -> Secant:
         """E_g of each row that is well in contact, against ξ and W."""
-        main = self.models[MAIN]
+        main = self.main
         depth = self.indentation
         used = depth > _FOOT * depth.max()
         load, depth = self.load[used], depth[used]
@@ -203,16 +354,17 @@ class LoadingFit(Recorded):
         """
         shape = np.shape(indentation)
         xi = np.maximum(as_float_array(indentation).ravel(), 0.0)
-        laws = [self.models[MAIN], *(self.alternatives[name] for name in self.uncertainty if name != MAIN)]
+        laws = [self.main, *(self.alternatives[name] for name in self.uncertainty if name != MAIN)]
         weights = np.array([of.weight for of in self.uncertainty.values()])
         load, std, half = np.array(
             [_load_with_std(law, of, xi) for law, of in zip(laws, self.uncertainty.values(), strict=True)]
         ).swapaxes(0, 1)
         spread = math.sqrt(self.unexplained) * self._spread(xi, load[0])
-        std[0], half[0] = np.hypot(std[0], spread), np.hypot(half[0], _NORMAL * spread)
+        std[0], half[0] = np.hypot(std[0], spread), np.hypot(half[0], NORMAL * spread)
         # About the value of the model, which stays, as the uncertainty of all quantities.
         whole = np.sqrt(weights @ (std**2 + (load - load[0]) ** 2))
-        lower, upper = (_mixture_point(share, weights, load, half) for share in (0.025, 0.975))
+        two = (half / NORMAL, half / NORMAL)
+        lower, upper = (mixture_point(share, weights, load, *two) for share in (0.025, 0.975))
         interval = np.minimum(lower, load[0] - half[0]), np.maximum(upper, load[0] + half[0])
         ends = tuple(end.reshape(shape)[()] for end in interval)
         return Estimate(value=load[0].reshape(shape)[()], std=whole.reshape(shape)[()], interval=ends)
@@ -261,16 +413,7 @@ class LoadingFit(Recorded):
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers by names that end in units, with ``_std`` and ``_ci95``; None if unknown."""
-        quantities = {
-            "loading_radius_mm": self.loading_radius,
-            "reduced_modulus_kpa": self.reduced_modulus.times(KPA_PER_MPA),
-            "youngs_modulus_kpa": self.youngs_modulus.times(KPA_PER_MPA),
-            "contact_offset_mm": self.contact_offset,
-            "initial_modulus_kpa": self.initial_modulus.times(KPA_PER_MPA),
-            "load_coefficient_kpa_per_N": self.load_coefficient.times(KPA_PER_MPA),
-            "load_exponent": self.load_exponent,
-            "area_exponent": self.area_exponent,
-        }
+        quantities = {key: found for key, _, found, _ in self._quantities()}
         return {
             **estimates_record(quantities),
             "modulus_load_N": self.modulus_load,
@@ -287,6 +430,24 @@ class LoadingFit(Recorded):
             **({} if self.law is None else {"law": self.law.as_record()}),
         }
 
+    def _quantities(self) -> Iterator[tuple[str, str, Estimate, str]]:
+        """Return key, words, estimate and unit of each quantity, moduli in kPa."""
+        at = f" at {self.modulus_load:.3g} N"
+        for name, unit, words in (
+            ("loading_radius", "mm", "loading radius R_g"),
+            ("reduced_modulus", "kPa", f"reduced modulus E*{at}"),
+            ("youngs_modulus", "kPa", f"Young's modulus E{at}"),
+            ("initial_modulus", "kPa", "initial modulus E_0g"),
+            ("load_coefficient", "kPa/N", "its growth with load β"),
+            ("contact_offset", "mm", "place of contact x₀"),
+            ("load_exponent", "", "exponent of load m, W ∝ ξ^m"),
+            ("area_exponent", "", "exponent of area n, A ∝ W^n"),
+        ):
+            found = getattr(self, name)
+            ending = unit.replace("kPa", "kpa").replace("/", "_per_")
+            key = f"{name}_{ending}" if unit else name
+            yield key, words, found.times(KPA_PER_MPA) if name in _MODULI else found, unit
+
     def summary(self) -> str:
         """Return the `report`."""
         return self.report()
@@ -302,24 +463,13 @@ class LoadingFit(Recorded):
         return "\n".join(self._lines())
 
     def _lines(self) -> Iterator[str]:
-        main = self.models[MAIN]
+        main = self.main
         low, high = self.fit_load_range
         presses = f", one of {len(self.cycles)} presses" if len(self.cycles) > 1 else ""
         yield f"{self._title}: W = 4/3 √R_g ξ^(3/2) (E_0g + β W)/(1 − ν²), ν = {main.poisson_ratio:g}"
         yield f"  {self.load.size} rows, loads from {low:.3g} to {high:.3g} N{presses}"
         yield ""
-        at = f" at {self.modulus_load:.3g} N"
-        quantities = {
-            "loading radius R_g": (self.loading_radius, "mm"),
-            f"reduced modulus E*{at}": (self.reduced_modulus.times(KPA_PER_MPA), "kPa"),
-            f"Young's modulus E{at}": (self.youngs_modulus.times(KPA_PER_MPA), "kPa"),
-            "initial modulus E_0g": (self.initial_modulus.times(KPA_PER_MPA), "kPa"),
-            "its growth with load β": (self.load_coefficient.times(KPA_PER_MPA), "kPa/N"),
-            "place of contact x₀": (self.contact_offset, "mm"),
-            "exponent of load m, W ∝ ξ^m": (self.load_exponent, ""),
-            "exponent of area n, A ∝ W^n": (self.area_exponent, ""),
-        }
-        yield from _quantity_lines(quantities)
+        yield from _quantity_lines({words: (found, unit) for _, words, found, unit in self._quantities()})
         yield ""
         least = min(model.aicc for model in self.models.values())
         laws = [
@@ -344,10 +494,7 @@ class LoadingFit(Recorded):
         if self.law is not None:
             yield from self.law.lines()
             yield ""
-        for flag in flags_in(self.flags, "curve"):
-            yield f"flag {flag.code}: {self.notes.get(flag.code, flag.words)}. To do: {flag.to_do}."
-        if not self.flags:
-            yield "flags: none"
+        yield from _flag_lines(self.flags, self.notes)
 
 
 def _load(law: FittedForceModel, values: Mapping[str, float], xi: FloatArray) -> FloatArray:
@@ -356,13 +503,7 @@ def _load(law: FittedForceModel, values: Mapping[str, float], xi: FloatArray) ->
 
 def load_gradient(law: FittedForceModel, names: tuple[str, ...], xi: FloatArray) -> FloatArray:
     """Return the derivatives of the load at indentations by parameters of a law, (n, p)."""
-    columns = []
-    for name in names:
-        value = law.values[name]
-        step = 1e-5 * (abs(value) or 1.0)
-        up, down = (_load(law, {**law.values, name: value + way * step}, xi) for way in (1, -1))
-        columns.append((up - down) / (2 * step))
-    return np.stack(columns, axis=-1)
+    return differences(lambda values: _load(law, values, xi), law.values, names)
 
 
 def _load_with_std(law: FittedForceModel, of: LawUncertainty, xi: FloatArray) -> tuple[FloatArray, ...]:
@@ -372,15 +513,17 @@ def _load_with_std(law: FittedForceModel, of: LawUncertainty, xi: FloatArray) ->
     return _load(law, law.values, xi), std, of.coverage_factor * std
 
 
-def _mixture_point(share: float, weights: FloatArray, load: FloatArray, half: FloatArray) -> FloatArray:
-    """Return below which load that share of all models lies, by halving an interval at each indentation."""
-    spread = np.maximum(half / _NORMAL, 1e-300)
-    low, high = (load - 8 * spread).min(axis=0), (load + 8 * spread).max(axis=0)
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        more = weights @ special.ndtr((middle - load) / spread) < share
-        low, high = np.where(more, middle, low), np.where(more, high, middle)
-    return np.asarray((low + high) / 2)
+def _shown(name: str, found: Estimate, unit: str) -> dict[str, Any]:
+    if not found.known:
+        return {"name": name, "unit": unit, "value": None, "std": None, "ci95": None, "reason": found.reason}
+    return {"name": name, "unit": unit, "value": found.value, "std": found.std, "ci95": list(found.interval)}
+
+
+def _flag_lines(flags: Sequence[str], notes: Mapping[str, str]) -> Iterator[str]:
+    for flag in flags_in(flags, "curve", notes=notes):
+        yield f"flag {flag.code}: {flag.words}. To do: {flag.to_do}."
+    if not flags:
+        yield "flags: none"
 
 
 def _quantity_lines(quantities: Mapping[str, tuple[Estimate, str]]) -> Iterator[str]:

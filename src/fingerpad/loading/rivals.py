@@ -4,7 +4,7 @@ None of them replaces the model: its value stays, and the uncertainty is that of
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -15,14 +15,16 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
-from fingerpad.loading.averaging import akaike_weights, average_models
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
+from fingerpad.loading.laws import MAIN
 from fingerpad.loading.least_squares import effective_count
 
-# AICc by which an explanation must be ahead to be named in a flag.
-FLAGGED = 5.0
-# Deviations by which residuals of one sign follow each other too often.
-TOO_FEW_RUNS = -3.5
+# AICc by which a model must be ahead of another; their likelihoods are as exp(Δ/2). At 5, as 12 to one, that
+# is worth a flag, while the uncertainty holds what follows in any case. At 10, as 150 to one, the other has
+# next to no support (Burnham and Anderson 2002, 2.6), and what the first says may be stated.
+FLAGGED, DECISIVE = 5.0, 10.0
+# Deviations by which residuals of one sign follow each other too often: one in 4000 by chance.
+_TOO_FEW_RUNS = -3.5
 # Minimum number of residuals before contact and under load to compare, and unexplained share for a flag.
 _MIN_COMPARED, MOSTLY = 10, 0.5
 # Areas that are smoothed make R_g so many times as uncertain.
@@ -48,10 +50,110 @@ _WITHOUT_AREAS: Final = tuple(
     if name.removeprefix(_ONE_MODULUS) in {"stage_compliance", "inverse_thickness"}
 )
 # Tissue of a finger, mm; beyond that it is as good as a half-space. A press goes no deeper than half of it.
-_THICKNESS, _DEEPEST = (3.0, 25.0), 0.5
+_THINNEST_TISSUE, THICKEST_TISSUE, _DEEPEST = 3.0, 25.0, 0.5
 # A zero of the force that drifts does so in no straight line: standard deviation of its bend over the press,
 # as a share of the drift.
 _BENT: Final = 0.4
+
+
+# Half of a 95 % interval of the normal distribution, in standard deviations; deviations beyond which next to
+# nothing of it lies; halvings of that range, to the last digit.
+NORMAL: Final = float(special.ndtri(0.975))
+_FAR, _HALVINGS = 8.0, 60
+
+
+def akaike_weights(criteria: Sequence[float]) -> list[float]:
+    """Return the weights exp(−Δ/2) of models, with sum 1, from their AICc (Burnham and Anderson 2002, 2.9).
+
+    Parameters
+    ----------
+    criteria : sequence of float
+        AICc of each model, under one noise; infinite for one without weight, but not for all.
+
+    Returns
+    -------
+    list of float
+        In the same order.
+
+    Examples
+    --------
+    >>> [round(weight, 3) for weight in akaike_weights([100.0, 102.0, 110.0])]
+    [0.727, 0.268, 0.005]
+    """
+    likelihood = np.exp((min(criteria) - np.asarray(criteria)) / 2)
+    return [float(weight) for weight in likelihood / likelihood.sum()]
+
+
+def average_models(
+    models: Sequence[Estimate], weights: Sequence[float], *, value: float | None = None
+) -> Estimate:
+    """Return a quantity with the uncertainty of all its models (Burnham and Anderson 2002, 4.3).
+
+    Together the models give a mixture of their distributions, each with its weight w. Its mean is Σ w θ,
+    its variance Σ w (u² + (θ − value)²), and its interval lies between its 2.5 and 97.5 % points.
+
+    Parameters
+    ----------
+    models : sequence of Estimate
+        The quantity θ ± u by each model.
+    weights : sequence of float
+        Of the models, as `akaike_weights`; their sum is 1.
+    value : float, optional
+        What the uncertainty is stated of, as the value of one chosen model; the mean without it. Variance and
+        interval are then those about it: the interval holds it.
+
+    Returns
+    -------
+    Estimate
+        Where a model of considerable weight leaves an end of its interval open, this one is open too.
+
+    Examples
+    --------
+    >>> models = [Estimate.symmetric(40.0, 1.0), Estimate.symmetric(44.0, 1.0)]
+    >>> both = average_models(models, [0.75, 0.25])
+    >>> print(f"{both}, {both.lower:.1f} to {both.upper:.1f}")
+    41.0 ± 2.0, 38.2 to 45.3
+    >>> chosen = average_models(models, [0.75, 0.25], value=40.0)
+    >>> print(f"{chosen}, {chosen.lower:.1f} to {chosen.upper:.1f}")
+    40.0 ± 2.2, 38.2 to 45.3
+    """
+    parts = [(one.value, one.std, one.lower, one.upper) for one in models]
+    theta, std, lower, upper = np.array(parts).T
+    w = np.array(weights)
+    stated = float(w @ theta) if value is None else value
+    below, above = (theta - lower) / NORMAL, (upper - theta) / NORMAL
+    is_open = [float(w @ np.isinf(side)) / 2 >= 0.025 for side in (below, above)]
+    ends = [float(mixture_point(share, w, theta, below, above)) for share in (0.025, 0.975)]
+    return Estimate(
+        value=stated,
+        std=math.sqrt(float(w @ (std**2 + (theta - stated) ** 2))),
+        interval=(
+            -math.inf if is_open[0] else min(stated, ends[0]),
+            math.inf if is_open[1] else max(stated, ends[1]),
+        ),
+    )
+
+
+def mixture_point(
+    share: float, weights: FloatArray, values: FloatArray, below: FloatArray, above: FloatArray
+) -> FloatArray:
+    """Return under which value that share of a mixture lies, by halving an interval.
+
+    Each part, (k, ...), is normal on either side of its value, with the deviations `below` and `above`. Those
+    may be infinite.
+    """
+    below, above = np.maximum(below, 1e-300), np.maximum(above, 1e-300)
+    low, high = (
+        values + way * _FAR * np.where(np.isfinite(side), side, 0.0)
+        for way, side in ((-1, below), (1, above))
+    )
+    low, high = low.min(axis=0), high.max(axis=0)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        apart = middle - values
+        more = weights @ special.ndtr(apart / np.where(apart < 0, below, above)) < share
+        low, high = np.where(more, middle, low), np.where(more, high, middle)
+    return np.asarray((low + high) / 2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -128,15 +230,14 @@ def fit_growing(record: FitData, start: Mapping[str, float], held: Mapping[str, 
 
     Where force and area disagree, noise found from the model's own residuals would hold the disagreement.
     """
-    law = "load_dependent"
     if record.area.size >= _MIN_AREAS:
         free = {"area_offset": 0.0, "area_growth": 0.0}
         try:
-            noise, _ = find_noise(record, law, {**start, **free}, held)
-            return fit_joint(record, law, start, held, noise)
+            noise, _ = find_noise(record, MAIN, {**start, **free}, held)
+            return fit_joint(record, MAIN, start, held, noise)
         except FAILURES:
             pass
-    return fit_joint(record, law, start, held)
+    return fit_joint(record, MAIN, start, held)
 
 
 def allow_for_bend(main: JointFit) -> JointFit:
@@ -179,12 +280,8 @@ def compare(main: JointFit) -> Comparison:
             "uncertainty holds what follows from it"
         )
         best, best_name = _refitted(rivals[name]), name
-    runs = runs_deviation(best.residuals()[1])
-    if runs < TOO_FEW_RUNS:
-        doubts["correlated_area"] = (
-            f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
-            "deviations): the areas are smoothed, or none of the models has their shape"
-        )
+    if smoothed := smoothed_note(best.residuals()[1]):
+        doubts["correlated_area"] = smoothed
     return Comparison(
         main=main,
         rivals=rivals,
@@ -284,21 +381,20 @@ def _fit_added(main: JointFit, added: str, law: str, held: Mapping[str, Estimate
     try:
         return fit_joint(main.record, law, {**start, added: 0.0}, held, main.noise)
     except FAILURES:
-        travel, load = _pressed(main)
-        some = {"stage_compliance": 0.1 * travel / load, "inverse_thickness": 0.1, "area_growth": 0.1}
+        load = main.top_load
+        some = {"stage_compliance": 0.1 * main.depth / load, "inverse_thickness": 0.1, "area_growth": 0.1}
         start["initial_modulus"] += main.values["load_coefficient"] * load / 2
         return fit_joint(main.record, law, {**start, added: some.get(added, 0.0)}, held, main.noise)
 
 
 def _possible(rival: JointFit, added: str) -> JointFit | None:
     """Return an explanation with what is added to the model in bounds; None where there is none of it."""
-    travel, load = _pressed(rival)
     value = rival.values.get(added, 0.0)
     if added == "stage_compliance":
-        return rival if 0 < value * load < travel else None
+        return rival if 0 < value * rival.top_load < rival.depth else None
     if added == "inverse_thickness":
-        thinnest = max(_THICKNESS[0], travel / _DEEPEST)
-        if value * _THICKNESS[1] < 1:
+        thinnest = thinnest_tissue(rival)
+        if value * THICKEST_TISSUE < 1:
             return None
         if value * thinnest > 1:
             held = {**rival.held, added: Estimate.symmetric(1 / thinnest, 0.0)}
@@ -307,10 +403,9 @@ def _possible(rival: JointFit, added: str) -> JointFit | None:
     return rival
 
 
-def _pressed(fit: JointFit) -> tuple[float, float]:
-    """Return how far the platen went from contact on (mm), and the load (N) there."""
-    last = float(fit.record.smooth_displacement.max())
-    return last - fit.values["contact_offset"], float(fit.load(np.array([last]))[0])
+def thinnest_tissue(fit: JointFit) -> float:
+    """Return the least thickness (mm) that the tissue of a finger can have under a press."""
+    return max(_THINNEST_TISSUE, fit.depth / _DEEPEST)
 
 
 def _refitted(rival: JointFit) -> JointFit:
@@ -319,6 +414,17 @@ def _refitted(rival: JointFit) -> JointFit:
         return fit_joint(rival.record, rival.law, rival.values, rival.held)
     except FAILURES:
         return rival
+
+
+def smoothed_note(areas: FloatArray) -> str:
+    """Return that neighbouring residuals of areas lie on one side too often; empty if they do not."""
+    runs = runs_deviation(areas)
+    if runs >= _TOO_FEW_RUNS:
+        return ""
+    return (
+        f"neighbouring areas lie on the same side of the fit too often (runs test, {-runs:.1f} standard "
+        "deviations): the areas are smoothed, or none of the models has their shape"
+    )
 
 
 def _offset_note(main: JointFit, wider: JointFit) -> str:

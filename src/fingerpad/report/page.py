@@ -103,7 +103,7 @@ def write_page(
     filters: dict[str, Callable[..., Any]] = {
         "flags": contact_flags,
         "advice": advice,
-        "curve_flags": lambda codes: flags_in(codes, "curve"),
+        "noted_flags": lambda codes, notes: flags_in(codes, "curve", notes=notes),
         "face_differences": face_differences,
         "probability": probability,
         "percent": percent,

@@ -32,7 +32,7 @@ from fingerpad.image import (
     read_frame_stamps,
     sequence_summary,
 )
-from fingerpad.loading.cycles import fit_contact_start
+from fingerpad.loading.contact_point import fit_contact_start
 from fingerpad.study.corrections.apply import (
     ManualPhases,
     contact_correction,
