@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image import Face, PhotographFit, Scale, measure_photograph
-from fingerpad.image.photograph.orientation import Direction
+from fingerpad.image.photograph.faces import Direction
 
 Array = npt.NDArray[np.float64]
 

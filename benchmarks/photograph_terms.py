@@ -20,9 +20,9 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Scale, measure_photograph
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph import face_arc
-from fingerpad.image.photograph.outline import _arc
+from fingerpad.image.photograph.calibration import DOUBT
+from fingerpad.image.photograph.points import _arc
 from fingerpad.image.photograph.result import PhotographFit
-from fingerpad.image.photograph.shape_doubt import DOUBT
 
 Array: TypeAlias = npt.NDArray[np.float64]
 Face: TypeAlias = tuple[str, Array, face_arc.FaceArc]

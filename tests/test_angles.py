@@ -6,7 +6,7 @@ import pytest
 from fingerpad.contact import HertzPressure, Tissue, solve_gap
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Counterface, Ellipsoid, Placement
-from fingerpad.image import ImageEllipse, PlaneEllipse, Scale, fit_outline_ellipse, photograph_from_ellipse
+from fingerpad.image import ImageEllipse, PlaneEllipse, Scale, photograph_from_ellipse
 from fingerpad.simulate import outline_points, render_coin, render_contact_image
 from fingerpad.uncertainty import Inputs, placement_model, propagate, run_monte_carlo
 
@@ -40,8 +40,6 @@ DEGREES = {
     ),
     "orientation of an ellipse": lambda: ImageEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
     "angle of a plane ellipse": lambda: PlaneEllipse(0, 0, 9, 8, angle=45),
-    "tilt of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), tilt=30),
-    "tilt_std of an outline": lambda: fit_outline_ellipse(outline_points(11.8, 13.8), tilt_std=30),
     "angle of outline points": lambda: outline_points(11.8, 13.8, angle=30),
     "arc of outline points": lambda: outline_points(11.8, 13.8, arc=(0, 180)),
     "tilt of a photograph": lambda: photograph_from_ellipse(

@@ -10,8 +10,8 @@ from benchmarks import fingertips
 from benchmarks.finger_shapes import SHAPES, SIDES, render, tip_outline
 
 from fingerpad.image import Scale, measure_photograph, photograph_from_ellipse
+from fingerpad.image.photograph.arc_fit import fit_arc_ellipse
 from fingerpad.image.photograph.lengths import lengths_contradict, with_lengths
-from fingerpad.image.photograph.outline_fit import fit_outline_ellipse
 from fingerpad.image.photograph.outline_radius import radius_of_outline
 from fingerpad.image.photograph.shape import PadShape, departure_of, is_significant
 from fingerpad.simulate import render_finger
@@ -31,7 +31,7 @@ def arc_of(shape, half_deg, seed=0, noise_px=0.15):
 
 
 def compared(points, half_width=math.nan):
-    fit = fit_outline_ellipse(points, tilt=0.0, tilt_std=math.radians(2))
+    fit = fit_arc_ellipse(points, tilt=0.0, tilt_std=math.radians(2))
     shape = PadShape(tilt=(0.0, math.radians(2)), half_width=half_width, noise=fit.residual_std)
     return fit, departure_of(points, fit.ellipse, fit.covariance[2:4, 2:4], shape)
 

@@ -15,8 +15,8 @@ from fingerpad.image import (
     SEMI_AXES,
     FaceSemiAxes,
     combine_faces,
+    face_from_outline,
     implausible_size,
-    semi_axes_from_outlines,
 )
 from fingerpad.simulate import outline_points
 
@@ -49,7 +49,7 @@ def test_rounded_outlines():
         for name, factor in off.items()
     }
     for scale_std in (0.0, 0.01, 0.05):
-        found = semi_axes_from_outlines(outlines, relative_scale_std=scale_std)
+        found = combine_faces([face_from_outline(*one, scale_std) for one in outlines.items()])
         assert found.semi_axes == pytest.approx(list(TRUTH.values()), rel=0.011)
         assert (np.abs(found.semi_axes - list(TRUTH.values())) < 2 * found.stds).all()
 

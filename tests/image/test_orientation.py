@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image.photograph.orientation import STEPS, face_axes, opposite, palmar_directions
+from fingerpad.image.photograph.faces import STEPS, face_axes, opposite, palmar_directions
 
 CLOCKWISE = ("up", "right", "down", "left")
 TURN = np.array([[0, 1], [-1, 0]])  # a step (row, column) turned to the left, acting from the right

@@ -7,7 +7,7 @@ import pytest
 from benchmarks.finger_shapes import SHAPES, tip_outline
 
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image import face_from_outline, read_outline, semi_axes_from_outlines
+from fingerpad.image import combine_faces, face_from_outline, read_outline
 from fingerpad.simulate import outline_points
 
 PALMAR, DISTAL, RADIAL_ULNAR = 7.9, 13.8, 11.8
@@ -26,21 +26,25 @@ def faces(seed, noise_std=0.05, **changes):
     }
 
 
+def semi_axes_of(outlines, relative_scale_std=0.0):
+    return combine_faces([face_from_outline(*one, relative_scale_std) for one in outlines.items()])
+
+
 def test_exact_outlines():
-    found = semi_axes_from_outlines(faces(0, noise_std=0))
+    found = semi_axes_of(faces(0, noise_std=0))
     assert (found.palmar, found.distal, found.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8), rel=1e-6)
 
 
 @pytest.mark.parametrize("side", ["radial", "ulnar"])
 def test_two_faces_suffice(side):
     given = faces(1)
-    found = semi_axes_from_outlines({"palmar": given["palmar"], side: given["radial"]})
+    found = semi_axes_of({"palmar": given["palmar"], side: given["radial"]})
     assert (found.palmar, found.distal, found.radial_ulnar) == pytest.approx((7.9, 13.8, 11.8), abs=0.15)
     assert found.degrees_of_freedom == 1
 
 
 def test_scatter_and_consistency():
-    found = [semi_axes_from_outlines(faces(seed)) for seed in range(20)]
+    found = [semi_axes_of(faces(seed)) for seed in range(20)]
     values = np.array([[one.palmar, one.distal, one.radial_ulnar] for one in found])
     np.testing.assert_allclose(values.mean(axis=0), [PALMAR, DISTAL, RADIAL_ULNAR], atol=0.04)
     # More is stated than ellipses scatter by: nothing says that an outline is one.
@@ -86,14 +90,14 @@ def test_few_points_do_not_tell_the_shape():
 
 
 def test_disagreeing_faces():
-    found = semi_axes_from_outlines(faces(2, distal=(RADIAL_ULNAR + 1, PALMAR)))
+    found = semi_axes_of(faces(2, distal=(RADIAL_ULNAR + 1, PALMAR)))
     assert found.p_value < 1e-3
 
 
 def test_uncertain_scale_explains_disagreement():
     crooked = faces(3, distal=(1.03 * RADIAL_ULNAR, 1.03 * PALMAR))
-    strict = semi_axes_from_outlines(crooked)
-    lenient = semi_axes_from_outlines(crooked, relative_scale_std=0.03)
+    strict = semi_axes_of(crooked)
+    lenient = semi_axes_of(crooked, relative_scale_std=0.03)
     assert strict.p_value < 0.01 < lenient.p_value
     assert (lenient.stds > strict.stds).all()
 
@@ -110,27 +114,27 @@ def test_uncertain_scale_explains_disagreement():
 def test_unseen_axis(given, words):
     outlines = faces(0)
     with pytest.raises(FitError, match=words):
-        semi_axes_from_outlines({face: outlines[face] for face in given})
+        semi_axes_of({face: outlines[face] for face in given})
 
 
 def test_an_outline_without_a_residual_is_refused():
     angles = np.array([0.1, 1.0, 2.0, 3.0])
     four = np.stack([RADIAL_ULNAR * np.cos(angles), PALMAR * np.sin(angles)], axis=-1)
     with pytest.raises(FitError, match="distal face: four points leave no residual"):
-        semi_axes_from_outlines(faces(0) | {"distal": four})
+        semi_axes_of(faces(0) | {"distal": four})
     five = np.append(four, [[0, 1.01 * PALMAR]], axis=0)
-    assert np.isfinite(semi_axes_from_outlines(faces(0) | {"distal": five}).covariance).all()
+    assert np.isfinite(semi_axes_of(faces(0) | {"distal": five}).covariance).all()
 
 
 def test_invalid_outline():
     with pytest.raises(FitError, match="distal face"):
-        semi_axes_from_outlines(faces(0) | {"distal": np.zeros((3, 2))})
+        semi_axes_of(faces(0) | {"distal": np.zeros((3, 2))})
 
 
 @pytest.mark.parametrize("bad", [-0.1, math.nan, math.inf])
 def test_invalid_scale_std(bad):
     with pytest.raises(FitError, match="relative_scale_std"):
-        semi_axes_from_outlines(faces(0), relative_scale_std=bad)
+        semi_axes_of(faces(0), relative_scale_std=bad)
 
 
 def test_other_columns_ignored(tmp_path):

@@ -19,7 +19,7 @@ from fingerpad.image import (
     read_colour_image,
     read_image,
 )
-from fingerpad.image.photograph.orientation import face_axes
+from fingerpad.image.photograph.faces import face_axes
 from fingerpad.simulate import render_finger
 
 SEMI_AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8), "ulnar": (7.9, 13.8)}

@@ -22,23 +22,24 @@ from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ell
 from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.levels import MEMORY_LIMIT
 from fingerpad.image.photograph.faces import (
+    FACE_AXES,
+    SEMI_AXES,
+    Direction,
+    Face,
     FaceSemiAxes,
-    OutlineSemiAxes,
+    PadSemiAxes,
     combine_faces,
     direct_semi_axes,
     implausible_size,
 )
-from fingerpad.image.photograph.files import read_marks, read_outline
 from fingerpad.image.photograph.manual import (
     photograph_from_ellipse,
     photograph_from_handles,
     with_marked_points,
 )
 from fingerpad.image.photograph.measure import measure_photograph
-from fingerpad.image.photograph.orientation import FACE_AXES, SEMI_AXES, Direction, Face
-from fingerpad.image.photograph.outline import face_from_outline, semi_axes_from_outlines
-from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse
 from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
+from fingerpad.image.photograph.points import face_from_outline, read_marks, read_outline
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.read import Picture, read_colour_image, read_image
 from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM, Scale
@@ -87,8 +88,7 @@ __all__ = [
     "Frames",
     "Grid",
     "ImageEllipse",
-    "OutlineFit",
-    "OutlineSemiAxes",
+    "PadSemiAxes",
     "Phase",
     "PhaseIntervals",
     "PhotographFit",
@@ -113,7 +113,6 @@ __all__ = [
     "face_from_outline",
     "fit_aligned_ellipse",
     "fit_ellipse",
-    "fit_outline_ellipse",
     "frame_clock",
     "guess_subject",
     "implausible_size",
@@ -137,7 +136,6 @@ __all__ = [
     "read_marks",
     "read_outline",
     "scan_texture",
-    "semi_axes_from_outlines",
     "sequence_summary",
     "with_marked_points",
     "write_overlay",

@@ -15,7 +15,7 @@ from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.image.coin.measure import measure_coin
 from fingerpad.image.contact_image.spectra import LineTexture, line_texture
 from fingerpad.image.levels import eight_bit, picture_levels
-from fingerpad.image.photograph.orientation import Direction, Face, opposite
+from fingerpad.image.photograph.faces import Direction, Face, opposite
 from fingerpad.image.photograph.silhouette import Silhouette, find_silhouette, opponent_light
 from fingerpad.image.read import ImageLike, colour_levels
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.flags import FLAGS, Flag, flags_in
-from fingerpad.image import OutlineSemiAxes
+from fingerpad.image import PadSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.error_text import counted
 from fingerpad.study.measuring.fingers import FingerResult
@@ -206,7 +206,7 @@ def probability(p_value: float) -> str:
     return "< 0.001" if p_value < 0.001 else f"{p_value:.2g}"
 
 
-def face_differences(outlines: OutlineSemiAxes) -> str:
+def face_differences(outlines: PadSemiAxes) -> str:
     """Return by how much the semi-axes of each face exceed the joint ones, in percent.
 
     Examples

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.image.photograph.orientation import Face
+from fingerpad.image.photograph.faces import Face
 
 _STEP_MM = 0.02
 _LENGTH_MM = 75.0

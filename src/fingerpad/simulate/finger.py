@@ -14,7 +14,7 @@ from fingerpad._arrays import Float32Array, FloatArray, as_float32
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.image.levels import linear_light, srgb_levels
-from fingerpad.image.photograph.orientation import Direction, Face, face_axes, palmar_directions
+from fingerpad.image.photograph.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.simulate._finger_shape import FingerShape, finger_shape, pad_arc
 
 Backdrop: TypeAlias = Literal["white", "grey", "black", "blue", "green", "cork"]

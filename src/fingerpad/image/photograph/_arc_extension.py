@@ -5,10 +5,10 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.image.ellipse_fit import distances
 from fingerpad.image.photograph.arc import IndexArray
-from fingerpad.image.photograph.outline_fit import (
-    OutlineFit,
+from fingerpad.image.photograph.arc_fit import (
+    ArcFit,
     departure_covariance,
-    fit_outline_ellipse,
+    fit_arc_ellipse,
     outline_places,
     parametric_angles,
     radii_of_curvature,
@@ -19,9 +19,7 @@ _REACH = 0.25
 _REJECTION = 4.0
 
 
-def extend_arc(
-    points: FloatArray, used: IndexArray, fit: OutlineFit, tilt: tuple[float, float]
-) -> OutlineFit:
+def extend_arc(points: FloatArray, used: IndexArray, fit: ArcFit, tilt: tuple[float, float]) -> ArcFit:
     """Fit an arc's ellipse again, with the outline just beyond its ends.
 
     Parameters
@@ -30,7 +28,7 @@ def extend_arc(
         Outline in the face's frame, px, in order.
     used : ndarray of int
         The arc.
-    fit : OutlineFit
+    fit : ArcFit
         The ellipse of the arc alone.
     tilt : (float, float)
         Tilt of the finger's axis and its standard uncertainty, radians.
@@ -47,14 +45,12 @@ def extend_arc(
     beyond = spacing * (
         np.minimum(places[order] - places[ends[0]], 0) + np.maximum(places[order] - places[ends[1]], 0)
     )
-    return fit_outline_ellipse(
+    return fit_arc_ellipse(
         points[order], tilt=tilt[0], tilt_std=tilt[1], places=places[order], start=values, beyond=beyond
     )
 
 
-def _flank(
-    points: FloatArray, order: IndexArray, away: FloatArray, fit: OutlineFit, radius: float
-) -> IndexArray:
+def _flank(points: FloatArray, order: IndexArray, away: FloatArray, fit: ArcFit, radius: float) -> IndexArray:
     """Return the points beyond one end, outwards, as far as they can belong to the finger."""
     order, away = order[away <= _REACH * radius], away[away <= _REACH * radius]
     if not len(order):

@@ -15,8 +15,8 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse_fit import distances, normalise
-from fingerpad.image.photograph.orientation import Face
-from fingerpad.image.photograph.outline_fit import OutlineFit, fit_outline_ellipse, turns_from
+from fingerpad.image.photograph.arc_fit import ArcFit, fit_arc_ellipse, turns_from
+from fingerpad.image.photograph.faces import Face
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]
 
@@ -64,13 +64,13 @@ class PadArc:
 
     Attributes
     ----------
-    fit : OutlineFit
+    fit : ArcFit
         The ellipse of the points used.
     used, rejected : ndarray of int
         Indices into the outline, in order along it.
     """
 
-    fit: OutlineFit
+    fit: ArcFit
     used: IndexArray
     rejected: IndexArray
 
@@ -203,7 +203,7 @@ def fit_arc(
     values = _consensus(track, tilt) if start is None else start
     good = _inliers(distances(values, track)[0])
     for _ in range(3):
-        fit = fit_outline_ellipse(
+        fit = fit_arc_ellipse(
             track[good], tilt=tilt[0], tilt_std=tilt[1], places=np.flatnonzero(good), start=values
         )
         values, before = np.array(fit.ellipse), good

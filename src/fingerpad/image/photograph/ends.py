@@ -10,8 +10,8 @@ from scipy.special import softmax
 from fingerpad._arrays import FloatArray
 from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import distances
-from fingerpad.image.photograph.outline_fit import (
-    OutlineFit,
+from fingerpad.image.photograph.arc_fit import (
+    ArcFit,
     block_starts,
     departure_covariance,
     radii_of_curvature,
@@ -55,12 +55,12 @@ class _Blocks:
 
 def average_over_ends(
     points: FloatArray,
-    fit: OutlineFit,
+    fit: ArcFit,
     *,
     middle: float,
     tilt: tuple[float, float],
     certain: tuple[float, float] = (0.0, 0.0),
-) -> tuple[OutlineFit, FloatArray]:
+) -> tuple[ArcFit, FloatArray]:
     """Fit the ellipse again for every place where the arc may end, and average by evidence.
 
     About the arc as found the fit is linear. For each pair of ends the outline beyond departs as
@@ -72,7 +72,7 @@ def average_over_ends(
     ----------
     points : ndarray, (n, 2)
         Points of the outline that can be pad, px, in order, without those that stand out from the arc.
-    fit : OutlineFit
+    fit : ArcFit
         The ellipse of the arc as found.
     middle : float
         Parametric angle of the pad's middle, radians.
@@ -83,7 +83,7 @@ def average_over_ends(
 
     Returns
     -------
-    OutlineFit
+    ArcFit
         The average, with the covariance within the pairs.
     ndarray, (5, 5)
         The covariance between the pairs.

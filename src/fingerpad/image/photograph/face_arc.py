@@ -15,15 +15,16 @@ from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph._arc_extension import extend_arc
 from fingerpad.image.photograph.arc import PAD_MIDDLE, initial_ellipse
-from fingerpad.image.photograph.ends import average_over_ends
-from fingerpad.image.photograph.lengths import half_width, lengths_contradict, with_lengths
-from fingerpad.image.photograph.orientation import Face
-from fingerpad.image.photograph.outline_fit import (
-    OutlineFit,
-    fit_outline_ellipse,
+from fingerpad.image.photograph.arc_fit import (
+    ArcFit,
+    fit_arc_ellipse,
     outline_places,
     turns_from,
 )
+from fingerpad.image.photograph.calibration import DOUBT
+from fingerpad.image.photograph.ends import average_over_ends
+from fingerpad.image.photograph.faces import Face
+from fingerpad.image.photograph.lengths import half_width, lengths_contradict, with_lengths
 from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
 from fingerpad.image.photograph.shape import (
     Departure,
@@ -31,7 +32,6 @@ from fingerpad.image.photograph.shape import (
     departure_of,
     is_significant,
 )
-from fingerpad.image.photograph.shape_doubt import DOUBT
 from fingerpad.image.scale import Scale
 
 # What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
@@ -238,11 +238,11 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     return replace(found, flags=_flags(found, arc))
 
 
-def _fitted(arc: FaceArc) -> tuple[OutlineFit, dict[str, FloatArray]]:
+def _fitted(arc: FaceArc) -> tuple[ArcFit, dict[str, FloatArray]]:
     """Return the arc's ellipse, and the terms of the covariance of its parameters."""
     used = np.flatnonzero(arc.used)
     places, _ = outline_places(arc.points)
-    fit = fit_outline_ellipse(
+    fit = fit_arc_ellipse(
         arc.points[used], tilt=arc.tilt[0], tilt_std=arc.tilt[1], places=places[used], start=arc.start
     )
     ends = np.zeros((5, 5))
@@ -266,7 +266,7 @@ def _fitted(arc: FaceArc) -> tuple[OutlineFit, dict[str, FloatArray]]:
     }
 
 
-def _departure(arc: FaceArc, fit: OutlineFit, covariance: FloatArray) -> Departure | None:
+def _departure(arc: FaceArc, fit: ArcFit, covariance: FloatArray) -> Departure | None:
     """Compare the ellipse with a superellipse along its arc, and along the pad's middle where it is not."""
     guess = initial_ellipse(arc.points, arc.face)
     core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < _SURELY_PAD

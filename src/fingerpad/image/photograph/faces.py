@@ -1,4 +1,4 @@
-"""Semi-axes of the finger pad from those that its faces show.
+"""The faces of a finger, their directions in a photograph, and the pad's semi-axes from those they show.
 
 Each face shows two of the three semi-axes, so that two faces give one of them twice and three faces each of
 them twice: the joint estimate is over-determined, and the disagreement is reported.
@@ -9,8 +9,9 @@ the result below all of them (Peelle's pertinent puzzle).
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy import special
@@ -28,8 +29,22 @@ from fingerpad._arrays import (
 )
 from fingerpad._display import Displayed
 from fingerpad.exceptions import FitError, ImageError
-from fingerpad.image.photograph.orientation import FACE_AXES, SEMI_AXES, Face
 from fingerpad.image.scale import ScaleLike, as_scale
+
+Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
+Direction: TypeAlias = Literal["up", "down", "left", "right"]
+
+SEMI_AXES = ("palmar", "distal", "radial_ulnar")
+# The semi-axes that (x, y), that is (across, along), show in a photograph of each face.
+FACE_AXES: Mapping[Face, tuple[str, str]] = {
+    "palmar": ("radial_ulnar", "distal"),
+    "distal": ("radial_ulnar", "palmar"),
+    "radial": ("palmar", "distal"),
+    "ulnar": ("palmar", "distal"),
+}
+# One step in each direction, (row, column).
+STEPS: Mapping[Direction, tuple[int, int]] = {"up": (-1, 0), "right": (0, 1), "down": (1, 0), "left": (0, -1)}
+_TURNS: tuple[Direction, ...] = ("up", "right", "down", "left")
 
 # Semi-axes of any finger pad lie between these.
 PLAUSIBLE_SEMI_AXIS_MM = (2.0, 40.0)
@@ -39,6 +54,47 @@ _MIN_RELATIVE_STD = 1e-4
 _DISAGREE = 0.01
 # Relative standard deviation between faces beyond which they cannot be those of one finger.
 _MAX_BETWEEN_STD = 0.3
+
+
+def opposite(direction: Direction) -> Direction:
+    """Return the direction half a turn away."""
+    return _TURNS[(_TURNS.index(direction) + 2) % 4]
+
+
+def palmar_directions(face: Face, tip: Direction, palmar: Direction | None) -> tuple[Direction, ...]:
+    """Return the directions that the palmar side may have in the photograph, one if it is known.
+
+    Raises
+    ------
+    ImageError
+        If the face or a direction is unknown, or the palmar side cannot lie there.
+    """
+    if face not in tuple(FACE_AXES):
+        raise ImageError(f"face must be one of {', '.join(FACE_AXES)}, found {face!r}")
+    for name, direction in (("tip", tip), ("palmar", palmar)):
+        if not (direction in tuple(STEPS) or (name == "palmar" and direction is None)):
+            raise ImageError(f"{name} must be one of {', '.join(STEPS)}, found {direction!r}")
+    if face == "distal":
+        return (palmar or "down",)
+    if face == "palmar":
+        if palmar is not None:
+            raise ImageError(f"the palmar face looks at the camera: leave palmar out, found {palmar!r}")
+        return (tip,)
+    across = tuple(_TURNS[(_TURNS.index(tip) + turn) % 4] for turn in (1, 3))
+    if palmar is None:
+        return across
+    if palmar not in across:
+        raise ImageError(
+            f"with the tip {tip} the palmar side is {across[0]} or {across[1]}, found {palmar!r}"
+        )
+    return (palmar,)
+
+
+def face_axes(face: Face, tip: Direction, palmar: Direction) -> FloatArray:
+    """Return the steps (row, column) of the face's x (across) and y (along), one in each row."""
+    along = STEPS[palmar] if face == "distal" else STEPS[tip]
+    across = STEPS[palmar] if face in ("radial", "ulnar") else (along[1], -along[0])
+    return np.array([across, along], dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -97,7 +153,7 @@ class FaceSemiAxes(Displayed):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class OutlineSemiAxes(Displayed):
+class PadSemiAxes(Displayed):
     """Semi-axes of a finger pad from two or more of its faces.
 
     Attributes
@@ -191,7 +247,7 @@ def implausible_size(semi_axes: ArrayLike) -> BoolArray:
     return (found < least) | (found > most)
 
 
-def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
+def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
     r"""Combine the semi-axes that two or more faces show into the three of the finger pad.
 
     Generalised least squares of the logarithms :math:`\ln\ell`, with covariance
@@ -211,7 +267,7 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> OutlineSemiAxes:
 
     Returns
     -------
-    OutlineSemiAxes
+    PadSemiAxes
 
     Raises
     ------
@@ -245,7 +301,7 @@ def _require_every_axis(faces: tuple[FaceSemiAxes, ...]) -> None:
             raise FitError(f"no face given shows the {axis} semi-axis, found {found}: add one of {showing}")
 
 
-def _combine(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
+def _combine(faces: tuple[FaceSemiAxes, ...]) -> PadSemiAxes:
     """Combine the semi-axes of all faces, once they are sound."""
     values = np.concatenate([one.semi_axes for one in faces])
     design = np.array([[axis == name for name in SEMI_AXES] for one in faces for axis in FACE_AXES[one.face]])
@@ -275,7 +331,7 @@ def _combine(faces: tuple[FaceSemiAxes, ...]) -> OutlineSemiAxes:
         raise _contradiction(faces, design, off)
     semi_axes = np.exp(means + shift)
     palmar, distal, radial_ulnar = map(float, semi_axes)
-    return OutlineSemiAxes(
+    return PadSemiAxes(
         palmar=palmar,
         distal=distal,
         radial_ulnar=radial_ulnar,

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad.image.photograph.orientation import Face
+from fingerpad.image.photograph.calibration import DOUBT
+from fingerpad.image.photograph.faces import Face
 from fingerpad.image.photograph.result import PhotographFit
-from fingerpad.image.photograph.shape_doubt import DOUBT
 
 # Half of the window about a place where the outline turns back, in radii of curvature; how much of it must be
 # seen on either side.

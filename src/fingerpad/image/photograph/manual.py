@@ -11,7 +11,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image.ellipse import rotation
 from fingerpad.image.photograph.arc import PAD_MIDDLE
 from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
-from fingerpad.image.photograph.orientation import Direction, Face, face_axes, palmar_directions
+from fingerpad.image.photograph.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
 from fingerpad.image.scale import ScaleLike, as_scale
 

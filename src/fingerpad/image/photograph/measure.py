@@ -17,7 +17,7 @@ from fingerpad.image.levels import picture_array
 from fingerpad.image.photograph.arc import PAD_MIDDLE, candidate_points, finger_tilt, fit_arc, longest_arc
 from fingerpad.image.photograph.edges import SubpixelOutline, Window, locate_edges
 from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
-from fingerpad.image.photograph.orientation import Direction, Face, face_axes, opposite, palmar_directions
+from fingerpad.image.photograph.faces import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.photograph.silhouette import Silhouette, find_silhouette, opponent_light
 from fingerpad.image.read import ImageLike, colour_levels

@@ -11,8 +11,7 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad._records import record_text
-from fingerpad.image.photograph.faces import FaceSemiAxes, implausible_size
-from fingerpad.image.photograph.orientation import FACE_AXES, Face
+from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.outline_radius import radius_of_outline
 from fingerpad.image.scale import Scale
 

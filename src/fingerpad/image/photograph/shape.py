@@ -10,8 +10,8 @@ from scipy.special import expit
 
 from fingerpad._arrays import FloatArray
 from fingerpad.image.ellipse import PlaneEllipse
-from fingerpad.image.photograph.outline_fit import block_starts
-from fingerpad.image.photograph.shape_doubt import DOUBT
+from fingerpad.image.photograph.arc_fit import block_starts
+from fingerpad.image.photograph.calibration import DOUBT
 
 # Exponents searched, and departures from 2 to start from.
 _EXPONENTS, _STARTS = (1.2, 5.0), (-0.35, -0.15, 0.2, 0.5)

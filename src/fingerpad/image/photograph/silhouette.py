@@ -12,7 +12,7 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import fill_holes, longest_contour
 from fingerpad.image.levels import LUMA, linear_light
-from fingerpad.image.photograph.orientation import STEPS, Direction
+from fingerpad.image.photograph.faces import STEPS, Direction
 
 _SIDE_PX = 900
 _MIN_SIDE_PX = 32

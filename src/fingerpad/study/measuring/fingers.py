@@ -17,7 +17,7 @@ from fingerpad._files import file_stem, make_folder
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FaceSemiAxes,
-    OutlineSemiAxes,
+    PadSemiAxes,
     PhotographFit,
     combine_faces,
     face_from_outline,
@@ -91,7 +91,7 @@ class FingerResult:
         Their covariance, mm².
     source : str
         ``given`` or ``photographs``.
-    outlines : OutlineSemiAxes or None
+    outlines : PadSemiAxes or None
         The faces combined, with their consistency.
     photographs : tuple of PhotographResult
         The photographs measured.
@@ -113,7 +113,7 @@ class FingerResult:
     semi_axes: FloatArray
     covariance: FloatArray
     source: str
-    outlines: OutlineSemiAxes | None = None
+    outlines: PadSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
     outline_radii: tuple[tuple[tuple[float, float, float], ...], ...] = ()
     scale: str | None = None
@@ -236,7 +236,7 @@ def finger_result(
 
 
 def finger_from_faces(
-    finger: Finger, joint: OutlineSemiAxes, outline_radii: Iterable[tuple[tuple[float, float, float], ...]]
+    finger: Finger, joint: PadSemiAxes, outline_radii: Iterable[tuple[tuple[float, float, float], ...]]
 ) -> FingerResult:
     """Return a finger with the semi-axes of its faces, and the radii that side faces' outlines show."""
     names = {face.scale for face in joint.faces}

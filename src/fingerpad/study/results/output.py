@@ -10,7 +10,7 @@ from typing import Any
 from fingerpad._csv import csv_cell, write_csv
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
-from fingerpad.image import OutlineSemiAxes
+from fingerpad.image import PadSemiAxes
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.check import UncertaintyCheck
@@ -184,7 +184,7 @@ def summary_record(result: StudyResult) -> dict[str, Any]:
     }
 
 
-def _faces(outlines: OutlineSemiAxes) -> list[dict[str, Any]]:
+def _faces(outlines: PadSemiAxes) -> list[dict[str, Any]]:
     """Return the semi-axes of each face, mm, and by how much they exceed the joint ones, relative to them."""
     return [
         {

@@ -12,7 +12,7 @@ from fingerpad.image import (
     FACE_AXES,
     SEMI_AXES,
     FaceSemiAxes,
-    OutlineSemiAxes,
+    PadSemiAxes,
     PhotographFit,
     combine_faces,
     photograph_from_handles,
@@ -236,7 +236,7 @@ def _stored_fit(opened: StudySession, item: str, photograph: Photograph) -> Phot
     return _fit(opened, item, photograph, stored)
 
 
-def _joint(found: OutlineSemiAxes, items: list[str]) -> dict[str, Any]:
+def _joint(found: PadSemiAxes, items: list[str]) -> dict[str, Any]:
     return {
         "semi_axes_mm": dict(zip(SEMI_AXES, found.semi_axes, strict=True)),
         "semi_axes_mm_std": dict(zip(SEMI_AXES, found.stds, strict=True)),

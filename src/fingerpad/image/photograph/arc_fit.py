@@ -30,7 +30,7 @@ _TWO_SIDED_95 = 1.959964
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class OutlineFit(EllipseFit):
+class ArcFit(EllipseFit):
     """An ellipse fitted to ordered points with correlated errors.
 
     Attributes
@@ -53,7 +53,7 @@ class OutlineFit(EllipseFit):
     Examples
     --------
     >>> from fingerpad.simulate import outline_points
-    >>> fit = fit_outline_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
+    >>> fit = fit_arc_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
     >>> print(f"{fit.ellipse.semi_y:.2f} ± {np.sqrt(fit.covariance[3, 3]):.2f}")
     13.78 ± 0.07
     """
@@ -84,7 +84,7 @@ class OutlineFit(EllipseFit):
         return np.asarray(self.influence @ shared @ self.influence.T, dtype=np.float64)
 
 
-def fit_outline_ellipse(
+def fit_arc_ellipse(
     points: ArrayLike,
     *,
     tilt: float = 0.0,
@@ -92,7 +92,7 @@ def fit_outline_ellipse(
     places: ArrayLike | None = None,
     start: ArrayLike | None = None,
     beyond: ArrayLike | None = None,
-) -> OutlineFit:
+) -> ArcFit:
     """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points of an outline.
 
     Parameters
@@ -112,7 +112,7 @@ def fit_outline_ellipse(
 
     Returns
     -------
-    OutlineFit
+    ArcFit
 
     Raises
     ------
@@ -124,7 +124,7 @@ def fit_outline_ellipse(
     Examples
     --------
     >>> from fingerpad.simulate import outline_points
-    >>> fit = fit_outline_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
+    >>> fit = fit_arc_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
     >>> round(fit.ellipse.semi_x, 1), round(fit.ellipse.semi_y, 1)
     (11.8, 13.8)
     """
@@ -160,7 +160,7 @@ def fit_outline_ellipse(
     # By convention a distance grows outwards and falls as the ellipse does.
     influence = -inverse @ errors.weighted(design).T * (unit / size)[:, None]
     x, y = values[:2] * size + shift
-    return OutlineFit(
+    return ArcFit(
         ellipse=PlaneEllipse(
             float(x), float(y), float(values[2] * size), float(values[3] * size), float(values[4])
         ),

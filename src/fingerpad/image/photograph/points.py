@@ -1,21 +1,22 @@
-"""Semi-axes of the finger pad from outlines of its faces."""
+"""Outlines of faces given as points, and the files of points and marks."""
 
 import math
-from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad.exceptions import FitError
+from fingerpad._columns import columns_named_by, read_columns
+from fingerpad.exceptions import FitError, ImageError, LoadingError
 from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
 from fingerpad.image.photograph.arc import PAD_MIDDLE
+from fingerpad.image.photograph.arc_fit import turns_from
+from fingerpad.image.photograph.calibration import DOUBT
 from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
-from fingerpad.image.photograph.faces import FaceSemiAxes, OutlineSemiAxes, combine_faces
-from fingerpad.image.photograph.orientation import Face
-from fingerpad.image.photograph.outline_fit import turns_from
+from fingerpad.image.photograph.faces import Face, FaceSemiAxes
 from fingerpad.image.photograph.result import size_flags
-from fingerpad.image.photograph.shape_doubt import DOUBT
 from fingerpad.image.scale import Scale
 
 # From so many points on an outline shows whether it is an ellipse.
@@ -26,51 +27,6 @@ _INDEPENDENT_POINTS, _MOST_ALIKE = 60, 8
 _UPRIGHT_STD = math.radians(2.0)
 # Shared errors of photographs are in pixels: those of an outline are taken as of a photograph so fine.
 _UNIT = Scale(0.05)
-
-
-def semi_axes_from_outlines(
-    outlines: Mapping[Face, ArrayLike], *, relative_scale_std: float = 0.0
-) -> OutlineSemiAxes:
-    """Combine the outlines of two or more faces into the three semi-axes.
-
-    Each outline is measured as `face_from_outline` does; the semi-axes are then combined as `combine_faces`
-    does.
-
-    Parameters
-    ----------
-    outlines : mapping from face to array_like, (n, 2)
-        Outline points, mm, by face. ``palmar``: x across the finger (radial–ulnar), y along it (distal).
-        ``distal``, the fingertip seen end on: x across (radial–ulnar), y palmar. ``radial`` or ``ulnar``, a
-        side: x palmar, y along the finger (distal).
-    relative_scale_std : float
-        Relative standard uncertainty of each photograph's scale, independent between photographs.
-
-    Returns
-    -------
-    OutlineSemiAxes
-
-    Raises
-    ------
-    FitError
-        If an outline gives no ellipse, fits one without a residual to estimate its uncertainty, no face shows
-        one of the semi-axes, or the faces contradict each other.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import outline_points
-    >>> found = semi_axes_from_outlines(
-    ...     {
-    ...         "palmar": outline_points(11.8, 13.8, noise_std=0.05, seed=1),
-    ...         "distal": outline_points(11.8, 7.9, noise_std=0.05, seed=2),
-    ...         "radial": outline_points(7.9, 13.8, noise_std=0.05, seed=3),
-    ...     }
-    ... )
-    >>> round(found.palmar, 1), round(found.distal, 1), round(found.radial_ulnar, 1), found.degrees_of_freedom
-    (7.9, 13.8, 11.8, 3)
-    """
-    return combine_faces(
-        [face_from_outline(face, points, relative_scale_std) for face, points in outlines.items()]
-    )
 
 
 def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float = 0.0) -> FaceSemiAxes:
@@ -86,7 +42,9 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
     face : {"palmar", "distal", "radial", "ulnar"}
         The face that looks at the camera.
     points : array_like, shape (n, 2)
-        Outline points, mm, axes as for `semi_axes_from_outlines`.
+        Outline points, mm. ``palmar``: x across the finger (radial–ulnar), y along it (distal). ``distal``,
+        the fingertip seen end on: x across (radial–ulnar), y palmar. ``radial`` or ``ulnar``, a side:
+        x palmar, y along the finger (distal).
     relative_scale_std : float
         Relative standard uncertainty of the photograph's scale.
 
@@ -154,3 +112,75 @@ def _arc(face: Face, points: FloatArray, ellipse: PlaneEllipse) -> FaceArc:
         ends_known=True,
         alike=min(max(len(points) // _INDEPENDENT_POINTS, 1), _MOST_ALIKE),
     )
+
+
+def read_outline(path: str | PathLike[str]) -> FloatArray:
+    r"""Read outline points from a CSV file with columns like ``x_mm, y_mm`` or ``X [um], Y [um]``.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Points (x, y), mm.
+
+    Raises
+    ------
+    ImageError
+        If the file cannot be opened, lacks a column, or holds anything but finite numbers; the message names
+        file, column and line.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "outline.csv")
+    ...     _ = path.write_text("x_mm,y_mm\n11.8,0\n0,13.8\n")
+    ...     read_outline(path)
+    array([[11.8,  0. ],
+           [ 0. , 13.8]])
+    """
+    return _read_points(Path(path), "x", "y")
+
+
+def read_marks(path: str | PathLike[str]) -> FloatArray:
+    r"""Read marks on a picture from a CSV file with the columns ``row_px`` and ``column_px``.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        Marks (row, column), px.
+
+    Raises
+    ------
+    ImageError
+        As `read_outline`.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "marks.csv")
+    ...     _ = path.write_text("row_px,column_px\n24,200\n300,436\n")
+    ...     read_marks(path)
+    array([[ 24., 200.],
+           [300., 436.]])
+    """
+    return _read_points(Path(path), "row", "column")
+
+
+def _read_points(path: Path, first: str, second: str) -> FloatArray:
+    try:
+        with columns_named_by(lambda _: ""):  # nothing else names them
+            found = read_columns(path, (first, second))
+    except LoadingError as error:
+        raise ImageError(str(error)) from error
+    return np.column_stack([found[first], found[second]])

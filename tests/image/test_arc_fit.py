@@ -8,8 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 from skimage.measure import EllipseModel
 
 from fingerpad.exceptions import FitError
-from fingerpad.image import fit_outline_ellipse
-from fingerpad.image.photograph.outline_fit import departure_covariance
+from fingerpad.image.photograph.arc_fit import departure_covariance, fit_arc_ellipse
 from fingerpad.simulate import outline_points
 
 
@@ -26,14 +25,14 @@ def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, tilt=0.0, count=240):
 @pytest.mark.parametrize("arc_deg", [40, 90, 180])
 @pytest.mark.parametrize("tilt", [-0.15, 0.0, 0.1])
 def test_exact_points(arc_deg, tilt):
-    fit = fit_outline_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, tilt=tilt), tilt=tilt)
+    fit = fit_arc_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, tilt=tilt), tilt=tilt)
     assert fit.ellipse[2:] == pytest.approx((11.8, 13.8, tilt), rel=1e-4, abs=1e-5)
     assert np.ptp(fit.angles) == pytest.approx(math.radians(arc_deg), rel=0.01)
 
 
 @pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
 def test_coverage_with_correlated_errors(reach):
-    fits = [fit_outline_ellipse(noisy(seed, reach=reach), tilt_std=0.02) for seed in range(40)]
+    fits = [fit_arc_ellipse(noisy(seed, reach=reach), tilt_std=0.02) for seed in range(40)]
     found = np.array([fit.ellipse[2:4] for fit in fits])
     stated = np.array([np.sqrt(np.diagonal(fit.covariance))[2:4] for fit in fits])
     held = np.mean(np.abs(found - (11.8, 13.8)) < 1.96 * stated)
@@ -43,8 +42,8 @@ def test_coverage_with_correlated_errors(reach):
 
 
 def test_correlation_estimate():
-    alone = np.median([fit_outline_ellipse(noisy(seed, reach=0.3)).correlation for seed in range(9)])
-    joined = np.median([fit_outline_ellipse(noisy(seed, reach=6.0)).correlation for seed in range(9)])
+    alone = np.median([fit_arc_ellipse(noisy(seed, reach=0.3)).correlation for seed in range(9)])
+    joined = np.median([fit_arc_ellipse(noisy(seed, reach=6.0)).correlation for seed in range(9)])
     assert alone < 2
     # A Gaussian filter of deviation s leaves an integrated correlation of 2 s sqrt(pi).
     assert joined == pytest.approx(2 * 6 * math.sqrt(math.pi), rel=0.4)
@@ -53,7 +52,7 @@ def test_correlation_estimate():
 def test_agrees_with_a_second_implementation():
     points = noisy(1, arc_deg=200, std=0.02, tilt=0.1)
     # In the frame of the tilt, and with no prior to speak of: the same five parameters.
-    fit = fit_outline_ellipse(points, tilt=0.1, tilt_std=2 * math.pi)
+    fit = fit_arc_ellipse(points, tilt=0.1, tilt_std=2 * math.pi)
     model = EllipseModel.from_estimate(points)
     x, y, first, second, theta = (*model.center, *model.axis_lengths, model.theta)
     assert sorted(fit.ellipse[2:4]) == pytest.approx(sorted((first, second)), rel=2e-3)
@@ -65,8 +64,8 @@ def test_agrees_with_a_second_implementation():
 
 def test_known_axis_reduces_uncertainty():
     points = noisy(2, arc_deg=100, tilt=0.05)[:300]
-    strict = fit_outline_ellipse(points, tilt=0.05, tilt_std=0.005)
-    loose = fit_outline_ellipse(points, tilt=0.05, tilt_std=0.3)
+    strict = fit_arc_ellipse(points, tilt=0.05, tilt_std=0.005)
+    loose = fit_arc_ellipse(points, tilt=0.05, tilt_std=0.3)
     assert strict.covariance[4, 4] < loose.covariance[4, 4] / 4
     assert strict.covariance[4, 4] <= 1.5 * 0.005**2
 
@@ -75,8 +74,8 @@ def test_missing_places():
     points = noisy(3)
     kept = np.ones(len(points), dtype=bool)
     kept[150:200] = False
-    whole = fit_outline_ellipse(points)
-    broken = fit_outline_ellipse(points[kept], places=np.flatnonzero(kept))
+    whole = fit_arc_ellipse(points)
+    broken = fit_arc_ellipse(points[kept], places=np.flatnonzero(kept))
     assert broken.ellipse.semi_y == pytest.approx(
         whole.ellipse.semi_y, abs=4 * math.sqrt(broken.covariance[3, 3])
     )
@@ -85,7 +84,7 @@ def test_missing_places():
 
 def test_influence_is_derivative():
     points = noisy(4, count=60)
-    fit = fit_outline_ellipse(points, tilt_std=0.05)
+    fit = fit_arc_ellipse(points, tilt_std=0.05)
     out = points - fit.ellipse[:2]
     normal = out / np.array(fit.ellipse[2:4]) ** 2
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -93,7 +92,7 @@ def test_influence_is_derivative():
     for k in (5, 30, 55):
         moved = points.copy()
         moved[k] += step * normal[k]
-        refit = fit_outline_ellipse(moved, tilt_std=0.05)
+        refit = fit_arc_ellipse(moved, tilt_std=0.05)
         change = (np.array(refit.ellipse) - fit.ellipse) / step
         np.testing.assert_allclose(
             change[:4], fit.influence[:4, k], atol=0.12 * np.abs(fit.influence[:4]).max()
@@ -101,7 +100,7 @@ def test_influence_is_derivative():
 
 
 def test_common_offset_widens_both_axes():
-    fit = fit_outline_ellipse(noisy(5, arc_deg=300))
+    fit = fit_arc_ellipse(noisy(5, arc_deg=300))
     shared = fit.shared_error_covariance(0.1, 0.0, 1.0)
     np.testing.assert_allclose(np.sqrt(np.diagonal(shared))[2:4], 0.1, rtol=0.1)
 
@@ -117,13 +116,13 @@ def test_common_offset_widens_both_axes():
 )
 def test_invalid_points(points, words):
     with pytest.raises(FitError, match=words):
-        fit_outline_ellipse(points)
+        fit_arc_ellipse(points)
 
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, math.nan])
 def test_invalid_tilt_std(bad):
     with pytest.raises(FitError, match="tilt_std"):
-        fit_outline_ellipse(noisy(0), tilt_std=bad)
+        fit_arc_ellipse(noisy(0), tilt_std=bad)
 
 
 def flanked(seed, bend, *, std=0.01, arc_deg=100.0, past=0.2):
@@ -145,11 +144,11 @@ def test_points_beyond_arc(bend):
     found, stated, alone = [], [], []
     for seed in range(12):
         points, beyond = flanked(seed, bend)
-        fit = fit_outline_ellipse(points, beyond=beyond)
+        fit = fit_arc_ellipse(points, beyond=beyond)
         found.append(fit.ellipse[2:4])
         stated.append(np.sqrt(np.diagonal(fit.covariance))[2:4])
         on_arc = beyond == 0
-        arc = fit_outline_ellipse(points[on_arc])
+        arc = fit_arc_ellipse(points[on_arc])
         alone.append(np.sqrt(np.diagonal(arc.covariance))[2:4])
     assert (np.median(stated, axis=0) < 0.8 * np.median(alone, axis=0)).all()
     off = np.abs(np.array(found) - (11.8, 13.8))
