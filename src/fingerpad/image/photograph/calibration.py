@@ -1,4 +1,8 @@
-"""What outlines are like that are no ellipses, as numbers found on drawn fingers."""
+"""Constants of photographs that were fitted to fingers of known truth, one class per model.
+
+How well they do on other fingers: docs/reference/accuracy.md. Thresholds that are plain choices stand beside
+the functions that use them.
+"""
 
 import math
 from dataclasses import dataclass
@@ -25,15 +29,22 @@ class ShapeDoubt:
     too_rough: float = 10.0  # misfit over the ellipse's own; a fold or a nail, neither curve
     rough_std: float = 0.08  # relative; an ellipse then, or where too few points tell its shape
     significant: float = 3.0  # standard uncertainties of the exponent from 2
-    least_departure: float = 0.05  # of the exponent from 2, to be significant
+    least_significant: float = 0.05  # of the exponent from 2, to be significant
 
     # The points.
     least_px: float = 0.12  # px; standard deviation of a block of points at least
     far: float = 4.0  # standard deviations; farther off, a point counts but linearly
     most_alike: float = 0.6  # correlation of neighbouring blocks that is believed at most
 
-    # The outline's own lengths. A shaft that widens below hides the pad's widest place; where the pad is no
-    # ellipse, what is wider may well be pad, and hides as much as it adds.
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LengthDoubt:
+    """How far an outline's own lengths lie from an ellipse's semi-axes.
+
+    A shaft that widens below hides the pad's widest place; where the pad is no ellipse, what is wider may
+    well be pad, and hides as much as it adds.
+    """
+
     side_std: Pair = (0.015, 0.02)  # relative, on an ellipse; across and along in a side face
     front_std: Pair = (0.01, 0.015)  # relative, on an ellipse; across and along in the others
     side_axis_std: float = math.radians(1.0)  # radians; a side face's axis beyond the ellipse's own
@@ -44,5 +55,25 @@ class ShapeDoubt:
     added: float = 0.7  # share of what contradicts the ellipse
     no_ellipse: float = 0.04  # relative; a length so far off shows that it is none
 
+    # Where the outline turns back.
+    window: float = 0.35  # radii of curvature on either side
+    seen: float = 0.6  # share of the window with points, on either side
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RadiusDoubt:
+    """How an outline's radius of curvature is fitted, and what the fit misses."""
+
+    window: float = 0.35  # radii of curvature on either side
+    degree: int = 3  # of the polynomial in it
+    seen: float = 0.85  # share of the window with points, on either side
+    missed_std: float = 0.04  # relative; by changes of curvature in the window
+    wider: float = 0.5  # radii of curvature; another window
+    higher: int = 5  # degree in that window
+    of_difference: float = 0.55  # share of the difference to the radii of the wider window
+    axis_std: float = math.radians(2.5)  # radians; the finger's axis from the ellipse's, beyond its own
+
 
 DOUBT: Final = ShapeDoubt()
+LENGTHS: Final = LengthDoubt()
+RADIUS: Final = RadiusDoubt()

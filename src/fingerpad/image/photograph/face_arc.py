@@ -12,7 +12,7 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
-from fingerpad.image.ellipse import rotation
+from fingerpad.image.ellipse import PlaneEllipse, rotation
 from fingerpad.image.photograph._arc_extension import extend_arc
 from fingerpad.image.photograph.arc import PAD_MIDDLE, initial_ellipse
 from fingerpad.image.photograph.arc_fit import (
@@ -21,17 +21,12 @@ from fingerpad.image.photograph.arc_fit import (
     outline_places,
     turns_from,
 )
-from fingerpad.image.photograph.calibration import DOUBT
+from fingerpad.image.photograph.calibration import DOUBT, LENGTHS
 from fingerpad.image.photograph.ends import average_over_ends
 from fingerpad.image.photograph.faces import Face
-from fingerpad.image.photograph.lengths import half_width, lengths_contradict, with_lengths
+from fingerpad.image.photograph.outline import beyond_chance, contradicted_by_lengths, half_width
 from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
-from fingerpad.image.photograph.shape import (
-    Departure,
-    PadShape,
-    departure_of,
-    is_significant,
-)
+from fingerpad.image.photograph.shape import ShapeAverage, average_over_shapes, is_significant
 from fingerpad.image.scale import Scale
 
 # What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
@@ -201,15 +196,20 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
             f"by {known:.0%}: mark a longer arc, come nearer, or choose a backdrop of another colour than "
             "the skin"
         )
-    departure = _departure(arc, fit, covariance[2:4, 2:4])
-    ellipse = fit.ellipse if departure is None else departure.ellipse
+    average = _average_over_shapes(arc, fit, covariance[2:4, 2:4])
+    ellipse, share = (fit.ellipse, 1.0) if average is None else (average.ellipse, 1 - average.weight)
     semi_px = np.array([ellipse.semi_x, ellipse.semi_y])
-    share = 1.0 if departure is None else 1 - departure.weight
+    tilt_std = math.sqrt(covariance[4, 4])
     parts = {name: share * term[2:4, 2:4] * scale**2 for name, term in terms.items()}
-    if departure is None:
+    if average is None:
         parts["shape"] = np.diag((DOUBT.rough_std * semi_px * scale) ** 2)
     else:
-        parts["shape"] = departure.covariance * scale**2 - np.sum(list(parts.values()), axis=0)
+        parts["shape"] = average.covariance * scale**2 - np.sum(list(parts.values()), axis=0)
+    if not arc.ends_known:
+        lengths, turn = _contradicted(arc, ellipse, tilt_std, share)
+        tilt_std = math.hypot(tilt_std, LENGTHS.added * turn)
+        both = np.outer(lengths, lengths) + turn**2
+        parts["lengths"] = LENGTHS.added**2 * both * np.outer(semi_px, semi_px) * scale**2
     parts["scale"] = scale_term(semi_px * scale, arc.scale)
     centre = np.array([ellipse.x, ellipse.y]) @ axes + place
     found = PhotographFit(
@@ -220,7 +220,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         centre=(float(centre[0]), float(centre[1])),
         directions=rotation(ellipse.angle).T @ axes,
         tilt=ellipse.angle,
-        tilt_std=math.sqrt(covariance[4, 4]),
+        tilt_std=tilt_std,
         arc=(float(angles.min()), float(angles.max())),
         points=arc.in_picture(local),
         outliers=arc.in_picture(np.concatenate([arc.points[arc.rejected], arc.erased])),
@@ -228,13 +228,11 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         residual_px_std=fit.residual_std,
         blur_px=arc.blur,
         flags=frozenset(),
-        exponent=math.nan if departure is None else departure.exponent,
-        exponent_std=math.nan if departure is None else departure.exponent_std,
+        exponent=math.nan if average is None else average.exponent,
+        exponent_std=math.nan if average is None else average.exponent_std,
         outline=arc.in_picture(arc.points[arc.pad_found]),
         _arc=arc,
     )
-    if not arc.ends_known:
-        found = with_lengths(found, arc.in_picture(arc.outline), arc.tilt, ellipse=share)
     return replace(found, flags=_flags(found, arc))
 
 
@@ -266,11 +264,11 @@ def _fitted(arc: FaceArc) -> tuple[ArcFit, dict[str, FloatArray]]:
     }
 
 
-def _departure(arc: FaceArc, fit: ArcFit, covariance: FloatArray) -> Departure | None:
-    """Compare the ellipse with a superellipse along its arc, and along the pad's middle where it is not."""
+def _average_over_shapes(arc: FaceArc, fit: ArcFit, covariance: FloatArray) -> ShapeAverage | None:
+    """Average with a superellipse along the arc, and along the pad's middle where the arc leaves it out."""
     guess = initial_ellipse(arc.points, arc.face)
     core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < _SURELY_PAD
-    shape = PadShape(tilt=arc.tilt, noise=fit.residual_std, alike=arc.alike)
+    half, hidden = math.nan, 0.0
     # A side face shows the nail's side too, whose distance is no semi-axis.
     if arc.face in ("palmar", "distal") and len(arc.outline):
         upright = rotation(arc.tilt[0])
@@ -278,14 +276,43 @@ def _departure(arc: FaceArc, fit: ArcFit, covariance: FloatArray) -> Departure |
             (part - fit.ellipse[:2]) @ upright for part in (arc.outline, arc.points[arc.pad_found])
         )
         width = half_width(outline, pad, *fit.ellipse[2:4], arc.face)
-        shape = replace(shape, half_width=width.value, hidden=width.hidden)
-    return departure_of(arc.points[arc.searched & (arc.used | core)], fit.ellipse, covariance, shape)
+        half, hidden = width.value, width.hidden
+    return average_over_shapes(
+        arc.points[arc.searched & (arc.used | core)],
+        fit.ellipse,
+        covariance,
+        tilt=arc.tilt,
+        half_width=half,
+        hidden=hidden,
+        noise=fit.residual_std,
+        alike=arc.alike,
+    )
+
+
+def _contradicted(
+    arc: FaceArc, ellipse: PlaneEllipse, tilt_std: float, share: float
+) -> tuple[FloatArray, float]:
+    """Return by how much the outline's lengths and the finger's axis differ from an ellipse beyond chance.
+
+    Where the ellipse is tilted otherwise than the finger, another curve was taken for a turned ellipse: its
+    axis is uncertain by that turn, and its semi-axes by about as many radians.
+    """
+    outline, pad = (
+        (part - ellipse[:2]) @ rotation(ellipse.angle) for part in (arc.outline, arc.points[arc.pad_found])
+    )
+    semi_axes = np.array([ellipse.semi_x, ellipse.semi_y])
+    lengths = contradicted_by_lengths(arc.face, outline, semi_axes, pad=pad, tilt_std=tilt_std, ellipse=share)
+    if arc.face == "distal":
+        return lengths, 0.0
+    return lengths, float(beyond_chance(ellipse.angle - arc.tilt[0], LENGTHS.of_tilt_std * arc.tilt[1]))
 
 
 def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
     """Return what makes a measurement doubtful."""
     semi_px = float(found.semi_axes.min()) / found.scale.mm_per_px
     relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
+    by_lengths = np.diagonal(found.covariance_terms.get("lengths", np.zeros((2, 2))))
+    no_ellipse = float((np.sqrt(by_lengths) / found.semi_axes).max()) > LENGTHS.added * LENGTHS.no_ellipse
     ratios = arc.step_ratios
     rejected = arc.rejected.sum() / (arc.rejected | arc.used).sum()
     holds = {
@@ -296,7 +323,7 @@ def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
         "soft_edges": found.blur_px > 0.02 * semi_px,
         "touches_border": arc.border is not None and _margin(found, arc.border) < arc.border[2],
         "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
-        "not_an_ellipse": is_significant(found.exponent, found.exponent_std) or lengths_contradict(found),
+        "not_an_ellipse": no_ellipse or is_significant(found.exponent, found.exponent_std),
         "tilted": abs(found.tilt) > math.radians(10),
         "fitted_manually": bool(arc.marked.any()) or len(arc.erased) > 0,
     }

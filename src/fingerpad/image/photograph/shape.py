@@ -1,4 +1,4 @@
-"""How far a finger's outline departs from an ellipse, and its semi-axes in view of that."""
+"""Semi-axes of a face whose outline may be no ellipse: an average over ellipse and superellipse."""
 
 import math
 from dataclasses import dataclass
@@ -13,45 +13,20 @@ from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.photograph.arc_fit import block_starts
 from fingerpad.image.photograph.calibration import DOUBT
 
-# Exponents searched, and departures from 2 to start from.
+# Exponents searched, and differences from 2 to start from.
 _EXPONENTS, _STARTS = (1.2, 5.0), (-0.35, -0.15, 0.2, 0.5)
 # Neighbouring points share the skin's roughness; blocks of so many hardly do.
-_BLOCK, _MIN_BLOCKS = 8, 10
+BLOCK, _MIN_BLOCKS = 8, 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PadShape:
-    """What is known of an outline before its shape is compared with an ellipse.
-
-    Attributes
-    ----------
-    tilt : (float, float)
-        Tilt of the finger's axis and its standard uncertainty, radians.
-    half_width : float
-        Half of the finger's width, px; NaN where this face does not show the pad's.
-    hidden : float
-        How much of it, px, the outline does not show.
-    noise : float
-        Standard deviation of the points on the ellipse's arc from it, px.
-    alike : int
-        So many neighbouring points share an error.
-    """
-
-    tilt: tuple[float, float]
-    half_width: float = math.nan
-    hidden: float = 0.0
-    noise: float = math.inf
-    alike: int = _BLOCK
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Departure:
-    """How an outline departs from an ellipse.
+class ShapeAverage:
+    """An ellipse and a superellipse along the same outline, averaged by the odds of the two.
 
     Attributes
     ----------
     ellipse : PlaneEllipse
-        Centre, semi-axes and angle, averaged over the ellipse and the superellipse, px.
+        Mean centre, semi-axes and angle, px.
     covariance : ndarray, (2, 2)
         Of its semi-axes, px².
     weight : float
@@ -68,16 +43,24 @@ class Departure:
 
 
 def is_significant(exponent: float, std: float) -> bool:
-    """Return whether an exponent departs from 2 by more than chance and the skin's roughness allow."""
-    return abs(exponent - 2) > max(DOUBT.significant * std, DOUBT.least_departure)
+    """Return whether an exponent differs from 2 by more than chance and the skin's roughness allow."""
+    return abs(exponent - 2) > max(DOUBT.significant * std, DOUBT.least_significant)
 
 
-def departure_of(
-    points: FloatArray, ellipse: PlaneEllipse, covariance: FloatArray, shape: PadShape
-) -> Departure | None:
+def average_over_shapes(
+    points: FloatArray,
+    ellipse: PlaneEllipse,
+    covariance: FloatArray,
+    *,
+    tilt: tuple[float, float],
+    half_width: float = math.nan,
+    hidden: float = 0.0,
+    noise: float = math.inf,
+    alike: int = BLOCK,
+) -> ShapeAverage | None:
     """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse.
 
-    |X/a|^p + |Y/b|^p = 1, where p departs from 2 by normal deviates, of standard deviation 0.3 for all
+    |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, of standard deviation 0.3 for all
     quadrants together and 0.15 for each. The semi-axes of both curves are the extents to which they continue
     the arc. They are averaged by the posterior odds of the two.
 
@@ -89,33 +72,41 @@ def departure_of(
         The ellipse as fitted to its arc.
     covariance : ndarray, (2, 2)
         Of its semi-axes, px².
-    shape : PadShape
-        What is known of the outline.
+    tilt : (float, float)
+        Tilt of the finger's axis and its standard uncertainty, radians.
+    half_width : float
+        Half of the finger's width, px; NaN where this face does not show the pad's.
+    hidden : float
+        How much of it, px, the outline does not show.
+    noise : float
+        Standard deviation of the points on the ellipse's arc from it, px.
+    alike : int
+        So many neighbouring points share an error.
 
     Returns
     -------
-    Departure or None
+    ShapeAverage or None
         None where the points are too few to tell.
     """
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
-    blocks, counts = _blocks(points / size, shape.alike)
-    if counts.sum() < _MIN_BLOCKS * shape.alike:
+    blocks, counts = _blocks(points / size, alike)
+    if counts.sum() < _MIN_BLOCKS * alike:
         return None
-    weights = np.sqrt(np.minimum(counts / shape.alike, 1))
+    weights = np.sqrt(np.minimum(counts / alike, 1))
     given = np.array([ellipse.semi_x, ellipse.semi_y])
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
-    width_std = math.hypot(DOUBT.width_std, shape.hidden / ellipse.semi_x)
-    width = (math.log(shape.half_width / size), width_std)
-    curve = _Curve(blocks, weights, shape.tilt, width, DOUBT.least_px / size)
+    width_std = math.hypot(DOUBT.width_std, hidden / ellipse.semi_x)
+    width = (math.log(half_width / size), width_std)
+    curve = _Curve(blocks, weights, tilt, width, DOUBT.least_px / size)
     bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)
     for _ in range(2):
-        noise = max(DOUBT.least_px / size, curve.deviation(bent.x))
-        curve = _Curve(blocks, weights, shape.tilt, width, noise)
+        deviation = max(DOUBT.least_px / size, curve.deviation(bent.x))
+        curve = _Curve(blocks, weights, tilt, width, deviation)
         bent = curve.fitted(bent.x)
     plain = curve.fitted(start)
     weight = float(expit(DOUBT.log_odds + _log_evidence(bent) - _log_evidence(plain)))
     more, off = np.exp(bent.x[2:4]) * size, np.exp(plain.x[2:4]) * size - given
-    if noise * size > DOUBT.too_rough * max(shape.noise, DOUBT.least_px):
+    if deviation * size > DOUBT.too_rough * max(noise, DOUBT.least_px):
         weight, off = 0.0, DOUBT.rough_std * given
     apart = more - given
     inverse = np.linalg.pinv(bent.jac.T @ bent.jac)
@@ -124,12 +115,12 @@ def departure_of(
         + DOUBT.missed**2 * np.outer(apart, apart)
         + DOUBT.floor**2 * np.diag(more**2)
     )
-    plain_covariance = _with_width(given, covariance, shape.half_width, width_std) + np.outer(off, off)
+    plain_covariance = _with_width(given, covariance, half_width, width_std) + np.outer(off, off)
     x, y, _, _, angle = map(float, weight * bent.x[:5] + (1 - weight) * start)
     semi_x, semi_y = map(float, weight * more + (1 - weight) * given)
     in_quadrants = np.bincount(curve.quadrants(bent.x), weights=counts, minlength=4)
     shares = np.append(1, in_quadrants / counts.sum())
-    return Departure(
+    return ShapeAverage(
         ellipse=PlaneEllipse(x * size, y * size, semi_x, semi_y, angle),
         covariance=np.asarray(
             weight * bent_covariance
@@ -162,7 +153,7 @@ def _blocks(points: FloatArray, alike: int) -> tuple[FloatArray, FloatArray]:
 class _Curve:
     """An ellipse (x, y, log a, log b, angle) or, with five more values, a superellipse, through points.
 
-    The five are the departure of all exponents from 2, and that of each quadrant from theirs.
+    The five are the difference of all exponents from 2, and that of each quadrant from theirs.
     """
 
     def __init__(
@@ -181,7 +172,7 @@ class _Curve:
         return least_squares(self._off, start, self._slopes, x_scale="jac", max_nfev=100)
 
     def bent(self, start: FloatArray, about: float) -> OptimizeResult:
-        """Return the best superellipse next to the best one whose exponents depart so far from 2."""
+        """Return the best superellipse next to the best one whose exponents differ so far from 2."""
         exponents = np.array([about, 0.0, 0.0, 0.0, 0.0])
         held = least_squares(
             lambda values: self._off(np.append(values, exponents)),
