@@ -5,7 +5,7 @@ function of the arc and of what is known beside it, not of the way it was reache
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -99,12 +99,43 @@ class FaceArc:
     used: BoolArray
     rejected: BoolArray
     marked: BoolArray
-    erased: FloatArray
     start: FloatArray
     ends_known: bool
+    erased: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     alike: int = 8
     blur: float = math.nan
     border: tuple[float, float, float] | None = None
+
+    @classmethod
+    def given(
+        cls,
+        face: Face,
+        points: FloatArray,
+        *,
+        scale: Scale,
+        frame: tuple[FloatArray, FloatArray],
+        tilt: tuple[float, float],
+        start: FloatArray,
+        alike: int = 8,
+    ) -> Self:
+        """Return the arc of points that are all pad, without a picture."""
+        every = np.ones(len(points), dtype=bool)
+        return cls(
+            face=face,
+            scale=scale,
+            frame=frame,
+            tilt=tilt,
+            points=points,
+            step_ratio=np.full(len(points), math.nan),
+            pad=every,
+            searched=every,
+            used=every,
+            rejected=~every,
+            marked=~every,
+            start=start,
+            ends_known=True,
+            alike=alike,
+        )
 
     @property
     def outline(self) -> FloatArray:

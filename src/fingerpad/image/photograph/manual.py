@@ -217,22 +217,13 @@ def with_marked_points(
 
 def _placed_arc(found: PhotographFit) -> FaceArc:
     """Return an arc without points yet, of an ellipse that was placed manually."""
-    nothing = np.zeros(0, dtype=bool)
-    return FaceArc(
-        face=found.face,
+    return FaceArc.given(
+        found.face,
+        np.empty((0, 2)),
         scale=found.scale,
         frame=(rotation(found.tilt) @ found.directions, as_float_array(found.centre)),
         tilt=(found.tilt, found.tilt_std),
-        points=np.empty((0, 2)),
-        step_ratio=np.empty(0),
-        pad=nothing,
-        searched=nothing,
-        used=nothing,
-        rejected=nothing,
-        marked=nothing,
-        erased=np.empty((0, 2)),
         start=np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.tilt]),
-        ends_known=True,
     )
 
 

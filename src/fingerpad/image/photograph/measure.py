@@ -181,7 +181,6 @@ def _pad_arc(
         used=np.isin(numbers, arc.used),
         rejected=np.isin(numbers, arc.rejected),
         marked=np.zeros(len(every), dtype=bool),
-        erased=np.empty((0, 2)),
         start=np.array(arc.fit.ellipse),
         ends_known=ends_known,
         blur=edges.blur,

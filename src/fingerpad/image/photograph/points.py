@@ -93,23 +93,13 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
 def _arc(face: Face, points: FloatArray, ellipse: PlaneEllipse) -> FaceArc:
     """Return the arc that is all of an outline, whose points, mm, may come in any order."""
     order = np.argsort(turns_from(PAD_MIDDLE[face], points, ellipse), kind="stable")
-    every = np.ones(len(points), dtype=bool)
-    start = np.array(ellipse) / [*(4 * [_UNIT.mm_per_px]), 1.0]
-    return FaceArc(
-        face=face,
+    return FaceArc.given(
+        face,
+        points[order] / _UNIT.mm_per_px,
         scale=_UNIT,
         frame=(np.eye(2), np.zeros(2)),
         tilt=(0.0, _UPRIGHT_STD),
-        points=points[order] / _UNIT.mm_per_px,
-        step_ratio=np.full(len(points), math.nan),
-        pad=every,
-        searched=every,
-        used=every,
-        rejected=~every,
-        marked=~every,
-        erased=np.empty((0, 2)),
-        start=start,
-        ends_known=True,
+        start=np.array(ellipse) / [*(4 * [_UNIT.mm_per_px]), 1.0],
         alike=min(max(len(points) // _INDEPENDENT_POINTS, 1), _MOST_ALIKE),
     )
 
