@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.smooth_contacts import KINDS, pictures
+from benchmarks.smooth_contacts import KINDS, loading, pictures
 from fingerpad.exceptions import ImageError
-from fingerpad.image import measure_contact_image
+from fingerpad.image import Frame, measure_contact_image, measure_sequence
+from fingerpad.image.levels import luma
 
 
 def accuracy(kind: str, seeds: range, count: int) -> dict[str, Any]:
@@ -50,7 +51,50 @@ def accuracy(kind: str, seeds: range, count: int) -> dict[str, Any]:
     }
 
 
+def sequence_accuracy(kind: str, seeds: range, count: int) -> dict[str, Any]:
+    """Return the same of the frames of presses, whose first frame, before touch, is the background."""
+    rows, flags, missed, false, refused = [], dict[str, int](), 0, 0, 0
+    for seed in seeds:
+        press = list(loading(seed, count, kind))  # type: ignore[no-untyped-call]
+        frames = [Frame(index=k, pixels=luma(one["image"])) for k, one in enumerate(press)]
+        try:
+            results = list(measure_sequence(frames, press[0]["mm_per_px"], surface="smooth"))
+        except ImageError:
+            refused += 1
+            continue
+        for one, found in zip(press, results, strict=True):
+            area = one["truth"]["area_mm2"]
+            if found.measures is None or not area:
+                missed += bool(area)
+                false += found.measures is not None
+                continue
+            for flag in found.flags:
+                flags[flag] = flags.get(flag, 0) + 1
+            off, std = found.measures["gross_area_mm2"] - area, found.measures["gross_area_mm2_std"]
+            rows.append((100 * off / area, 100 * std / area, abs(off) < 1.96 * std))
+    table = np.array(rows, dtype=float).reshape(-1, 3)
+    return {
+        "frames": len(table),
+        "missed": missed,
+        "before touch": false,
+        "refused": refused,
+        **(
+            {
+                "bias": float(table[:, 0].mean()),
+                "rms": math.sqrt(float((table[:, 0] ** 2).mean())),
+                "stated": float(np.median(table[:, 1])),
+                "covered": float(table[:, 2].mean()),
+            }
+            if len(table)
+            else {}
+        ),
+        "flags": flags,
+    }
+
+
 if __name__ == "__main__":
     first = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     for each in KINDS:
         print(each, accuracy(each, range(first, first + 4), 2))
+    for each in KINDS[:5]:
+        print("press,", each, sequence_accuracy(each, range(first, first + 4), 6))

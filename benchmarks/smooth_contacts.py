@@ -265,7 +265,8 @@ def _edge_point(rng, a, b, ang, mm, centre):
     return np.array([centre[0] + s * x + c * y, centre[1] + c * x - s * y])
 
 
-def _scene(rng, kind, cut=False, contact=True, want=None):
+def _scene(rng, kind, cut=False, contact=True, want=None, grown=1.0, noise=None):
+    """A picture; `grown` is the contact's size in parts of that drawn, `noise` the camera's own rng."""
     big = rng.random() < 0.35
     H = int(rng.integers(300, 700) if not big else rng.integers(700, 1201))
     Wd = int(np.clip(H * rng.choice([1, 1, 4 / 3, 4 / 3, 16 / 9]), 300, 1600))
@@ -294,7 +295,8 @@ def _scene(rng, kind, cut=False, contact=True, want=None):
     if rng.random() < 0.5 and kind != "newton":  # JKR: sqrt(2 pi a w/E*)
         stretch = np.sqrt(2 * np.pi * np.sqrt(a * b) * np.exp(rng.uniform(np.log(1e-5), np.log(4e-4))))
         stretch = min(stretch, 0.15 * a * a / R)
-    gap = Gap(a, b, R, stretch)
+    # Hertz: the radius of curvature stays while the contact grows.  JKR: the stretch goes with the root.
+    gap = Gap(a * grown, b * grown, R, min(stretch * grown**0.5, 0.15 * (a * grown) ** 2 / R))
     look = Look(rng, shape)
     dist = []
     illum = _light(rng, shape, rng.uniform(0.15, 1))
@@ -325,7 +327,7 @@ def _scene(rng, kind, cut=False, contact=True, want=None):
     x, y = _frame(shape, centre, ang, mm)
     # the pad behind the glass: visible through room light when the gap is small
     lift = a * a / R * rng.uniform(0.1, 0.7) if not contact else 0.0  # hovering height, mm
-    hfar = np.zeros(shape) + np.maximum((x / a) ** 2 + (y / b) ** 2 - 1, 0) * a * a / (2 * R) + lift
+    hfar = np.maximum((x / gap.a) ** 2 + (y / gap.b) ** 2 - 1, 0) * gap.a**2 / (2 * R) + lift
     hover = contact or want == "hover"
 
     if kind in ("ftir", "ftir_dark"):
@@ -499,8 +501,8 @@ def _scene(rng, kind, cut=False, contact=True, want=None):
                 g_r, g_c = np.gradient(h)
                 ph = 2 * np.hypot(g_r, g_c) / wv
                 slow = np.sinc(ph)
-                rho = np.sqrt((x / a) ** 2 + (y / b) ** 2)
-                far = (rho - 1) * b > 3 * mm
+                rho = np.sqrt((x / gap.a) ** 2 + (y / gap.b) ** 2)
+                far = (rho - 1) * gap.b > 3 * mm
                 I = np.where(far, r1 + r2 + floor + (I - r1 - r2 - floor) * slow, I)
             chan.append(I)
         im = chan[0] * scale if mono else np.stack(chan, -1) * scale * np.array([1, 0.98, 0.93])
@@ -529,6 +531,8 @@ def _scene(rng, kind, cut=False, contact=True, want=None):
         raise ValueError(kind)
     if drift > 1.01 or drift < 0.99:
         dist.append("light_drift")
+    if noise is not None:
+        look.rng = noise
     image, back = look.expose(im * drift), look.expose(bg)
     if look.jpeg:
         dist.append("jpeg")
@@ -537,13 +541,13 @@ def _scene(rng, kind, cut=False, contact=True, want=None):
     truth = dict(
         contact=int(contact),
         inside_frame=int(contact and not cut),
-        semi_major_mm=a if contact else 0.0,
-        semi_minor_mm=b if contact else 0.0,
+        semi_major_mm=gap.a if contact else 0.0,
+        semi_minor_mm=gap.b if contact else 0.0,
         angle=ang if contact else 0.0,
         centre_px=(float(centre[0]), float(centre[1])) if contact else (-1.0, -1.0),
-        area_mm2=float(np.pi * a * b) if contact else 0.0,
+        area_mm2=float(np.pi * gap.a * gap.b) if contact else 0.0,
         radius_of_curvature_mm=float(R),
-        adhesive_stretch_mm=float(stretch),
+        adhesive_stretch_mm=float(gap.stretch),
         psf_sigma_px=float(look.psf),
         gamma=look.gamma,
         jpeg_quality=look.jpeg,
@@ -573,6 +577,22 @@ def pictures(seed, count, kind="ftir"):
         else:
             p = _scene(rng, kind)
         p["optics"], p["kind"] = p["kind"], kind
+        yield p
+
+
+def loading(seed, count, kind="ftir"):
+    """Yield one press as by `pictures`: the view before touch, then `count` frames in which the load
+    grows evenly up to the last, and the contact's radius as its cube root (Hertz)."""
+    for k in range(count + 1):
+        p = _scene(
+            np.random.default_rng([seed, KINDS.index(kind), 99]),
+            kind,
+            grown=(max(k, 1) / count) ** (1 / 3),
+            noise=np.random.default_rng([seed, k]),
+        )
+        if k == 0:
+            p["image"] = p["background"]
+            p["truth"] = p["truth"] | {"contact": 0, "area_mm2": 0.0}
         yield p
 
 

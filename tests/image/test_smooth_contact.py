@@ -5,11 +5,12 @@ import math
 import cv2
 import numpy as np
 import pytest
-from benchmarks.smooth_accuracy import accuracy
+from benchmarks.smooth_accuracy import accuracy, sequence_accuracy
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import (
     BrushStroke,
+    Frame,
     Scale,
     draw_overlay,
     measure_contact_image,
@@ -21,14 +22,14 @@ _SCALE = Scale(0.03, 0.0)
 _CENTRE, _AXES, _ANGLE = (118.3, 131.6), (70.2, 52.7), 25.0
 
 
-def _picture(*, contrast=90.0, reflection=False, contact=True, seed=1):
+def _picture(*, contrast=90.0, reflection=False, contact=True, seed=1, size=1.0, noise=None):
     """Return a picture of a blurred ellipse with dust, grain and perhaps a reflection, and its background."""
     rng = np.random.default_rng(seed)
     rows, columns = np.mgrid[:240, :260].astype(float)
     fine = np.zeros((240 * 8, 260 * 8), np.uint8)
     centre = tuple(round(((c + 0.5) * 8 - 0.5) * 16) for c in _CENTRE[::-1])
     if contact:
-        axes = tuple(round(a * 8 * 16) for a in _AXES)
+        axes = tuple(round(a * size * 8 * 16) for a in _AXES)
         cv2.ellipse(fine, centre, axes, _ANGLE, 0, 360, 255, -1, shift=4)
     inside = cv2.resize(fine, (260, 240), interpolation=cv2.INTER_AREA) / 255
     inside = cv2.GaussianBlur(inside, (0, 0), 1.2)
@@ -42,6 +43,7 @@ def _picture(*, contrast=90.0, reflection=False, contact=True, seed=1):
         cv2.line(shine, (150, 60), (220, 110), 120, 7)
         shine = cv2.GaussianBlur(shine, (0, 0), 1.5)
     image = ground + contrast * light * inside + shine
+    rng = rng if noise is None else np.random.default_rng(noise)
     pictures = [each + rng.normal(0, 1.5, each.shape) for each in (image, ground)]
     return [np.rint(each).clip(0, 255).astype(np.uint8) for each in pictures]
 
@@ -126,8 +128,8 @@ def test_a_contact_at_the_frame_is_flagged():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"threshold": 20.0}, "tells ridges apart"),
-        ({"ridge_period": 0.5}, "tells ridges apart"),
+        ({"threshold": 20.0}, "tells ridges from valleys"),
+        ({"ridge_period": 0.5}, "tells ridges from valleys"),
         ({"seed": (5.0, 5.0)}, "at seed"),
         ({"background": np.ones((20, 20))}, "picture's shape"),
     ],
@@ -143,9 +145,43 @@ def test_an_unknown_surface_is_refused():
         measure_contact_image(_picture()[0], _SCALE, surface="rough")
 
 
-def test_a_sequence_of_smooth_contacts_is_refused():
-    with pytest.raises(ImageError, match="frame by frame"):
-        measure_sequence([], _SCALE, surface="smooth")
+_SIZES = [0.0, 0.0, 0.4, 0.6, 0.8, 1.0, 1.0, 1.0, 0.7]
+
+
+def _press():
+    """Return frames of a press under a reflection, the first two before touch."""
+    pictures = [
+        _picture(size=size, contact=size > 0, reflection=True, noise=k)[0] for k, size in enumerate(_SIZES)
+    ]
+    return [Frame(index=k, pixels=pixels) for k, pixels in enumerate(pictures)]
+
+
+def test_the_first_frame_is_the_background_of_a_sequence():
+    frames = _press()
+    results = list(measure_sequence(frames, _SCALE, surface="smooth"))
+    assert [result.measures is not None for result in results] == [size > 0 for size in _SIZES]
+    assert [result.is_first_contact for result in results].index(True) == 2
+    for size, result in zip(_SIZES, results, strict=True):
+        if size:
+            off = result.measures["gross_area_mm2"] - size**2 * _AREA
+            assert abs(off) < 2.5 * result.measures["gross_area_mm2_std"]
+    given = list(measure_sequence(frames, _SCALE, surface="smooth", background=frames[0].pixels))
+    for one, other in zip(given, results, strict=True):
+        assert (one.measures or {}).get("gross_area_mm2") == (other.measures or {}).get("gross_area_mm2")
+
+
+def test_a_damaged_first_frame_leaves_the_next_as_the_background():
+    frames = [Frame(index=0, pixels=None), *_press()[1:]]
+    results = list(measure_sequence(frames, _SCALE, surface="smooth"))
+    assert results[5].measures["gross_area_mm2"] == pytest.approx(_AREA, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["ftir", "ftir_dark"])
+def test_presses_made_from_the_optics_alone_are_held(kind):
+    found = sequence_accuracy(kind, range(9, 10), 4)
+    assert (found["refused"], found["missed"], found["before touch"]) == (0, 0, 0)
+    assert found["rms"] < 4
+    assert found["covered"] >= 0.75
 
 
 @pytest.mark.parametrize("kind", ["ftir", "ftir_dark"])

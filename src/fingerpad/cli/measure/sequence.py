@@ -14,6 +14,7 @@ from fingerpad.cli.measure.flags import (
     Overlay,
     Roi,
     Seed,
+    SurfaceFlag,
     Threshold,
     contact_options,
 )
@@ -44,6 +45,7 @@ def measure_frames(
     times: Annotated[Path | None, typer.Option(help="CSV of the frames' own times, time_s.")] = None,
     dark_on_light: DarkOnLight = None,
     background: Background = None,
+    surface: SurfaceFlag = "ridged",
     seed_px: Seed = None,
     threshold: Threshold = None,
     mask: Mask = None,
@@ -56,6 +58,9 @@ def measure_frames(
 
     The frames' clock starts at the trigger that the force signal holds, at --start-s, or where the force
     passes --contact-load-n; without any of them, at the force's own start. --times gives each frame its time.
+
+    Contacts without ridges, of silicone or a gel, take --surface smooth; the first frame, before touch, is
+    the background where none is given.
     """
     from fingerpad._columns import columns_named_by, unread_notes
     from fingerpad.image import (
@@ -82,6 +87,7 @@ def measure_frames(
         roi_px=roi_px,
         dark_on_light=dark_on_light,
         threshold=threshold,
+        surface=surface,
     )
     unread = {} if force is None else unread_force_columns(force)
     for note in unread_notes(unread, lambda *_: ", rename it in the first line"):

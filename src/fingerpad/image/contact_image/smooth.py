@@ -87,8 +87,8 @@ def find_smooth(
     for name in ("threshold", "ridge_period"):
         if options.get(name) is not None:
             raise ImageError(
-                f"{name} tells ridges apart, and a smooth contact has none: leave it out, "
-                "or give surface='ridged'"
+                f"{name} tells ridges from valleys, and a smooth contact has none: leave it out, "
+                "or say that the surface is ridged"
             )
     part, values, light = _parts(pixels, options)
     inside = np.ones(values.shape[:2], dtype=bool) if part.inside is None else part.inside
@@ -200,8 +200,8 @@ def _channels(pixels: npt.ArrayLike) -> list[npt.NDArray[Any]]:
 def _wanted(step: Step, part: Crop, options: ContactImageOptions) -> bool:
     """Return whether a step is of the wanted polarity and at the seed."""
     dark, seed = options.get("dark_on_light"), options.get("seed")
-    if dark is not None and step.sign != (-1 if dark else 1):
-        return False
+    if dark is not None and step.sign == (1 if dark else -1):
+        return False  # an edge that only its colour shows has no polarity
     if seed is None:
         return True
     place = (float(seed[1]) - part.corner[1], float(seed[0]) - part.corner[0])

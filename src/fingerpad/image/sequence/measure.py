@@ -23,11 +23,16 @@ from fingerpad.image.sequence.settings import (
     SequenceSettings,
     estimate_settings,
     texture_of,
+    with_first_frame,
 )
 
 Watcher: TypeAlias = Callable[[int, Pixels, ContactImageResult], None]
 
 
+_LITTLE: Final = (
+    "the frame is smooth beside those of the largest contact",
+    "the frame hardly differs from the background beside those of the largest contact",
+)
 # A contact persists when it is seen in so many frames in a row.
 PERSISTENCE: Final = 3
 
@@ -53,6 +58,9 @@ def measure_sequence(
     Phases come from the force, or where there is none from the texture of the frames, which grows with the
     area in contact, unless they are given. A frame between first contact of the force and of the pictures
     counts as loading where phases were found, not where they are given.
+
+    Of smooth contacts the first frame that can be read, which must be before touch, is the `background` where
+    none is given; what differs from it stands for the texture.
 
     Parameters
     ----------
@@ -104,18 +112,14 @@ def measure_sequence(
     """
     if (force is not None or phases is not None) and clock is None:
         raise LoadingError("force and phases need the times of the frames: give frames per second, or stamps")
-    if options.get("surface") == "smooth":
-        raise ImageError(
-            "sequences are read by their ridges: measure smooth contacts frame by frame with "
-            "measure_contact_image"
-        )
     sequence, scale = as_frames(frames), as_scale(scale)
     if settings is None and iter(sequence) is sequence:
         raise ImageError("frames are read twice, a generator only once: give a list, or settings")
 
     def results() -> Iterator[FrameResult]:
-        found = settings or estimate_settings(sequence, scale, **options)
-        measured = measure_frames(sequence, scale, found, watch=watch, **options)
+        wanted = with_first_frame(sequence, options)
+        found = settings or estimate_settings(sequence, scale, **wanted)
+        measured = measure_frames(sequence, scale, found, watch=watch, **wanted)
         yield from assign_times(measured, found.texture, clock=clock, force=force, phases=phases)
 
     return results()
@@ -175,7 +179,7 @@ def _measure_frame(
         return FrameResult(index=frame.index, readable=False, reason=frame.reason)
     try:
         if texture_of(frame.pixels, scale, options) < settings.min_texture:
-            reason = "no contact found: the frame is smooth beside those of the largest contact"
+            reason = f"no contact found: {_LITTLE[options.get('surface') == 'smooth']}"
             return FrameResult(index=frame.index, reason=reason)
         # Frames share a relative level: a threshold has gone into learning the contrast.
         read: ContactImageOptions = {**options, **settings.settings, "threshold": None}

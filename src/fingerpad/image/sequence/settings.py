@@ -113,10 +113,39 @@ class SequenceSettings(Displayed):
         return _MIN_TEXTURE * float(np.nanmax(self.texture))
 
 
+def with_first_frame(frames: Iterable[Frame], options: ContactImageOptions) -> ContactImageOptions:
+    """Return the options of a sequence: its first frame, before touch, is the background of smooth contacts.
+
+    Parameters
+    ----------
+    frames : iterable of Frame
+        The whole sequence.
+    options : ContactImageOptions
+        What is known or wanted.
+
+    Returns
+    -------
+    ContactImageOptions
+        With the first frame that can be read as `background`, where the surface is smooth and none is given.
+
+    Examples
+    --------
+    >>> frames = [Frame(index=0, pixels=np.zeros((2, 3), np.uint8))]
+    >>> with_first_frame(frames, {"surface": "smooth"})["background"].shape
+    (2, 3)
+    """
+    if options.get("surface") != "smooth" or options.get("background") is not None:
+        return options
+    ground = next((frame.pixels for frame in frames if frame.pixels is not None), None)
+    return {**options, "background": ground}
+
+
 def scan_texture(
     frames: Iterable[Frame], scale: ScaleLike, **options: Unpack[ContactImageOptions]
 ) -> TextureScan:
     """Measure the texture of each frame, to find those of the largest contact.
+
+    Of smooth contacts it is what differs from the background.
 
     Parameters
     ----------
@@ -198,6 +227,7 @@ def estimate_settings(
     True
     """
     scale = as_scale(scale)
+    options = with_first_frame(frames, options)
     scan = scan_texture(frames, scale, **options) if scan is None else scan
     if not scan.busiest:
         raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
@@ -236,11 +266,17 @@ def _frames_at(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Fr
 def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> float:
     """Return the power of what is finer than a finger, where the frame is looked at.
 
+    A smooth contact has nothing so fine: what differs from its background counts, whatever the light.
+
     Raises
     ------
     ImageError
         If it is not a grey picture, or what limits it does not fit it.
     """
+    ground = options.get("background")
+    if options.get("surface") == "smooth" and ground is not None:
+        off = _off_ground(pixels, np.asarray(ground), {**options, "background": None})
+        return float(np.mean(off * off))
     part = crop(pixels, **options)
     values = part.pixels.astype(np.float32)
     # In a picture narrower than the window all that differs from its mean is texture.
@@ -253,3 +289,16 @@ def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> fl
     near = cv2.blur(values * inside, (side, side)) / np.maximum(cv2.blur(inside, (side, side)), 1e-9)
     fine = (values - near)[part.inside]
     return float(np.mean(fine * fine))
+
+
+def _off_ground(pixels: Pixels, ground: Pixels, options: ContactImageOptions) -> FloatArray:
+    """Return how far a frame lies off its background in as much light, where it is looked at."""
+    if pixels.shape[:2] != ground.shape[:2]:
+        raise ImageError(
+            f"background must have the picture's shape {pixels.shape[:2]}, found {ground.shape[:2]}"
+        )
+    grey = ground.mean(axis=2) if ground.ndim == 3 else ground
+    part, light = (crop(each, **options) for each in (pixels, grey))
+    inside = np.s_[:] if part.inside is None else part.inside
+    values, level = (each.pixels[inside].astype(np.float64) for each in (part, light))
+    return np.asarray(values - np.median((values + 1) / (level + 1)) * level)

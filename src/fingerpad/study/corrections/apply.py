@@ -21,12 +21,14 @@ from fingerpad.image import (
     Scale,
     interpolated_ellipse,
     measure_photograph,
+    open_frames,
     photograph_from_ellipse,
     prepare_contact_image,
     read_colour_image,
-    read_image,
     with_marked_points,
 )
+from fingerpad.image.read import grey_levels
+from fingerpad.image.sequence.settings import with_first_frame
 from fingerpad.study.corrections.changes import (
     ContactCorrection,
     ManualContactEllipse,
@@ -35,7 +37,7 @@ from fingerpad.study.corrections.changes import (
     SequenceCorrection,
 )
 from fingerpad.study.corrections.items import ActiveCorrection, frames_of, phases_item
-from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Photograph
+from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, Photograph
 
 
 class InterpolatedCorrection(ContactCorrection):
@@ -215,17 +217,14 @@ def contact_options(
     """Return how a contact's picture is measured, as the manifest and a person say."""
     window = _first(correction.region_of_interest_px, contact.region_of_interest_px)
     seed = _first(correction.seed_px, contact.seed_px)
-    smooth = _is_smooth(contact)
-    ground = contact.background
-    read = read_colour_image if smooth else _read_grey
     return {
-        "background": None if ground is None else read(folder / ground),
+        "background": _background(contact, folder),
         "seed": None if seed is None else (seed[0], seed[1]),
         "mask": _first(correction.mask_px, contact.mask_px),
         "region_of_interest": None if window is None else (window[0], window[1], window[2], window[3]),
         "dark_on_light": _first(correction.dark_on_light, contact.dark_on_light),
         "threshold": _first(correction.threshold, contact.threshold),
-        "surface": "smooth" if smooth else "ridged",
+        "surface": contact.surface,
     }
 
 
@@ -261,7 +260,7 @@ def prepared_contact(
         If the picture is no good, or an option misses it.
     """
     options = contact_options(contact, folder, correction)
-    if _is_smooth(contact) and contact.file is not None:
+    if contact.surface == "smooth" and isinstance(contact, Observation) and contact.file is not None:
         # A gel shows a contact by colour.
         pixels = read_colour_image(folder / contact.file)
     if settings is not None:
@@ -372,12 +371,14 @@ def corrected_photograph(
     return with_marked_points(found.without_picture(), added=wanted.added_points_px, erased=erased)
 
 
-def _is_smooth(contact: Contact) -> bool:
-    return isinstance(contact, Observation) and contact.surface == "smooth"
-
-
-def _read_grey(path: Path) -> npt.ArrayLike:
-    return read_image(path).pixels
+def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
+    """Return the picture of the empty view; of smooth contacts in a sequence its first frame."""
+    if contact.background is not None:
+        colour = contact.surface == "smooth" and isinstance(contact, Observation)
+        return (read_colour_image if colour else grey_levels)(folder / contact.background)
+    if contact.surface == "smooth" and isinstance(contact, ContactSequence):
+        return with_first_frame(open_frames(folder / contact.file), {"surface": "smooth"})["background"]
+    return None
 
 
 def _first(wanted: Any, given: Any) -> Any:

@@ -30,6 +30,7 @@ from fingerpad.study.manifest.models import (
     Observation,
     OwnScale,
     Study,
+    Surface,
     Uncertainty,
 )
 from fingerpad.study.manifest.sheet import Sheet
@@ -143,8 +144,8 @@ class Table:
 class TableChecks:
     """Checks tables one by one; those that others refer to must come first."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, folder: Path, surface: Surface = "ridged") -> None:
+        self._folder, self._surface = folder, surface
         # Names seen so far by their folded form: of scales, fingers, and observations and sequences.
         self._scales: dict[str, str] = {}
         self._fingers: dict[str, str] = {}
@@ -156,6 +157,8 @@ class TableChecks:
         model, faults = None, table.faults
         if not faults:  # what is of a spreadsheet has no place but its line, and is text
             model, faults = checked(MODELS[table.kind], table.content, strict=bool(table.place))
+        if isinstance(model, Observation | ContactSequence) and "surface" not in model.model_fields_set:
+            model = model.model_copy(update={"surface": self._surface if model.file else "ridged"})
         faults = (*faults, *self._name_faults(table))
         if model is not None:
             faults = (*faults, *self._reference_faults(model), *_file_faults(model, self._folder))
@@ -393,7 +396,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
         except (ManifestError, OSError) as error:
             fault = Fault("observations_csv", str(error))
             wrong.append(Table(kind="study", key="", content={}, file=path.name, place="", faults=(fault,)))
-    check = TableChecks(path.parent)
+    check = TableChecks(path.parent, top.surface)
     found = (*wrong, *map(check.checked, tables))
     issues = [line for one in found for line in one.lines]
     if not document.get("fingers"):

@@ -339,6 +339,7 @@ class Finger(ManifestModel):
 
 
 Direction = Literal["along", "across"]
+Surface = Literal["ridged", "smooth"]
 
 # What a person can correct in the measurement of a contact image.
 CORRECTIONS: Final = frozenset(("dark_on_light", "mask_px", "region_of_interest_px", "seed_px", "threshold"))
@@ -372,6 +373,9 @@ class PlacedFinger(ManifestModel):
     """Corners (row, column) of a polygon round the contact."""
     threshold: Positive | None = None
     """Grey levels from the background to a ridge."""
+    surface: Surface = "ridged"
+    """Whether the contact in pictures has ridges, or none, as of a silicone fingertip; by default as the
+    study says. The first frame of a smooth sequence is its background where none is named."""
     notes: str = ""
     """Free text, kept in the tables."""
     synthetic: bool = False
@@ -410,8 +414,6 @@ class Observation(PlacedFinger):
     """The contact image."""
     ellipse_mm: ContactEllipse | None = None
     """Contact ellipse measured elsewhere, in place of an image."""
-    surface: Literal["ridged", "smooth"] = "ridged"
-    """Whether the contact in the image has ridges, or none, as of a silicone fingertip."""
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -593,6 +595,8 @@ class Study(ManifestModel):
     """Whose fingers, which apparatus, which day."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)] = 0.5
     """Poisson's ratio of the tissue."""
+    surface: Surface = "ridged"
+    """Whether contacts in pictures have ridges, where an observation or a sequence does not say it."""
     uncertainty: Uncertainty = Uncertainty()
     """Standard uncertainties that all observations share."""
     apparatus: Apparatus = Apparatus()

@@ -374,12 +374,13 @@ class OpenedSequence:
         )
 
     def _counts(self, result: FrameResult, measured: Measurement) -> bool:
-        """Tell whether a frame may be pooled: loading, and its ellipse more than a few ridges."""
+        """Tell whether a frame may be pooled: loading, and its ellipse more than a few ridges, if any."""
         if result.phase != "loading":
             return False
         if self.sequence.pool_min_load_N is not None:
             return result.load >= self.sequence.pool_min_load_N
-        return measured.semi_minor_mm >= LEAST_RIDGES * measured.ridge_period_mm
+        smooth = self.sequence.surface == "smooth"
+        return smooth or measured.semi_minor_mm >= LEAST_RIDGES * measured.ridge_period_mm
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,7 +3,7 @@
 from typing import Any, Final, Literal
 
 from fingerpad.study.manifest.load import Kind
-from fingerpad.study.manifest.models import Apparatus, Uncertainty
+from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
 from fingerpad.study.new_files.file_names import Kind as FileKind
 from fingerpad.study.new_files.quantities import Role
 from fingerpad.web.answers.base import Answer, Face, Status
@@ -119,6 +119,7 @@ class ObservationEntry(Review):
     scale: str | dict[str, Any] | None
     file: str | None
     notes: str
+    surface: Surface
     synthetic: bool
     status: Status
     flags: list[str]
@@ -137,6 +138,7 @@ class SequenceEntry(Answer):
     scale: str | dict[str, Any] | None
     file: str | None
     frames_per_second: float | None
+    surface: Surface
     synthetic: bool
     status: Status
     frames: int | None
@@ -241,6 +243,7 @@ class State(Answer):
     description: str
     digest: str
     poisson_ratio: float
+    surface: Surface
     uncertainty: Uncertainty
     stated: list[str]
     apparatus: Apparatus

@@ -176,7 +176,11 @@ def _prepared(
 
 
 def _background_stamp(opened: StudySession, contact: Contact) -> Hashable:
-    return None if contact.background is None else ImageLocation(opened.file(contact.background)).stamp
+    if contact.background is not None:
+        return ImageLocation(opened.file(contact.background)).stamp
+    if contact.surface == "smooth" and isinstance(contact, ContactSequence):
+        return ImageLocation(opened.sequence_path(contact.file), frame=0).stamp
+    return None
 
 
 def sequence_settings(
@@ -188,8 +192,8 @@ def sequence_settings(
 
     def learn() -> SequenceSettings | None:
         frames = open_frames(path, memory_limit=opened.memory_limit)
-        options = contact_options(sequence, opened.folder)
         try:
+            options = contact_options(sequence, opened.folder)
             return estimate_settings(
                 frames,
                 found.scale,

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, get_args
 
 import numpy as np
 from pydantic import Field
@@ -27,6 +27,7 @@ from fingerpad.study.corrections.items import (
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.manifest.models import Surface
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.items import StudyItems
@@ -66,6 +67,7 @@ def document(opened: StudySession) -> dict[str, Any]:
         "description": study.description,
         "digest": loaded.digest,
         "poisson_ratio": study.poisson_ratio,
+        "surface": study.surface,
         "uncertainty": study.uncertainty.model_dump(),
         "stated": sorted(study.uncertainty.model_fields_set),
         "apparatus": study.apparatus.model_dump(),
@@ -86,11 +88,17 @@ def document(opened: StudySession) -> dict[str, Any]:
             for one in _tables(loaded, "finger")
         ],
         "observations": [
-            _observation(*one, states=states, seen=seen, active_corrections=active_corrections)
+            {
+                **_observation(*one, states=states, seen=seen, active_corrections=active_corrections),
+                "surface": _surface(loaded, one[1]),
+            }
             for one in _tables(loaded, "observation")
         ],
         "sequences": [
-            _sequence(opened, *one, states=states, active_corrections=active_corrections)
+            {
+                **_sequence(opened, *one, states=states, active_corrections=active_corrections),
+                "surface": _surface(loaded, one[1]),
+            }
             for one in _tables(loaded, "sequence")
         ],
         "curves": _curves(loaded, states, found),
@@ -233,6 +241,12 @@ def _photograph(
         "synthetic": table.get("synthetic") is True,
         **review_record(active_corrections.get(f"{finger}/{file}")),
     }
+
+
+def _surface(loaded: LoadedStudy, table: Mapping[str, Any]) -> str:
+    """Return whether a contact has ridges: as its table says, or else the study."""
+    stated = table.get("surface")
+    return str(stated) if stated in get_args(Surface) else loaded.study.surface
 
 
 def _observation(

@@ -246,7 +246,7 @@ class Workspace extends EventTarget {
  * @param {Edit} edit
  */
 function tableOf(study, { kind, key }) {
-  if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio]);
+  if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio, study.surface]);
   if (kind === "uncertainty" || kind === "apparatus") return JSON.stringify(study[kind]);
   if (kind === "photograph")
     return JSON.stringify(

@@ -13,6 +13,12 @@ export const AXES = [
   ["radial_ulnar", "Radial–ulnar"],
 ];
 
+/** @type {[value: string, words: string][]} */
+export const SURFACES = [
+  ["ridged", "ridged, as of fingers"],
+  ["smooth", "smooth, without ridges"],
+];
+
 export const FACES = ["palmar", "distal", "radial", "ulnar"];
 
 /** Limits and unit of the numbers that may be missing. */

@@ -2,10 +2,12 @@
 
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
+import { showError } from "../core/messages.js";
 import { plain, quantityRow, quantityText } from "../core/quantity.js";
-import { adviseCode, describeCode } from "../core/workspace.js";
+import { adviseCode, describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, list, number, segments, synthetic } from "../parts/forms.js";
 import { Histogram } from "../parts/histogram.js";
+import { SURFACES } from "../parts/missing_fields.js";
 import { poolingOf } from "../parts/pooling.js";
 import { staleChip } from "../parts/stale_axes.js";
 import { verdictChip } from "../parts/verdict.js";
@@ -137,8 +139,26 @@ export class ContactInspector extends Inspector {
    * @param {number | null} threshold
    */
   levels(levels, threshold) {
-    this.histogram.root.hidden = !levels;
-    if (levels) this.histogram.show(levels, threshold);
+    const shown = levels !== null && !this.#isSmooth();
+    this.histogram.root.hidden = !shown;
+    if (shown) this.histogram.show(levels, threshold);
+  }
+
+  /** Whether the contact has no ridges, as its table or the study says. */
+  #isSmooth() {
+    return (this.view.sequence ?? this.view.entry)?.surface === "smooth";
+  }
+
+  /** Change the table of the contact, or of the sequence. */
+  #setSurface(surface) {
+    const { sequence, entry } = this.view;
+    const edit = sequence
+      ? { kind: /** @type {const} */ ("sequence"), key: sequence.name, set: { surface } }
+      : { kind: /** @type {const} */ ("observation"), key: entry.item, set: { surface } };
+    workspace
+      .edit(edit)
+      .then(() => this.view.remeasure())
+      .catch(showError);
   }
 
   head() {
@@ -148,7 +168,7 @@ export class ContactInspector extends Inspector {
       h(
         "div.headline",
         h("h2", entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
-        h("span", synthetic(entry.synthetic ?? this.view.sequence?.synthetic)),
+        h("span", this.#isSmooth() && chip("smooth surface"), synthetic(entry.synthetic ?? this.view.sequence?.synthetic)),
       ),
       h("p.context", lines.join(" · ")),
     );
@@ -223,8 +243,8 @@ export class ContactInspector extends Inspector {
       h(
         "dl.readings",
         { "data-live": "numbers" },
-        QUANTITIES_SHOWN.map(line),
-        quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
+        QUANTITIES_SHOWN.filter(([key]) => key !== "ridge_area_mm2" || !this.#isSmooth()).map(line),
+        !this.#isSmooth() && quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
         quantityRow(
           [symbol("IoU"), " of ellipse and region"],
           numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
@@ -285,6 +305,7 @@ export class ContactInspector extends Inspector {
   settings(answer) {
     const { change } = this.view.corrections;
     const used = answer?.settings;
+    const smooth = this.#isSmooth();
     render(
       this.parts.settings,
       h("h3", "Settings"),
@@ -299,13 +320,23 @@ export class ContactInspector extends Inspector {
                 : String(change.dark_on_light),
             options: [
               ["", used === undefined ? "automatic" : `automatic: ${used.dark_on_light ? "dark" : "light"}`],
-              ["true", "dark ridges on light"],
-              ["false", "light ridges on dark"],
+              ["true", smooth ? "dark contact on light" : "dark ridges on light"],
+              ["false", smooth ? "light contact on dark" : "light ridges on dark"],
             ],
             onset: (value) => this.view.set("dark_on_light", value === "" ? null : value === "true"),
           }),
         ),
-        field(
+        !this.view.blind &&
+          field(
+            this.view.sequence ? "Surface, of the whole sequence" : "Surface",
+            choose({
+              value: smooth ? "smooth" : "ridged",
+              options: SURFACES,
+              onset: (value) => this.#setSurface(value),
+            }),
+          ),
+        // A threshold tells ridges from valleys; one that was set can be seen and taken back.
+        (!smooth || typeof change.threshold === "number") && field(
           "Threshold, grey levels",
           number({
             value: change.threshold ?? null,

@@ -537,6 +537,7 @@ class Contacts extends Review {
     if (this.source !== "images") {
       this.sequence =
         workspace.study.sequences.find(({ name }) => name === this.sequence?.name) ?? this.sequence;
+      if (this.entry) this.inspector.head();
       this.refreshMissing();
       return;
     }

@@ -5,7 +5,7 @@ import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
 import { button, choose, faultList, field, number, text } from "../parts/forms.js";
-import { missingList } from "../parts/missing_fields.js";
+import { missingList, SURFACES } from "../parts/missing_fields.js";
 import { axesNotes } from "../parts/stale_axes.js";
 import { NewFiles } from "./new_files.js";
 import { StudyTables } from "./study_tables.js";
@@ -248,6 +248,14 @@ class StudyView {
             min: 0,
             max: 0.5,
             onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem),
+          }),
+        ),
+        field(
+          "Contact surface",
+          choose({
+            value: study.surface,
+            options: SURFACES,
+            onset: (surface) => this.#change("study", { surface }, problem),
           }),
         ),
       ),

@@ -1,0 +1,69 @@
+"""A study of smooth contacts: one picture, and a press of a silicone fingertip that grows as Hertz says."""
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+from PIL import Image
+
+MM_PER_PX = 0.04
+SEMI_AXES_PX = (62.0, 47.0)
+LOADS = (0.0, 0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.0, 2.0, 0.0)
+MANIFEST = """
+title = "Smooth"
+%s
+[[fingers]]
+name = "f"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+[[observations]]
+name = "contact"
+finger = "f"
+wedge_angle_deg = 30
+load_N = 2.0
+file = "contact.png"
+background = "empty.png"
+scale = { mm_per_px = 0.04, relative_std = 0.0 }
+[[sequences]]
+name = "press"
+finger = "f"
+wedge_angle_deg = 30
+file = "frames"
+scale = { mm_per_px = 0.04, relative_std = 0.0 }
+force = "force.csv"
+frames_per_second = 20
+start_s = 0
+"""
+
+
+def area_at(load: float) -> float:
+    """Return the true area, mm²: that at 2 N times W^(2/3) of Hertz."""
+    return math.pi * math.prod(SEMI_AXES_PX) * MM_PER_PX**2 * (load / 2) ** (2 / 3)
+
+
+def picture(load: float, seed: int) -> np.ndarray:
+    """Return a frame: a bright ellipse under uneven light with a streak of reflection over its edge."""
+    rows, columns = np.mgrid[:200, :220].astype(float)
+    fine = np.zeros((1600, 1760), np.uint8)
+    axes = [round(axis * (load / 2) ** (1 / 3) * 8 * 16) for axis in SEMI_AXES_PX]
+    if load:
+        cv2.ellipse(fine, (110 * 128, 100 * 128), axes, 20, 0, 360, 255, -1, shift=4)
+    inside = cv2.GaussianBlur(cv2.resize(fine, (220, 200), interpolation=cv2.INTER_AREA) / 255, (0, 0), 1.2)
+    light = 1 - 0.4 * ((rows - 70) ** 2 + (columns - 140) ** 2) / 200**2
+    shine = cv2.GaussianBlur(cv2.line(np.zeros_like(light), (130, 30), (190, 80), 110, 6), (0, 0), 1.5)
+    noise = np.random.default_rng(seed).normal(0, 1.5, light.shape)
+    return (light * (60 + 90 * inside) + shine + noise).round().clip(0, 255).astype(np.uint8)
+
+
+def make_smooth_study(folder: Path, line: str = 'surface = "smooth"') -> Path:
+    """Write the study with a line at its top, and return its manifest."""
+    (folder / "frames").mkdir(parents=True)
+    for frame, load in enumerate(LOADS):
+        Image.fromarray(picture(load, frame)).save(folder / "frames" / f"{frame:03d}.png")
+    for name, load in (("contact", 2.0), ("empty", 0.0)):
+        Image.fromarray(picture(load, 100)).save(folder / f"{name}.png")
+    rows = [f"{frame / 20},{load}" for frame, load in enumerate(LOADS)]
+    (folder / "force.csv").write_text("\n".join(["time_s,force_N", *rows]) + "\n")
+    (folder / "study.toml").write_text(MANIFEST % line)
+    return folder / "study.toml"
