@@ -51,7 +51,7 @@ def picture(load: float, seed: int) -> np.ndarray:
         cv2.ellipse(fine, (110 * 128, 100 * 128), axes, 20, 0, 360, 255, -1, shift=4)
     inside = cv2.GaussianBlur(cv2.resize(fine, (220, 200), interpolation=cv2.INTER_AREA) / 255, (0, 0), 1.2)
     light = 1 - 0.4 * ((rows - 70) ** 2 + (columns - 140) ** 2) / 200**2
-    shine = cv2.GaussianBlur(cv2.line(np.zeros_like(light), (130, 30), (190, 80), 110, 6), (0, 0), 1.5)
+    shine = cv2.GaussianBlur(cv2.line(np.zeros_like(light), (140, 40), (175, 95), 110, 6), (0, 0), 1.5)
     noise = np.random.default_rng(seed).normal(0, 1.5, light.shape)
     return (light * (60 + 90 * inside) + shine + noise).round().clip(0, 255).astype(np.uint8)
 

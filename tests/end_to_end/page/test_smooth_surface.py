@@ -47,7 +47,7 @@ def test_a_contact_is_said_to_be_smooth(page_of, smooth) -> None:
 
 def test_a_sequence_is_said_to_be_smooth(page_of, smooth) -> None:
     page = page_of("contacts/sequence:press/press%236")
-    page.get_by_label("Surface, of the whole sequence").select_option("smooth")
+    page.get_by_label("Surface (sequence)").select_option("smooth")
     expect(page.get_by_text("smooth surface", exact=True)).to_be_visible()
     assert area(page) == pytest.approx(area_at(2.0), rel=0.03)
     assert table(smooth, "sequences")[0]["surface"] == "smooth"

@@ -15,8 +15,8 @@ export const AXES = [
 
 /** @type {[value: string, words: string][]} */
 export const SURFACES = [
-  ["ridged", "ridged, as of fingers"],
-  ["smooth", "smooth, without ridges"],
+  ["ridged", "ridged"],
+  ["smooth", "smooth"],
 ];
 
 export const FACES = ["palmar", "distal", "radial", "ulnar"];

@@ -328,7 +328,7 @@ export class ContactInspector extends Inspector {
         ),
         !this.view.blind &&
           field(
-            this.view.sequence ? "Surface, of the whole sequence" : "Surface",
+            this.view.sequence ? "Surface (sequence)" : "Surface",
             choose({
               value: smooth ? "smooth" : "ridged",
               options: SURFACES,
