@@ -58,7 +58,13 @@ html_theme = "pydata_sphinx_theme"
 html_title = "fingerpad"
 html_theme_options = {"show_prev_next": False, "secondary_sidebar_items": ["page-toc"]}
 html_sidebars = {"*": []}
-exclude_patterns = ["_build", "**/_manifest_keys.md", "**/_command_line.md", "**/_flags.md"]
+exclude_patterns = [
+    "_build",
+    "**/_manifest_keys.md",
+    "**/_summary_keys.md",
+    "**/_command_line.md",
+    "**/_flags.md",
+]
 html_static_path = ["_static", "_style"]
 html_css_files = ["tables.css"]
 templates_path = ["_templates"]

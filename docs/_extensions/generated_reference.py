@@ -1,4 +1,4 @@
-"""Parts that the program itself makes: keys of the manifest, the command line, a figure of the tutorial."""
+"""Parts that the program itself makes: keys of files, the command line, a figure of the tutorial."""
 
 import json
 import re
@@ -9,6 +9,7 @@ from pathlib import Path
 
 from fingerpad.flags import FLAGS, Flagged
 from fingerpad.study.editing.template import manifest_schema
+from fingerpad.study.results.summary_file import SummaryFile
 
 _TABLES = {
     "Study": "Top of the file",
@@ -38,6 +39,22 @@ def manifest_keys() -> str:
     titles = {**{name: f"`{name}`" for name in tables}, **_TABLES}
     ordered = [*_TABLES, *(name for name in tables if name not in _TABLES)]
     return "\n".join(_table(titles[name], tables[name]) for name in ordered)
+
+
+def summary_keys() -> str:
+    """Return tables of the keys of summary.json, in Markdown, each below the one that holds it."""
+    top = SummaryFile.model_json_schema(mode="serialization")
+    tables, titles = {"SummaryFile": top, **top["$defs"]}, {"SummaryFile": _TABLES["Study"]}
+    for table in list(tables.values()):
+        for key, value in table["properties"].items():
+            for name in re.findall(r"#/\$defs/(\w+)", json.dumps(value)):
+                titles.setdefault(name, f"`{key}`: {tables[name]['description'].partition('.')[0]}")
+    ordered = ["SummaryFile"]
+    for name in ordered:
+        held = re.findall(r"#/\$defs/(\w+)", json.dumps(tables[name]["properties"]))
+        ordered += dict.fromkeys(one for one in held if one not in ordered)
+    plain = {"required": [], "description": ""}
+    return "\n".join(_table(titles[name], tables[name] | plain) for name in ordered)
 
 
 def _table(title: str, table: dict) -> str:
@@ -145,5 +162,6 @@ def example_figure(path: Path) -> None:
 def write(folder: Path) -> None:
     """Write the keys, the command line and the flags into a folder, for pages to include."""
     (folder / "_manifest_keys.md").write_text(manifest_keys(), encoding="utf-8")
+    (folder / "_summary_keys.md").write_text(summary_keys(), encoding="utf-8")
     (folder / "_command_line.md").write_text(command_line(), encoding="utf-8")
     (folder / "_flags.md").write_text(flag_tables(), encoding="utf-8")

@@ -5,7 +5,7 @@ import json
 import math
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
@@ -20,8 +20,22 @@ from fingerpad.figures.panels import PanelFigure
 from fingerpad.report.compare import forest_plot, write_comparison_page
 from fingerpad.study.compare import FinishedStudy, Person, Value, compare_studies, write_comparison
 from fingerpad.study.compare.means import means_of
-from fingerpad.study.compare.values import _of_placements, _verdicts, values_of
+from fingerpad.study.compare.values import values_of, verdicts_of
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.summary_file import (
+    CheckRecord,
+    FingerRecord,
+    HeadlineRecord,
+    HighestLoadOnLayer,
+    LayerValidityRecord,
+    OnLayerRecord,
+    PlacementRecord,
+    Record,
+    SummaryFile,
+    ValidityRecord,
+)
+
+RecordType = TypeVar("RecordType", bound=Record)
 
 
 def value(
@@ -206,6 +220,31 @@ def test_every_value_is_that_of_its_run(runs: list[Path]) -> None:
     assert axes == {"l_index": 7.9, "l_ring": 7.7}
 
 
+def record(model: type[RecordType], **keys: Any) -> RecordType:
+    """Return a part of a summary of which nothing else is known."""
+    return model.model_construct(**dict.fromkeys(model.model_fields, math.nan) | keys)
+
+
+def finished(**keys: Any) -> FinishedStudy:
+    """Return a study of one finger at one placement."""
+    finger = record(
+        FingerRecord,
+        finger="index",
+        person="P01",
+        synthetic=False,
+        palmar_mm=7.9,
+        distal_mm=13.8,
+        radial_ulnar_mm=11.8,
+        covariance_mm2=np.eye(3).tolist(),
+    )
+    validity = record(ValidityRecord, verdict="not tested", headlines={}, checks=[], on_layer=None)
+    placed = {"finger": "index", "wedge_angle_deg": 30.0, "roll_angle_deg": 0.0, "synthetic": False}
+    unknown = {"on_layer": None, "radius_from_indentation_variance_shares": None}
+    placement = record(PlacementRecord, **{**placed, **unknown, "validity": validity, **keys})
+    summary = record(SummaryFile, title="A", fingers=[finger], summaries=[placement], curves=[])
+    return FinishedStudy(folder=Path("out"), summary=summary)
+
+
 def test_what_both_angles_do_to_a_finger_is_shared() -> None:
     shares = {
         "semi-axes": 0.3,
@@ -214,34 +253,13 @@ def test_what_both_angles_do_to_a_finger_is_shared() -> None:
         "roll angle": 0.15,
         "contact ellipse": 0.4,
     }
-    placement = {
-        "finger": "index",
-        "wedge_angle_deg": 30.0,
-        "roll_angle_deg": 5.0,
-        "synthetic": False,
-        "mean_curvature_radius_mm": 13.0,
-        "mean_curvature_radius_mm_std": 0.2,
-        "radius_from_indentation_mm": 14.0,
-        "radius_from_indentation_mm_std": 0.3,
-        "radius_from_indentation_variance_shares": shares,
-        "area_exponent": None,
-    }
-    finger = {
-        "finger": "index",
-        "synthetic": False,
-        "palmar_mm": 7.9,
-        "distal_mm": 13.8,
-        "radial_ulnar_mm": 11.8,
-        "covariance_mm2": np.eye(3).tolist(),
-    }
-    study = FinishedStudy(
-        folder=Path("out"),
-        title="A",
-        version="",
-        made="",
-        failures=0,
-        inputs={},
-        summary={"fingers": [finger], "summaries": [placement], "curves": []},
+    study = finished(
+        roll_angle_deg=5.0,
+        mean_curvature_radius_mm=13.0,
+        mean_curvature_radius_mm_std=0.2,
+        radius_from_indentation_mm=14.0,
+        radius_from_indentation_mm_std=0.3,
+        radius_from_indentation_variance_shares=shares,
     )
     shared = {each.quantity: each.shared_std for each in values_of(study)}
     assert shared["radius_from_indentation_mm"] == pytest.approx(0.3 * math.sqrt(0.24))
@@ -433,41 +451,30 @@ def test_the_discrepancy_of_the_model_does_not_average_away() -> None:
 
 
 def test_the_modulus_on_the_layer_stands_beside_that_of_hertz_theory() -> None:
-    layer = {"highest_load": {"youngs_modulus_on_layer_kpa": 49.2, "youngs_modulus_on_layer_kpa_std": 5.0}}
-    headline = {
-        "youngs_modulus_kpa": {"verdict": "fails", "value": 66.9, "value_std": 3.7, "model_std": 20.0}
-    }
+    headline = record(HeadlineRecord, verdict="fails", value=66.9, value_std=3.7, model_std=20.0)
     checks = [
-        {"check": "shape_on_layer", "verdict": "holds", "compared": "length over width"},
-        {"check": "modulus_on_layer", "verdict": "not tested", "compared": "E"},
+        record(CheckRecord, check="shape_on_layer", verdict="holds", compared="length over width"),
+        record(CheckRecord, check="modulus_on_layer", verdict="not tested", compared="E"),
     ]
-    placement = {
-        "finger": "index",
-        "wedge_angle_deg": 30.0,
-        "roll_angle_deg": 0.0,
-        "synthetic": False,
-        "mean_curvature_radius_mm": 13.6,
-        "radius_from_indentation_mm": 13.8,
-        "area_exponent": 0.6,
-        "on_layer": {"effective_thickness_mm": 7.9, **layer},
-        "validity": {
-            "verdict": "fails",
-            "headlines": headline,
-            "checks": [],
-            "on_layer": {"verdict": "holds", "checks": checks},
-        },
-    }
-    summary = {"fingers": [], "curves": [], "summaries": [placement]}
-    study = FinishedStudy(
-        folder=Path(), title="A", version="", made="", failures=0, inputs={}, summary=summary
+    highest = record(
+        HighestLoadOnLayer, youngs_modulus_on_layer_kpa=49.2, youngs_modulus_on_layer_kpa_std=5.0
     )
-    owners = {"index": Person("P01", True)}
-    values = {one.quantity: one for one in _of_placements(study, owners)}
+    study = finished(
+        on_layer=record(OnLayerRecord, effective_thickness_mm=7.9, highest_load=highest),
+        validity=record(
+            ValidityRecord,
+            verdict="fails",
+            headlines={"youngs_modulus_kpa": headline},
+            checks=[],
+            on_layer=record(LayerValidityRecord, verdict="holds", checks=checks),
+        ),
+    )
+    values = {one.quantity: one for one in values_of(study)}
     modulus = values["youngs_modulus_kpa"]
     assert (modulus.value, modulus.verdict) == (66.9, "fails")
     assert modulus.std == pytest.approx(math.hypot(3.7, 20.0))
     on_layer = values["youngs_modulus_on_layer_kpa"]
     assert (on_layer.value, on_layer.std, on_layer.verdict) == (49.2, 5.0, "holds")
-    hertz, layered = _verdicts(study, owners)
+    hertz, layered = verdicts_of(study)
     assert (hertz.verdict, hertz.checks) == ("fails", ())
     assert (layered.model, layered.checks) == ("7.9 mm of tissue over bone", ("shape_on_layer",))

@@ -17,7 +17,7 @@ from fingerpad.study.measuring.curves import placed_pad
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.loading import loading_radius
-from fingerpad.study.results.output import summary_record
+from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
 
@@ -89,7 +89,7 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
     assert abs(curve.loading_radius - 15) < 4 * curve.loading_radius_std
     assert curve.velocity == pytest.approx(3.0, rel=0.01)
     assert abs(curve.fit.initial_modulus.value - 0.04) < 4 * curve.fit.initial_modulus.std
-    (record,) = summary_record(result)["curves"]
+    (record,) = summary_of(result).model_dump()["curves"]
     assert record["fit"]["initial_modulus_kpa"] == pytest.approx(1000 * curve.fit.initial_modulus.value)
     # With areas and semi-axes the curve says what it can of the tissue over bone.
     assert record["layer"]["thickness_mm_ci95"][0] == curve.layer.thickness.lower
@@ -213,7 +213,7 @@ def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
     two = run_study(tmp_path / "study.toml", tmp_path / "two", workers=2)
     assert [curve.name for curve in one.curves] == ["b.csv", "f at 30°, R_g as given", "a.csv"]
     assert one.checks[0] is not None
-    first, second = summary_record(one), summary_record(two)
+    first, second = summary_of(one).model_dump(), summary_of(two).model_dump()
     for record in (first, second):
         assert record["provenance"].pop("made")  # to the second, which may be the same
     assert dumps(first) == dumps(second)
@@ -275,7 +275,7 @@ def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> No
 
 
 def test_the_summary_names_a_radius_and_its_uncertainty_alike(tmp_path: Path) -> None:
-    record = summary_record(study(tmp_path, "loading_radius_mm = 15\nloading_radius_mm_std = 1.5\n"))
+    record = summary_of(study(tmp_path, "loading_radius_mm = 15\nloading_radius_mm_std = 1.5\n")).model_dump()
     (curve,) = record["curves"]
     assert (curve["loading_radius_mm"], curve["loading_radius_mm_std"]) == (15, 1.5)
 

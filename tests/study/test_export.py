@@ -178,8 +178,8 @@ def test_a_run_without_rows_keeps_its_columns(results: Path, tmp_path: Path) -> 
     [
         ({"results__csv": "a,b\n1,2\n"}, "its columns are not those of this version; run the study again"),
         ({"results__csv": ""}, "its columns are not those"),
-        ({"summary__json": "{"}, "summary.json: cannot be read as JSON"),
-        ({"summary__json": "[]"}, "is no summary of a study that was run"),
+        ({"summary__json": "{"}, "summary.json: is none \\(Invalid JSON"),
+        ({"summary__json": "[]"}, "summary.json: is none \\(Input should be an object"),
     ],
 )
 def test_tables_that_are_not_whole_are_refused(

@@ -9,7 +9,8 @@ from PIL import Image
 from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import render_contact_image
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.methods import MethodsSection, methods_section
+from fingerpad.study.results.methods import methods_section
+from fingerpad.study.results.summary_file import MethodsRecord
 
 STATED = {
     "imaging": "a glass prism and a camera",
@@ -52,7 +53,7 @@ ellipse_mm = {{ semi_major = 4, semi_minor = 3, std = 0.1 }}
 """
 
 
-def section(folder: Path, stated: dict[str, object]) -> MethodsSection:
+def section(folder: Path, stated: dict[str, object]) -> MethodsRecord:
     truth = render_contact_image(semi_major=5.0, semi_minor=4.0, ppi=254, seed=1)
     Image.fromarray(truth.pixels).save(folder / "a.png")
     lines = "\n".join(f"{key} = {json.dumps(value)}" for key, value in stated.items())

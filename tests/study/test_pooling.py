@@ -17,7 +17,7 @@ from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.check import check_uncertainty
 from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
@@ -223,7 +223,7 @@ def test_the_close_look_takes_a_shared_scale_as_one_source() -> None:
     """Sobol indices are of independent sources, which semi-axes and scale are no longer."""
     rows = model_contacts(STUDY, {"f": finger("a")}, [contact(0, "a")])
     (highest,) = rows.highest_load.values()
-    check = UncertaintyCheck.of("c0", highest.inputs)
+    check = check_uncertainty("c0", highest.inputs)
     assert set(check.shares) == {"semi-axes and scale", *PAD_SOURCES} - {"semi-axes", "image scale"}
     assert sum(check.shares.values()) == pytest.approx(1)
     assert check.std == pytest.approx(rows.table.column(f"{OUTPUT}_mm_std")[0])

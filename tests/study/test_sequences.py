@@ -27,7 +27,7 @@ from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.items import StudyItems
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.methods import methods_section
-from fingerpad.study.results.output import summary_record
+from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.status import study_status
 
@@ -266,7 +266,7 @@ def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouc
         "last contact",
     ]
     assert LOAD[result.sequences[0].overlays[1].frame] == 2
-    (record,) = summary_record(result)["sequences"]
+    (record,) = summary_of(result).model_dump()["sequences"]
     assert record["frames"] == LOAD.size
     assert record["frames_with_contact"] + record["frames_without_contact"] == LOAD.size
     assert record["area_exponent"] == pytest.approx(2 / 3, abs=0.02)
@@ -440,7 +440,7 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
     assert {row["phase_corrected_by"] for row in rows.values()} == {"anna"}
     assert max(row["frame"] for row in rows.values() if row["pooled"]) == 9
     assert max(row["frame"] for row in plain.rows if row["pooled"]) == 11
-    (record,) = summary_record(result)["sequences"]
+    (record,) = summary_of(result).model_dump()["sequences"]
     assert record["phase_starts_s"] == [list(one) for one in PHASES]
     assert (record["phases_corrected_by"], record["phases_reason"]) == ("anna", "slipped at first")
     assert record["phases_corrected_at"] == log.history("p#phases").records[0].when
@@ -452,7 +452,7 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
     log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
     after = run(study_dir, ("p", CLOCK))
     assert list(after.rows) == list(plain.rows)
-    assert summary_record(after)["sequences"][0]["phases_corrected_by"] is None
+    assert summary_of(after).model_dump()["sequences"][0]["phases_corrected_by"] is None
     assert "set manually" not in write_report(after, study_dir / "out").read_text(encoding="utf-8").replace(
         "unless set manually", ""
     )

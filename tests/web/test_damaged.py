@@ -62,9 +62,9 @@ def set_to(value, *path):
 
 
 DAMAGED = {
-    "no curves": (without("curves"), "summary.json: curves: Field required"),
-    "no provenance": (without("provenance"), "summary.json: is no summary of a study that was run"),
-    "fingers of another kind": (set_to([3], "fingers"), "summary.json: fingers.0: "),
+    "no curves": (without("curves"), "summary.json: is not understood (curves: Field required)"),
+    "no provenance": (without("provenance"), "summary.json: is not understood (provenance: Field required)"),
+    "fingers of another kind": (set_to([3], "fingers"), "summary.json: is not understood (fingers.0: "),
     "half a covariance": (
         set_to([[1.0]], "fingers", 0, "covariance_mm2"),
         "fingers.0.covariance_mm2",

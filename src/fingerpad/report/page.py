@@ -51,13 +51,13 @@ from fingerpad.report.text import (
     probability,
     to_do,
 )
-from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.operators import QUANTITY_WORDS
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
+from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.validity import Validity
 
 # Saves plots, and returns what the page shows of them.
@@ -211,7 +211,7 @@ def _line(result: StudyResult, summary: Summary, validity: Validity) -> dict[str
 
 
 def _details(
-    result: StudyResult, summary: Summary, check: UncertaintyCheck | None, draw: _Draw
+    result: StudyResult, summary: Summary, check: UncertaintyCheckRecord | None, draw: _Draw
 ) -> dict[str, Any]:
     """Return what a section shows of one finger at one placement."""
     rows, contacts, shown = summary.rows, summary.contacts, shown_rows(summary)

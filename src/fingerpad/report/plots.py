@@ -26,12 +26,12 @@ from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results.check import UncertaintyCheck
 from fingerpad.study.results.exponent import Exponent, area_exponent
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
+from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import ResultsTable, Row
 from fingerpad.study.results.validity import RADIUS, Headline
 
@@ -201,7 +201,7 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
         )
 
 
-def budget_plot(summary: Summary, check: UncertaintyCheck | None) -> Iterator[Plot]:
+def budget_plot(summary: Summary, check: UncertaintyCheckRecord | None) -> Iterator[Plot]:
     """Draw who contributes what to the uncertainty of the highest_load contact's corrected radius."""
     if check is None:
         return

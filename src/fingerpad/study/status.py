@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
@@ -12,6 +12,7 @@ from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.items import StudyItems, item_of
 from fingerpad.study.results.result_set import result_set_faults
+from fingerpad.study.results.summary_file import FingerRecord
 
 _STATES: Final = ("done", "failed", "stale", "left")
 
@@ -121,7 +122,7 @@ def item_states(items: StudyItems) -> dict[str, str]:
     return {item.name: state(item) for item in items}
 
 
-def semi_axes_state(finger: Finger, states: Mapping[str, str], record: Mapping[str, Any] | None) -> str:
+def semi_axes_state(finger: Finger, states: Mapping[str, str], record: FingerRecord | None) -> str:
     """Return the state of a finger's semi-axes in the results of the last run.
 
     Parameters
@@ -130,7 +131,7 @@ def semi_axes_state(finger: Finger, states: Mapping[str, str], record: Mapping[s
         Its table of the manifest.
     states : mapping
         The state of each item, by `item_states`.
-    record : mapping or None
+    record : FingerRecord or None
         What ``summary.json`` says of the finger; None without a run of it.
 
     Returns
@@ -147,9 +148,9 @@ def semi_axes_state(finger: Finger, states: Mapping[str, str], record: Mapping[s
     now = [item for item in items if item in states]  # the others are rejected
     if any(states[item] in {"stale", "left"} for item in now):
         return "stale"
-    if record.get("reason") is not None:
+    if record.reason is not None:
         return "failed"
-    measured = sorted(f"{finger.name}/{one['file']}" for one in record["photographs"])
+    measured = sorted(f"{finger.name}/{one.file}" for one in record.photographs)
     return "done" if sorted(now) == measured else "stale"
 
 

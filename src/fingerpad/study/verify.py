@@ -1,6 +1,5 @@
 """Whether everything that is kept of a study is what was written."""
 
-import json
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import manifest_in, read_study
 from fingerpad.study.results.result_set import result_files, result_set_faults
+from fingerpad.study.results.summary_file import SummaryFile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,9 +96,8 @@ def _store_faults(path: Path) -> Iterator[str]:
 
 def _changed_inputs(folder: Path, out: Path) -> Iterator[str]:
     """Yield the inputs of the last run that are not what they were, as far as it tells."""
-    with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-        summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-        for name, digest in summary["provenance"]["inputs_sha256"].items():
+    with suppress(OSError, FingerpadError):
+        for name, digest in SummaryFile.read(out).provenance.inputs_sha256.items():
             path = folder / name
             if path.is_file() and digest_of(path) != digest:
                 yield name

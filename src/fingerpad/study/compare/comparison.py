@@ -55,9 +55,9 @@ class Comparison(Displayed):
                 {
                     "study": study.title,
                     "folder": str(study.folder),
-                    "fingerpad": study.version,
-                    "made": study.made,
-                    "failures": study.failures,
+                    "fingerpad": study.summary.provenance.fingerpad,
+                    "made": study.summary.provenance.made,
+                    "failures": len(study.summary.failures),
                 }
                 for study in self.studies
             ],
@@ -111,9 +111,9 @@ def compare_studies(paths: Sequence[Path]) -> Comparison:
 
 
 def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterator[str]:
-    versions = {study.version for study in studies}
+    versions = {study.summary.provenance.fingerpad for study in studies}
     if len(versions) > 1:
-        each = ", ".join(f"{study.title} by {study.version}" for study in studies)
+        each = ", ".join(f"{study.title} by {study.summary.provenance.fingerpad}" for study in studies)
         yield f"made by different versions of fingerpad ({each}): run them again with one before you conclude"
     for study in studies:
         unnamed = {value.finger for value in values if value.study == study.title and not value.person.named}
@@ -123,8 +123,8 @@ def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterato
                 "fingers of one person, who is in no other study; "
                 'write person = "…" at each finger to say whose it is'
             )
-        if study.failures:
-            yield f"{study.title}: {study.failures} could not be measured, see its own report"
+        if failures := len(study.summary.failures):
+            yield f"{study.title}: {failures} could not be measured, see its own report"
     if any(value.synthetic for value in values):
         yield "synthetic fingers were rendered or simulated: their means are their own, never with real ones"
     for quantity in QUANTITIES:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
 from fingerpad._display import Displayed
-from fingerpad.study.compare.finished import FinishedStudy, not_understood
-from fingerpad.study.results.model_checks import NOT_TESTED
+from fingerpad.study.compare.finished import FinishedStudy
+from fingerpad.study.results.summary_file import LayerValidityRecord, PlacementRecord, ValidityRecord
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +72,7 @@ _FROM_CURVES: Final = {
     "load_exponent": "load_exponent",
     "curve_area_exponent": "area_exponent",
 }
+_ON_LAYER: Final = "youngs_modulus_on_layer_kpa"
 
 
 class Person(NamedTuple):
@@ -212,85 +213,63 @@ class ValidityVerdict(Displayed):
 
 
 def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
-    """Return the verdicts of a study on Hertz theory and on its layers, in its own order.
+    """Return the verdicts of a study on Hertz theory and on its layers, in its own order."""
+    owners = _owners(study)
+    return [
+        ValidityVerdict(
+            study=study.title,
+            finger=one.finger,
+            person=owners[one.finger],
+            wedge_angle_deg=one.wedge_angle_deg,
+            roll_angle_deg=one.roll_angle_deg,
+            synthetic=one.synthetic,
+            model=model,
+            verdict=found.verdict,
+            checks=tuple(check.check for check in found.checks if check.verdict == found.verdict),
+            compared=tuple(check.compared for check in found.checks if check.verdict == found.verdict),
+        )
+        for one in study.summary.summaries
+        for model, found in _models(one)
+    ]
 
-    Raises
-    ------
-    FingerpadError
-        If its summary is not as a run writes it.
-    """
-    try:
-        return list(_verdicts(study, _owners(study)))
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise not_understood(study.folder, error) from error
 
-
-def _verdicts(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[ValidityVerdict]:
-    for summary in study.summary["summaries"]:
-        validity = summary.get("validity") or {}
-        models = [("Hertz theory", validity)]
-        if layer := validity.get("on_layer"):
-            models.append(
-                (f"{summary['on_layer']['effective_thickness_mm']:g} mm of tissue over bone", layer)
-            )
-        for model, found in models:
-            checks = [one for one in found.get("checks", ()) if one["verdict"] == found["verdict"]]
-            yield ValidityVerdict(
-                study=study.title,
-                finger=summary["finger"],
-                person=owners[summary["finger"]],
-                wedge_angle_deg=summary["wedge_angle_deg"],
-                roll_angle_deg=summary["roll_angle_deg"],
-                synthetic=summary["synthetic"],
-                model=model,
-                verdict=found.get("verdict", NOT_TESTED),
-                checks=tuple(one["check"] for one in checks),
-                compared=tuple(one["compared"] for one in checks),
-            )
+def _models(one: PlacementRecord) -> Iterator[tuple[str, ValidityRecord | LayerValidityRecord]]:
+    yield "Hertz theory", one.validity
+    if one.validity.on_layer and one.on_layer:
+        yield f"{one.on_layer.effective_thickness_mm:g} mm of tissue over bone", one.validity.on_layer
 
 
 def _owners(study: FinishedStudy) -> dict[str, Person]:
     return {
-        finger["finger"]: Person(finger.get("person") or study.title, bool(finger.get("person")))
-        for finger in study.summary["fingers"]
+        finger.finger: Person(finger.person or study.title, bool(finger.person))
+        for finger in study.summary.fingers
     }
 
 
 def values_of(study: FinishedStudy) -> list[Value]:
-    """Return all values that a study tells, in its own order; what it does not know is left out.
-
-    Raises
-    ------
-    FingerpadError
-        If its summary is not as a run writes it.
-    """
-    try:
-        owners = _owners(study)
-        found = [
-            *_of_fingers(study, owners), *_of_placements(study, owners), *_of_curves(study, owners)
-        ]  # fmt: skip
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        raise not_understood(study.folder, error) from error
+    """Return all values that a study tells, in its own order; what it does not know is left out."""
+    owners = _owners(study)
+    found = [*_of_fingers(study, owners), *_of_placements(study, owners), *_of_curves(study, owners)]
     return [value for value in found if math.isfinite(value.value)]
 
 
 def _of_fingers(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Value]:
-    for finger in study.summary["fingers"]:
+    for finger in study.summary.fingers:
         for place, quantity in enumerate(("palmar_mm", "distal_mm", "radial_ulnar_mm")):
             yield Value(
                 quantity=quantity,
                 study=study.title,
-                finger=finger["finger"],
-                person=owners[finger["finger"]],
-                synthetic=finger["synthetic"],
-                value=_number(finger[quantity]),
-                std=math.sqrt(_number(finger["covariance_mm2"][place][place])),
+                finger=finger.finger,
+                person=owners[finger.finger],
+                synthetic=finger.synthetic,
+                value=getattr(finger, quantity),
+                std=math.sqrt(finger.covariance_mm2[place][place]),
             )
 
 
 def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Value]:
-    for summary in study.summary["summaries"]:
-        shares = summary.get("radius_from_indentation_variance_shares") or {}
+    for summary in study.summary.summaries:
+        shares = summary.radius_from_indentation_variance_shares or {}
         angles = shares.get("wedge angle", 0.0) + shares.get("roll angle", 0.0)
         pad = shares.get("semi-axes", 0.0) + shares.get("pad shape", 0.0) + angles
         # Of what is uncertain in the place of contact the angles have one share in both radii: they reach
@@ -299,31 +278,30 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
             "mean_curvature_radius_mm": angles / pad if pad > 0 else 0.0,
             "radius_from_indentation_mm": angles,
         }
-        validity = summary.get("validity") or {}
-        headlines = validity.get("headlines") or {}
-        modulus = headlines.get("youngs_modulus_kpa") or {}
-        layer = (summary.get("on_layer") or {}).get("highest_load") or {}
-        on_layer = "youngs_modulus_on_layer_kpa"
+        headlines, layer = summary.validity.headlines, summary.on_layer
         found = {
-            **{name: (summary[name], summary.get(f"{name}_std")) for name in (*shared, "area_exponent")},
-            "youngs_modulus_kpa": (modulus.get("value"), modulus.get("value_std")),
-            on_layer: (layer.get(on_layer), layer.get(f"{on_layer}_std")),
+            name: (getattr(summary, name), getattr(summary, f"{name}_std"))
+            for name in (*shared, "area_exponent")
         }
-        verdicts = {name: one["verdict"] for name, one in headlines.items()}
-        verdicts[on_layer] = (validity.get("on_layer") or {}).get("verdict", "")
-        for quantity, (value, each_std) in found.items():
-            std = _number(each_std)
-            model_std = _number((headlines.get(quantity) or {}).get("model_std"))
+        if modulus := headlines.get("youngs_modulus_kpa"):
+            found["youngs_modulus_kpa"] = modulus.value, modulus.value_std
+        if layer:
+            one = layer.highest_load
+            found[_ON_LAYER] = one.youngs_modulus_on_layer_kpa, one.youngs_modulus_on_layer_kpa_std
+        verdicts = {name: one.verdict for name, one in headlines.items()}
+        verdicts[_ON_LAYER] = summary.validity.on_layer.verdict if summary.validity.on_layer else ""
+        for quantity, (value, std) in found.items():
+            model_std = headlines[quantity].model_std if quantity in headlines else 0.0
             model_std = 0.0 if math.isnan(model_std) else model_std
             yield Value(
                 quantity=quantity,
                 study=study.title,
-                finger=summary["finger"],
-                person=owners[summary["finger"]],
-                synthetic=summary["synthetic"],
-                wedge_angle_deg=summary["wedge_angle_deg"],
-                roll_angle_deg=summary["roll_angle_deg"],
-                value=_number(value),
+                finger=summary.finger,
+                person=owners[summary.finger],
+                synthetic=summary.synthetic,
+                wedge_angle_deg=summary.wedge_angle_deg,
+                roll_angle_deg=summary.roll_angle_deg,
+                value=value,
                 std=math.hypot(std, model_std),
                 shared_std=std * math.sqrt(shared.get(quantity, 0.0)),
                 model_std=model_std,
@@ -332,22 +310,18 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
 
 
 def _of_curves(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Value]:
-    for curve in study.summary["curves"]:
-        for quantity, key in _FROM_CURVES.items() if curve["fit"] else ():
+    for curve in study.summary.curves:
+        for quantity, key in _FROM_CURVES.items() if curve.fit else ():
             yield Value(
                 quantity=quantity,
                 study=study.title,
-                finger=curve["finger"],
-                person=owners[curve["finger"]],
-                synthetic=curve["synthetic"],
-                wedge_angle_deg=curve["wedge_angle_deg"],
+                finger=curve.finger,
+                person=owners[curve.finger],
+                synthetic=curve.synthetic,
+                wedge_angle_deg=curve.wedge_angle_deg,
                 roll_angle_deg=0.0,
-                value=_number(curve["fit"][key]),
-                std=_number(curve["fit"][f"{key}_std"]),
-                source=curve["file"] or "",
-                velocity_mm_per_s=_number(curve["velocity_mm_per_s"]),
+                value=getattr(curve.fit, key),
+                std=getattr(curve.fit, f"{key}_std"),
+                source=curve.file or "",
+                velocity_mm_per_s=curve.velocity_mm_per_s,
             )
-
-
-def _number(found: float | None) -> float:
-    return math.nan if found is None else float(found)

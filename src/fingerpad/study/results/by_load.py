@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, Final, Self
+from typing import Final, Self
 
 import numpy as np
 from scipy import special
@@ -123,20 +123,6 @@ class LoadMean:
             model_std=mean * model,
         )
 
-    def as_record(self, name: str, unit: str) -> dict[str, float]:
-        """Return it by names that end in units."""
-        return {
-            f"{name}_{unit}": self.value,
-            f"{name}_{unit}_std": self.std,
-            f"{name}_{unit}_ci95_low": self.interval[0],
-            f"{name}_{unit}_ci95_high": self.interval[1],
-            f"{name}_{unit}_noise_std": self.noise_std,
-            f"{name}_{unit}_repeatability_std": self.repeatability_std,
-            f"{name}_{unit}_session_std": self.session_std,
-            f"{name}_{unit}_edge_std": self.edge_std,
-            f"{name}_{unit}_other_std": self.other_std,
-        }
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AtLoad:
@@ -175,27 +161,6 @@ class AtLoad:
     verdict: str
     modulus_on_layer: LoadMean | None
     layer_verdict: str
-
-    def as_record(self) -> dict[str, Any]:
-        """Return it by names that end in units."""
-        on_layer = (self.modulus_on_layer or self.modulus).as_record(_ON_LAYER, "kpa")
-        if self.modulus_on_layer is None:
-            on_layer = dict.fromkeys(on_layer, math.nan)
-        return {
-            "finger": self.finger,
-            "wedge_angle_deg": self.wedge_angle_deg,
-            "roll_angle_deg": self.roll_angle_deg,
-            "synthetic": self.synthetic,
-            "load_N": self.load,
-            "contacts": self.count,
-            "sessions": self.sessions,
-            **self.area.as_record("contact_area", "mm2"),
-            **self.modulus.as_record("youngs_modulus", "kpa"),
-            "youngs_modulus_kpa_model_std": self.modulus.model_std,
-            "youngs_modulus_kpa_verdict": self.verdict,
-            **on_layer,
-            f"{_ON_LAYER}_kpa_verdict": self.layer_verdict,
-        }
 
 
 def _quantile(freedom: float) -> float:

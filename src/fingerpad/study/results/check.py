@@ -1,9 +1,10 @@
 """The uncertainty of one contact by all methods: validity of the linear approximation, and shares."""
 
-from dataclasses import dataclass, replace
-from typing import Final, Self
+from dataclasses import replace
+from typing import Final
 
 from fingerpad._arrays import FloatArray
+from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.uncertainty import (
     Inputs,
     pad_model,
@@ -20,66 +21,25 @@ def _corrected_radius(**inputs: FloatArray) -> dict[str, FloatArray]:
     return {_RADIUS: pad_model(**inputs)[_RADIUS]}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UncertaintyCheck:
-    """The corrected radius of one contact, by first order and by Monte Carlo.
-
-    Attributes
-    ----------
-    observation : str
-        The contact.
-    value, std, interval
-        Corrected radius, its first-order standard uncertainty and 95 % interval, mm.
-    simulated_std, simulated_interval
-        The same by Monte Carlo.
-    draws : int
-        Draws that were made.
-    converged : bool
-        Whether two digits of the standard uncertainty have converged.
-    valid : bool
-        Whether the two intervals agree to one digit of the standard uncertainty.
-    shares, total : dict of str to float
-        Share of each source in the variance: of first order, and Sobol's total index.
-    """
-
-    observation: str
-    value: float
-    std: float
-    interval: tuple[float, float]
-    simulated_std: float
-    simulated_interval: tuple[float, float]
-    draws: int
-    converged: bool
-    valid: bool
-    shares: dict[str, float]
-    total: dict[str, float]
-
-    @property
-    def interval_difference(self) -> float:
-        """By how much the ends of the two intervals differ at most, mm."""
-        ends = zip(self.interval, self.simulated_interval, strict=True)
-        return max(abs(one - other) for one, other in ends)
-
-    @classmethod
-    def of(cls, observation: str, inputs: Inputs) -> Self:
-        """Propagate the inputs of one contact by first order and by Monte Carlo."""
-        inputs = _with_independent_groups(inputs)
-        first = propagate(_corrected_radius, inputs)
-        simulated = run_monte_carlo(_corrected_radius, inputs)
-        radius, drawn = first[_RADIUS], simulated[_RADIUS]
-        return cls(
-            observation=observation,
-            value=float(radius.value),
-            std=float(radius.std),
-            interval=(float(radius.lower), float(radius.upper)),
-            simulated_std=float(drawn.std),
-            simulated_interval=(float(drawn.lower), float(drawn.upper)),
-            draws=simulated.draws,
-            converged=simulated.converged[_RADIUS],
-            valid=validate_linear_approximation(first, simulated)[_RADIUS].valid,
-            shares={source: float(share) for source, share in first.budget(_RADIUS).items()},
-            total=sobol_indices(_corrected_radius, inputs)[_RADIUS].total,
-        )
+def check_uncertainty(observation: str, inputs: Inputs) -> UncertaintyCheckRecord:
+    """Propagate the inputs of one contact by first order and by Monte Carlo."""
+    inputs = _with_independent_groups(inputs)
+    first = propagate(_corrected_radius, inputs)
+    simulated = run_monte_carlo(_corrected_radius, inputs)
+    radius, drawn = first[_RADIUS], simulated[_RADIUS]
+    return UncertaintyCheckRecord(
+        observation=observation,
+        value=float(radius.value),
+        std=float(radius.std),
+        interval=(float(radius.lower), float(radius.upper)),
+        simulated_std=float(drawn.std),
+        simulated_interval=(float(drawn.lower), float(drawn.upper)),
+        draws=simulated.draws,
+        converged=simulated.converged[_RADIUS],
+        valid=validate_linear_approximation(first, simulated)[_RADIUS].valid,
+        shares={source: float(share) for source, share in first.budget(_RADIUS).items()},
+        total=sobol_indices(_corrected_radius, inputs)[_RADIUS].total,
+    )
 
 
 def _with_independent_groups(inputs: Inputs) -> Inputs:

@@ -12,7 +12,8 @@ from scipy import io
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import COLUMNS, Column, ColumnArray
 from fingerpad.study.results.result_set import require_result_set
-from fingerpad.study.results.results_reader import read_batches, read_summary, read_table
+from fingerpad.study.results.results_reader import read_batches, read_table
+from fingerpad.study.results.summary_file import SummaryFile
 
 _ROW_GROUP: Final = 5000
 
@@ -41,8 +42,8 @@ def export_results(folder: str | PathLike[str], file: str | PathLike[str]) -> No
             f"name the file with {' or '.join(_FORMATS)}; as CSV the table is {folder / 'results.csv'}"
         )
     require_result_set(folder)
-    summary = read_summary(folder)
-    study = {"title": str(summary["title"]), "fingerpad": str(summary["provenance"]["fingerpad"])}
+    summary = SummaryFile.read(folder)
+    study = {"title": summary.title, "fingerpad": summary.provenance.fingerpad}
     part = file.with_name(f".{file.name}.part")
     try:
         write(folder, study, part)

@@ -19,7 +19,7 @@ from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import UNCERTAINTY_OUT_OF_RANGE
-from fingerpad.study.results.layer_summary import LayerQuantity, quantity_of, quantity_record
+from fingerpad.study.results.layer_summary import LayerQuantity, quantity_of
 from fingerpad.uncertainty import LAYER_SOURCES, Inputs, propagate
 
 _SOURCES: Final = {
@@ -58,19 +58,6 @@ class CurveOnLayer:
     contact_shift: float
     flag: str
     quantities: dict[str, LayerQuantity]
-
-    def as_record(self) -> dict[str, Any]:
-        """Return all of it by names that end in units."""
-        record: dict[str, Any] = {
-            "load_N": self.load,
-            "indentation_mm": self.indentation,
-            "indentation_mm_std": self.indentation_std,
-            "contact_shift_mm": self.contact_shift,
-            "layer_flag": self.flag or None,
-        }
-        for name, quantity in self.quantities.items():
-            record |= quantity_record(name, quantity)
-        return record
 
 
 def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> CurveOnLayer | None:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Self
+from typing import Final, Self
 
 import numpy as np
 
@@ -154,37 +154,6 @@ class LayerSummary:
             },
             pooled={name: PooledOnLayer.of(rows, pooled, estimate, name) for name in POOLED_ON_LAYER},
         )
-
-    def as_record(self) -> dict[str, Any]:
-        """Return all of it by names that end in units."""
-        highest: dict[str, Any] = {
-            "observation": self.observation,
-            "load_N": self.load,
-            "layer_flag": self.flag or None,
-        }
-        for name, quantity in self.at_highest_load.items():
-            highest |= quantity_record(name, quantity)
-        means: dict[str, Any] = {}
-        for name, pooled in self.pooled.items():
-            means |= quantity_record(name, pooled)
-            means[f"{name}_birge_ratio"] = pooled and pooled.birge_ratio
-            means[f"{name}_count"] = pooled.count if pooled else 0
-        return {
-            "effective_thickness_mm": self.thickness,
-            "effective_thickness_mm_std": self.thickness_std,
-            "highest_load": highest,
-            "pooled": means,
-        }
-
-
-def quantity_record(name: str, quantity: LayerQuantity | None) -> dict[str, Any]:
-    """Return a quantity by names that end in units, None where it is not known."""
-    unit, _ = unit_of(name)
-    return {
-        f"{name}_{unit}": quantity and quantity.value,
-        f"{name}_{unit}_std": quantity and quantity.std,
-        f"{name}_variance_shares": quantity and quantity.budget,
-    }
 
 
 def quantity_of(propagated: Propagated, name: str) -> LayerQuantity:

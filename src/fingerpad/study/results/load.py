@@ -10,7 +10,8 @@ import numpy.typing as npt
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.result_set import require_result_set
-from fingerpad.study.results.results_reader import read_summary, read_table
+from fingerpad.study.results.results_reader import read_table
+from fingerpad.study.results.summary_file import SummaryFile
 from fingerpad.study.results.table import ResultsTable
 
 if TYPE_CHECKING:
@@ -26,14 +27,17 @@ class Results(Mapping[str, npt.NDArray[Any]]):
     ----------
     title : str
         The study's title.
+    summary : SummaryFile
+        What ``summary.json`` holds: semi-axes of fingers, pooled radii, verdicts, loading curves and more.
     columns : dict of str to Column
         Unit and meaning of each column.
     rows : int
         Number of rows.
     """
 
-    def __init__(self, title: str, table: ResultsTable) -> None:
-        self.title, self.columns, self.rows = title, COLUMNS, len(table)
+    def __init__(self, summary: SummaryFile, table: ResultsTable) -> None:
+        self.summary, self.title = summary, summary.title
+        self.columns, self.rows = COLUMNS, len(table)
         self._table = table
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
@@ -67,7 +71,7 @@ class Results(Mapping[str, npt.NDArray[Any]]):
 
 
 def load_results(folder: str | PathLike[str]) -> Results:
-    """Read the table of a finished run.
+    """Read the results of a finished run.
 
     Parameters
     ----------
@@ -77,7 +81,8 @@ def load_results(folder: str | PathLike[str]) -> Results:
     Returns
     -------
     Results
-        A mapping from the names of columns to arrays; ``.to_pandas()`` makes it a DataFrame.
+        A mapping from the names of columns to arrays; ``.to_pandas()`` makes it a DataFrame, and ``.summary``
+        holds what was pooled.
 
     Raises
     ------
@@ -91,4 +96,4 @@ def load_results(folder: str | PathLike[str]) -> Results:
     fingerpad.exceptions.FingerpadError: no-such-folder: no finished run there; `fingerpad run STUDY --out FOLDER` makes one
     """  # noqa: E501 (a message stands on one line)
     require_result_set(Path(folder))
-    return Results(str(read_summary(Path(folder))["title"]), read_table(Path(folder)))
+    return Results(SummaryFile.read(Path(folder)), read_table(Path(folder)))

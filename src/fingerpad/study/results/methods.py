@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,28 +11,13 @@ from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.study.error_text import counted
 from fingerpad.study.manifest.models import is_exact
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary_file import MethodsRecord
 
 _FACES: Final = ("palmar", "distal", "radial", "ulnar")
 _MOST_LISTED: Final = 4
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MethodsSection:
-    """A methods section.
-
-    Attributes
-    ----------
-    paragraphs : tuple of str
-        The text.
-    missing : tuple of str
-        What a reader would ask and the study does not state, each with the key of the manifest for it.
-    """
-
-    paragraphs: tuple[str, ...]
-    missing: tuple[str, ...]
-
-
-def methods_section(result: StudyResult) -> MethodsSection:
+def methods_section(result: StudyResult) -> MethodsRecord:
     """Describe how the numbers of a study came about, as a paper does.
 
     Parameters
@@ -43,12 +27,12 @@ def methods_section(result: StudyResult) -> MethodsSection:
 
     Returns
     -------
-    MethodsSection
+    MethodsRecord
         Paragraphs about fingers, contacts, images, models and uncertainty, and what is missing.
     """
     paragraphs = (_fingers(result), _contacts(result), _images(result), _models(result), _uncertainty(result))
     texts = (" ".join(sentences) for sentences in paragraphs)
-    return MethodsSection(paragraphs=tuple(filter(None, texts)), missing=tuple(_missing(result)))
+    return MethodsRecord(paragraphs=list(filter(None, texts)), missing=list(_missing(result)))
 
 
 def _fingers(result: StudyResult) -> Iterator[str]:

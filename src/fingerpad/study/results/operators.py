@@ -1,8 +1,8 @@
 """Agreement of two persons on the contact images that both outlined."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -44,19 +44,6 @@ class OperatorAgreement:
             {one.second_operator for one in self.pairs},
         )
         return tuple(sorted(first)), tuple(sorted(second))
-
-    def as_record(self) -> dict[str, Any]:
-        """Return it for ``summary.json``; differences are relative, the second's from the first's."""
-        first, second = self.operators
-        return {
-            "synthetic": self.synthetic,
-            "first_operators": first,
-            "second_operators": second,
-            "count": len(self.pairs),
-            "iou_mean": self.iou_mean,
-            "iou_least": self.iou_least,
-            **{name: asdict(one) for name, one in self.quantities.items()},
-        }
 
 
 def operator_agreement(pairs: Sequence[OperatorPair]) -> list[OperatorAgreement]:

@@ -1,28 +1,67 @@
 """Writing a study's tables: one row per contact, one per load, scatter of repeats, and summary.json."""
 
 import csv
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from json.encoder import encode_basestring
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fingerpad._csv import csv_cell, write_csv
-from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import PadSemiAxes
-from fingerpad.study.measuring.scales import FoundScale
+from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.by_load import AtLoad, LoadMean
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.exponent import area_exponent
+from fingerpad.study.results.layer import unit_of
+from fingerpad.study.results.layer_curve import CurveOnLayer
+from fingerpad.study.results.layer_summary import LayerQuantity, LayerSummary
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.methods import methods_section
+from fingerpad.study.results.model_checks import ValidityCheck
+from fingerpad.study.results.operators import OperatorAgreement
 from fingerpad.study.results.pooling import PooledRadius
+from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
+from fingerpad.study.results.summary_file import (
+    AgreementRecord,
+    AtLoadRecord,
+    CheckRecord,
+    ContactRepeatabilityRecord,
+    CurveFitRecord,
+    CurveOnLayerRecord,
+    CurveRecord,
+    FaceRecord,
+    FingerRecord,
+    HeadlineRecord,
+    HighestLoadOnLayer,
+    LayerValidityRecord,
+    OnLayerRecord,
+    OperatorAgreementRecord,
+    OverlayRecord,
+    PhotographRecord,
+    PlacementRecord,
+    PooledOnLayerRecord,
+    ProvenanceRecord,
+    RepeatabilityRecord,
+    ScaleRecord,
+    ScatterLevelRecord,
+    ScatterRecord,
+    SequenceRecord,
+    SummaryFile,
+    ThicknessFitRecord,
+    UncertaintyCheckRecord,
+    ValidityRecord,
+)
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.study.results.validity import RADIUS, Validity
+from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 
 def write_tables(result: StudyResult, out: Path) -> None:
@@ -43,12 +82,13 @@ def write_tables(result: StudyResult, out: Path) -> None:
             (each.name, each.dtype, each.unit, each.group, each.meaning) for each in COLUMNS.values()
         )
         write_csv(out / "results_columns.csv", [("column", "type", "unit", "group", "meaning"), *dictionary])
-        _write_records(out / "by_load.csv", [one.as_record() for one in result.by_load])
-        _write_records(out / "repeatability.csv", [line for one in result.scatter for line in one.lines()])
+        summary = summary_of(result)
+        _write_records(out / "by_load.csv", [dict(one) for one in summary.by_load])
+        levels = [level for one in summary.repeatability.scatter for level in one.levels]
+        _write_records(out / "repeatability.csv", [dict(one) for one in levels])
         if result.operator_pairs:
             _write_records(out / "second_operator.csv", [one.as_record() for one in result.operator_pairs])
-        record = dumps(summary_record(result), indent=1)
-        (out / "summary.json").write_text(record + "\n", encoding="utf-8")
+        (out / "summary.json").write_text(summary.text(), encoding="utf-8")
     except OSError as error:
         raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
 
@@ -89,197 +129,132 @@ def _literals(rows: ResultsTable, name: str, cells: Sequence[str]) -> list[str]:
     return [cell or "null" for cell in cells]
 
 
-def summary_record(result: StudyResult) -> dict[str, Any]:
+def summary_of(result: StudyResult) -> SummaryFile:
     """Return the content of ``summary.json``."""
-    return {
-        "title": result.study.title,
-        "fingers": [
-            {
-                "finger": finger.name,
-                "person": finger.person,
-                "source": finger.source,
-                "synthetic": finger.synthetic,
-                "palmar_mm": finger.semi_axes[0],
-                "distal_mm": finger.semi_axes[1],
-                "radial_ulnar_mm": finger.semi_axes[2],
-                "covariance_mm2": finger.covariance,
-                "scale": finger.scale,
-                "chi_square": finger.outlines and finger.outlines.chi_square,
-                "degrees_of_freedom": finger.outlines and finger.outlines.degrees_of_freedom,
-                "p_value": finger.outlines and finger.outlines.p_value,
-                "between_faces_relative_std": finger.outlines and finger.outlines.between_relative_std,
-                "faces": finger.outlines and _faces(finger.outlines),
-                "photographs": [
-                    {
-                        "face": one.manifest.face,
-                        "file": one.manifest.file,
-                        "uncertainty_mm_std": one.uncertainty,
-                        "arc_deg": one.arc_deg,
-                        "exponent": one.exponent and one.exponent[0],
-                        "exponent_std": one.exponent and one.exponent[1],
-                        "outline_radii_deg_mm": one.outline_radii,
-                        "flags": one.flags,
-                    }
-                    for one in finger.photographs
-                ],
-                "reason": finger.reason,
-            }
-            for finger in result.fingers.values()
-        ],
-        "summaries": [
-            _summary(
-                summary,
-                check,
-                loading_radius(result.curves, summary.place),
-            )
-            | _headline(validity)
-            | {"validity": validity.as_record()}
+    return SummaryFile(
+        title=result.study.title,
+        fingers=[_finger(finger) for finger in result.fingers.values()],
+        summaries=[
+            _placement(summary, check, validity, loading_radius(result.curves, summary.place))
             for summary, check, validity in zip(
                 result.summaries, result.checks, result.validities, strict=True
             )
         ],
-        "repeatability": {
-            "contact": [
-                {
-                    "synthetic": synthetic,
-                    "contact_area_log_std": one.area_std if one.known else None,
-                    "aspect_ratio_log_std": one.aspect_ratio_std if one.known else None,
-                    "log_radius_and_elongation_covariance": one.covariance if one.known else None,
-                    "degrees_of_freedom": one.freedom,
-                    "groups": one.groups,
-                    "count": one.count,
-                    "missing": one.missing or None,
-                }
+        repeatability=RepeatabilityRecord(
+            contact=[
+                _contact_repeatability(one, synthetic=synthetic)
                 for synthetic, one in result.repeatability.items()
                 if (result.rows.column("synthetic") == synthetic).any()
             ],
-            "scatter": [one.as_record() for one in result.scatter],
-        },
-        "second_operator": [one.as_record() for one in result.operators],
-        "by_load": [one.as_record() for one in result.by_load],
-        "sequences": [
+            scatter=[_scatter(one) for one in result.scatter],
+        ),
+        second_operator=[_agreement(one) for one in result.operators],
+        by_load=[_at_load(one) for one in result.by_load],
+        sequences=[
             _sequence(sequence, frames)
             for sequence, frames in zip(result.sequences, result.frames(), strict=True)
         ],
-        "scales": {name: _scale(scale) for name, scale in result.scales.items()},
-        "curves": [
-            {
-                "file": curve.manifest.file,
-                "finger": curve.manifest.finger,
-                "wedge_angle_deg": curve.manifest.wedge_angle_deg,
-                "synthetic": curve.manifest.synthetic,
-                "loading_radius_mm": curve.loading_radius,
-                "loading_radius_mm_std": curve.loading_radius_std,
-                "velocity_mm_per_s": curve.velocity,
-                "reason": curve.reason,
-                "fit": curve.fit and curve.fit.as_record(),
-                "layer": curve.layer and curve.layer.as_record(),
-                "on_layer": layered and layered.as_record(),
-            }
+        scales={
+            name: ScaleRecord(reason=scale)
+            if isinstance(scale, str)
+            else ScaleRecord(
+                mm_per_px=scale.scale.mm_per_px,
+                mm_per_px_std=scale.scale.mm_per_px_std,
+                flags=list(scale.flags),
+            )
+            for name, scale in result.scales.items()
+        },
+        curves=[
+            _curve(curve, layered)
             for curve, layered in zip(result.curves, result.curves_on_layer(), strict=True)
         ],
-        "failures": result.failures,
-        "methods": asdict(methods_section(result)),
-        "provenance": result.provenance,
-    }
+        failures=result.failures,
+        methods=methods_section(result),
+        provenance=ProvenanceRecord.model_validate(result.provenance),
+    )
 
 
-def _faces(outlines: PadSemiAxes) -> list[dict[str, Any]]:
-    """Return the semi-axes of each face, mm, and by how much they exceed the joint ones, relative to them."""
+def _finger(finger: FingerResult) -> FingerRecord:
+    outlines = finger.outlines
+    palmar, distal, radial_ulnar = finger.semi_axes.tolist()
+    return FingerRecord(
+        finger=finger.name,
+        person=finger.person,
+        source=finger.source,
+        synthetic=finger.synthetic,
+        palmar_mm=palmar,
+        distal_mm=distal,
+        radial_ulnar_mm=radial_ulnar,
+        covariance_mm2=finger.covariance.tolist(),
+        scale=finger.scale,
+        chi_square=outlines.chi_square if outlines else math.nan,
+        degrees_of_freedom=outlines.degrees_of_freedom if outlines else None,
+        p_value=outlines.p_value if outlines else math.nan,
+        between_faces_relative_std=outlines.between_relative_std if outlines else math.nan,
+        faces=_faces(outlines) if outlines else None,
+        photographs=[_photograph(one) for one in finger.photographs],
+        reason=finger.reason,
+    )
+
+
+def _faces(outlines: PadSemiAxes) -> list[FaceRecord]:
+    """Return the semi-axes of each face, and by how much they exceed the joint ones, relative to them."""
     return [
-        {
-            "face": one.face,
-            **{f"{axis}_mm": float(length) for axis, length in zip(off, one.semi_axes, strict=True)},
+        FaceRecord(
+            face=one.face,
+            **{f"{axis}_mm": length for axis, length in zip(off, one.semi_axes.tolist(), strict=True)},
             **{f"{axis}_relative_difference": value for axis, value in off.items()},
-            "flags": sorted(one.flags),
-        }
+            flags=sorted(one.flags),
+        )
         for one, off in zip(outlines.faces, outlines.disagreements, strict=True)
     ]
 
 
-def _summary(
-    summary: Summary, check: UncertaintyCheck | None, loading: LoadingRadius | None
-) -> dict[str, Any]:
-    first, contacts = summary.rows[0], summary.contacts
-    return {
-        "finger": summary.finger,
-        "wedge_angle_deg": summary.wedge_angle_deg,
-        "roll_angle_deg": summary.roll_angle_deg,
-        "synthetic": summary.synthetic,
-        "count": len(contacts),
-        "frames": len(summary.rows) - len(contacts),
-        "mean_curvature_radius_mm": first["mean_curvature_radius_mm"],
-        "mean_curvature_radius_mm_std": first["mean_curvature_radius_mm_std"],
-        "geometric_mean_radius_mm": first["geometric_mean_radius_mm"],
-        "geometric_mean_radius_mm_std": first["geometric_mean_radius_mm_std"],
+def _photograph(one: PhotographResult) -> PhotographRecord:
+    exponent, exponent_std = one.exponent or (math.nan, math.nan)
+    assert one.manifest.file is not None  # it was measured
+    return PhotographRecord(
+        face=one.manifest.face,
+        file=one.manifest.file,
+        uncertainty_mm_std={term: dict(axes) for term, axes in one.uncertainty.items()},
+        arc_deg=one.arc_deg,
+        exponent=exponent,
+        exponent_std=exponent_std,
+        outline_radii_deg_mm=list(one.outline_radii),
+        flags=list(one.flags),
+    )
+
+
+def _placement(
+    summary: Summary,
+    check: UncertaintyCheckRecord | None,
+    validity: Validity,
+    loading: LoadingRadius | None,
+) -> PlacementRecord:
+    first, contacts, radius = summary.rows[0], summary.contacts, validity.headlines[RADIUS]
+    return PlacementRecord(
+        finger=summary.finger,
+        wedge_angle_deg=summary.wedge_angle_deg,
+        roll_angle_deg=summary.roll_angle_deg,
+        synthetic=summary.synthetic,
+        count=len(contacts),
+        frames=len(summary.rows) - len(contacts),
+        mean_curvature_radius_mm=first["mean_curvature_radius_mm"],
+        mean_curvature_radius_mm_std=first["mean_curvature_radius_mm_std"],
+        geometric_mean_radius_mm=first["geometric_mean_radius_mm"],
+        geometric_mean_radius_mm_std=first["geometric_mean_radius_mm_std"],
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
-        "on_layer": summary.layer and summary.layer.as_record(),
-        "loading_radius_mm": loading and loading.value,
-        "loading_radius_mm_std": loading and loading.std,
+        on_layer=_on_layer(summary.layer) if summary.layer else None,
+        loading_radius_mm=loading.value if loading else math.nan,
+        loading_radius_mm_std=loading.std if loading else math.nan,
         **_exponent(contacts or summary.rows),
-        "uncertainty_check": check and asdict(check),
-    }
-
-
-def _headline(validity: Validity) -> dict[str, Any]:
-    """Return what stands beside the pooled corrected radius: its total uncertainty, and the verdict on it."""
-    radius = validity.headlines[RADIUS]
-    return {
-        f"{RADIUS}_model_std": radius.model_std,
-        f"{RADIUS}_total_std": radius.total_std,
-        f"{RADIUS}_verdict": radius.verdict,
-    }
-
-
-def _sequence(sequence: SequenceResult, frames: ResultsTable) -> dict[str, Any]:
-    of, summary = sequence.manifest, sequence.summary
-    counts = (
-        {}
-        if summary is None
-        else {
-            "frames": summary.count,
-            "frames_with_contact": summary.measured,
-            "frames_without_contact": summary.without_contact,
-            "frames_failed": summary.failed,
-            "phases": summary.phases,
-            "first_contact_frame": summary.first_contact,
-            "notes": summary.notes,
-        }
+        uncertainty_check=check,
+        radius_from_indentation_mm_model_std=radius.model_std,
+        radius_from_indentation_mm_total_std=radius.total_std,
+        radius_from_indentation_mm_verdict=radius.verdict,
+        validity=_validity(validity),
     )
-    manual = of_phases.correction if (of_phases := sequence.phases) else None
-    return {
-        "sequence": of.name,
-        "finger": of.finger,
-        "wedge_angle_deg": of.wedge_angle_deg,
-        "roll_angle_deg": of.roll_angle_deg,
-        "synthetic": of.synthetic,
-        **counts,
-        "phases_corrected_by": of_phases and of_phases.who,
-        "phases_corrected_at": of_phases and of_phases.when,
-        "phases_reason": manual and manual.why,
-        "phase_starts_s": manual and [[one.phase, one.start_s] for one in manual.starts],
-        "rows": len(frames),
-        "pooled": int(frames.column("pooled").sum()),
-        **_exponent(frames),
-        "overlays": [overlay._asdict() for overlay in sequence.overlays],
-        "reason": sequence.reason,
-    }
-
-
-def _exponent(rows: ResultsTable) -> dict[str, float]:
-    exponent = area_exponent(rows)
-    return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
-
-
-def _scale(scale: FoundScale | str) -> dict[str, Any]:
-    if isinstance(scale, str):
-        return {"reason": scale}
-    return {
-        "mm_per_px": scale.scale.mm_per_px,
-        "mm_per_px_std": scale.scale.mm_per_px_std,
-        "flags": scale.flags,
-    }
 
 
 def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
@@ -301,3 +276,232 @@ def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
         f"{name}_scatter_between_loads_mm": pooled.scatter.components["load"].std,
         f"{name}_variance_shares": pooled.budget,
     }
+
+
+def _on_layer(layer: LayerSummary) -> OnLayerRecord:
+    means: dict[str, Any] = {}
+    for name, pooled in layer.pooled.items():
+        means |= _on_layer_quantity(name, pooled)
+        means[f"{name}_birge_ratio"] = pooled and pooled.birge_ratio
+        means[f"{name}_count"] = pooled.count if pooled else 0
+    return OnLayerRecord(
+        effective_thickness_mm=layer.thickness,
+        effective_thickness_mm_std=layer.thickness_std,
+        highest_load=HighestLoadOnLayer(
+            observation=layer.observation,
+            load_N=layer.load,
+            layer_flag=layer.flag,
+            **_on_layer_quantities(layer.at_highest_load),
+        ),
+        pooled=PooledOnLayerRecord(**means),
+    )
+
+
+def _on_layer_quantities(quantities: Mapping[str, LayerQuantity]) -> dict[str, Any]:
+    return {key: one for name, of in quantities.items() for key, one in _on_layer_quantity(name, of).items()}
+
+
+def _on_layer_quantity(name: str, quantity: LayerQuantity | None) -> dict[str, Any]:
+    unit, _ = unit_of(name)
+    return {
+        f"{name}_{unit}": quantity and quantity.value,
+        f"{name}_{unit}_std": quantity and quantity.std,
+        f"{name}_variance_shares": quantity and quantity.budget,
+    }
+
+
+def _validity(validity: Validity) -> ValidityRecord:
+    layer = [_check(one) for one in validity.layer_checks]
+    return ValidityRecord(
+        model="Hertz theory",
+        verdict=validity.verdict,
+        observation=validity.observation,
+        load_N=validity.load,
+        headlines={
+            name: HeadlineRecord(
+                verdict=one.verdict,
+                value=one.value,
+                value_std=one.std,
+                model_std=one.model_std,
+                total_std=one.total_std,
+                model_relative_std=validity.relative_stds[name],
+                model_from=one.model_from,
+            )
+            for name, one in validity.headlines.items()
+        },
+        checks=[_check(one) for one in validity.checks],
+        on_layer=LayerValidityRecord(verdict=validity.layer_verdict, checks=layer) if layer else None,
+    )
+
+
+def _check(one: ValidityCheck) -> CheckRecord:
+    return CheckRecord(
+        check=one.name,
+        compared=one.compared,
+        headlines=list(one.quantities),
+        verdict=one.verdict,
+        unit=one.unit,
+        value=one.value,
+        value_std=one.value_std,
+        reference=one.reference,
+        reference_std=one.reference_std,
+        difference=one.difference,
+        relative_difference=one.relative_difference,
+        difference_of=one.difference_of,
+        deviations=one.deviations,
+        p_value=one.p_value,
+        note=one.note,
+    )
+
+
+def _contact_repeatability(one: ContactRepeatability, *, synthetic: bool) -> ContactRepeatabilityRecord:
+    return ContactRepeatabilityRecord(
+        synthetic=synthetic,
+        contact_area_log_std=one.area_std if one.known else math.nan,
+        aspect_ratio_log_std=one.aspect_ratio_std if one.known else math.nan,
+        log_radius_and_elongation_covariance=one.covariance.tolist() if one.known else None,
+        degrees_of_freedom=one.freedom,
+        groups=one.groups,
+        count=one.count,
+        missing=one.missing,
+    )
+
+
+def _scatter(one: StudyScatter) -> ScatterRecord:
+    """Return how a quantity scatters, by level.
+
+    The limit of agreement is that of two contacts in different groups of the level: of two repeats in one
+    session, of two sessions, and so on, with what lies between all levels below.
+    """
+    components = one.scatter.components
+    outwards = np.array([level.std for level in reversed(components.values())])
+    limits = LIMIT_FACTOR * np.sqrt(np.nancumsum(outwards**2))[::-1]
+    return ScatterRecord(
+        quantity=one.quantity,
+        synthetic=one.synthetic,
+        icc=one.scatter.icc,
+        icc_ci95=one.scatter.icc_interval,
+        levels=[
+            ScatterLevelRecord(
+                quantity=one.quantity,
+                synthetic=one.synthetic,
+                level=level,
+                log_std=found.std,
+                log_std_ci95_low=found.interval[0],
+                log_std_ci95_high=found.interval[1],
+                log_limit_of_agreement=limit if found.known else math.nan,
+                degrees_of_freedom=found.freedom,
+                groups=found.groups,
+                count=found.count,
+                includes=" ".join(found.includes),
+                missing=one.missing.get(level, ""),
+            )
+            for (level, found), limit in zip(components.items(), limits.tolist(), strict=True)
+        ],
+    )
+
+
+def _agreement(one: OperatorAgreement) -> OperatorAgreementRecord:
+    first, second = one.operators
+    return OperatorAgreementRecord(
+        synthetic=one.synthetic,
+        first_operators=list(first),
+        second_operators=list(second),
+        count=len(one.pairs),
+        iou_mean=one.iou_mean,
+        iou_least=one.iou_least,
+        **{name: AgreementRecord.model_validate(each) for name, each in one.quantities.items()},
+    )
+
+
+def _at_load(one: AtLoad) -> AtLoadRecord:
+    return AtLoadRecord(
+        finger=one.finger,
+        wedge_angle_deg=one.wedge_angle_deg,
+        roll_angle_deg=one.roll_angle_deg,
+        synthetic=one.synthetic,
+        load_N=one.load,
+        contacts=one.count,
+        sessions=one.sessions,
+        **_mean("contact_area_mm2", one.area),
+        **_mean("youngs_modulus_kpa", one.modulus),
+        youngs_modulus_kpa_model_std=one.modulus.model_std,
+        youngs_modulus_kpa_verdict=one.verdict,
+        **_mean("youngs_modulus_on_layer_kpa", one.modulus_on_layer),
+        youngs_modulus_on_layer_kpa_verdict=one.layer_verdict,
+    )
+
+
+def _mean(name: str, mean: LoadMean | None) -> dict[str, Any]:
+    return {
+        name: mean and mean.value,
+        f"{name}_std": mean and mean.std,
+        f"{name}_ci95_low": mean and mean.interval[0],
+        f"{name}_ci95_high": mean and mean.interval[1],
+        **{
+            f"{name}_{part}_std": mean and getattr(mean, f"{part}_std")
+            for part in ("noise", "repeatability", "session", "edge", "other")
+        },
+    }
+
+
+def _sequence(sequence: SequenceResult, frames: ResultsTable) -> SequenceRecord:
+    of, summary, phases = sequence.manifest, sequence.summary, sequence.phases
+    counts: dict[str, Any] = {}
+    if summary is not None:
+        counts = {
+            "frames": summary.count,
+            "frames_with_contact": summary.measured,
+            "frames_without_contact": summary.without_contact,
+            "frames_failed": summary.failed,
+            "phases": summary.phases,
+            "first_contact_frame": summary.first_contact,
+            "notes": list(summary.notes),
+        }
+    return SequenceRecord(
+        sequence=of.name,
+        finger=of.finger,
+        wedge_angle_deg=of.wedge_angle_deg,
+        roll_angle_deg=of.roll_angle_deg,
+        synthetic=of.synthetic,
+        **counts,
+        phases_corrected_by=phases and phases.who,
+        phases_corrected_at=phases and phases.when,
+        phases_reason=phases and phases.correction.why,
+        phase_starts_s=phases and [(one.phase, one.start_s) for one in phases.correction.starts],
+        rows=len(frames),
+        pooled=int(frames.column("pooled").sum()),
+        **_exponent(frames),
+        overlays=[OverlayRecord.model_validate(one) for one in sequence.overlays],
+        reason=sequence.reason,
+    )
+
+
+def _exponent(rows: ResultsTable) -> dict[str, Any]:
+    exponent = area_exponent(rows)
+    return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
+
+
+def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> CurveRecord:
+    return CurveRecord(
+        file=curve.manifest.file,
+        finger=curve.manifest.finger,
+        wedge_angle_deg=curve.manifest.wedge_angle_deg,
+        synthetic=curve.manifest.synthetic,
+        loading_radius_mm=curve.loading_radius,
+        loading_radius_mm_std=curve.loading_radius_std,
+        velocity_mm_per_s=curve.velocity,
+        reason=curve.reason,
+        fit=CurveFitRecord.model_validate(curve.fit.as_record()) if curve.fit else None,
+        layer=ThicknessFitRecord.model_validate(curve.layer.as_record()) if curve.layer else None,
+        on_layer=CurveOnLayerRecord(
+            load_N=layered.load,
+            indentation_mm=layered.indentation,
+            indentation_mm_std=layered.indentation_std,
+            contact_shift_mm=layered.contact_shift,
+            layer_flag=layered.flag,
+            **_on_layer_quantities(layered.quantities),
+        )
+        if layered
+        else None,
+    )

@@ -23,7 +23,6 @@ from fingerpad.uncertainty import (
     nested_scatter,
 )
 from fingerpad.uncertainty.scatter import (
-    LIMIT_FACTOR,
     MIN_LEVEL_FREEDOM,
     MIN_REPEAT_FREEDOM,
     REPEAT,
@@ -233,44 +232,6 @@ class StudyScatter:
     synthetic: bool
     scatter: NestedScatter
     missing: dict[str, str]
-
-    def as_record(self) -> dict[str, Any]:
-        """Return it by plain names."""
-        return {
-            "quantity": self.quantity,
-            "synthetic": self.synthetic,
-            "icc": self.scatter.icc,
-            "icc_ci95": self.scatter.icc_interval,
-            "levels": self.lines(),
-        }
-
-    def lines(self) -> list[dict[str, Any]]:
-        """Return a record of each level, with the same keys.
-
-        The limit of agreement is that of two contacts in different groups of the level: of two repeats in one
-        session, of two sessions, and so on, with what lies between all levels below.
-        """
-        components = self.scatter.components
-        outwards = np.array([one.std for one in reversed(components.values())])
-        whole = np.sqrt(np.nancumsum(outwards**2))[::-1]
-        limits = dict(zip(components, LIMIT_FACTOR * whole, strict=True))
-        return [
-            {
-                "quantity": self.quantity,
-                "synthetic": self.synthetic,
-                "level": level,
-                "log_std": one.std,
-                "log_std_ci95_low": one.interval[0],
-                "log_std_ci95_high": one.interval[1],
-                "log_limit_of_agreement": float(limits[level]) if one.known else None,
-                "degrees_of_freedom": one.freedom,
-                "groups": one.groups,
-                "count": one.count,
-                "includes": " ".join(one.includes),
-                "missing": self.missing.get(level, ""),
-            }
-            for level, one in components.items()
-        ]
 
 
 def study_scatter(study: Study, table: ResultsTable) -> list[StudyScatter]:

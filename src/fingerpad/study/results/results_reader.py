@@ -1,7 +1,6 @@
-"""The tables of a finished run, read back from results.csv and summary.json."""
+"""The tables of a finished run, read back from results.csv."""
 
 import csv
-import json
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import islice
@@ -14,6 +13,7 @@ from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import COLUMNS, Column, ColumnArray, DType
 from fingerpad.study.results.result_set import RERUN
+from fingerpad.study.results.summary_file import no_finished_run
 from fingerpad.study.results.table import ResultsTable, TableBuilder
 
 # The cells of so many rows take some megabytes.
@@ -76,25 +76,6 @@ def _array(column: Column, cells: tuple[str, ...], where: str) -> ColumnArray:
     return array
 
 
-def read_summary(folder: Path) -> dict[str, Any]:
-    """Return the content of a finished run's ``summary.json``.
-
-    Raises
-    ------
-    FingerpadError
-        If there is none, or it is none.
-    """
-    path = folder / "summary.json"
-    try:
-        with _opened(path) as file:
-            summary = json.load(file)
-    except (ValueError, RecursionError) as error:
-        raise FingerpadError(f"{path}: cannot be read as JSON ({error}); {RERUN}") from error
-    if not isinstance(summary, dict) or not {"title", "fingers", "summaries", "provenance"} <= summary.keys():
-        raise FingerpadError(f"{path}: is no summary of a study that was run; {RERUN}")
-    return summary
-
-
 @contextmanager
 def _opened(path: Path) -> Iterator[TextIO]:
     """Open a file of a run's output."""
@@ -102,9 +83,6 @@ def _opened(path: Path) -> Iterator[TextIO]:
         with path.open(newline="", encoding="utf-8") as file:
             yield file
     except FileNotFoundError:
-        raise FingerpadError(
-            f"{path.parent}: no {path.name} there, so no finished run; "
-            "`fingerpad run STUDY --out FOLDER` makes one"
-        ) from None
+        raise no_finished_run(path) from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise FingerpadError(f"{path}: cannot be read ({error})") from error

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from fingerpad._display import Displayed
-from fingerpad.study.engine.codec import from_record, to_record
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task
@@ -21,7 +20,7 @@ from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.by_load import AtLoad, pool_by_load
-from fingerpad.study.results.check import UncertaintyCheck
+from fingerpad.study.results.check import check_uncertainty
 from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
 from fingerpad.study.results.operators import OperatorAgreement, operator_agreement
@@ -33,6 +32,7 @@ from fingerpad.study.results.repeats import (
 )
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary import Summary, pool_contacts
+from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.study.results.validity import Validity, fill_columns, validity_of
 
@@ -57,7 +57,7 @@ class StudyResult(Displayed):
         Named scales, or why there is none.
     summaries : list of Summary
         One per finger and placement.
-    checks : list of UncertaintyCheck or None
+    checks : list of UncertaintyCheckRecord or None
         Of the counted contact at the highest load in each summary; None where none counts or it cannot be
         checked.
     repeatability : dict of bool to ContactRepeatability
@@ -85,7 +85,7 @@ class StudyResult(Displayed):
     sequences: list[SequenceResult]
     scales: dict[str, FoundScale | str]
     summaries: list[Summary]
-    checks: list[UncertaintyCheck | None]
+    checks: list[UncertaintyCheckRecord | None]
     repeatability: dict[bool, ContactRepeatability]
     scatter: list[StudyScatter]
     by_load: list[AtLoad]
@@ -241,14 +241,16 @@ def _checks(
     store: Store,
     folder: Path,
     on_check: Callable[[str], None],
-) -> list[UncertaintyCheck | None]:
+) -> list[UncertaintyCheckRecord | None]:
     """Look closely at the uncertainty of some contacts."""
     tasks = [
         Task(
             name=f"/check {one.observation}",  # no item's name begins like this
             item=one.observation,
             file=one.observation,
-            key=digest_of_values(one.observation, one.inputs, versions_of("uncertainty")),
+            key=digest_of_values(
+                UncertaintyCheckRecord.__name__, one.observation, one.inputs, versions_of("uncertainty")
+            ),
             work=partial(_checked, one),
             inputs=(),
             pictures=0,
@@ -259,8 +261,8 @@ def _checks(
     records = records_of(tasks, executor, store, folder, lambda task: on_check(task.item))
     checks = (record.get("check") for record in records)
     found = (None if one is None else next(checks) for one in highest_load)
-    return [None if one is None else from_record(UncertaintyCheck, one) for one in found]
+    return [None if one is None else UncertaintyCheckRecord.model_validate(one) for one in found]
 
 
 def _checked(highest_load: HighestLoad, _folder: Path, _out: Path) -> Record:
-    return {"check": to_record(UncertaintyCheck.of(highest_load.observation, highest_load.inputs))}
+    return {"check": check_uncertainty(highest_load.observation, highest_load.inputs).model_dump()}

@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from fingerpad.study.results.summary_file import UncertaintyCheckRecord, ValidityRecord
 from fingerpad.web.answers.base import Answer, Cell, Point3D, PoolingCorrectionRecord
 from fingerpad.web.answers.study import SemiAxes
 
@@ -66,33 +67,6 @@ class PlottedRows(Answer):
     pooled: list[bool]
 
 
-class ModelCheck(Answer):
-    """A check of the model: what is compared, and the outcome in one word."""
-
-    compared: str
-    verdict: str
-    relative_difference: float | None
-    difference_of: str | None
-    p_value: float | None
-    note: str | None
-
-
-class ModelHeadline(Answer):
-    """A result with the verdict of the checks that concern it, and its uncertainty with the model's part."""
-
-    verdict: str
-    total_std: float | None
-    model_std: float | None
-
-
-class ModelValidity(Answer):
-    """Whether the model holds; headlines by column."""
-
-    verdict: str
-    headlines: dict[str, ModelHeadline]
-    checks: list[ModelCheck]
-
-
 class PooledContact(Answer):
     """A contact that is left out of the pooled radius, or about which a person or a flag has a say.
 
@@ -130,7 +104,7 @@ class PlottedGroup(Group):
     loading_radius_mm_std: float | None
     rows: PlottedRows
     range_notes: list[RangeNote]
-    validity: ModelValidity
+    validity: ValidityRecord
     pooling: Pooling
 
 
@@ -140,22 +114,11 @@ class Plot(Answer):
     groups: list[PlottedGroup]
 
 
-class BudgetCheck(Answer):
-    """Uncertainty of the highest-load contact: first-order shares, and Sobol's total indices."""
-
-    observation: str
-    value: float
-    std: float
-    valid: bool
-    shares: dict[str, float | None]
-    total: dict[str, float | None]
-
-
 class BudgetGroup(Group):
     """The uncertainty budget of a finger at one placement."""
 
     pooled: dict[str, float | None] | None
-    check: BudgetCheck | None
+    check: UncertaintyCheckRecord | None
 
 
 class Budget(Answer):

@@ -6,6 +6,7 @@ from fingerpad.study.manifest.load import Kind
 from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
 from fingerpad.study.new_files.file_names import Kind as FileKind
 from fingerpad.study.new_files.quantities import Role
+from fingerpad.study.results.summary_file import OperatorAgreementRecord
 from fingerpad.web.answers.base import Answer, Face, Status
 
 
@@ -332,32 +333,6 @@ class SecondOperatorImage(Review):
     item: str
 
 
-class QuantityAgreement(Answer):
-    """Relative differences of the second operator from the first; null where there are too few pairs."""
-
-    count: int
-    bias: float | None
-    bias_interval: tuple[float | None, float | None]
-    std: float | None
-    limits: tuple[float | None, float | None]
-    limits_interval: tuple[float | None, float | None]
-
-
-class OperatorAgreement(Answer):
-    """Agreement of two persons on real or on synthetic images, by the last run."""
-
-    synthetic: bool
-    first_operators: list[str]
-    second_operators: list[str]
-    count: int
-    iou_mean: float
-    iou_least: float
-    semi_major_mm: QuantityAgreement | None = None
-    semi_minor_mm: QuantityAgreement | None = None
-    gross_area_mm2: QuantityAgreement | None = None
-    ridge_area_mm2: QuantityAgreement | None = None
-
-
 class SecondOperator(Answer):
     """Images that the first operator looked at, in random order, and how the second agrees.
 
@@ -367,7 +342,7 @@ class SecondOperator(Answer):
     first_operators: list[str]
     images: list[SecondOperatorImage]
     unseen: int
-    agreement: list[OperatorAgreement]
+    agreement: list[OperatorAgreementRecord]
 
 
 class StudyEvent(Answer):

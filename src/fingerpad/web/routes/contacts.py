@@ -278,10 +278,10 @@ def _model(
     headlines = last_headlines(opened, tuple(row[name] for name in PLACEMENT))
     for name in HEADLINES:
         if (std := row[f"{name}_std"]) is not None:
-            relative = headlines.get(name, {}).get("model_relative_std") or 0.0
+            relative = np.nan_to_num(headlines[name].model_relative_std) if name in headlines else 0.0
             row[f"{name}_total_std"] = math.hypot(std, relative * row[name])
     row["range_notes"] = (row["range_notes"] or "").split()
-    row["verdicts"] = {name: one["verdict"] for name, one in headlines.items()}
+    row["verdicts"] = {name: one.verdict for name, one in headlines.items()}
     return {name: row[name] for name in answers.ContactModel.model_fields}
 
 

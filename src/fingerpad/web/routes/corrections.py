@@ -198,5 +198,5 @@ def second_operator(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
         "first_operators": sorted({first[name].who for name in looked}),
         "images": [{"item": name, **review_record(second.get(name))} for name in blind_order(looked)],
         "unseen": len(named) - len(looked),
-        "agreement": found.summary.get("second_operator", []) if found else [],
+        "agreement": [one.model_dump() for one in found.summary.second_operator] if found else [],
     }

@@ -17,6 +17,7 @@ from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.results.columns import COLUMNS, Column
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT
+from fingerpad.study.results.summary_file import PlacementRecord
 from fingerpad.study.results.table import ResultsTable
 from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
@@ -122,26 +123,31 @@ def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
     active_corrections = workspace.study.corrections.active_corrections()
     groups = [
         _group(one, found.table, active_corrections)
-        for one in found.summary["summaries"]
-        if params.finger in {None, one["finger"]}
+        for one in found.summary.summaries
+        if params.finger in {None, one.finger}
     ]
     return {"groups": groups}
 
 
-def _figure(of: Mapping[str, Any]) -> str:
-    return group_name(tuple(of[name] for name in PLACEMENT))
+def _placed(of: PlacementRecord) -> dict[str, Any]:
+    return {**dict(zip(PLACEMENT, of.key, strict=True)), "figure": group_name(of.key)}
 
 
 def _group(
-    of: Mapping[str, Any], table: ResultsTable, active_corrections: Mapping[str, ActiveCorrection]
+    of: PlacementRecord, table: ResultsTable, active_corrections: Mapping[str, ActiveCorrection]
 ) -> dict[str, Any]:
-    placed = np.logical_and.reduce([table.column(name) == of[name] for name in PLACEMENT])
+    placement = zip(PLACEMENT, of.key, strict=True)
+    placed = np.logical_and.reduce([table.column(name) == value for name, value in placement])
     rows = table.at(placed & table.known("radius_from_indentation_mm"))
     rejected = placed & (table.column("status") == "rejected") & ~table.known("frame")
     codes = Counter(code for notes in rows.items("range_notes") for code in (notes or "").split())
     return {
-        **{name: of.get(name) for name in answers.PlottedGroup.model_fields},
-        "figure": _figure(of),
+        **_placed(of),
+        "radius_from_indentation_mm": of.radius_from_indentation_mm,
+        "mean_curvature_radius_mm": of.mean_curvature_radius_mm,
+        "mean_curvature_radius_mm_std": of.mean_curvature_radius_mm_std,
+        "loading_radius_mm": of.loading_radius_mm,
+        "loading_radius_mm_std": of.loading_radius_mm_std,
         "pooling": _pooling(rows, int(rejected.sum()), active_corrections),
         "rows": {
             name: rows.items("observation" if name == "item" else name)
@@ -152,18 +158,7 @@ def _group(
             for code, flag in FLAGS["row"].items()
             if code in codes
         ],
-        "validity": _validity(of["validity"]),
-    }
-
-
-def _validity(of: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        "verdict": of["verdict"],
-        "headlines": {
-            name: {key: one[key] for key in answers.ModelHeadline.model_fields}
-            for name, one in of["headlines"].items()
-        },
-        "checks": [{key: one[key] for key in answers.ModelCheck.model_fields} for one in of["checks"]],
+        "validity": of.validity.model_dump(),
     }
 
 
@@ -218,13 +213,11 @@ def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     return {
         "groups": [
             {
-                **{key: one[key] for key in PLACEMENT},
-                "figure": _figure(one),
-                "pooled": one.get("radius_from_indentation_variance_shares"),
-                "check": (check := one["uncertainty_check"])
-                and {name: check[name] for name in answers.BudgetCheck.model_fields},
+                **_placed(one),
+                "pooled": one.radius_from_indentation_variance_shares,
+                "check": one.uncertainty_check and one.uncertainty_check.model_dump(),
             }
-            for one in require_results(workspace).summary["summaries"]
+            for one in require_results(workspace).summary.summaries
         ]
     }
 

@@ -33,6 +33,7 @@ from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.items import StudyItems
 from fingerpad.study.new_files.file_names import read_file_name
 from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.summary_file import FingerRecord
 from fingerpad.study.status import item_states, semi_axes_state
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint
@@ -81,7 +82,7 @@ def document(opened: StudySession) -> dict[str, Any]:
                 opened,
                 *one,
                 finger=fingers.get(one[0]),
-                record=found.finger(one[0]) if found else None,
+                record=found.summary.finger(one[0]) if found else None,
                 states=states,
                 active_corrections=active_corrections,
             )
@@ -113,7 +114,7 @@ def document(opened: StudySession) -> dict[str, Any]:
             "there": found is not None,
             "faults": results_faults(opened),
             "report": _has_report(opened),
-            "finished": found and found.finished,
+            "finished": found and found.summary.provenance.made,
             "fresh": _is_fresh(opened, study, found, counts),
         },
     }
@@ -123,7 +124,7 @@ def _is_fresh(opened: StudySession, study: Study, found: Results | None, counts:
     """Tell whether the results and the report are up to date."""
     if found is None or counts["stale"] + counts["left"] or not _has_report(opened):
         return False
-    return _same_inputs(opened, study, found.summary["provenance"])
+    return _same_inputs(opened, study, found.summary.provenance.inputs_sha256)
 
 
 def _has_report(opened: StudySession) -> bool:
@@ -141,11 +142,10 @@ def _item_states(
     return item_states(StudyItems.of(RunContext.of(study, opened.folder, active_corrections, None)))
 
 
-def _same_inputs(opened: StudySession, study: Study, provenance: Mapping[str, Any]) -> bool:
+def _same_inputs(opened: StudySession, study: Study, known: Mapping[str, str]) -> bool:
     """Tell whether manifest, spreadsheet and corrections are those of a run."""
     sheet = [study.observations_csv] if study.observations_csv else []
     names = [STUDY_NAME, *sheet, CORRECTIONS_NAME, SECOND_OPERATOR_NAME]
-    known = provenance["inputs_sha256"]
     return all(digest_of(opened.folder / name) == known.get(name, "") for name in names)
 
 
@@ -199,7 +199,7 @@ def _finger(
     complete: bool,
     *,
     finger: Finger | None,
-    record: Mapping[str, Any] | None,
+    record: FingerRecord | None,
     states: Mapping[str, str],
     active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
@@ -215,7 +215,7 @@ def _finger(
         "semi_axes_mm_std": known
         and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
         "status": status,
-        "reason": record.get("reason") if record and status == "failed" else None,
+        "reason": record.reason if record and status == "failed" else None,
         "photographs": [
             _photograph(name, one, states, active_corrections) for one in table.get("photographs", [])
         ],
@@ -312,8 +312,10 @@ def _sequence(
 def _curves(loaded: LoadedStudy, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
     place = ("finger", "wedge_angle_deg", "file")
     names = iter(curve_names(loaded.study))
-    seen = found.summary["curves"] if found else []
-    reasons = {tuple(one[name] for name in place): one["reason"] for one in seen}
+    seen = found.summary.curves if found else []
+    reasons: dict[tuple[Any, ...], str | None] = {
+        (one.finger, one.wedge_angle_deg, one.file): one.reason for one in seen
+    }
 
     def described(key: str, table: dict[str, Any], complete: bool) -> dict[str, Any]:
         item = next(names) if complete else None
@@ -324,7 +326,7 @@ def _curves(loaded: LoadedStudy, states: Mapping[str, str], found: Results | Non
             "synthetic": table.get("synthetic") is True,
             "complete": complete,
             "status": states.get(item or "", "given"),
-            "reason": reasons.get(tuple(table.get(name) for name in place)) if complete else None,
+            "reason": reasons.get(tuple(map(table.get, place))) if complete else None,
         }
 
     return [described(*one) for one in _tables(loaded, "curve")]

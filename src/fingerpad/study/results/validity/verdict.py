@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -89,54 +88,6 @@ class Validity:
     def verdict(self) -> str:
         """The worst of all checks."""
         return overall_verdict(check.verdict for check in self.checks)
-
-    def as_record(self) -> dict[str, Any]:
-        """Return all of it as plain data."""
-        return {
-            "model": "Hertz theory",
-            "verdict": self.verdict,
-            "observation": self.observation or None,
-            "load_N": self.load,
-            "headlines": {
-                name: {
-                    "verdict": one.verdict,
-                    "value": one.value,
-                    "value_std": one.std,
-                    "model_std": one.model_std,
-                    "total_std": one.total_std,
-                    "model_relative_std": self.relative_stds[name],
-                    "model_from": one.model_from,
-                }
-                for name, one in self.headlines.items()
-            },
-            "checks": [_check_record(one) for one in self.checks],
-            "on_layer": {
-                "verdict": self.layer_verdict,
-                "checks": [_check_record(one) for one in self.layer_checks],
-            }
-            if self.layer_checks
-            else None,
-        }
-
-
-def _check_record(one: ValidityCheck) -> dict[str, Any]:
-    return {
-        "check": one.name,
-        "compared": one.compared,
-        "headlines": list(one.quantities),
-        "verdict": one.verdict,
-        "unit": one.unit or None,
-        "value": one.value,
-        "value_std": one.value_std,
-        "reference": one.reference,
-        "reference_std": one.reference_std,
-        "difference": one.difference,
-        "relative_difference": one.relative_difference,
-        "difference_of": one.difference_of or None,
-        "deviations": one.deviations,
-        "p_value": one.p_value,
-        "note": one.note or None,
-    }
 
 
 def validity_of(

@@ -7,7 +7,7 @@ import { chip, list } from "./forms.js";
 const SYMBOL = { holds: "●", strained: "◐", fails: "○" };
 const KIND = { holds: "good", strained: "warn", fails: "bad" };
 
-/** @param {Answers["ModelCheck"]} check */
+/** @param {Answers["CheckRecord"]} check */
 function words({ compared, verdict, relative_difference: difference, difference_of: of, p_value: p, note }) {
   const numbers = [
     difference !== null &&
@@ -18,7 +18,7 @@ function words({ compared, verdict, relative_difference: difference, difference_
   return `${compared}: ${verdict}${numbers.length ? ` (${numbers.join(", ")})` : ""}`;
 }
 
-/** @param {Pick<Answers["ModelValidity"], "verdict" | "checks">} validity */
+/** @param {Pick<Answers["ValidityRecord"], "verdict" | "checks">} validity */
 export function verdictChip({ verdict, checks }) {
   const tested = checks.filter((check) => check.verdict !== "not tested");
   return chip(
@@ -28,5 +28,5 @@ export function verdictChip({ verdict, checks }) {
   );
 }
 
-/** @param {Answers["ModelValidity"]} validity */
+/** @param {Answers["ValidityRecord"]} validity */
 export const checkList = ({ checks }) => list(checks.map(words), "ul.note");
