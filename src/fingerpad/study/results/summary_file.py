@@ -377,7 +377,7 @@ class ScatterLevelRecord(Record):
     degrees_of_freedom: int = Field(description="Degrees of freedom.")
     groups: int = Field(description="Number of groups with several members.")
     count: int = Field(description="Number of their members.")
-    includes: str = Field(description="Levels that cannot be told from this one.")
+    includes: str = Field(description="Levels that cannot be separated from this one.")
     missing: str = Field(description="Why it is not known.")
 
 
