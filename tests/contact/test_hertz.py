@@ -231,3 +231,10 @@ def test_moduli_invert() -> None:
     tissue = Tissue.of_reduced_modulus(0.1, poisson_ratio=0.48)
     assert_allclose(tissue.reduced_modulus, 0.1)
     assert_allclose(tissue.youngs_modulus, 0.1 * (1 - 0.48**2))
+
+
+@pytest.mark.parametrize("load", [np.geomspace(1e-9, 1e6, 500), np.array([0.0, 1e-60, 2.0, 1e60])])
+def test_contact_radius_grows_with_the_cube_root_of_the_load(load) -> None:
+    contact = hertz_contact(Paraboloid(10.0, 10.0), Tissue.of_reduced_modulus(0.1), load=load)
+    assert_allclose(contact.semi_major, np.cbrt(0.75 * load * 10.0 / 0.1), rtol=1e-15)
+    assert_allclose(contact.area, np.pi * contact.semi_major * contact.semi_minor, rtol=1e-15)

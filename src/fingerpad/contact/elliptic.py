@@ -76,9 +76,28 @@ def _newton_step(k: FloatArray, ratio: FloatArray, steps: int) -> tuple[FloatArr
     return k * (1 + change * (1 + 0.5 * change)), integral * (1 - change * (b - 0.5 * change * curvature))
 
 
+def _fast_log(x: FloatArray) -> FloatArray:
+    """Return ln x to seven digits, which do for a first guess, in half the time of all digits."""
+    return np.log(x) if np.iscomplexobj(x) else np.log(x.astype(np.float32)).astype(np.float64)
+
+
+def cube_root(x: FloatArray) -> FloatArray:
+    """Return ∛x ≥ 0: Halley's step, which trebles the digits, from one of single precision.
+
+    `numpy.cbrt` takes twice the time where it is not vectorised, as on processors without AVX-512. It is
+    called where single precision might not hold a value, zero and NaN included.
+    """
+    if not (x.min(initial=1) > 1e-30 and x.max(initial=1) < 1e30):
+        return np.cbrt(x)
+    root = np.exp(np.log(x.astype(np.float32)) * np.float32(1 / 3)).astype(np.float64)
+    cube = root * root * root
+    root += root * ((x - cube) / (2 * cube + x))
+    return root
+
+
 def _solve(ratio: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return k and K for curvature ratios R'/R'' ≥ 1: one step from the guess, more only near the line."""
-    t = np.log(ratio)
+    t = _fast_log(ratio)
     k = polynomial(_GUESS_NUMERATOR, t) / (polynomial(_GUESS_DENOMINATOR, t) * np.sqrt(ratio))
     k, integral = _newton_step(k, ratio, _STEPS)
     far = ratio > _GUESS_LIMIT

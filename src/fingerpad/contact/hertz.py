@@ -12,7 +12,7 @@ from numpy.polynomial.chebyshev import cheb2poly, chebfit
 
 from fingerpad._arrays import ArrayLike, FloatArray, apply_blockwise, as_float_array
 from fingerpad.contact.contact import FLAGS, AnyPlacement, Contact, Form, Tissue, check_pressed
-from fingerpad.contact.elliptic import contact_ellipse_kernel, factor_products, polynomial
+from fingerpad.contact.elliptic import contact_ellipse_kernel, cube_root, factor_products, polynomial
 
 # Contact radius over thickness from which Hertz theory's indentation is 2 % too large (2.3 % for ν = 0.5,
 # 1.8 % for 0.3), growing in proportion; its area under a load is 0.04 % too large at three times that.
@@ -65,8 +65,8 @@ def hertz_contact(
     """
     of, value = check_pressed(placement, tissue, load=load, area=area, indentation=indentation)
     first, second = placement.relative_radii
-    force, size, depth, k = apply_blockwise(
-        partial(_sizes, of=of), 4, first, second, value, tissue.reduced_modulus
+    force, size, depth, major, minor = apply_blockwise(
+        partial(_sizes, of=of), 5, first, second, value, tissue.reduced_modulus
     )
     code = np.multiply(~(force > 0), np.int8(FLAGS.index("no_contact")))
     if not tissue.is_deep:
@@ -78,35 +78,34 @@ def hertz_contact(
         area=size,
         indentation=depth,
         flag_code=code,
-        _find_form=partial(_form, first, second, k, size),
+        _find_form=partial(_form, first, second, major, minor),
     )
 
 
-@np.errstate(all="ignore")
-def _form(first: FloatArray, second: FloatArray, k: FloatArray, area: FloatArray) -> Form:
-    major = np.sqrt(area / (np.pi * k))
+def _form(first: FloatArray, second: FloatArray, major: FloatArray, minor: FloatArray) -> Form:
     along = np.broadcast_to(first >= second, np.shape(major))[()]
-    return Form(semi_major=major, semi_minor=k * major, along=along, peak_over_mean_pressure=np.array(1.5))
+    return Form(semi_major=major, semi_minor=minor, along=along, peak_over_mean_pressure=np.array(1.5))
 
 
 def _sizes(
     first: FloatArray, second: FloatArray, value: FloatArray, modulus: FloatArray, *, of: str
 ) -> tuple[FloatArray, ...]:
-    """Return load, area, indentation and axis ratio of one block."""
+    """Return load, area, indentation and semi-axes of one block."""
     k, K, D = contact_ellipse_kernel(first, second)
     radius_D = np.maximum(first, second) * D
     if not value.min() >= 0:  # or NaN
         value = np.where(value >= 0, value, np.nan)
     if of == "load":
-        major = np.cbrt((3 / np.pi) * (value / modulus) * radius_D)
-        square = major * major
+        major = cube_root((3 / np.pi) * (value / modulus) * radius_D)
+    elif of == "area":
+        major = np.sqrt(value / (np.pi * k))
     else:
-        square = value / (np.pi * k) if of == "area" else 2 * radius_D * value / K
-        major = np.sqrt(square)
+        major = np.sqrt(2 * radius_D * value / K)
+    square, minor = major * major, k * major
     load = value if of == "load" else (np.pi / 3) * modulus * square * major / radius_D
-    area = value if of == "area" else np.pi * k * square
+    area = value if of == "area" else np.pi * major * minor
     depth = value if of == "indentation" else 0.5 * square * K / radius_D
-    return load, area, depth, k
+    return load, area, depth, major, minor
 
 
 def hertz_units(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
