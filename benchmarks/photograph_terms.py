@@ -59,18 +59,12 @@ def faces(count: int, seed: int) -> Iterator[Face]:
             yield "outlines", semi_axes, _arc(face, points, fit_aligned_ellipse(points).ellipse)
 
 
-def _without_averaging(_: Array, fit: Any, **__: Any) -> tuple[Any, Array]:
-    return fit, np.zeros((5, 5))
-
-
 # What takes a function's or a constant's place when a term is off.
 WITHOUT: dict[str, dict[str, Any]] = {
     "nothing": {},
-    "averaging over the arc's ends": {"average_over_ends": _without_averaging},
-    "extension of an arc of known ends": {"extend_arc": lambda *given: given[2]},
+    "extension of the arc": {"extend_arc": lambda *given: given[2]},
     "shape": {"_average_over_shapes": lambda *_: None, "DOUBT": replace(DOUBT, rough_std=0.0)},
     "lengths": {"_contradicted": lambda *_: (np.zeros(2), 0.0)},
-    "shared": {"_SHARED_PX": (1e-6, 0.0), "_SHARED_FOUND_PX": (1e-6, 0.0)},
 }
 
 

@@ -8,7 +8,8 @@ from scipy.ndimage import gaussian_filter1d
 from skimage.measure import EllipseModel
 
 from fingerpad.exceptions import FitError
-from fingerpad.image.photograph.arc_fit import departure_covariance, fit_arc_ellipse
+from fingerpad.image.ellipse_fit import distances
+from fingerpad.image.photograph.arc_fit import bend_covariance, fit_arc_ellipse
 from fingerpad.simulate import outline_points
 
 
@@ -27,7 +28,6 @@ def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, tilt=0.0, count=240):
 def test_exact_points(arc_deg, tilt):
     fit = fit_arc_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, tilt=tilt), tilt=tilt)
     assert fit.ellipse[2:] == pytest.approx((11.8, 13.8, tilt), rel=1e-4, abs=1e-5)
-    assert np.ptp(fit.angles) == pytest.approx(math.radians(arc_deg), rel=0.01)
 
 
 @pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
@@ -59,7 +59,9 @@ def test_agrees_with_a_second_implementation():
     np.testing.assert_allclose(fit.ellipse[:2], (x, y), atol=0.03)
     assert math.sin(2 * (fit.ellipse.angle - theta)) == pytest.approx(0, abs=0.03)
     # Orthogonal distance: ours leaves no more.
-    assert np.sum(fit.residuals**2) <= np.sum(model.residuals(points) ** 2) * (1 + 1e-6)
+    assert np.sum(distances(np.array(fit.ellipse), points)[0] ** 2) <= np.sum(
+        model.residuals(points) ** 2
+    ) * (1 + 1e-6)
 
 
 def test_known_axis_reduces_uncertainty():
@@ -82,29 +84,6 @@ def test_missing_places():
     assert broken.correlation == pytest.approx(whole.correlation, rel=0.4)
 
 
-def test_influence_is_derivative():
-    points = noisy(4, count=60)
-    fit = fit_arc_ellipse(points, tilt_std=0.05)
-    out = points - fit.ellipse[:2]
-    normal = out / np.array(fit.ellipse[2:4]) ** 2
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    step = 1e-4
-    for k in (5, 30, 55):
-        moved = points.copy()
-        moved[k] += step * normal[k]
-        refit = fit_arc_ellipse(moved, tilt_std=0.05)
-        change = (np.array(refit.ellipse) - fit.ellipse) / step
-        np.testing.assert_allclose(
-            change[:4], fit.influence[:4, k], atol=0.12 * np.abs(fit.influence[:4]).max()
-        )
-
-
-def test_common_offset_widens_both_axes():
-    fit = fit_arc_ellipse(noisy(5, arc_deg=300))
-    shared = fit.shared_error_covariance(0.1, 0.0, 1.0)
-    np.testing.assert_allclose(np.sqrt(np.diagonal(shared))[2:4], 0.1, rtol=0.1)
-
-
 @pytest.mark.parametrize(
     ("points", "words"),
     [
@@ -117,12 +96,6 @@ def test_common_offset_widens_both_axes():
 def test_invalid_points(points, words):
     with pytest.raises(FitError, match=words):
         fit_arc_ellipse(points)
-
-
-@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan])
-def test_invalid_tilt_std(bad):
-    with pytest.raises(FitError, match="tilt_std"):
-        fit_arc_ellipse(noisy(0), tilt_std=bad)
 
 
 def flanked(seed, bend, *, std=0.01, arc_deg=100.0, past=0.2):
@@ -155,9 +128,9 @@ def test_points_beyond_arc(bend):
     assert np.mean(off < 1.96 * np.array(stated)) > 0.85
 
 
-def test_departure_covariance():
+def test_bend_covariance():
     beyond = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
-    spread = departure_covariance(beyond, (10.0, 4.0))
+    spread = bend_covariance(beyond, (10.0, 4.0))
     assert np.linalg.eigvalsh(spread).min() > -1e-12
     assert not spread[2].any()
     assert not spread[:2, 3:].any()

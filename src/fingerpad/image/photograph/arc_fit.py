@@ -1,8 +1,8 @@
 """Ellipses fitted to ordered points of an outline, with correlated errors.
 
-Neighbouring points of a located edge share the skin's texture, the picture's noise and the departure of the
-finger from an ellipse. Their correlation length is estimated from the residuals, and the covariance widened
-accordingly.
+Neighbouring points of a located edge share the skin's texture, the picture's noise and what the finger
+differs from an ellipse by. Their correlation length is estimated from the residuals, and the covariance
+widened accordingly.
 
 Beyond the ends of the elliptic arc the outline continues without a corner, and its curvature changes by about
 its own size. Points just beyond the ends are weighted accordingly.
@@ -15,16 +15,19 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 from scipy import special
-from scipy.linalg import cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
 from scipy.optimize import least_squares
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, check_radians
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
 from fingerpad.image._correlation import correlation_length
 from fingerpad.image.ellipse import PlaneEllipse, rotation
 from fingerpad.image.ellipse_fit import EllipseFit, Parameters, distances, fit_aligned_ellipse, normalise
 
 _ROUNDS = 2
+# Farther beyond the arc, in radii of curvature, the outline can be 3 percent of one off, and is not used.
+_REACH = 0.25
+_REJECTION = 4.0
 _MIN_FREEDOM = 3.0
 _TWO_SIDED_95 = 1.959964
 
@@ -41,14 +44,8 @@ class ArcFit(EllipseFit):
         Of (x, y, semi_x, semi_y, angle), from the residuals on the arc and their correlation.
     residual_std : float
         Standard deviation of the orthogonal distances on the arc.
-    residuals : ndarray, shape (n,)
-        Signed orthogonal distances of all points, outwards positive.
-    angles : ndarray, shape (n,)
-        Parametric angle of each point's foot, radians.
     correlation : float
         Number of neighbouring points that count as one.
-    influence : ndarray, shape (5, n)
-        Change of each parameter when a point moves outwards by one.
 
     Examples
     --------
@@ -58,30 +55,7 @@ class ArcFit(EllipseFit):
     13.78 ± 0.07
     """
 
-    residuals: FloatArray
-    angles: FloatArray
     correlation: float
-    influence: FloatArray
-
-    def shared_error_covariance(self, alike_std: float, smooth_std: float, reach: float) -> FloatArray:
-        """Return the covariance from errors that residuals cannot show, since an ellipse can follow them.
-
-        Parameters
-        ----------
-        alike_std : float
-            Standard deviation of an offset common to all points, in the unit of the points.
-        smooth_std, reach : float
-            Standard deviation of an offset that changes slowly along the arc, and its Gaussian correlation
-            length in parametric angle, radians.
-
-        Returns
-        -------
-        ndarray, shape (5, 5)
-            Of (x, y, semi_x, semi_y, angle).
-        """
-        apart = (self.angles[:, None] - self.angles + math.pi) % (2 * math.pi) - math.pi
-        shared = alike_std**2 + smooth_std**2 * np.exp(-0.5 * (apart / reach) ** 2)
-        return np.asarray(self.influence @ shared @ self.influence.T, dtype=np.float64)
 
 
 def fit_arc_ellipse(
@@ -118,8 +92,6 @@ def fit_arc_ellipse(
     ------
     FitError
         If the points are too few, not finite, on a line, or do not determine an ellipse.
-    GeometryError
-        If the tilt or its uncertainty is beyond a full turn, as degrees are.
 
     Examples
     --------
@@ -131,12 +103,6 @@ def fit_arc_ellipse(
     points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():
         raise FitError(f"an outline needs at least eight finite points (x, y), found shape {points.shape}")
-    if not tilt_std > 0:
-        raise FitError(
-            f"tilt_std must be positive, found {tilt_std}: give what is known of the finger's axis"
-        )
-    check_radians("tilt", tilt)
-    check_radians("tilt_std", tilt_std)
     rows = np.asarray(np.arange(len(points)) if places is None else places, dtype=np.int64)
     past = np.zeros(len(points)) if beyond is None else as_float_array(beyond)
     on_arc = past == 0
@@ -146,8 +112,8 @@ def fit_arc_ellipse(
     values = _refine(local[on_arc], values, (tilt, math.inf), np.asarray)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
-        spread = departure_covariance(past[~on_arc], _end_radii(values, local[on_arc]))
-        errors = _Errors(on_arc=on_arc, density=variance * correlation, departure=spread)
+        spread = bend_covariance(past[~on_arc], _end_radii(values, local[on_arc]))
+        errors = _Errors(on_arc=on_arc, density=variance * correlation, bends=spread)
         values = _refine(local, values, (tilt, tilt_std), errors.whitened)
     residuals, design = distances(values, local)
     white = errors.whitened(design)
@@ -157,28 +123,71 @@ def fit_arc_ellipse(
     widening = student_widening(on_arc.sum() / correlation - values.size)
     unit = np.array([size, size, size, size, 1.0])
     covariance = widening * inverse * np.outer(unit, unit)
-    # By convention a distance grows outwards and falls as the ellipse does.
-    influence = -inverse @ errors.weighted(design).T * (unit / size)[:, None]
     x, y = values[:2] * size + shift
     return ArcFit(
         ellipse=PlaneEllipse(
             float(x), float(y), float(values[2] * size), float(values[3] * size), float(values[4])
         ),
         covariance=np.asarray(covariance, dtype=np.float64),
-        residuals=residuals * size,
-        angles=parametric_angles(local, values),
         residual_std=float(np.std(residuals[on_arc])) * size,
         correlation=correlation,
-        influence=influence,
     )
 
 
-class _Errors:
-    """The points' errors: independent on the arc, running together with the departure beyond its ends."""
+def extend_arc(
+    points: FloatArray, used: npt.NDArray[np.intp], fit: ArcFit, tilt: tuple[float, float]
+) -> ArcFit:
+    """Fit an arc's ellipse again, with the outline just beyond its ends.
 
-    def __init__(self, *, on_arc: BoolArray, density: float, departure: FloatArray) -> None:
+    Parameters
+    ----------
+    points : ndarray, (n, 2)
+        Outline in the face's frame, px, in order.
+    used : ndarray of int
+        The arc.
+    fit : ArcFit
+        The ellipse of the arc alone.
+    tilt : (float, float)
+        Tilt of the finger's axis and its standard uncertainty, radians.
+    """
+    values, ends = np.array(fit.ellipse), used[[0, -1]]
+    first, last = radii_of_curvature(values, parametric_angles(points[ends], values))
+    places, spacing = outline_places(points)
+    before, after = np.arange(ends[0])[::-1], np.arange(ends[1] + 1, len(points))
+    before, after = (
+        _flank(points, side, spacing * np.abs(places[side] - places[end]), fit, float(radius))
+        for side, end, radius in ((before, ends[0], first), (after, ends[1], last))
+    )
+    order = np.concatenate([before[::-1], used, after])
+    beyond = spacing * (
+        np.minimum(places[order] - places[ends[0]], 0) + np.maximum(places[order] - places[ends[1]], 0)
+    )
+    return fit_arc_ellipse(
+        points[order], tilt=tilt[0], tilt_std=tilt[1], places=places[order], start=values, beyond=beyond
+    )
+
+
+def _flank(
+    points: FloatArray, order: npt.NDArray[np.intp], away: FloatArray, fit: ArcFit, radius: float
+) -> npt.NDArray[np.intp]:
+    """Return the points beyond one end, outwards, as far as they can belong to the finger."""
+    order, away = order[away <= _REACH * radius], away[away <= _REACH * radius]
+    if not len(order):
+        return order
+    spread = np.diagonal(bend_covariance(away, (radius, radius)))
+    off = np.abs(distances(np.array(fit.ellipse), points[order])[0])
+    good: BoolArray = off < _REJECTION * np.sqrt(spread + fit.residual_std**2)
+    # What stands out is a hair, a nail or the frame, and so may be all that follows.
+    good[np.argmin(good) :] &= good.all()
+    return np.asarray(order[good], dtype=np.intp)
+
+
+class _Errors:
+    """The points' errors: independent on the arc, running together beyond its ends."""
+
+    def __init__(self, *, on_arc: BoolArray, density: float, bends: FloatArray) -> None:
         self._on_arc, self._density = on_arc, density
-        self._root = np.linalg.cholesky(departure + density * np.eye(len(departure)))
+        self._root = np.linalg.cholesky(bends + density * np.eye(len(bends)))
 
     def whitened(self, values: FloatArray) -> FloatArray:
         """Return values, one row for each point, scaled to independent unit errors."""
@@ -187,16 +196,9 @@ class _Errors:
             out[~self._on_arc] = solve_triangular(self._root, values[~self._on_arc], lower=True)
         return out
 
-    def weighted(self, values: FloatArray) -> FloatArray:
-        """Return values, one row for each point, times the inverse of the errors' covariance."""
-        out = values / self._density
-        if len(self._root):
-            out[~self._on_arc] = cho_solve((self._root, True), values[~self._on_arc])
-        return out
 
-
-def departure_covariance(beyond: FloatArray, radii: tuple[float, float]) -> FloatArray:
-    """Return the covariance of an outline's departure from the ellipse beyond the ends of its arc.
+def bend_covariance(beyond: FloatArray, radii: tuple[float, float]) -> FloatArray:
+    """Return the covariance of an outline's distance from the ellipse beyond the ends of its arc.
 
     The outline has no corner. Its curvature, in units of the ellipse's at the end, jumps there by a normal
     deviate and then follows a random walk, both of standard deviation one (the walk's after one radian).

@@ -13,30 +13,21 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation
-from fingerpad.image.photograph._arc_extension import extend_arc
 from fingerpad.image.photograph.arc import PAD_MIDDLE, initial_ellipse
 from fingerpad.image.photograph.arc_fit import (
     ArcFit,
+    extend_arc,
     fit_arc_ellipse,
     outline_places,
     turns_from,
 )
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS
-from fingerpad.image.photograph.ends import average_over_ends
 from fingerpad.image.photograph.faces import Face
 from fingerpad.image.photograph.outline import beyond_chance, contradicted_by_lengths, half_width
 from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
 from fingerpad.image.photograph.shape import ShapeAverage, average_over_shapes, is_significant
 from fingerpad.image.scale import Scale
 
-# What an edge can be off without showing it (compression, light on the limb), alike all round and slowly
-# along it: a least value, px, and a share of the noise over the step; found on rendered photographs.
-_SHARED_PX = (0.03, 3.0)
-# An arc that is found automatically may extend a little beyond the pad.
-_SHARED_FOUND_PX = (0.045, 6.0)
-# Marks of one person share more.
-_SHARED_MARKED_PX = 0.1
-_SHARED_REACH = math.radians(25)
 # So far on either side of its middle the outline is pad, whether one ellipse fits it or not.
 _SURELY_PAD = math.radians(60)
 # So many points left out at an end of the arc say that the pad ends there.
@@ -214,9 +205,9 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     FitError
         If the arc does not determine an ellipse.
     """
-    fit, terms = _fitted(arc)
-    covariance = np.sum(list(terms.values()), axis=0)
-    known = float((np.sqrt(np.diagonal(covariance)[2:4]) / fit.ellipse[2:4]).max())
+    fit = _fitted(arc)
+    noise = fit.covariance[2:4, 2:4]
+    known = float((np.sqrt(np.diagonal(noise)) / fit.ellipse[2:4]).max())
     axes, place = arc.frame
     middle, scale = PAD_MIDDLE[arc.face], arc.scale.mm_per_px
     local = arc.points[arc.used]
@@ -227,26 +218,26 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
             f"by {known:.0%}: mark a longer arc, come nearer, or choose a backdrop of another colour than "
             "the skin"
         )
-    average = _average_over_shapes(arc, fit, covariance[2:4, 2:4])
+    average = _average_over_shapes(arc, fit)
     ellipse, share = (fit.ellipse, 1.0) if average is None else (average.ellipse, 1 - average.weight)
     semi_px = np.array([ellipse.semi_x, ellipse.semi_y])
-    tilt_std = math.sqrt(covariance[4, 4])
-    parts = {name: share * term[2:4, 2:4] * scale**2 for name, term in terms.items()}
+    tilt_std = math.sqrt(fit.covariance[4, 4])
+    terms = {"noise": share * noise * scale**2}
     if average is None:
-        parts["shape"] = np.diag((DOUBT.rough_std * semi_px * scale) ** 2)
+        terms["shape"] = np.diag((DOUBT.rough_std * semi_px * scale) ** 2)
     else:
-        parts["shape"] = average.covariance * scale**2 - np.sum(list(parts.values()), axis=0)
+        terms["shape"] = average.covariance * scale**2 - terms["noise"]
     if not arc.ends_known:
         lengths, turn = _contradicted(arc, ellipse, tilt_std, share)
         tilt_std = math.hypot(tilt_std, LENGTHS.added * turn)
         both = np.outer(lengths, lengths) + turn**2
-        parts["lengths"] = LENGTHS.added**2 * both * np.outer(semi_px, semi_px) * scale**2
-    parts["scale"] = scale_term(semi_px * scale, arc.scale)
+        terms["lengths"] = LENGTHS.added**2 * both * np.outer(semi_px, semi_px) * scale**2
+    terms["scale"] = scale_term(semi_px * scale, arc.scale)
     centre = np.array([ellipse.x, ellipse.y]) @ axes + place
     found = PhotographFit(
         face=arc.face,
         semi_axes=semi_px * scale,
-        covariance_terms=parts,
+        covariance_terms=terms,
         scale=arc.scale,
         centre=(float(centre[0]), float(centre[1])),
         directions=rotation(ellipse.angle).T @ axes,
@@ -267,35 +258,17 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     return replace(found, flags=_flags(found, arc))
 
 
-def _fitted(arc: FaceArc) -> tuple[ArcFit, dict[str, FloatArray]]:
-    """Return the arc's ellipse, and the terms of the covariance of its parameters."""
+def _fitted(arc: FaceArc) -> ArcFit:
+    """Return the arc's ellipse, to which the outline just beyond its ends contributes."""
     used = np.flatnonzero(arc.used)
     places, _ = outline_places(arc.points)
     fit = fit_arc_ellipse(
         arc.points[used], tilt=arc.tilt[0], tilt_std=arc.tilt[1], places=places[used], start=arc.start
     )
-    ends = np.zeros((5, 5))
-    least, by_noise = _SHARED_PX if arc.ends_known else _SHARED_FOUND_PX
-    if arc.ends_known:
-        fit = extend_arc(arc.points, used, fit, arc.tilt)
-    else:
-        middle = PAD_MIDDLE[arc.face]
-        marks = turns_from(middle, arc.points[arc.marked], fit.ellipse)
-        certain = (float((-marks).max(initial=0)), float(marks.max(initial=0)))
-        every = arc.points[arc.searched & ~arc.rejected]
-        fit, ends = average_over_ends(every, fit, middle=middle, tilt=arc.tilt, certain=certain)
-    ratios = arc.step_ratios
-    shared = least + by_noise / float(np.median(ratios)) if len(ratios) else least
-    if arc.marked.any():
-        shared = max(shared, _SHARED_MARKED_PX)
-    return fit, {
-        "noise": fit.covariance,
-        "ends": ends,
-        "shared": fit.shared_error_covariance(shared, shared, _SHARED_REACH),
-    }
+    return extend_arc(arc.points, used, fit, arc.tilt)
 
 
-def _average_over_shapes(arc: FaceArc, fit: ArcFit, covariance: FloatArray) -> ShapeAverage | None:
+def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage | None:
     """Average with a superellipse along the arc, and along the pad's middle where the arc leaves it out."""
     guess = initial_ellipse(arc.points, arc.face)
     core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < _SURELY_PAD
@@ -311,7 +284,7 @@ def _average_over_shapes(arc: FaceArc, fit: ArcFit, covariance: FloatArray) -> S
     return average_over_shapes(
         arc.points[arc.searched & (arc.used | core)],
         fit.ellipse,
-        covariance,
+        fit.covariance[2:4, 2:4],
         tilt=arc.tilt,
         half_width=half,
         hidden=hidden,

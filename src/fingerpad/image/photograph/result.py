@@ -27,9 +27,9 @@ class PhotographFit(Displayed):
     semi_axes : ndarray, shape (2,)
         Semi-axes across and along, in the order of `FACE_AXES`, mm.
     covariance_terms : mapping from str to ndarray, shape (2, 2)
-        Terms of their covariance, mm², by origin: ``noise`` of the points, unknown ``ends`` of the arc,
-        errors that points have ``shared``, a ``shape`` that is no ellipse, and ``lengths`` of the outline
-        that differ; or the ``placement`` of an ellipse by hand; and the ``scale``.
+        Terms of their covariance, mm², by origin: ``noise`` of the points, a ``shape`` that is no ellipse,
+        and ``lengths`` of the outline that differ; or the ``placement`` of an ellipse by hand; and the
+        ``scale``.
     scale : Scale
         The scale that was given.
     centre : (float, float)
