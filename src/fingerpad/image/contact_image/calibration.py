@@ -74,9 +74,7 @@ class RidgeLevel:
     smoothing: float = 1.0  # periods; smoothed over this
 
     # Shift of the level from half by blur: near that of a square wave under a Gaussian of 0.1 periods.
-    by_blur: float = (
-        0.45  # rises; by how far the share of ridges is from half, times its change with the level
-    )
+    by_blur: float = 0.45  # rises; by how far the share of ridges is from half, times its change with level
     cubic: float = 30.0  # by the cube of the same
     near_half: float = 0.1  # rises; the change is taken within this of half
 
@@ -128,10 +126,10 @@ class SmoothModel:
 
     # What counts as a contact.
     least_contrast: float = 3.0  # spreads of the ground around it
-    low_contrast: float = 5.0
+    low_contrast: float = 5.0  # spreads; less is flagged
     crest_contrast: float = 0.5  # of these where the edge is a crest, whose foot reaches far
-    least_score: float = 0.3
-    least_score_cut: float = 0.25
+    least_score: float = 0.3  # share; clearness of the step
+    least_score_cut: float = 0.25  # share; of one that the frame cuts
     least_seen: float = 0.8  # share of the outline
     most_shared: float = 0.03  # of the radius
 
@@ -145,12 +143,12 @@ class SmoothModel:
 
     # A crest instead of a step: the slope of a gel.
     crest: float = 0.3  # of its width; the edge lies so far outside, inside where the crest is narrow
-    crest_std: float = 0.2
+    crest_std: float = 0.2  # of its width
 
     # Fringes outside.
     least_overshoot: float = 0.15  # of the step's height
     fringe: float = 0.7  # of the distance of the first; the edge lies so far inside
-    fringe_std: float = 0.35
+    fringe_std: float = 0.35  # of that distance
 
 
 EDGE: Final = EdgeModel()

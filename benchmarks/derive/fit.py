@@ -1,0 +1,179 @@
+"""What all refits share: least squares for places, likelihood for uncertainty, errors by resampling."""
+
+import dataclasses
+import inspect
+import pkgutil
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize
+
+from fingerpad._arrays import FloatArray
+
+_ROUNDS, _STEP, _MOST, _RESAMPLED = 5, 0.1, 0.5, 60
+_OUTLIER = 3.0  # robust standard deviations beyond which an error counts less
+
+
+class Compared(NamedTuple):
+    """Errors of a sample, and the standard deviations stated for them."""
+
+    errors: FloatArray
+    stds: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """A calibrated model, and the images that its numbers are fitted to.
+
+    Parameters
+    ----------
+    model : dataclass instance
+        With the values in use.
+    of : str
+        What the errors are, with their unit.
+    places, stds : tuple of str
+        Fields that move the result, by least squares of the errors; fields that only change what uncertainty
+        is stated, by likelihood.
+    kept : mapping
+        Why each other field is not fitted.
+    sample : callable
+        A list of what is compared, from images of each condition and a seed.
+    compare : callable
+        Errors and stated standard deviations of a sample under a model.
+    """
+
+    model: Any
+    of: str
+    places: tuple[str, ...] = ()
+    stds: tuple[str, ...] = ()
+    kept: Mapping[str, str] = field(default_factory=dict)
+    sample: Callable[[int, int], Sequence[Any]]
+    compare: Callable[[Any, Sequence[Any]], Compared]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fitted:
+    """A model with its fields fitted, and the bootstrap error of each."""
+
+    model: Any
+    error: dict[str, float]
+
+
+def names() -> list[str]:
+    """Return the names of what can be fitted again."""
+    modules = (each.name for each in pkgutil.iter_modules([str(Path(__file__).parent)]))
+    return sorted(name for name in modules if name not in {"fit", "__main__"})
+
+
+def meanings(model: Any) -> dict[str, str]:
+    """Return the comment behind each field of a model: its unit and meaning."""
+    found = re.findall(r"^    (\w+): .*?  # (.*)$", inspect.getsource(type(model)), re.MULTILINE)
+    return dict(found)
+
+
+def fit(problem: Problem, sample: Sequence[Any], seed: int = 0) -> Fitted:
+    """Fit the fields of a model to a sample; resample its images for the errors of the values."""
+    model, error = problem.model, dict[str, float]()
+    rng = np.random.default_rng(seed)
+    for names_of, method in ((problem.places, _least_squares), (problem.stds, _likelihood)):
+        if names_of:
+            model, spread = method(problem, model, sample, names_of, rng)
+            error |= dict(zip(names_of, spread.tolist(), strict=True))
+    return Fitted(model=model, error=error)
+
+
+def _with(model: Any, fields: tuple[str, ...], values: FloatArray) -> Any:
+    return replace(model, **dict(zip(fields, values.tolist(), strict=True)))
+
+
+def _values(model: Any, fields: tuple[str, ...]) -> FloatArray:
+    return np.array([getattr(model, each) for each in fields], dtype=np.float64)
+
+
+def _least_squares(
+    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: np.random.Generator
+) -> tuple[Any, FloatArray]:
+    """Move fields by damped steps of Gauss and Newton, outliers weighted down, while the errors become less.
+
+    Pixels are counted: steps of a tenth of a value show the slope, where tiny ones show none.
+    """
+    values = _values(model, fields)
+    size = np.maximum(np.abs(values), 0.05)
+
+    def errors_of(at: FloatArray) -> FloatArray:
+        return problem.compare(_with(model, fields, at), sample).errors
+
+    errors = errors_of(values)
+    for _ in range(_ROUNDS):
+        spread = 1.4826 * float(np.median(np.abs(errors))) + 1e-12
+        weight = np.sqrt(np.minimum(1, _OUTLIER * spread / np.maximum(np.abs(errors), 1e-12)))
+        columns = [errors_of(values + _STEP * s) - errors for s in np.diag(size)]
+        slope = np.stack(columns, axis=1) / _STEP
+        move = _solved(slope, -errors, weight).clip(-_MOST, _MOST)
+        cost = float(np.sum((weight * errors) ** 2))
+        for share in (1.0, 0.5, 0.25, 0.1):
+            tried = errors_of(values + share * move * size)
+            if np.sum((weight * tried) ** 2) < cost:
+                values, errors = values + share * move * size, tried
+                break
+        else:
+            break
+        if np.sum((weight * errors) ** 2) > 0.999 * cost:
+            break
+    draws = rng.integers(len(errors), size=(_RESAMPLED, len(errors)))
+    moved = [_solved(slope[each], -errors[each], weight[each]) for each in draws]
+    return _with(model, fields, values), np.std(moved, axis=0) * size
+
+
+def _solved(slope: FloatArray, target: FloatArray, weight: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.lstsq(slope * weight[:, None], target * weight, rcond=1e-6)[0])
+
+
+def _likelihood(
+    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: np.random.Generator
+) -> tuple[Any, FloatArray]:
+    """Find the standard deviations, none below 0, under which the errors are likeliest."""
+    start = _values(model, fields)
+    size = np.maximum(np.abs(start), 0.05)
+    errors = problem.compare(model, sample).errors
+
+    def found(chosen: FloatArray) -> FloatArray:
+        def cost(at: FloatArray) -> float:
+            stds = problem.compare(_with(model, fields, at * size), sample).stds[chosen]
+            # Student's t of few degrees of freedom: single failures do not set the deviation of all.
+            return float(np.sum(np.log(stds) + 2.5 * np.log1p((errors[chosen] / stds) ** 2 / 4)))
+
+        best = minimize(cost, start / size, method="L-BFGS-B", bounds=[(0, 20)] * len(start))
+        return np.asarray(best.x * size)
+
+    everything = np.arange(len(errors))
+    draws = rng.integers(len(errors), size=(_RESAMPLED // 3, len(errors)))
+    values = found(everything)
+    return _with(model, fields, values), np.std([found(each) for each in draws], axis=0)
+
+
+def show(problem: Problem, images: int, seed: int, other: int) -> Fitted:
+    """Fit a problem and print the table of its fields, and how well both models do on other images."""
+    fitted = fit(problem, problem.sample(images, seed))
+    comments = meanings(problem.model)
+    print(f"\n{type(problem.model).__name__}, {images} images of each condition of seed {seed}")
+    print(f"    {'field':<20} {'in the code':>12} {'fitted':>18}   unit; meaning")
+    for each in dataclasses.fields(problem.model):
+        used, now = getattr(problem.model, each.name), getattr(fitted.model, each.name)
+        text = f"kept: {problem.kept.get(each.name, 'no reason given')}"
+        if each.name in fitted.error:
+            text = f"{now:.3g} ± {fitted.error[each.name]:.2g}"
+        print(f"    {each.name:<20} {used!s:>12} {text:>18}   {comments.get(each.name, '')}")
+    sample = problem.sample(images, other)
+    print(f"    on {len(sample)} images of seed {other}, {problem.of}:")
+    for words, model in (("in the code", problem.model), ("fitted", fitted.model)):
+        errors, stds = problem.compare(model, sample)
+        held = np.abs(errors) < 1.96 * stds
+        rms = np.sqrt(np.mean(errors**2))
+        print(f"    {words:<12} mean {errors.mean():+.4f}, rms {rms:.4f},", end=" ")
+        print(f"median size {np.median(np.abs(errors)):.4f}, 95 % intervals hold {held.mean():.0%}")
+    return fitted

@@ -1,0 +1,144 @@
+"""Level of ridges and uncertainty of their area, on four independent renderers.
+
+The errors are those of the ridge area of images in which the outline was found to 5 % of its area, with what
+the outline itself adds taken off in proportion.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks import elastic_ridges, independent_images, pressure_images, stripe_images
+from benchmarks.derive.fit import Compared, Problem
+from fingerpad.exceptions import ImageError
+from fingerpad.image import Scale
+from fingerpad.image.contact_image import evaluate, ridges
+from fingerpad.image.contact_image.calibration import RIDGE_AREA, RIDGE_LEVEL, RidgeAreaError, RidgeLevel
+from fingerpad.image.contact_image.edge import Edge, trace_edge
+from fingerpad.image.contact_image.region import Region, find_region
+from fingerpad.image.contact_image.view import View, view_of
+from fingerpad.image.ellipse import polygon_moments
+
+_NEAR = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """An image with its outline found, and the true ridge area over the gross area."""
+
+    view: View
+    ridges: ridges.Ridges
+    region: Region
+    edge: Edge
+    area: float
+    share: float
+
+
+def _images(count: int, seed: int) -> Iterator[tuple[npt.NDArray[Any], float, float, float]]:
+    """Yield pixels, mm per pixel, gross and ridge area in mm²."""
+    for _, one in independent_images.independent_images(count, seed):
+        yield one.pixels, one.mm_per_px, one.gross_area, one.ridge_area
+    for number in range(count):
+        for name in elastic_ridges.CONDITIONS:
+            other = elastic_ridges.elastic_image(name, number, seed)
+            yield other.pixels, other.mm_per_px, other.gross_area, other.ridge_area
+        for name in stripe_images.CONDITIONS:
+            third = stripe_images.stripe_image(name, number, seed)
+            yield third.pixels, third.mm_per_px, third.gross_area, third.ridge_area
+        for name in pressure_images.CONDITIONS:
+            last = pressure_images.pressure_image(name, 1000 * seed + number)
+            yield last.pixels, last.mm_per_px, last.contact.gross_area, last.contact.ridge_area
+
+
+def sample(count: int, seed: int) -> list[Seen]:
+    """Return images whose outline is found and whose ridges are resolved."""
+    found: list[Seen] = []
+    for pixels, mm_per_px, gross, ridge in _images(count, seed):
+        view = view_of(pixels, Scale(mm_per_px))
+        rough = ridges.find_ridges(view, None)
+        try:
+            region = find_region(view, rough, None)
+        except ImageError:
+            continue
+        edge = trace_edge(view, rough, region)
+        area = polygon_moments(view.to_picture(edge.points)).area
+        if view.resolved and abs(area * mm_per_px**2 / gross - 1) < _NEAR:
+            found.append(Seen(view, rough, region, edge, area, ridge / gross))
+    return found
+
+
+def _compare(
+    level: RidgeLevel, stated: RidgeAreaError, images: Sequence[Seen], maps: dict[int, tuple[Any, float]]
+) -> Compared:
+    errors, stds = [], []
+    with patch.object(ridges, "RIDGE_LEVEL", level), patch.object(evaluate, "RIDGE_AREA", stated):
+        for one in images:
+            if id(one) not in maps:
+                fine = ridges.ridge_map(one.view, one.edge.points, None)
+                smeared = evaluate._blurred_ridges(one.ridges.amount, one.region.patch, one.view.period)
+                area, unknown = fine.area(smeared, one.view)
+                maps[id(one)] = fine, area - unknown / 2
+            fine, known = maps[id(one)]
+            true = one.share * one.area
+            errors.append(known / true - 1)
+            stds.append(evaluate._ridge_area_std(one.edge, fine, known, one.area) / true)
+    return Compared(np.array(errors), np.array(stds))
+
+
+def compare_level(level: Any, images: Sequence[Seen]) -> Compared:
+    """Find the ridges again under another level."""
+    return _compare(level, RIDGE_AREA, images, {})
+
+
+_MAPS: dict[int, tuple[Any, float]] = {}
+
+
+def compare_error(stated: Any, images: Sequence[Seen]) -> Compared:
+    """State the uncertainty of the ridges of the level in use, found once, under other numbers."""
+    return _compare(RIDGE_LEVEL, stated, images, _MAPS)
+
+
+_OF = "error of the ridge area inside the outline, as a share"
+_NO_EFFECT = "choice: the area hardly depends on it"
+PROBLEMS = (
+    Problem(
+        model=RIDGE_LEVEL,
+        of=_OF,
+        places=("reach", "smoothing", "by_blur", "cubic", "usual_grain", "by_grain", "by_clipping"),
+        kept={
+            "gradient": _NO_EFFECT,
+            "direction": _NO_EFFECT,
+            "sample": _NO_EFFECT,
+            "near_half": "choice: the width of a numerical derivative",
+            "crest": "choice: what is counted as crest; usual_grain depends on it",
+        },
+        sample=sample,
+        compare=compare_level,
+    ),
+    Problem(
+        model=RIDGE_AREA,
+        of=_OF,
+        stds=(
+            "level_std",
+            "level_by_grain",
+            "level_by_clipping",
+            "least_std",
+            "by_noise",
+            "by_rim",
+            "by_fade",
+            "by_moisture",
+        ),
+        kept={
+            "sharp_fade": "choice: where by_fade begins",
+            "most_fade": "choice: where by_fade ends",
+            "dry_share": "choice: where by_moisture begins",
+            "at_rim": "no error inside a given outline depends on it",
+        },
+        sample=sample,
+        compare=compare_error,
+    ),
+)

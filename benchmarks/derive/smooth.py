@@ -1,0 +1,89 @@
+"""Edge of contacts without ridges, on pictures made from the gap between an elastic body and the glass."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from benchmarks.derive.fit import Compared, Problem
+from benchmarks.smooth_contacts import KINDS, pictures
+from fingerpad.image import Scale
+from fingerpad.image.contact_image import smooth
+from fingerpad.image.contact_image.calibration import SMOOTH
+from fingerpad.image.contact_image.region import Region
+from fingerpad.image.contact_image.smooth_edge import Step, find_steps
+from fingerpad.image.contact_image.view import View
+
+_NEAR = 0.3  # another patch was found: nothing is learned of the edge
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """The step found in a picture, and the true area in mm²."""
+
+    view: View
+    step: Step
+    area: float
+
+
+def sample(count: int, seed: int) -> list[Seen]:
+    """Return the clearest step of pictures of each device that contain the whole contact."""
+    found = []
+    for kind in KINDS:
+        for picture in pictures(seed, count, kind):  # type: ignore[no-untyped-call]
+            area = picture["truth"]["area_mm2"]
+            if not picture["truth"]["inside_frame"]:
+                continue
+            part, values, light = smooth._parts(picture["image"], {"background": picture["background"]})
+            inside = np.ones(values.shape[:2], dtype=bool)
+            steps = find_steps(values, light, inside)
+            if not steps or smooth._problem(steps[0], None):
+                continue
+            if abs(np.pi * steps[0].radius ** 2 * picture["mm_per_px"] ** 2 / area - 1) < _NEAR:
+                view = smooth._view(part, values, inside, Scale(picture["mm_per_px"]), steps[0])
+                found.append(Seen(view, steps[0], area))
+    return found
+
+
+def compare(model: Any, steps: Sequence[Seen]) -> Compared:
+    """Place the edge of each step, and state its uncertainty."""
+    rows = []
+    with patch.object(smooth, "SMOOTH", model):
+        for one in steps:
+            edge = smooth._edge(one.step, one.view)
+            region = Region(patch=np.zeros((1, 1), dtype=bool), several=False)
+            result = smooth.evaluate_smooth(one.view, region, edge, edited=False)
+            rows.append(((result.gross_area - one.area) / one.area, result.gross_area_std / one.area))
+    errors, stds = np.array(rows).T
+    return Compared(errors, stds)
+
+
+_DOUBT = "choice: what counts as a contact, or is flagged"
+PROBLEMS = (
+    Problem(
+        model=SMOOTH,
+        of="error of the area, as a share",
+        places=("crest", "fringe"),
+        stds=("pixel", "by_width", "by_scatter", "second", "hidden", "crest_std", "fringe_std"),
+        kept={
+            **dict.fromkeys(
+                (
+                    "least_contrast",
+                    "low_contrast",
+                    "crest_contrast",
+                    "least_score",
+                    "least_score_cut",
+                    "least_seen",
+                    "most_shared",
+                    "least_overshoot",
+                ),
+                _DOUBT,
+            ),
+            "cut": "the truth of contacts that the frame cuts is not defined",
+        },
+        sample=sample,
+        compare=compare,
+    ),
+)

@@ -1,0 +1,64 @@
+"""Constants that were fitted can be fitted again: benchmarks/derive."""
+
+import dataclasses
+import importlib
+import pkgutil
+
+import numpy as np
+import pytest
+from benchmarks.derive.fit import Compared, Problem, fit, meanings, names
+
+import fingerpad
+
+# Not fitted again; docs/contributing.md says why.
+NOT_AGAIN = {"PrintedMarks", "EdgeModel"}
+
+
+def calibrated():
+    """Return the dataclasses of every module of the library that is called calibration."""
+    for each in pkgutil.walk_packages(fingerpad.__path__, "fingerpad."):
+        if each.name.endswith(".calibration"):
+            found = vars(importlib.import_module(each.name)).values()
+            yield from (one for one in found if isinstance(one, type) and dataclasses.is_dataclass(one))
+
+
+def problems():
+    for name in names():
+        yield from getattr(importlib.import_module(f"benchmarks.derive.{name}"), "PROBLEMS", ())
+
+
+def test_every_class_of_fitted_numbers_is_fitted_again():
+    assert {one.__name__ for one in calibrated()} - NOT_AGAIN == {
+        type(problem.model).__name__ for problem in problems()
+    } - NOT_AGAIN
+
+
+@pytest.mark.parametrize("problem", list(problems()), ids=lambda problem: type(problem.model).__name__)
+def test_every_field_is_fitted_or_explained(problem):
+    fields = {each.name for each in dataclasses.fields(problem.model)}
+    assert set(problem.places) | set(problem.stds) | set(problem.kept) == fields
+    assert not (set(problem.places) | set(problem.stds)) & set(problem.kept)
+
+
+@dataclasses.dataclass(frozen=True)
+class Line:
+    slope: float = 1.0  # a unit; slope
+    std: float = 1.0  # units; scatter
+
+
+def test_known_numbers_are_found_within_their_errors():
+    def sample(count, seed):
+        rng = np.random.default_rng(seed)
+        x = rng.uniform(0, 1, count)
+        return list(zip(x, 2 * x + rng.normal(0, 0.1, count), strict=True))
+
+    def compare(model, points):
+        x, y = np.transpose(points)
+        return Compared(model.slope * x - y, np.full(len(x), model.std))
+
+    problem = Problem(model=Line(), of="y", places=("slope",), stds=("std",), sample=sample, compare=compare)
+    found = fit(problem, sample(300, 1))
+    assert found.model.slope == pytest.approx(2, abs=3 * found.error["slope"])
+    assert found.error["slope"] == pytest.approx(0.1 / np.sqrt(300 / 3), rel=0.3)
+    assert found.model.std == pytest.approx(0.1, abs=0.015)  # Student's t of its wider tails
+    assert meanings(Line()) == {"slope": "a unit; slope", "std": "units; scatter"}
