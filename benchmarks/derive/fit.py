@@ -15,6 +15,8 @@ from scipy.optimize import minimize
 from fingerpad._arrays import FloatArray
 
 _ROUNDS, _STEP, _MOST, _RESAMPLED = 5, 0.1, 0.5, 60
+_LEAST_STD = 1e-6
+_T_SCALE = 0.815  # of the Student t of 4 degrees of freedom nearest to a normal distribution of std 1
 _OUTLIER = 3.0  # robust standard deviations beyond which an error counts less
 
 
@@ -136,23 +138,31 @@ def _solved(slope: FloatArray, target: FloatArray, weight: FloatArray) -> FloatA
 def _likelihood(
     problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], rng: np.random.Generator
 ) -> tuple[Any, FloatArray]:
-    """Find the standard deviations, none below 0, under which the errors are likeliest."""
+    """Find the standard deviations, none below 0, under which the errors are likeliest.
+
+    They are of independent effects: the variance stated is linear in the square of each.
+    """
     start = _values(model, fields)
     size = np.maximum(np.abs(start), 0.05)
-    errors = problem.compare(model, sample).errors
+    errors, _ = problem.compare(model, sample)
+    zeros = np.zeros(len(fields))
+    rest, *alone = (
+        problem.compare(_with(model, fields, at), sample).stds ** 2 for at in (zeros, *np.diag(size))
+    )
+    effects = np.stack([each - rest for each in alone], axis=1)
 
     def found(chosen: FloatArray) -> FloatArray:
         def cost(at: FloatArray) -> float:
-            stds = problem.compare(_with(model, fields, at * size), sample).stds[chosen]
+            variance = np.maximum(rest + effects @ at**2, _LEAST_STD**2)[chosen]
             # Student's t of few degrees of freedom: single failures do not set the deviation of all.
-            return float(np.sum(np.log(stds) + 2.5 * np.log1p((errors[chosen] / stds) ** 2 / 4)))
+            ratio = errors[chosen] ** 2 / variance / _T_SCALE**2
+            return float(np.sum(np.log(variance) / 2 + 2.5 * np.log1p(ratio / 4)))
 
         best = minimize(cost, start / size, method="L-BFGS-B", bounds=[(0, 20)] * len(start))
         return np.asarray(best.x * size)
 
-    everything = np.arange(len(errors))
-    draws = rng.integers(len(errors), size=(_RESAMPLED // 3, len(errors)))
-    values = found(everything)
+    draws = rng.integers(len(errors), size=(_RESAMPLED, len(errors)))
+    values = found(np.arange(len(errors)))
     return _with(model, fields, values), np.std([found(each) for each in draws], axis=0)
 
 

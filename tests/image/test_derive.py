@@ -60,5 +60,5 @@ def test_known_numbers_are_found_within_their_errors():
     found = fit(problem, sample(300, 1))
     assert found.model.slope == pytest.approx(2, abs=3 * found.error["slope"])
     assert found.error["slope"] == pytest.approx(0.1 / np.sqrt(300 / 3), rel=0.3)
-    assert found.model.std == pytest.approx(0.1, abs=0.015)  # Student's t of its wider tails
+    assert found.model.std == pytest.approx(0.1, abs=0.012)
     assert meanings(Line()) == {"slope": "a unit; slope", "std": "units; scatter"}
