@@ -176,7 +176,8 @@ def show(problem: Problem, images: int, seed: int, other: int) -> Fitted:
         used, now = getattr(problem.model, each.name), getattr(fitted.model, each.name)
         text = f"kept: {problem.kept.get(each.name, 'no reason given')}"
         if each.name in fitted.error:
-            text = f"{now:.3g} ± {fitted.error[each.name]:.2g}"
+            error = fitted.error[each.name]
+            text = "no effect seen" if now == used and error < 1e-9 else f"{now:.3g} ± {error:.2g}"
         print(f"    {each.name:<20} {used!s:>12} {text:>18}   {comments.get(each.name, '')}")
     sample = problem.sample(images, other)
     print(f"    on {len(sample)} images of seed {other}, {problem.of}:")

@@ -6,6 +6,7 @@ import pkgutil
 
 import numpy as np
 import pytest
+from benchmarks.derive import laws
 from benchmarks.derive.fit import Compared, Problem, fit, meanings, names
 
 import fingerpad
@@ -62,3 +63,10 @@ def test_known_numbers_are_found_within_their_errors():
     assert found.error["slope"] == pytest.approx(0.1 / np.sqrt(300 / 3), rel=0.3)
     assert found.model.std == pytest.approx(0.1, abs=0.012)
     assert meanings(Line()) == {"slope": "a unit; slope", "std": "units; scatter"}
+
+
+def test_solved_contacts_give_the_coefficients_of_the_fast_laws_again(capsys):
+    used, found = laws.coefficients(), laws.fitted()
+    assert capsys.readouterr().out  # what the known series leave
+    for name, value in used.items():
+        assert found[name] == pytest.approx(value, abs=1e-6 * np.abs(value).max()), name
