@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import minimize
 
 from fingerpad._arrays import FloatArray
@@ -151,7 +152,7 @@ def _likelihood(
     )
     effects = np.stack([each - rest for each in alone], axis=1)
 
-    def found(chosen: FloatArray) -> FloatArray:
+    def found(chosen: npt.NDArray[np.integer[Any]]) -> FloatArray:
         def cost(at: FloatArray) -> float:
             variance = np.maximum(rest + effects @ at**2, _LEAST_STD**2)[chosen]
             # Student's t of few degrees of freedom: single failures do not set the deviation of all.
