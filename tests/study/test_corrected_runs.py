@@ -130,7 +130,7 @@ def test_a_rejected_photograph_is_left_out(manifest: Path) -> None:
 def semi_axes_states(manifest: Path, run_of: StudyResult | None) -> dict[str, str]:
     """Return the state of each finger's semi-axes in the results of a run."""
     study, log = read_study(manifest), CorrectionLog(manifest.parent)
-    records = {one["finger"]: one for one in summary_of(run_of).model_dump()["fingers"]} if run_of else {}
+    records = {one.finger: one for one in summary_of(run_of).fingers} if run_of else {}
     with Store.reading(manifest.parent / "out" / STORE_NAME) as store:
         states = item_states(
             StudyItems.of(RunContext.of(study, manifest.parent, log.active_corrections(), store))
