@@ -144,7 +144,7 @@ def flattened(
     sign = -1.0 if dark_on_light else 1.0
     places = _sample_blocks(quiet)
     flat = sign * values - enlarge(_ground_surface(sign * means, places, rim), side, values.shape)
-    noise = _quantile(deviations.flat[places], 0.5) if places.size else 0.0
+    noise = quantile(deviations.flat[places], 0.5) if places.size else 0.0
     if contrast is None:
         contrast = _contrast(
             flat, enlarge(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
@@ -196,7 +196,7 @@ def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -
     """Return the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
     if not busy.any() or not ground.any():
         return True
-    return float(means[busy].mean()) < _quantile(means[ground], 0.5)
+    return float(means[busy].mean()) < quantile(means[ground], 0.5)
 
 
 def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:
@@ -204,23 +204,23 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
     y, x = (np.linspace(-1, 1, n) for n in means.shape)
     if quiet.size < _MIN_QUIET:
         # With few ground blocks only a constant can be estimated.
-        return np.full_like(means, _quantile(means.ravel(), 0.2))
+        return np.full_like(means, quantile(means.ravel(), 0.2))
     chosen = rim.copy()
     chosen.flat[quiet] = True
     at_rim = rim[chosen]
     rows, columns = np.nonzero(chosen)
     terms = np.stack(_quadratic_terms(y[rows], x[columns]))
     level = means[chosen].astype(np.float64)
-    surface = np.array([_quantile(level, 0.2), 0, 0, 0, 0, 0])
+    surface = np.array([quantile(level, 0.2), 0, 0, 0, 0, 0])
     for _ in range(_SURFACE_ROUNDS):
         off = level - surface @ terms
-        width = max(2 * _quantile(np.abs(off[at_rim]), 0.5), 1e-6)
+        width = max(2 * quantile(np.abs(off[at_rim]), 0.5), 1e-6)
         weighted = terms * (np.where(off > width, 0.1, 1.0) / (1 + (off / width) ** 2))
         surface = np.linalg.solve(weighted @ terms.T + 1e-9 * np.eye(6), weighted @ level)
     return as_float32(sum(map(np.multiply, surface, _quadratic_terms(y[:, None], x))))
 
 
-def _quantile(values: FloatArray | Float32Array, share: float) -> float:
+def quantile(values: FloatArray | Float32Array, share: float) -> float:
     """Return a quantile of some hundred values, without the checks of `np.quantile`."""
     place = share * (values.size - 1)
     low, high = math.floor(place), math.ceil(place)

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import UInt8, disk, filled_polygon
-from fingerpad.image.contact_image.background import block_means, enlarge
+from fingerpad.image.contact_image.background import block_means, enlarge, quantile
 from fingerpad.image.contact_image.calibration import PRINTED_MARKS, RIDGE_LEVEL
 from fingerpad.image.contact_image.view import View
 
@@ -66,7 +66,7 @@ class Ridges:
         size = (columns.size, rows.size)
         inside = cv2.resize(patch.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
         some = self.level[np.ix_(rows, columns)]
-        return float(np.median(some[inside] if inside.any() else some))
+        return quantile(some[inside] if inside.any() else some.ravel(), 0.5)
 
 
 def find_ridges(view: View, threshold: float | None) -> Ridges:
@@ -189,11 +189,14 @@ class RidgeMap:
 
         `smeared` are the unresolved parts in the copy: half of them counts as ridge.
         """
-        turn = _to_copy(self.corner, self.step, view)
-        size = self.inside.shape[::-1]
-        half = self.inside & (_warped(smeared.astype(np.uint8), turn, size, cv2.INTER_NEAREST) > 0)
-        unknown = np.count_nonzero(half)
-        known = np.count_nonzero(self.is_ridge & self.inside & ~half)
+        ridges = self.is_ridge & self.inside
+        known, unknown = np.count_nonzero(ridges), 0
+        if smeared.any():
+            turn = _to_copy(self.corner, self.step, view)
+            size = self.inside.shape[::-1]
+            half = self.inside & (_warped(smeared.astype(np.uint8), turn, size, cv2.INTER_NEAREST) > 0)
+            unknown = np.count_nonzero(half)
+            known = np.count_nonzero(ridges & ~half)
         return (known + unknown / 2) * float(self.step**2), unknown * float(self.step**2)
 
     def border(self) -> float:

@@ -312,19 +312,19 @@ def _waves(copy: Float32Array, centres: FloatArray, pitch: float) -> tuple[Float
 
 def _flows_on(waves: FloatArray, share: FloatArray, inside: BoolArray, reach: int) -> BoolArray:
     """Return for each window inside whether half of its neighbours on the grid have waves like its own."""
-    grid, ridge = np.zeros(inside.shape, dtype=waves.dtype), np.zeros(inside.shape, dtype=bool)
-    grid[inside], ridge[inside] = waves, share > 0
-    pad = [np.pad(each, reach) for each in (grid, ridge, inside)]
-    like, count = np.zeros(inside.shape), np.zeros(inside.shape)
     rows, columns = inside.shape
+    padded = np.zeros((3, rows + 2 * reach, columns + 2 * reach), dtype=waves.dtype)
+    grid, ridge, here = padded[:, reach:-reach, reach:-reach]
+    grid[inside], ridge[inside], here[inside] = waves, share > 0, 1
+    like, count = np.zeros(inside.shape), np.zeros(inside.shape)
     for down in (0, reach, 2 * reach):
         for right in (0, reach, 2 * reach):
             if down == right == reach:
                 continue
-            other, ridged, there = (each[down : down + rows, right : right + columns] for each in pad)
+            other, ridged, there = padded[:, down : down + rows, right : right + columns]
             off = np.minimum(np.abs(other - grid), np.abs(other + grid))
-            like += ridged & (off < _BENT * np.abs(grid))
-            count += there
+            like += (ridged.real > 0) & (off < _BENT * np.abs(grid))
+            count += there.real
     return np.asarray((like >= count / 2)[inside])
 
 

@@ -4,6 +4,7 @@ import hashlib
 import re
 import warnings
 from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -62,7 +63,7 @@ class Frame(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Frames(Displayed):
-    """A sequence of frames, iterable again and again; one frame at a time is in memory.
+    """A sequence of frames, iterable again and again; a frame is in memory, and the next being decoded.
 
     Attributes
     ----------
@@ -117,7 +118,7 @@ class Frames(Displayed):
             In order.
         """
         shape = None if start == 0 else self._first_shape()
-        for frame in self._decode(start, min(stop, self.count)):
+        for frame in _decoded_ahead(self._decode(start, min(stop, self.count))):
             if frame.pixels is not None and shape is None:
                 shape = frame.pixels.shape
             if frame.pixels is not None and frame.pixels.shape != shape:
@@ -158,6 +159,15 @@ class Frames(Displayed):
         if self.kind == "tiff":
             return _tiff_frames(self.path, start, stop, self.memory_limit)
         return _video_frames(self.path, start, stop, self.count, self.memory_limit)
+
+
+def _decoded_ahead(frames: Iterator[Frame]) -> Iterator[Frame]:
+    """Yield frames while a thread decodes the next one, so that it need not be waited for."""
+    with ThreadPoolExecutor(1) as decoder:
+        following = decoder.submit(next, frames, None)
+        while (frame := following.result()) is not None:
+            following = decoder.submit(next, frames, None)
+            yield frame
 
 
 def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> Frames:

@@ -48,7 +48,7 @@ def measure_sequence(
     watch: Watcher | None = None,
     **options: Unpack[ContactImageOptions],
 ) -> Iterator[FrameResult]:
-    """Measure the contact in each frame of a sequence, one frame in memory at a time.
+    """Measure the contact in each frame of a sequence while the next is decoded.
 
     The sequence is read twice: to estimate settings for all frames, and to measure. A frame that cannot be
     read or shows no contact has a reason instead of measures. Results before the first contact are held back
