@@ -190,13 +190,13 @@ class RidgeMap:
         `smeared` are the unresolved parts in the copy: half of them counts as ridge.
         """
         ridges = self.is_ridge & self.inside
-        known, unknown = np.count_nonzero(ridges), 0
+        known, unknown = int(np.count_nonzero(ridges)), 0
         if smeared.any():
             turn = _to_copy(self.corner, self.step, view)
             size = self.inside.shape[::-1]
             half = self.inside & (_warped(smeared.astype(np.uint8), turn, size, cv2.INTER_NEAREST) > 0)
-            unknown = np.count_nonzero(half)
-            known = np.count_nonzero(ridges & ~half)
+            unknown = int(np.count_nonzero(half))
+            known = int(np.count_nonzero(ridges & ~half))
         return (known + unknown / 2) * float(self.step**2), unknown * float(self.step**2)
 
     def border(self) -> float:
