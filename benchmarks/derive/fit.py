@@ -119,9 +119,11 @@ def _least_squares(
         move = _solved(slope, -errors, weight).clip(-_MOST, _MOST)
         cost = float(np.sum((weight * errors) ** 2))
         for share in (1.0, 0.5, 0.25, 0.1):
-            tried = errors_of(values + share * move * size)
+            place = values + share * move * size
+            place = np.where(values > 0, np.maximum(place, values / 4), place)  # what is positive stays so
+            tried = errors_of(place)
             if np.sum((weight * tried) ** 2) < cost:
-                values, errors = values + share * move * size, tried
+                values, errors = place, tried
                 break
         else:
             break

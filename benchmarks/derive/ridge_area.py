@@ -72,17 +72,17 @@ def sample(count: int, seed: int) -> list[Seen]:
 
 
 def _compare(
-    level: RidgeLevel, stated: RidgeAreaError, images: Sequence[Seen], maps: dict[int, tuple[Any, float]]
+    level: RidgeLevel, stated: RidgeAreaError, images: Sequence[Seen], maps: dict[Seen, tuple[Any, float]]
 ) -> Compared:
     errors, stds = [], []
     with patch.object(ridges, "RIDGE_LEVEL", level), patch.object(evaluate, "RIDGE_AREA", stated):
         for one in images:
-            if id(one) not in maps:
+            if one not in maps:
                 fine = ridges.ridge_map(one.view, one.edge.points, None)
                 smeared = evaluate._blurred_ridges(one.ridges.amount, one.region.patch, one.view.period)
                 area, unknown = fine.area(smeared, one.view)
-                maps[id(one)] = fine, area - unknown / 2
-            fine, known = maps[id(one)]
+                maps[one] = fine, area - unknown / 2
+            fine, known = maps[one]
             true = one.share * one.area
             errors.append(known / true - 1)
             stds.append(evaluate._ridge_area_std(one.edge, fine, known, one.area) / true)
@@ -94,7 +94,7 @@ def compare_level(level: Any, images: Sequence[Seen]) -> Compared:
     return _compare(level, RIDGE_AREA, images, {})
 
 
-_MAPS: dict[int, tuple[Any, float]] = {}
+_MAPS: dict[Seen, tuple[Any, float]] = {}
 
 
 def compare_error(stated: Any, images: Sequence[Seen]) -> Compared:
