@@ -160,7 +160,10 @@ def fit(
         alone = None if thickness is not None else _way_out_alone(record, law, given)
         if alone is None:
             raise
-        print_note(f"the way in is not fitted, the way out alone is: {error}")
+        wanted = {"--constraint": constraint, "--semi-axes-mm": semi_axes_mm, "--plot": plot}
+        idle = " and ".join(flag for flag, value in wanted.items() if value is not None)
+        without = f", without {idle}, for which the way in is needed" if idle else ""
+        print_note(f"the way in is not fitted, the way out alone is{without}: {error}")
         _show(alone.report(), {"file": str(curve), "law": alone.as_record()}, as_json=as_json)
         return
     if constraint is not None:
