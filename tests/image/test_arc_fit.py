@@ -27,13 +27,13 @@ def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, tilt=0.0, count=240):
 @pytest.mark.parametrize("tilt", [-0.15, 0.0, 0.1])
 def test_exact_points(arc_deg, tilt):
     fit = fit_arc_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, tilt=tilt), tilt=tilt)
-    assert fit.ellipse[2:] == pytest.approx((11.8, 13.8, tilt), rel=1e-4, abs=1e-5)
+    assert fit.ellipse.parameters[2:] == pytest.approx((11.8, 13.8, tilt), rel=1e-4, abs=1e-5)
 
 
 @pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
 def test_coverage_with_correlated_errors(reach):
     fits = [fit_arc_ellipse(noisy(seed, reach=reach), tilt_std=0.02) for seed in range(40)]
-    found = np.array([fit.ellipse[2:4] for fit in fits])
+    found = np.array([fit.ellipse.semi_axes for fit in fits])
     stated = np.array([np.sqrt(np.diagonal(fit.covariance))[2:4] for fit in fits])
     held = np.mean(np.abs(found - (11.8, 13.8)) < 1.96 * stated)
     assert 0.85 <= held <= 1.0
@@ -55,11 +55,11 @@ def test_agrees_with_a_second_implementation():
     fit = fit_arc_ellipse(points, tilt=0.1, tilt_std=2 * math.pi)
     model = EllipseModel.from_estimate(points)
     x, y, first, second, theta = (*model.center, *model.axis_lengths, model.theta)
-    assert sorted(fit.ellipse[2:4]) == pytest.approx(sorted((first, second)), rel=2e-3)
-    np.testing.assert_allclose(fit.ellipse[:2], (x, y), atol=0.03)
+    assert sorted(fit.ellipse.semi_axes) == pytest.approx(sorted((first, second)), rel=2e-3)
+    np.testing.assert_allclose(fit.ellipse.parameters[:2], (x, y), atol=0.03)
     assert math.sin(2 * (fit.ellipse.angle - theta)) == pytest.approx(0, abs=0.03)
     # Orthogonal distance: ours leaves no more.
-    assert np.sum(distances(np.array(fit.ellipse), points)[0] ** 2) <= np.sum(
+    assert np.sum(distances(fit.ellipse.parameters, points)[0] ** 2) <= np.sum(
         model.residuals(points) ** 2
     ) * (1 + 1e-6)
 
@@ -118,7 +118,7 @@ def test_points_beyond_arc(bend):
     for seed in range(12):
         points, beyond = flanked(seed, bend)
         fit = fit_arc_ellipse(points, beyond=beyond)
-        found.append(fit.ellipse[2:4])
+        found.append(fit.ellipse.semi_axes)
         stated.append(np.sqrt(np.diagonal(fit.covariance))[2:4])
         on_arc = beyond == 0
         arc = fit_arc_ellipse(points[on_arc])

@@ -24,7 +24,7 @@ def test_exact_points(first, second, angle, x, y):
     fit = fit_ellipse(outline_points(first, second, count=40, centre=(x, y), angle=angle))
     assert fit.ellipse.semi_x == pytest.approx(max(first, second), rel=1e-6)
     assert fit.ellipse.semi_y == pytest.approx(min(first, second), rel=1e-6)
-    np.testing.assert_allclose(fit.ellipse[:2], (x, y), atol=1e-6)
+    np.testing.assert_allclose(fit.ellipse.parameters[:2], (x, y), atol=1e-6)
     if abs(first - second) > 0.01:
         true = angle if first > second else angle + math.pi / 2
         assert math.sin(fit.ellipse.angle - true) == pytest.approx(0, abs=1e-5)
@@ -48,7 +48,7 @@ def test_agrees_with_a_second_implementation():
     fit = fit_ellipse(points)
     assert fit.ellipse.semi_x == pytest.approx(max(first, second), rel=2e-3)
     assert fit.ellipse.semi_y == pytest.approx(min(first, second), rel=2e-3)
-    np.testing.assert_allclose(fit.ellipse[:2], (x, y), atol=0.01)
+    np.testing.assert_allclose(fit.ellipse.parameters[:2], (x, y), atol=0.01)
 
 
 def test_fit_is_local_minimum():
@@ -60,7 +60,7 @@ def test_fit_is_local_minimum():
         curve = outline_points(first, second, count=20_000, centre=(x, y), angle=angle)
         return sum(np.min(np.sum((curve - point) ** 2, axis=1)) for point in points)
 
-    best = np.array(fit.ellipse)
+    best = fit.ellipse.parameters
     least = cost(*best)
     for k in range(5):
         for step in (-0.02, 0.02):
@@ -73,7 +73,7 @@ def test_covariance_predicts_scatter(arc):
         fit_ellipse(outline_points(8, 5, count=60, arc=arc, angle=0.5, noise_std=0.05, seed=seed))
         for seed in range(150)
     ]
-    found = np.array([fit.ellipse for fit in fits])
+    found = np.array([fit.ellipse.parameters for fit in fits])
     predicted = np.sqrt(np.mean([np.diagonal(fit.covariance) for fit in fits], axis=0))
     np.testing.assert_allclose(found.std(axis=0, ddof=1), predicted, rtol=0.25)
     assert np.mean([fit.residual_std for fit in fits]) == pytest.approx(0.05, rel=0.05)
@@ -84,7 +84,7 @@ def test_aligned_covariance_predicts_scatter():
         fit_aligned_ellipse(outline_points(11.8, 13.8, arc=(0, math.pi), noise_std=0.05, seed=seed))
         for seed in range(150)
     ]
-    found = np.array([fit.ellipse[:4] for fit in fits])
+    found = np.array([fit.ellipse.parameters[:4] for fit in fits])
     predicted = np.sqrt(np.mean([np.diagonal(fit.covariance)[:4] for fit in fits], axis=0))
     np.testing.assert_allclose(found.std(axis=0, ddof=1), predicted, rtol=0.25)
     np.testing.assert_allclose(found.mean(axis=0), [0, 0, 11.8, 13.8], atol=0.03)

@@ -6,8 +6,8 @@ orientation of the major axis from straight up, counter-clockwise as seen on the
 """
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple, Self
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -127,17 +127,8 @@ def interpolated_ellipse(first: ImageEllipse, second: ImageEllipse, share: float
     )
 
 
-class _PlaneEllipse(NamedTuple):
-    """The numbers of a `PlaneEllipse`."""
-
-    x: float
-    y: float
-    semi_x: float
-    semi_y: float
-    angle: float = 0.0
-
-
-class PlaneEllipse(_PlaneEllipse):
+@dataclass(frozen=True, slots=True)
+class PlaneEllipse:
     """An ellipse in the plane (x, y), its semi-axes not sorted.
 
     Attributes
@@ -162,14 +153,31 @@ class PlaneEllipse(_PlaneEllipse):
     array([1., 0.])
     """
 
-    __slots__ = ()
+    x: float
+    y: float
+    semi_x: float
+    semi_y: float
+    angle: float = 0.0
 
-    def __new__(cls, x: float, y: float, semi_x: float, semi_y: float, angle: float = 0.0) -> Self:
-        """Check the numbers; `_replace` does not."""
-        x, y = (finite_number(value, name, GeometryError) for value, name in ((x, "x"), (y, "y")))
-        semi_x = positive_number(semi_x, "semi_x", GeometryError)
-        semi_y = positive_number(semi_y, "semi_y", GeometryError)
-        return super().__new__(cls, x, y, semi_x, semi_y, finite_angle("angle", angle))
+    def __post_init__(self) -> None:
+        set_fields(
+            self,
+            x=finite_number(self.x, "x", GeometryError),
+            y=finite_number(self.y, "y", GeometryError),
+            semi_x=positive_number(self.semi_x, "semi_x", GeometryError),
+            semi_y=positive_number(self.semi_y, "semi_y", GeometryError),
+            angle=finite_angle("angle", self.angle),
+        )
+
+    @property
+    def parameters(self) -> FloatArray:
+        """The numbers that a fit finds: (x, y, semi_x, semi_y, angle)."""
+        return np.array([self.x, self.y, self.semi_x, self.semi_y, self.angle])
+
+    @property
+    def semi_axes(self) -> FloatArray:
+        """(semi_x, semi_y)."""
+        return np.array([self.semi_x, self.semi_y])
 
     @property
     def size(self) -> float:
@@ -189,7 +197,7 @@ class PlaneEllipse(_PlaneEllipse):
         PlaneEllipse
             With the same centre and angle.
         """
-        return self._replace(semi_x=self.semi_x * factor, semi_y=self.semi_y * factor)
+        return replace(self, semi_x=self.semi_x * factor, semi_y=self.semi_y * factor)
 
     def offsets(self, points: FloatArray) -> FloatArray:
         """Return the signed distances of points from the ellipse, to first order.

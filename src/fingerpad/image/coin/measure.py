@@ -1,7 +1,7 @@
 """A coin, or any flat disc of known diameter, as the scale of a picture."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -171,8 +171,10 @@ def measure_coin(image: ImageLike) -> Coin:
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
     chosen, shadowed = _coin_outline(np.asarray(small, dtype=np.float32))
     # Pixel centres of the small image lie at whole numbers of its own.
-    start = chosen.ellipse.scaled(step)._replace(
-        x=(chosen.ellipse.x + 0.5) * step - 0.5, y=(chosen.ellipse.y + 0.5) * step - 0.5
+    start = replace(
+        chosen.ellipse.scaled(step),
+        x=(chosen.ellipse.x + 0.5) * step - 0.5,
+        y=(chosen.ellipse.y + 0.5) * step - 0.5,
     )
     outline = fit_edge(_smooth(values), start, 3.0 * step, 3.0)
     if outline is None or outline.support < _MIN_SUPPORT:
@@ -210,7 +212,7 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
         )
     apart = [outlines[0]]
     for one in outlines:
-        x, y, *_ = one.ellipse
+        x, y = one.ellipse.x, one.ellipse.y
         if all(math.hypot(x - o.ellipse.x, y - o.ellipse.y) > 0.8 * o.ellipse.size for o in apart):
             apart.append(one)
     if len(apart) > 1:
@@ -290,7 +292,7 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
     places = np.flatnonzero(outline.kept)
     correlated = correlation_length(outline.ellipse.offsets(outline.points[places]), places)
     relative = math.hypot(_ROUNDING_STD, _SHADOW_STD * shadow, _BAND_STD * min(band, 1.0))
-    x, y, semi_major, semi_minor, angle = fit.ellipse
+    x, y, semi_major, semi_minor, angle = fit.ellipse.parameters
     moved = math.hypot(_LENS_STD_PX, relative * semi_major)
     major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
     return Coin(

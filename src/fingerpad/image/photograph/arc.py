@@ -178,7 +178,7 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tupl
                 first, last = _longest_window(track, values, middle, tilt, slack)
                 trim = round(_END_MARGIN * (last - first))
                 arc = fit_arc(points, order[first + trim : last - trim], tilt, start=values)
-                values = np.array(arc.fit.ellipse)
+                values = arc.fit.ellipse.parameters
         except FitError:
             continue
         doubt = float((np.sqrt(np.diagonal(arc.fit.covariance))[2:4] / values[2:4]).max())
@@ -206,7 +206,7 @@ def fit_arc(
         fit = fit_arc_ellipse(
             track[good], tilt=tilt[0], tilt_std=tilt[1], places=np.flatnonzero(good), start=values
         )
-        values, before = np.array(fit.ellipse), good
+        values, before = fit.ellipse.parameters, good
         good = _inliers(distances(values, track)[0])
         if good.sum() < _MIN_POINTS or (good == before).all():
             break

@@ -150,7 +150,7 @@ def extend_arc(
     tilt : (float, float)
         Tilt of the finger's axis and its standard uncertainty, radians.
     """
-    values, ends = np.array(fit.ellipse), used[[0, -1]]
+    values, ends = fit.ellipse.parameters, used[[0, -1]]
     first, last = radii_of_curvature(values, parametric_angles(points[ends], values))
     places, spacing = outline_places(points)
     before, after = np.arange(ends[0])[::-1], np.arange(ends[1] + 1, len(points))
@@ -175,7 +175,7 @@ def _flank(
     if not len(order):
         return order
     spread = np.diagonal(bend_covariance(away, (radius, radius)))
-    off = np.abs(distances(np.array(fit.ellipse), points[order])[0])
+    off = np.abs(distances(fit.ellipse.parameters, points[order])[0])
     good: BoolArray = off < _REJECTION * np.sqrt(spread + fit.residual_std**2)
     # What stands out is a hair, a nail or the frame, and so may be all that follows.
     good[np.argmin(good) :] &= good.all()
@@ -233,19 +233,19 @@ def _end_radii(values: Parameters, arc: FloatArray) -> tuple[float, float]:
     return float(first), float(last)
 
 
-def radii_of_curvature(values: Parameters | PlaneEllipse, angles: FloatArray) -> FloatArray:
+def radii_of_curvature(values: Parameters, angles: FloatArray) -> FloatArray:
     """Return the radius of curvature (a² sin² t + b² cos² t)^(3/2) / (a b) at parametric angles t."""
     speed = np.hypot(values[2] * np.sin(angles), values[3] * np.cos(angles))
     return np.asarray(speed**3 / (values[2] * values[3]), dtype=np.float64)
 
 
-def parametric_angles(points: FloatArray, values: Parameters | PlaneEllipse) -> FloatArray:
+def parametric_angles(points: FloatArray, values: Parameters) -> FloatArray:
     """Return the parametric angle of points seen from an ellipse's centre, radians in (−π, π]."""
     local = (points - values[:2]) @ rotation(values[4])
     return np.asarray(np.arctan2(local[:, 1] / values[3], local[:, 0] / values[2]), dtype=np.float64)
 
 
-def turns_from(middle: float, points: FloatArray, values: Parameters | PlaneEllipse) -> FloatArray:
+def turns_from(middle: float, points: FloatArray, values: Parameters) -> FloatArray:
     """Return how far the parametric angles of points lie beyond a middle one, radians in [−π, π)."""
     return (parametric_angles(points, values) - middle + math.pi) % (2 * math.pi) - math.pi
 
@@ -275,7 +275,7 @@ def block_starts(points: FloatArray, size: int) -> npt.NDArray[np.intp]:
 
 def _start(points: FloatArray, tilt: float) -> Parameters:
     turn = rotation(tilt)
-    x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse
+    x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse.parameters
     return np.array([*(turn @ (x, y)), semi_x, semi_y, tilt])
 
 

@@ -207,11 +207,11 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     """
     fit = _fitted(arc)
     noise = fit.covariance[2:4, 2:4]
-    known = float((np.sqrt(np.diagonal(noise)) / fit.ellipse[2:4]).max())
+    known = float((np.sqrt(np.diagonal(noise)) / fit.ellipse.semi_axes).max())
     axes, place = arc.frame
     middle, scale = PAD_MIDDLE[arc.face], arc.scale.mm_per_px
     local = arc.points[arc.used]
-    angles = middle + turns_from(middle, local, fit.ellipse)
+    angles = middle + turns_from(middle, local, fit.ellipse.parameters)
     if not known < _MAX_RELATIVE_STD:
         raise FitError(
             f"the {arc.face} face's arc of {math.degrees(np.ptp(angles)):.0f} degrees leaves an axis unknown "
@@ -220,7 +220,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         )
     average = _average_over_shapes(arc, fit)
     ellipse, share = (fit.ellipse, 1.0) if average is None else (average.ellipse, 1 - average.weight)
-    semi_px = np.array([ellipse.semi_x, ellipse.semi_y])
+    semi_px = ellipse.semi_axes
     tilt_std = math.sqrt(fit.covariance[4, 4])
     terms = {"noise": share * noise * scale**2}
     if average is None:
@@ -277,9 +277,9 @@ def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage | None:
     if arc.face in ("palmar", "distal") and len(arc.outline):
         upright = rotation(arc.tilt[0])
         outline, pad = (
-            (part - fit.ellipse[:2]) @ upright for part in (arc.outline, arc.points[arc.pad_found])
+            (part - fit.ellipse.parameters[:2]) @ upright for part in (arc.outline, arc.points[arc.pad_found])
         )
-        width = half_width(outline, pad, *fit.ellipse[2:4], arc.face)
+        width = half_width(outline, pad, fit.ellipse.semi_x, fit.ellipse.semi_y, arc.face)
         half, hidden = width.value, width.hidden
     return average_over_shapes(
         arc.points[arc.searched & (arc.used | core)],
@@ -302,9 +302,9 @@ def _contradicted(
     axis is uncertain by that turn, and its semi-axes by about as many radians.
     """
     outline, pad = (
-        (part - ellipse[:2]) @ rotation(ellipse.angle) for part in (arc.outline, arc.points[arc.pad_found])
+        (part - ellipse.parameters[:2]) @ rotation(ellipse.angle) for part in (arc.outline, arc.points[arc.pad_found])
     )
-    semi_axes = np.array([ellipse.semi_x, ellipse.semi_y])
+    semi_axes = ellipse.semi_axes
     lengths = contradicted_by_lengths(arc.face, outline, semi_axes, pad=pad, tilt_std=tilt_std, ellipse=share)
     if arc.face == "distal":
         return lengths, 0.0

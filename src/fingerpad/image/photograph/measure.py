@@ -181,7 +181,7 @@ def _pad_arc(
         used=np.isin(numbers, arc.used),
         rejected=np.isin(numbers, arc.rejected),
         marked=np.zeros(len(every), dtype=bool),
-        start=np.array(arc.fit.ellipse),
+        start=arc.fit.ellipse.parameters,
         ends_known=ends_known,
         blur=edges.blur,
     )

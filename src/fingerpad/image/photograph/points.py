@@ -72,7 +72,7 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
         raise FitError(f"outline of the {face} face: {error}") from error
     if not np.isfinite(fit.covariance).all():
         raise FitError(f"outline of the {face} face: four points leave no residual: mark five points or more")
-    semi_axes = np.array([fit.ellipse.semi_x, fit.ellipse.semi_y])
+    semi_axes = fit.ellipse.semi_axes
     covariance = fit.covariance[2:4, 2:4] + np.diag((DOUBT.rough_std * semi_axes) ** 2)
     flags = size_flags(semi_axes) | {"few_points"}
     if len(as_float_array(points)) >= _MIN_POINTS:
@@ -92,14 +92,14 @@ def face_from_outline(face: Face, points: ArrayLike, relative_scale_std: float =
 
 def _arc(face: Face, points: FloatArray, ellipse: PlaneEllipse) -> FaceArc:
     """Return the arc that is all of an outline, whose points, mm, may come in any order."""
-    order = np.argsort(turns_from(PAD_MIDDLE[face], points, ellipse), kind="stable")
+    order = np.argsort(turns_from(PAD_MIDDLE[face], points, ellipse.parameters), kind="stable")
     return FaceArc.given(
         face,
         points[order] / _UNIT.mm_per_px,
         scale=_UNIT,
         frame=(np.eye(2), np.zeros(2)),
         tilt=(0.0, _UPRIGHT_STD),
-        start=np.array(ellipse) / [*(4 * [_UNIT.mm_per_px]), 1.0],
+        start=ellipse.parameters / [*(4 * [_UNIT.mm_per_px]), 1.0],
         alike=min(max(len(points) // _INDEPENDENT_POINTS, 1), _MOST_ALIKE),
     )
 

@@ -93,7 +93,7 @@ def average_over_shapes(
     if counts.sum() < _MIN_BLOCKS * alike:
         return None
     weights = np.sqrt(np.minimum(counts / alike, 1))
-    given = np.array([ellipse.semi_x, ellipse.semi_y])
+    given = ellipse.semi_axes
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
     width_std = math.hypot(DOUBT.width_std, hidden / ellipse.semi_x)
     width = (math.log(half_width / size), width_std)
