@@ -23,8 +23,12 @@ class Displayed:
         return f"{type(self).__name__}({shown})"
 
     def _shown(self) -> list[tuple[str, Any]]:
-        names = (field.name for field in fields(self) if not field.name.startswith("_"))  # type: ignore[arg-type]
-        return [(name, getattr(self, name)) for name in names]
+        """Return the fields with their values, but for what is None unless it was asked for."""
+        public = (field for field in fields(self) if not field.name.startswith("_"))  # type: ignore[arg-type]
+        values = ((field, getattr(self, field.name)) for field in public)
+        return [
+            (field.name, value) for field, value in values if value is not None or field.default is not None
+        ]
 
     def summary(self) -> str:
         """Return the contents in words, one line each, and those of long results in them below."""

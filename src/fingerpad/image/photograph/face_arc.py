@@ -302,7 +302,8 @@ def _contradicted(
     axis is uncertain by that turn, and its semi-axes by about as many radians.
     """
     outline, pad = (
-        (part - ellipse.parameters[:2]) @ rotation(ellipse.angle) for part in (arc.outline, arc.points[arc.pad_found])
+        (part - ellipse.parameters[:2]) @ rotation(ellipse.angle)
+        for part in (arc.outline, arc.points[arc.pad_found])
     )
     semi_axes = ellipse.semi_axes
     lengths = contradicted_by_lengths(arc.face, outline, semi_axes, pad=pad, tilt_std=tilt_std, ellipse=share)
