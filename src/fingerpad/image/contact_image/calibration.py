@@ -16,30 +16,26 @@ Band: TypeAlias = tuple[float, float]
 class EdgeModel:
     """How far the edge of a contact lies beyond the closed ridges, and how uncertain that is."""
 
-    # The shift of the edge outward.
-    ends: float = 0.084  # periods; where the outline crosses ridges
-    following: float = 0.206  # periods; more where it follows one
-    noise: float = 0.192  # periods a rise; less by noise
-    followed: float = 3.0  # periods; over this length an outline follows a ridge or does not
+    # How far the edge lies further out than the outline.
+    ends: float = 0.084  # periods; between the ends of ridges
+    sharp: float = -0.15  # periods more; for a contact that does not fade, with nothing seen outside
+    by_thinning: float = 0.62  # periods; by how much less ridge the last period has than the one before
+    by_outside: float = 0.89  # periods; by the ridges just outside in parts of those inside
+    by_beyond: float = 5.2  # periods a contrast; by the ridges beyond
 
-    # What is looked at to tell how a contact fades.
+    # Where that is looked at.
     ground: Band = (2.0, 3.0)  # the ground
     interior_depth: float = 3.5  # periods; the interior is deeper
-    inside: Band = (-0.8, -0.2)  # ridges inside
+    inside: Band = (-0.8, -0.2)  # the last period
+    deeper: Band = (-1.6, -0.8)  # the one before
     outside: Band = (0.1, 0.3)  # ridges just outside
     beyond: Band = (0.4, 0.7)  # ridges beyond
     rim: Band = (-1.2, -0.4)  # contrast round the outline
-    near: Band = (0.0, 0.5)  # contrast just outside
+    followed: float = 3.0  # periods; over this length an outline follows a ridge or does not
     along: float = 2.0  # periods; ridges are what varies along the outline over less than this
     sectors: int = 24  # parts of the outline whose means are compared
     trimmed: float = 0.2  # share of the sectors at either end that does not count
     least: float = 0.03  # contrasts; variations and means are no less
-
-    # How far the edge of a contact that fades lies further out.
-    sharp: float = -0.32  # periods; for a sharp edge
-    by_outside: float = 1.75  # periods; by the ridges just outside in parts of those inside
-    by_beyond: float = 3.9  # periods a contrast; by the ridges beyond
-    by_following: float = -0.35  # periods; by how far the outline follows ridges
 
     # Standard deviation of each place of the outline.
     in_valley_std: float = 0.16  # periods; in a valley that it follows
@@ -47,12 +43,9 @@ class EdgeModel:
     stretch: float = 2.75  # periods; neighbours share that error over this length
 
     # Standard deviation that all of the edge shares.
-    shared_std: float = 0.1  # periods; at least
-    fade_std: float = 0.4  # share of the shift by the fade
-    rim_std: float = 0.7  # periods; where a rim covers all ridges
-    unevenness_std: float = 1.2  # periods a contrast; by how uneven the contrast just outside is
-    noise_std: float = 1 / 3  # share of the shift by noise
-    even: float = 0.03  # contrasts; unevenness of a sharp edge
+    shared_std: float = 0.085  # periods; at least
+    beyond_std: float = 3.6  # periods a contrast; by the ridges beyond
+    rim_std: float = 0.25  # periods; where a rim covers all ridges
 
     # Standard deviation by which the edge varies within one image.
     varies: float = 0.7  # share of the shared deviation

@@ -9,13 +9,15 @@ import numpy as np
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import UInt8, distance_to, longest_contour
-from fingerpad.image.contact_image.calibration import EDGE
+from fingerpad.image.contact_image.calibration import EDGE, Band
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import Ridges
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import AreaMoments, evenly_spaced, signed_area
 
 _HALF_LEVEL: Final = 127.5
+# Amounts of ridge, of 255, are taken for no less.
+_LITTLE: Final = 25.5
 # How far inside, ridge periods, the amount of ridge is that of a ridge which the outline follows, and of the
 # valley behind it.
 _FIRST_RIDGE: Final = 0.3
@@ -58,13 +60,12 @@ class Edge:
         Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for all
         points, by how the contrast inside differs from that along the rest of the outline.
     fade : float
-        How far beyond the outline the edge lies because the contact fades towards it.
+        How far further out the edge lies because the contact fades towards it; below 0 where it is sharp.
+    beyond : float
+        How much ridges beyond the outline vary along it, in parts of the interior's contrast.
     rim : float
         By how much ridges stand out less at the outline than inside because a halo or a meniscus covers them,
         from 0 to 1; squared.
-    unevenness : float
-        Standard deviation along the outline of the contrast just outside it, in parts of the interior's; that
-        of a sharp edge where it is not known.
     """
 
     points: FloatArray
@@ -78,8 +79,8 @@ class Edge:
     manual: BoolArray
     differs: FloatArray
     fade: float = 0.0
+    beyond: float = 0.0
     rim: float = 0.0
-    unevenness: float = EDGE.even
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
@@ -107,7 +108,7 @@ def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
     edge = _outline(view, ridges, region.patch)
     # A given level says what counts as contact; without ridges nothing tells fading from blur.
     if view.resolved and ridges.threshold is None:
-        edge = _with_fade(edge, view.contact, region.patch)
+        edge = _with_fade(edge, view.contact, ridges.amount, region.patch)
     rows, columns = region.patch.shape
     return replace(edge, points=edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5]))
 
@@ -153,41 +154,48 @@ def _softness(amount: UInt8, patch: BoolArray) -> float:
     return float(near_half) * 255 / _RAMP / max(float(counts[128:].sum()), 1.0)
 
 
-def _with_fade(edge: Edge, contact: Float32Array, patch: BoolArray) -> Edge:
+def _with_fade(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArray) -> Edge:
     """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
 
     Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
-    contrast. The outline at half the local contrast then lies inside the edge. How far, what still varies
-    along it just outside shows: those are ridges, where a halo, a dark rim or stray light is smooth. How much
-    the rim lacks of the interior's contrast says little: ridges that thin out slowly may end sharply.
+    contrast. The outline at half the local contrast then lies inside the edge. Two things show how far: there
+    is less ridge in the last period than in the one before, and outside something still varies along the
+    outline. Those are ridges; a halo, a dark rim or stray light is smooth.
     """
     depth = distance_to(~patch)
     deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
     interior = contact[deep].mean()
-    bands = (EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim, EDGE.near)
-    distances = np.concatenate([np.linspace(*band, _ACROSS) for band in bands]) * edge.period
-    levels = _sample(contact, edge.points + edge.normals * distances[:, None, None])
-    ground, inside, outside, beyond, rim, near = levels.reshape(len(bands), _ACROSS, -1)
+    ground, inside, outside, beyond, rim = _across(
+        contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim
+    )
     plain = float(ground.mean())
     contrast = np.float32(max(interior - plain, 1e-9))
     floor, *variations = _variations([ground, inside, outside, beyond], edge.period)
     # Of the three bands: the variation along the outline that is not noise, in parts of the contrast, and how
-    # much of the band's mean contrast that is.
+    # much of the mean contrast that is just outside and inside.
     above = np.maximum(np.square(variations) - floor**2, 0.0)
     seen = as_float32(above / np.maximum(np.hypot(np.sqrt(above), floor / 2), 1e-9)) / contrast
-    means = as_float32([band.mean() - plain for band in (inside, outside, beyond)]) / contrast
-    standing_out = seen / np.maximum(means, EDGE.least)
-    fade = EDGE.sharp + EDGE.by_outside * seen[1] / np.maximum(seen[0], EDGE.least) + EDGE.by_beyond * seen[2]
-    fade += EDGE.by_following * float(np.average(edge.along, weights=edge.steps))
+    means = as_float32([band.mean() - plain for band in (inside, outside)]) / contrast
+    standing_out = seen[:2] / np.maximum(means, EDGE.least)
     shown = standing_out[1] / np.maximum(standing_out[0], EDGE.least)
+    last, before = (band.mean() for band in _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper))
+    fade = EDGE.sharp + EDGE.by_thinning * (1 - last / max(before, _LITTLE))
+    fade += EDGE.by_outside * seen[1] / np.maximum(seen[0], EDGE.least) + EDGE.by_beyond * seen[2]
     rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
     return replace(
         edge,
         differs=EDGE.lack_std * (rim.mean() - rim) / contrast * edge.period,
-        fade=float(np.maximum(fade, 0) * edge.period),
+        fade=float(fade * edge.period),
+        beyond=float(seen[2]),
         rim=float(np.maximum(1 - shown, 0) ** 2),
-        unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
     )
+
+
+def _across(field: Float32Array, edge: Edge, *bands: Band) -> FloatArray:
+    """Return the levels in bands along an outline, (bands, across, along)."""
+    distances = np.concatenate([np.linspace(*band, _ACROSS) for band in bands]) * edge.period
+    levels = _sample(field, edge.points + edge.normals * distances[:, None, None])
+    return levels.reshape(len(bands), _ACROSS, -1)
 
 
 def _variations(bands: list[FloatArray], period: float) -> list[float]:
@@ -235,21 +243,13 @@ def _sample(field: Float32Array, points: FloatArray) -> FloatArray:
     return np.asarray(found, dtype=np.float64)
 
 
-def edge_shift(edge: Edge) -> FloatArray:
-    """Return how far the true edge lies beyond the closed ridges on average, at each point, px.
+def edge_shift(edge: Edge) -> float:
+    """Return how far the true edge lies beyond the closed ridges on average, px.
 
-    A contact that fades towards its edge reaches further than its outline. Where the outline crosses ridges
-    it sags between their rounded ends. Where it follows a ridge, the edge lies at random on ridge or valley:
-    in a valley of width vP, with probability v, it lies vP/2 further out,
-    v²P/2 on average, 0.18 P to 0.25 P for the valleys of 0.6 to 0.7 P there, where ridges thin out. Noise
-    moves the closed region outward. The three terms are fitted to rendered contacts (`edge_calibration` in
-    benchmarks/contact_images.py prints them).
+    The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
+    beyond a ridge that it follows. A contact that fades towards its edge reaches further.
     """
-    return _beyond_ridges(edge) - EDGE.noise * edge.noise * edge.period + edge.fade
-
-
-def _beyond_ridges(edge: Edge) -> FloatArray:
-    return (EDGE.ends + EDGE.following * edge.along) * edge.period
+    return EDGE.ends * edge.period + edge.fade
 
 
 def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
@@ -264,17 +264,15 @@ def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
 def edge_offset_std(edge: Edge) -> float:
     """Return the standard uncertainty of the edge's place that all of the outline shares, px.
 
-    It holds the definition of the edge of a contact that fades, a third of the correction for noise and,
-    where no ridges are resolved, all of the shift for them. Other images of the same device share it too,
-    and so does an edge that a person drew, who sees no more of it.
+    It holds the definition of the edge of a contact that fades and, where no ridges are resolved, all of the
+    shift for them. Other images of the same device share it too, and so does an edge that a person drew, who
+    sees no more of it.
     """
     terms = (
         EDGE.shared_std * edge.period,
-        EDGE.fade_std * edge.fade,
+        EDGE.beyond_std * edge.beyond * edge.period,
         EDGE.rim_std * edge.rim * edge.period,
-        EDGE.unevenness_std * edge.unevenness * edge.period,
-        EDGE.noise_std * EDGE.noise * edge.noise * edge.period,
-        0.0 if edge.resolved else float(np.average(_beyond_ridges(edge), weights=edge.steps)),
+        0.0 if edge.resolved else EDGE.ends * edge.period,
     )
     return math.hypot(*terms)
 
