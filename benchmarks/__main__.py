@@ -103,7 +103,6 @@ if __name__ == "__main__":
     repeatability.repeatability_coverage()
     validity.report()
     contact_images.accuracy_and_coverage(72)
-    contact_images.edge_calibration(72)
     contact_images.independent_accuracy(12)
     pressure_images.report()
     elastic_ridges.report()

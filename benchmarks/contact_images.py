@@ -1,4 +1,4 @@
-"""Contact images of known truth: errors, coverage of the stated intervals, calibration, and speed.
+"""Contact images of known truth: errors, coverage of the stated intervals, and speed.
 
 Run alone with ``python -m benchmarks.contact_images [images]``.
 """
@@ -8,7 +8,6 @@ import time
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Literal
-from unittest.mock import patch
 
 import cv2
 import numpy as np
@@ -167,42 +166,6 @@ def independent_accuracy(count: int) -> None:
     )
 
 
-def edge_calibration(count: int) -> None:
-    """Print the constants of `edge_shift` that fit rendered contacts best, for those in use.
-
-    The errors of both axes and of the area, with the shift taken back, are linear in the three constants.
-    """
-    from fingerpad.image.contact_image import edge as edges  # noqa: PLC0415
-    from fingerpad.image.contact_image.calibration import EDGE  # noqa: PLC0415
-    from fingerpad.image.ellipse import polygon_moments  # noqa: PLC0415
-
-    kept: list[edges.Edge] = []
-    plain = edges.edge_shift
-
-    def watched(edge: edges.Edge) -> Numbers:
-        kept.append(edge)
-        return plain(edge)
-
-    designs, targets = [], []
-    for truth in population(count, seed=7):
-        with patch.object(edges, "edge_shift", watched):
-            found = values_of(measure_contact_image(truth.pixels, SCALE))[:3]
-        edge, size = kept[-1], found / np.array([1, 1, 0.7])
-        moments = polygon_moments(edge.points)
-        weights = (
-            edges.axis_weights(moments, edge.points)
-            * edge.steps[:, None]
-            / [*moments.semi_axes, moments.area]
-        )
-        weights = weights * [1, 1, 0.7]
-        features = [np.ones(len(weights)), edge.along, np.full(len(weights), -edge.noise)]
-        designs.append(np.stack([weights.T @ f * edge.period for f in features], axis=-1))
-        targets.append((values_of(truth)[:3] - found) / size + weights.T @ (plain(edge) - edge.fade))
-    fitted = np.linalg.lstsq(np.concatenate(designs), np.concatenate(targets), rcond=None)[0]
-    print("\nEdge constants (ends, following, noise): fitted", np.round(fitted, 3), end=" ")
-    print("in use", (EDGE.ends, EDGE.following, EDGE.noise))
-
-
 def speed(repeats: int = 60) -> None:
     """Print the processor time of one measurement against that of decoding its PNG, side by side."""
     threads = cv2.getNumThreads()
@@ -230,6 +193,5 @@ def speed(repeats: int = 60) -> None:
 if __name__ == "__main__":
     images = int(sys.argv[1]) if len(sys.argv) > 1 else 72
     accuracy_and_coverage(images)
-    edge_calibration(images)
     independent_accuracy(4)
     speed()

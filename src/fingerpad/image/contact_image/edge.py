@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -66,6 +66,8 @@ class Edge:
     rim : float
         By how much ridges stand out less at the outline than inside because a halo or a meniscus covers them,
         from 0 to 1; squared.
+    unevenness : float
+        Standard deviation along the outline of the contrast just outside it, in parts of the interior's.
     """
 
     points: FloatArray
@@ -81,6 +83,7 @@ class Edge:
     fade: float = 0.0
     beyond: float = 0.0
     rim: float = 0.0
+    unevenness: float = 0.0
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
@@ -108,7 +111,7 @@ def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
     edge = _outline(view, ridges, region.patch)
     # A given level says what counts as contact; without ridges nothing tells fading from blur.
     if view.resolved and ridges.threshold is None:
-        edge = _with_fade(edge, view.contact, ridges.amount, region.patch)
+        edge = _with_fade(edge, fade_signs(edge, view.contact, ridges.amount, region.patch))
     rows, columns = region.patch.shape
     return replace(edge, points=edge.moved(edge_shift(edge)).clip(-0.5, [columns - 0.5, rows - 0.5]))
 
@@ -154,7 +157,63 @@ def _softness(amount: UInt8, patch: BoolArray) -> float:
     return float(near_half) * 255 / _RAMP / max(float(counts[128:].sum()), 1.0)
 
 
-def _with_fade(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArray) -> Edge:
+class FadeSigns(NamedTuple):
+    """What shows how a contact ends.
+
+    Attributes
+    ----------
+    thinning : float
+        By how much less ridge there is in the last period inside the outline than in the one before, as a
+        part of that.
+    outside : float
+        How much ridges vary along the outline just outside it, in parts of that inside.
+    beyond : float
+        The same further out, in parts of the interior's contrast.
+    rim, unevenness : float
+        As in `Edge`.
+    differs : ndarray, (n,)
+        By how much the contrast inside is less than elsewhere along the outline, in parts of the interior's.
+    """
+
+    thinning: float
+    outside: float
+    beyond: float
+    rim: float
+    unevenness: float
+    differs: FloatArray
+
+
+def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArray) -> FadeSigns:
+    """Return what shows how a contact ends at an outline of its closed ridges."""
+    depth = distance_to(~patch)
+    deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
+    interior = contact[deep].mean()
+    ground, inside, outside, beyond, rim, near = _across(
+        contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim, EDGE.near
+    )
+    plain = float(ground.mean())
+    contrast = np.float32(max(interior - plain, 1e-9))
+    floor, *variations = _variations([ground, inside, outside, beyond], edge.period)
+    # Of the three bands: the variation along the outline that is not noise, in parts of the contrast. Inside
+    # and just outside also: how much of the mean contrast that is.
+    above = np.maximum(np.square(variations) - floor**2, 0.0)
+    seen = as_float32(above / np.maximum(np.hypot(np.sqrt(above), floor / 2), 1e-9)) / contrast
+    means = as_float32([band.mean() - plain for band in (inside, outside)]) / contrast
+    standing_out = seen[:2] / np.maximum(means, EDGE.least)
+    shown = standing_out[1] / np.maximum(standing_out[0], EDGE.least)
+    last, before = (band.mean() for band in _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper))
+    rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
+    return FadeSigns(
+        thinning=float(1 - last / max(before, _LITTLE)),
+        outside=float(seen[1] / np.maximum(seen[0], EDGE.least)),
+        beyond=float(seen[2]),
+        rim=float(np.maximum(1 - shown, 0) ** 2),
+        unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
+        differs=np.asarray((rim.mean() - rim) / contrast, dtype=np.float64),
+    )
+
+
+def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
     """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
 
     Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
@@ -162,32 +221,15 @@ def _with_fade(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
     is less ridge in the last period than in the one before, and outside something still varies along the
     outline. Those are ridges; a halo, a dark rim or stray light is smooth.
     """
-    depth = distance_to(~patch)
-    deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
-    interior = contact[deep].mean()
-    ground, inside, outside, beyond, rim = _across(
-        contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim
-    )
-    plain = float(ground.mean())
-    contrast = np.float32(max(interior - plain, 1e-9))
-    floor, *variations = _variations([ground, inside, outside, beyond], edge.period)
-    # Of the three bands: the variation along the outline that is not noise, in parts of the contrast, and how
-    # much of the mean contrast that is just outside and inside.
-    above = np.maximum(np.square(variations) - floor**2, 0.0)
-    seen = as_float32(above / np.maximum(np.hypot(np.sqrt(above), floor / 2), 1e-9)) / contrast
-    means = as_float32([band.mean() - plain for band in (inside, outside)]) / contrast
-    standing_out = seen[:2] / np.maximum(means, EDGE.least)
-    shown = standing_out[1] / np.maximum(standing_out[0], EDGE.least)
-    last, before = (band.mean() for band in _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper))
-    fade = EDGE.sharp + EDGE.by_thinning * (1 - last / max(before, _LITTLE))
-    fade += EDGE.by_outside * seen[1] / np.maximum(seen[0], EDGE.least) + EDGE.by_beyond * seen[2]
-    rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
+    fade = EDGE.sharp + EDGE.by_thinning * signs.thinning
+    fade += EDGE.by_outside * signs.outside + EDGE.by_beyond * signs.beyond
     return replace(
         edge,
-        differs=EDGE.lack_std * (rim.mean() - rim) / contrast * edge.period,
-        fade=float(fade * edge.period),
-        beyond=float(seen[2]),
-        rim=float(np.maximum(1 - shown, 0) ** 2),
+        differs=EDGE.lack_std * signs.differs * edge.period,
+        fade=fade * edge.period,
+        beyond=signs.beyond,
+        rim=signs.rim,
+        unevenness=signs.unevenness,
     )
 
 
@@ -272,6 +314,7 @@ def edge_offset_std(edge: Edge) -> float:
         EDGE.shared_std * edge.period,
         EDGE.beyond_std * edge.beyond * edge.period,
         EDGE.rim_std * edge.rim * edge.period,
+        EDGE.unevenness_std * edge.unevenness * edge.period,
         0.0 if edge.resolved else EDGE.ends * edge.period,
     )
     return math.hypot(*terms)

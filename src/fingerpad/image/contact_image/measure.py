@@ -55,8 +55,8 @@ def measure_contact_image(
     There the outline is moved out: if the true edge falls at random on ridges and on valleys of share v of
     the period P, it lies v²P/2 further out on average. Where ridges fade towards the edge, those that are
     still seen just outside the outline show by how much it lies further out; a halo or a rim, which are
-    smooth along it, do not count. How far is partly a matter of definition: 0.11 P for sharp edges to 0.3 P
-    for those that fade, about 0.05 to 0.15 mm, stand in the covariance as an offset that all of the outline
+    smooth along it, do not count. How far is partly a matter of definition: 0.08 P for sharp edges to 0.5 P
+    for those that fade, about 0.04 to 0.2 mm, stand in the covariance as an offset that all of the outline
     shares, and all images of a device. The uncertainty of the semi-axes contains besides what their
     definition leaves open where the outline is no ellipse, and a fade that differs between the tips and the
     sides.

@@ -1,0 +1,121 @@
+"""Fit the shift of the edge to images of known truth: ``python -m benchmarks.derive.edge [images] [seed]``.
+
+So many images of each condition of four independent sets, and sharp renders. Each gives the displacement
+of its outline that makes the gross area true, and what the edge model looks at. Sets weigh alike; bell-shaped
+pressure is left out, whose outermost ring touches nothing. The constant is put midway between the most
+different sets, since they differ by what an edge is. An hour on one core for 4 images.
+"""
+
+import math
+import sys
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from benchmarks.contact_images import population
+from benchmarks.elastic_ridges import CONDITIONS as ELASTIC
+from benchmarks.elastic_ridges import elastic_image
+from benchmarks.independent_images import independent_images
+from benchmarks.pressure_images import CONDITIONS as PRESSURE
+from benchmarks.pressure_images import pressure_image
+from benchmarks.stripe_images import CONDITIONS as STRIPES
+from benchmarks.stripe_images import stripe_image
+from fingerpad._arrays import FloatArray
+from fingerpad.exceptions import ImageError
+from fingerpad.image.contact_image import edge as edges
+from fingerpad.image.contact_image.calibration import EDGE
+from fingerpad.image.contact_image.region import find_region
+from fingerpad.image.contact_image.ridges import find_ridges
+from fingerpad.image.contact_image.view import view_of
+from fingerpad.image.ellipse import signed_area
+from fingerpad.image.scale import Scale
+
+
+class Seen(NamedTuple):
+    """Of one image: its set, the true displacement of its outline, periods, and what the model looks at."""
+
+    name: str
+    displacement: float
+    thinning: float
+    outside: float
+    beyond: float
+
+
+def images(count: int, seed: int) -> Iterator[tuple[str, np.ndarray, float, float]]:
+    """Yield set, pixels, mm per pixel and true gross area, mm²."""
+    for render in population(6 * count, seed=seed):
+        yield "sharp", render.pixels, render.mm_per_px, render.gross_area
+    for _, image in independent_images(count, seed):
+        yield "independent", image.pixels, image.mm_per_px, image.gross_area
+    numbers = range(count)
+    for one in (pressure_image(c, 1000 * seed + n) for c in PRESSURE if "bell" not in c for n in numbers):
+        yield "pressure field", one.pixels, one.mm_per_px, one.contact.gross_area
+    for other in (elastic_image(c, n, seed) for c in ELASTIC for n in numbers):
+        yield "elastic ridges", other.pixels, other.mm_per_px, other.gross_area
+    for last in (stripe_image(c, n, seed) for c in STRIPES if "bell" not in c for n in numbers):
+        yield "stripes", last.pixels, last.mm_per_px, last.gross_area
+
+
+def look(name: str, pixels: np.ndarray, mm_per_px: float, gross_area: float) -> Seen | None:
+    """Return what the edge model sees in an image, None where there is no contact with ridges."""
+    view = view_of(pixels, Scale(mm_per_px))
+    ridges = find_ridges(view, None)
+    try:
+        region = find_region(view, ridges, None)
+    except ImageError:
+        return None
+    if not view.resolved:
+        return None
+    outline = edges._outline(view, ridges, region.patch)
+    length = float(outline.steps.sum())
+    lacks = gross_area / (view.step * mm_per_px) ** 2 - abs(signed_area(outline.points))
+    displacement = (math.sqrt(max(length**2 + 4 * math.pi * lacks, 0.0)) - length) / (2 * math.pi)
+    shown = edges.fade_signs(outline, view.contact, ridges.amount, region.patch)
+    return Seen(name, displacement / outline.period, shown.thinning, shown.outside, shown.beyond)
+
+
+def fit(seen: list[Seen]) -> FloatArray:
+    """Return the shift without signs of fading, and what each sign adds to it; sets weigh alike."""
+    names = [one.name for one in seen]
+    weights = np.array([1 / math.sqrt(names.count(name)) for name in names])[:, None]
+    found = np.linalg.lstsq(weights * _design(seen), weights[:, 0] * _displacements(seen), rcond=None)[0]
+    errors = _errors_by_set(seen, found)
+    found[0] -= (max(errors.values()) + min(errors.values())) / 2
+    return np.asarray(found)
+
+
+def _design(seen: list[Seen]) -> FloatArray:
+    return np.array([(1.0, one.thinning, one.outside, one.beyond) for one in seen])
+
+
+def _displacements(seen: list[Seen]) -> FloatArray:
+    # Where a contact is not found whole, nothing is learned of its edge.
+    return np.array([one.displacement for one in seen]).clip(-0.6, 1.2)
+
+
+def _errors_by_set(seen: list[Seen], found: FloatArray) -> dict[str, float]:
+    errors = _design(seen) @ found - _displacements(seen)
+    names = np.array([one.name for one in seen])
+    return {name: float(errors[names == name].mean()) for name in dict.fromkeys(names.tolist())}
+
+
+def report(count: int = 4, seed: int = 2101) -> None:
+    """Print the fit, the constants in use, and the error of each set where it takes no part in the fit."""
+    seen = [one for one in (look(*image) for image in images(count, seed)) if one is not None]
+    found = fit(seen)
+    print(
+        "sharp, by_thinning, by_outside, by_beyond: fitted",
+        [round(found[0] - EDGE.ends, 3)],
+        found[1:].round(3),
+    )
+    print("in use", EDGE.sharp, EDGE.by_thinning, EDGE.by_outside, EDGE.by_beyond)
+    inside = _errors_by_set(seen, found)
+    for name, error in inside.items():
+        rest = fit([one for one in seen if one.name != name])
+        left_out = _errors_by_set([one for one in seen if one.name == name], rest)[name]
+        print(f"    {name:<15} {error:+.3f} periods too far out, {left_out:+.3f} where left out of the fit")
+
+
+if __name__ == "__main__":
+    report(*map(int, sys.argv[1:]))
