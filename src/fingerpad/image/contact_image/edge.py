@@ -289,9 +289,10 @@ def edge_shift(edge: Edge) -> float:
     """Return how far the true edge lies beyond the closed ridges on average, px.
 
     The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
-    beyond a ridge that it follows. A contact that fades towards its edge reaches further.
+    beyond a ridge that it follows. Without ridges that are resolved there may be such ends or none: half of
+    it. A contact that fades towards its edge reaches further.
     """
-    return EDGE.ends * edge.period + edge.fade
+    return EDGE.ends * edge.period * (1.0 if edge.resolved else 0.5) + edge.fade
 
 
 def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
@@ -315,7 +316,7 @@ def edge_offset_std(edge: Edge) -> float:
         EDGE.beyond_std * edge.beyond * edge.period,
         EDGE.rim_std * edge.rim * edge.period,
         EDGE.unevenness_std * edge.unevenness * edge.period,
-        0.0 if edge.resolved else EDGE.ends * edge.period,
+        0.0 if edge.resolved else EDGE.ends * edge.period / 2,
     )
     return math.hypot(*terms)
 
