@@ -79,10 +79,11 @@ def fit(seen: list[Seen]) -> FloatArray:
     """Return the shift without signs of fading, and what each sign adds to it; sets weigh alike."""
     names = [one.name for one in seen]
     weights = np.array([1 / math.sqrt(names.count(name)) for name in names])[:, None]
-    found = np.linalg.lstsq(weights * _design(seen), weights[:, 0] * _displacements(seen), rcond=None)[0]
+    design, displacements = weights * _design(seen), weights[:, 0] * _displacements(seen)
+    found = np.asarray(np.linalg.lstsq(design, displacements, rcond=None)[0], dtype=np.float64)
     errors = _errors_by_set(seen, found)
     found[0] -= (max(errors.values()) + min(errors.values())) / 2
-    return np.asarray(found)
+    return found
 
 
 def _design(seen: list[Seen]) -> FloatArray:
