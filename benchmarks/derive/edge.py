@@ -1,13 +1,12 @@
-"""Fit the shift of the edge to images of known truth: ``python -m benchmarks.derive.edge [images] [seed]``.
+"""Shift of a contact's edge, on the four sets of images of known truth and sharp renders.
 
-So many images of each condition of four independent sets, and sharp renders. Each gives the displacement
-of its outline that makes the gross area true, and what the edge model looks at. Sets weigh alike; bell-shaped
-pressure is left out, whose outermost ring touches nothing. The constant is put midway between the most
-different sets, since they differ by what an edge is. An hour on one core for 4 images.
+Each image gives the displacement of its outline that makes the gross area true, and what the edge model looks
+at. Sets weigh alike; bell-shaped pressure is left out, whose outermost ring touches nothing. The constant is
+put midway between the most different sets, since they differ by what an edge is. An hour on one core for four
+images of each condition.
 """
 
 import math
-import sys
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -101,22 +100,20 @@ def _errors_by_set(seen: list[Seen], found: FloatArray) -> dict[str, float]:
     return {name: float(errors[names == name].mean()) for name in dict.fromkeys(names.tolist())}
 
 
-def report(count: int = 4, seed: int = 2101) -> None:
-    """Print the fit, the constants in use, and the error of each set where it takes no part in the fit."""
-    seen = [one for one in (look(*image) for image in images(count, seed)) if one is not None]
-    found = fit(seen)
-    print(
-        "sharp, by_thinning, by_outside, by_beyond: fitted",
-        [round(found[0] - EDGE.ends, 3)],
-        found[1:].round(3),
+def show(count: int, seed: int, other: int) -> None:
+    """Print the fit, and the mean error of each set where it is left out of the fit, and on other images."""
+    seen, unseen = (
+        [one for one in (look(*image) for image in images(count, each)) if one is not None]
+        for each in (seed, other)
     )
-    print("in use", EDGE.sharp, EDGE.by_thinning, EDGE.by_outside, EDGE.by_beyond)
-    inside = _errors_by_set(seen, found)
-    for name, error in inside.items():
+    found = fit(seen)
+    print("    sharp, by_thinning, by_outside, by_beyond")
+    print("fitted", np.round([found[0] - EDGE.ends, *found[1:]], 3))
+    print("in use", [EDGE.sharp, EDGE.by_thinning, EDGE.by_outside, EDGE.by_beyond])
+    in_use = np.array([EDGE.ends + EDGE.sharp, EDGE.by_thinning, EDGE.by_outside, EDGE.by_beyond])
+    print("Mean errors in periods, outward: left out of the fit; on other images fitted, in use")
+    fitted, used = _errors_by_set(unseen, found), _errors_by_set(unseen, in_use)
+    for name in fitted:
         rest = fit([one for one in seen if one.name != name])
         left_out = _errors_by_set([one for one in seen if one.name == name], rest)[name]
-        print(f"    {name:<15} {error:+.3f} periods too far out, {left_out:+.3f} where left out of the fit")
-
-
-if __name__ == "__main__":
-    report(*map(int, sys.argv[1:]))
+        print(f"    {name:<15} {left_out:+.3f}   {fitted[name]:+.3f} {used[name]:+.3f}")
