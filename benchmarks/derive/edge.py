@@ -71,7 +71,8 @@ def look(name: str, pixels: np.ndarray, mm_per_px: float, gross_area: float) -> 
     lacks = gross_area / (view.step * mm_per_px) ** 2 - abs(signed_area(outline.points))
     displacement = (math.sqrt(max(length**2 + 4 * math.pi * lacks, 0.0)) - length) / (2 * math.pi)
     shown = edges.fade_signs(outline, view.contact, ridges.amount, region.patch)
-    return Seen(name, displacement / outline.period, shown.thinning, shown.outside, shown.beyond)
+    beyond = max(shown.beyond - EDGE.hardly, 0.0)
+    return Seen(name, displacement / outline.period, shown.thinning, shown.outside, beyond)
 
 
 def fit(seen: list[Seen]) -> FloatArray:

@@ -18,10 +18,10 @@ class EdgeModel:
 
     # How far the edge lies further out than the outline.
     ends: float = 0.084  # periods; between the ends of ridges
-    sharp: float = -0.15  # periods more; for a contact that does not fade, with nothing seen outside
-    by_thinning: float = 0.62  # periods; by how much less ridge the last period has than the one before
-    by_outside: float = 0.89  # periods; by the ridges just outside in parts of those inside
-    by_beyond: float = 5.2  # periods a contrast; by the ridges beyond
+    sharp: float = -0.148  # periods more; for a contact that does not fade, with nothing seen outside
+    by_thinning: float = 0.57  # periods; by how much less ridge the last period has than the one before
+    by_outside: float = 1.0  # periods; by the ridges just outside in parts of those inside
+    by_beyond: float = 5.0  # periods a contrast; by the ridges beyond
 
     # Where that is looked at.
     ground: Band = (2.0, 3.0)  # the ground
@@ -37,6 +37,7 @@ class EdgeModel:
     sectors: int = 24  # parts of the outline whose means are compared
     trimmed: float = 0.2  # share of the sectors at either end that does not count
     least: float = 0.03  # contrasts; variations and means are no less
+    hardly: float = 0.01  # contrasts; so little beyond does not move the edge: noise leaves it
 
     # Standard deviation of each place of the outline.
     in_valley_std: float = 0.16  # periods; in a valley that it follows

@@ -222,7 +222,7 @@ def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
     outline. Those are ridges; a halo, a dark rim or stray light is smooth.
     """
     fade = EDGE.sharp + EDGE.by_thinning * signs.thinning
-    fade += EDGE.by_outside * signs.outside + EDGE.by_beyond * signs.beyond
+    fade += EDGE.by_outside * signs.outside + EDGE.by_beyond * max(signs.beyond - EDGE.hardly, 0.0)
     return replace(
         edge,
         differs=EDGE.lack_std * signs.differs * edge.period,
