@@ -1,4 +1,4 @@
-"""What a face's outline tells by itself, without an ellipse: its lengths, and its radius of curvature."""
+"""What a face's outline tells without an ellipse: its lengths, and its radius of curvature."""
 
 import math
 from dataclasses import dataclass
