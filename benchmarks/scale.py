@@ -9,6 +9,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -170,7 +171,7 @@ def study_result(
                 contacts=seen(),
             ),
             notes=(),
-            origin=provenance([], str),
+            origin={**provenance([], str), "limits_per_picture": asdict(DEFAULT_LIMITS)},
             executor=_InProcess(folder),
             store=store,
         )

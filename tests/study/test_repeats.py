@@ -19,6 +19,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.by_load import pool_by_load
+from fingerpad.study.results.output import scatter_record
 from fingerpad.study.results.repeats import (
     ContactRepeatability,
     contact_repeatability,
@@ -314,14 +315,14 @@ def test_limits_of_agreement_add_what_lies_within() -> None:
     ]
     rows = model_contacts(STUDY, PADS, seen).table
     found = next(one for one in study_scatter(STUDY, rows) if one.quantity == "contact_area")
-    lines = {line["level"]: line for line in found.lines()}
+    lines = {line.level: line for line in scatter_record(found).levels}
     repeat, session = lines["repeat"], lines["session"]
-    assert repeat["log_limit_of_agreement"] == pytest.approx(1.96 * np.sqrt(2) * repeat["log_std"], rel=1e-4)
-    both = np.hypot(repeat["log_std"], session["log_std"])
-    assert session["log_limit_of_agreement"] == pytest.approx(1.96 * np.sqrt(2) * both, rel=1e-4)
-    assert session["log_std"] == pytest.approx(2 * np.std([0, 0.1, 0.2, 0.3], ddof=1), rel=0.2)
-    assert lines["finger"]["log_limit_of_agreement"] is None
-    assert lines["finger"]["missing"] == "no person has two fingers under one load"
+    assert repeat.log_limit_of_agreement == pytest.approx(1.96 * np.sqrt(2) * repeat.log_std, rel=1e-4)
+    both = np.hypot(repeat.log_std, session.log_std)
+    assert session.log_limit_of_agreement == pytest.approx(1.96 * np.sqrt(2) * both, rel=1e-4)
+    assert session.log_std == pytest.approx(2 * np.std([0, 0.1, 0.2, 0.3], ddof=1), rel=0.2)
+    assert np.isnan(lines["finger"].log_limit_of_agreement)
+    assert lines["finger"].missing == "no person has two fingers under one load"
 
 
 def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter() -> None:
@@ -332,7 +333,8 @@ def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter() -> Non
 
     def ridge_scatter(some: list[Any]) -> Any:
         rows = model_contacts(STUDY, PADS, some).table
-        return next(one for one in study_scatter(STUDY, rows) if one.quantity == "ridge_area").lines()
+        found = next(one for one in study_scatter(STUDY, rows) if one.quantity == "ridge_area")
+        return scatter_record(found).model_dump_json()
 
     assert ridge_scatter(seen + merged) == ridge_scatter(seen)
     areas_of_all = model_contacts(STUDY, PADS, seen + merged).table.column("ridge_area_mm2")

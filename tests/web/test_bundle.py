@@ -20,12 +20,16 @@ def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
         workspace.open_folder(folder)
         with serving(workspace) as client:
             reported = client.get("/api/study/bundle").json()
-            assert [one["file"] for one in reported["left_out"]] == [".data/", "socket"]
+            left = {one["file"]: one["why"] for one in reported["left_out"]}
+            assert {".data/", "socket", "a:b.png", "empty: folder/"} <= set(left)
+            assert "=1+1" not in left
+            assert len({"a.png", "A.png"} & set(left)) == 1
             archive = client.get("/api/download/study.zip")
             assert archive.status_code == 200
             back = client.post("/api/session/import", params={"name": "back"}, content=archive.content)
             assert back.status_code == 201, back.text
             assert back.json()["digest"] == load_study(folder / "study.toml").digest
     (folder / "socket").unlink()
-    assert contents(tmp_path / "back") == contents(folder)
-    assert reported["files"] == sum(content is not None for content in contents(folder).values())
+    kept = {name: one for name, one in contents(folder).items() if not {name, f"{name}/"} & set(left)}
+    assert contents(tmp_path / "back") == kept
+    assert reported["files"] == sum(content is not None for content in kept.values())

@@ -36,6 +36,9 @@ PURE = {
     "exponent",  # of a superellipse
     "exponent_std",
     "relative_difference",
+    "deviations",  # in standard uncertainties
+    "difference",  # relative
+    "draws",
     "disagreements",  # relative differences, shown in percent
     "between_relative_std",
     "ellipse_iou",
@@ -77,7 +80,9 @@ PURE = {
 } | {"normal", "principal_directions", "range_notes", "faces", "counts", "run", "limits"}
 RELATIVE = {"disagreements", "shares"}
 # Of a unit that an item beside them names, or that stands in the sentence beside them.
-NAMED_BESIDE = {"printed", "computed", "low", "high", "with_misprint", "value", "std"}
+NAMED_BESIDE = {"printed", "computed", "low", "high", "with_misprint", "value", "std"} | {
+    *("reference", "reference_std", "value_std", "interval", "simulated_interval", "simulated_std"),
+}
 IN_PIXELS = {"ellipse_px", "semi_axes", "centre"}
 
 

@@ -87,6 +87,7 @@ class ContactLaw(Displayed):
 
     Examples
     --------
+    >>> from fingerpad.loading.laws import hertz
     >>> print(f"{hertz(1.806, loading_radius=20.5, poisson_ratio=0.5, youngs_modulus=0.1024):.2f} N")
     2.00 N
     """

@@ -288,6 +288,7 @@ def fit_layer_thickness(
 
     Examples
     --------
+    >>> import numpy as np
     >>> from fingerpad.contact import Tissue, fast_contact
     >>> from fingerpad.geometry import Paraboloid
     >>> pad, rng = Paraboloid(14.0, 14.0), np.random.default_rng(1)

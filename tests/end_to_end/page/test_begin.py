@@ -388,8 +388,9 @@ def test_files_left_out_are_listed_and_the_export_is_imported(tab: Tab, demo, tm
     (demo / "outside.png").symlink_to(tmp_path / "outside.png")
     (demo / "a:b.png").write_bytes(b"odd")
     page = tab.open("run")
-    page.get_by_text("1 left out").click()
+    page.get_by_text("2 left out").click()
     page.get_by_text("outside.png: a link that leaves the study folder").wait_for()
+    page.get_by_text("a:b.png: a name that not every system can have").wait_for()
     with page.expect_download() as folder:
         page.get_by_role("link", name="Download Study folder").click()
     archive = tmp_path / "demo.zip"  # named as the study that is there
@@ -397,7 +398,8 @@ def test_files_left_out_are_listed_and_the_export_is_imported(tab: Tab, demo, tm
     page.get_by_role("button", name="Other studies").click()
     page.get_by_label("ZIP file of a study").set_input_files(archive)
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
-    assert (demo.parent / "demo-2" / "a:b.png").read_bytes() == b"odd"
+    assert (demo.parent / "demo-2" / "study.toml").read_bytes() == (demo / "study.toml").read_bytes()
+    assert not (demo.parent / "demo-2" / "a:b.png").exists()
 
 
 @pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")

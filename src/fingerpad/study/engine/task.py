@@ -12,8 +12,6 @@ from tempfile import TemporaryDirectory, gettempdir
 from time import perf_counter
 from typing import Any, Final, NamedTuple, TypeAlias
 
-import cv2
-
 from fingerpad.exceptions import StoreError, reason_of
 from fingerpad.study.error_text import in_study
 
@@ -149,6 +147,8 @@ def out_of_memory(file: str, limits: Limits) -> str:
 
 
 def _is_out_of_memory(error: BaseException | None) -> bool:
+    import cv2  # noqa: PLC0415 (the command line reads the limits, and need not wait for it)
+
     while error is not None:
         if isinstance(error, MemoryError) or (
             isinstance(error, cv2.error) and error.code == cv2.Error.StsNoMem

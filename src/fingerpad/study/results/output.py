@@ -146,7 +146,7 @@ def summary_of(result: StudyResult) -> SummaryFile:
                 for synthetic, one in result.repeatability.items()
                 if (result.rows.column("synthetic") == synthetic).any()
             ],
-            scatter=[_scatter(one) for one in result.scatter],
+            scatter=[scatter_record(one) for one in result.scatter],
         ),
         second_operator=[_agreement(one) for one in result.operators],
         by_load=[_at_load(one) for one in result.by_load],
@@ -367,7 +367,7 @@ def _contact_repeatability(one: ContactRepeatability, *, synthetic: bool) -> Con
     )
 
 
-def _scatter(one: StudyScatter) -> ScatterRecord:
+def scatter_record(one: StudyScatter) -> ScatterRecord:
     """Return how a quantity scatters, by level.
 
     The limit of agreement is that of two contacts in different groups of the level: of two repeats in one
