@@ -30,6 +30,7 @@ def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
             assert back.status_code == 201, back.text
             assert back.json()["digest"] == load_study(folder / "study.toml").digest
     (folder / "socket").unlink()
+    (folder / os.fsdecode(b"\xff.png")).unlink()  # no text, and left out
     kept = {name: one for name, one in contents(folder).items() if not {name, f"{name}/"} & set(left)}
     assert contents(tmp_path / "back") == kept
     assert reported["files"] == sum(content is not None for content in kept.values())
