@@ -12,5 +12,6 @@ dataclass with one field a line, its unit and meaning in the comment behind. ``b
 those that state its uncertainty, the reason for each field that is not fitted, a function that makes the
 sample from a number of images and a seed, and one that compares it with the truth under other values of the
 model. Where least squares of errors are not how it is done, a function ``show(images, seed, other)`` prints
-the table instead. A field that is neither fitted nor explained fails tests/image/test_derive.py.
+the table instead, for the model that ``MODEL`` names. A field that is neither fitted nor explained fails
+tests/image/test_derive.py.
 """

@@ -30,6 +30,8 @@ from fingerpad.image.contact_image.view import view_of
 from fingerpad.image.ellipse import signed_area
 from fingerpad.image.scale import Scale
 
+MODEL = EDGE
+
 
 class Seen(NamedTuple):
     """Of one image: its set, the true displacement of its outline, periods, and what the model looks at."""
