@@ -147,9 +147,10 @@ class _Tally:
         self._on_progress = on_progress
         self.pictures = self.failed = self._total = 0
         for item in items:
-            self._total += item.pictures
+            count = item.pictures  # of a sequence, read from the store
+            self._total += count
             if (status := statuses.get(item.name)) and store.is_current(status, item.key, limits):
-                self.pictures += item.pictures
+                self.pictures += count
                 self.failed += status.status == "failed"
 
     def tell(self, task: Task | None = None, *, failed: bool = False, seconds: float = 0.0) -> None:
