@@ -70,9 +70,10 @@ def test_area_exponent_falls_as_the_modulus_grows() -> None:
     assert_allclose(slope, 2 / 3 * 0.04 / (0.04 + 0.02 * at), rtol=1e-7)
 
 
-@pytest.mark.parametrize("law", [hertz, load_dependent, LAWS["exact_sphere"]])
+@pytest.mark.parametrize("law", [hertz, load_dependent, LAWS["exact_sphere"], LAWS["free_exponent"]])
 def test_slopes_that_laws_state_are_those_of_their_loads(law) -> None:
-    values = {name: {"youngs_modulus": 0.05}.get(name, PAD.get(name)) for name in law.parameters}
+    given = {"youngs_modulus": 0.05, "load_exponent": 2.6, **PAD}
+    values = {name: given[name] for name in law.parameters}
     xi, step = np.geomspace(0.01, 2, 20), 1e-6
     up, down = (law(xi + way * step, **values, **GIVEN) for way in (1, -1))
     assert_allclose(law.slope(xi, **values, **GIVEN), (up - down) / (2 * step), rtol=1e-6)

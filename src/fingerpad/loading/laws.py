@@ -194,7 +194,6 @@ def _slope_of_hertz(
     loading_radius: float,
     poisson_ratio: float,
     youngs_modulus: float,
-    load_exponent: float = 1.5,  # noqa: ARG001 (near 3/2 wherever the law fits)
 ) -> Any:
     return _slope_of_growing(
         indentation,
@@ -255,11 +254,29 @@ def load_dependent(
 contact_law(**_GROWING, name="exact_sphere", label="exact sphere", shape=_on_sphere)(load_dependent.function)
 
 
+def _slope_of_free_exponent(
+    indentation: FloatArray,
+    *,
+    loading_radius: float,
+    poisson_ratio: float,
+    youngs_modulus: float,
+    load_exponent: float,
+) -> Any:
+    factor = youngs_modulus * hertz_stiffness(loading_radius, poisson_ratio)
+    exponent = _searched(load_exponent)
+    return exponent * factor * np.maximum(indentation, 1e-12) ** (exponent - 1)
+
+
+def _searched(load_exponent: float) -> float:
+    """Return an exponent that a search cannot lose itself with."""
+    return min(max(load_exponent, 0.05), 20.0)
+
+
 @contact_law(
     parameters={"youngs_modulus": _OPEN, "load_exponent": _OPEN},
     units={"youngs_modulus": "MPa", "load_exponent": ""},
     label="free exponent",
-    slope=_slope_of_hertz,
+    slope=_slope_of_free_exponent,
     steps=NEAR_HERTZ,
 )
 def free_exponent(
@@ -273,7 +290,7 @@ def free_exponent(
 ) -> Any:
     """Return W ∝ ξ^m, with Hertz's factor."""
     stiffness = hertz_stiffness(loading_radius, poisson_ratio) * shape_factor
-    return youngs_modulus * stiffness * indentation ** min(max(load_exponent, 0.05), 20.0)
+    return youngs_modulus * stiffness * indentation ** _searched(load_exponent)
 
 
 # --- the law of an adhesive contact ---

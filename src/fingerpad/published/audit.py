@@ -12,7 +12,6 @@ these every equation used here is monotonic in each input, or flat to far below 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import partial
 from itertools import product
 from typing import Final, TypeAlias
 
@@ -105,7 +104,13 @@ def audit() -> list[AuditItem]:
         for name, printed in zip(_AXES, axes, strict=True)
     ]
     items += [
-        _mean_radius(f"Table 2, {method}, u = {u}°", printed, method, _MEAN_RADIUS, partial(_radii, float(u)))
+        _mean_radius(
+            f"Table 2, {method}, u = {u}°",
+            printed,
+            method,
+            _MEAN_RADIUS,
+            lambda *semi_axes, u=u: _radii(Ellipsoid(*semi_axes), np.radians(float(u))),
+        )
         for method, radii in article.table2_radii_mm.items()
         for u, printed in radii.items()
     ]
@@ -138,16 +143,13 @@ def _on_wedge(wedge: PublishedWedge) -> Iterator[AuditItem]:
 
     def radii(*semi_axes: FloatArray) -> tuple[FloatArray, FloatArray]:
         placement = Placement(Ellipsoid(*semi_axes), wedge_angle=theta)
-        misprinted = radius_with_misprint(placement.ellipsoid, placement.u)
-        return placement.curvature.mean_curvature_radius, misprinted
+        return _radii(placement.ellipsoid, placement.u)
 
     def corrected(radius: FloatArray, semi_major: FloatArray, semi_minor: FloatArray) -> FloatArray:
         return equivalent_radius_from_indentation(radius, semi_minor / semi_major)
 
-    for name, printed in (
-        (f"Text, ellipse, {angle}, R_0g", wedge.text_mean_curvature_radius_mm),
-        (f"Table 4, {angle}, R_0g", radius),
-    ):
+    for place, printed in (("Text, ellipse", wedge.text_mean_curvature_radius_mm), ("Table 4", radius)):
+        name = f"{place}, {angle}, R_0g"
         yield _mean_radius(name, printed, "ellipse", f"{_MEAN_RADIUS}, {_PLACEMENT}", radii)
     yield _measured(f"Table 3, {angle}, semi-major axis ℓd", wedge.semi_major_mm)
     yield _measured(f"Table 3, {angle}, semi-minor axis ℓe", wedge.semi_minor_mm)
@@ -176,9 +178,8 @@ def _on_wedge(wedge: PublishedWedge) -> Iterator[AuditItem]:
     )
 
 
-def _radii(u_deg: float, *semi_axes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return R_0g where u is given, true and with the misprint."""
-    pad, u = Ellipsoid(*semi_axes), np.radians(u_deg)
+def _radii(pad: Ellipsoid, u: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return R_0g at u, true and with the misprint."""
     return pad.curvature(u, np.pi / 2).mean_curvature_radius, radius_with_misprint(pad, u)
 
 
