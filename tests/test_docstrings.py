@@ -18,6 +18,7 @@ PACKAGES = (
     "published",
     "report",
     "simulate",
+    "simulator",
     "uncertainty",
 )
 

@@ -34,6 +34,7 @@ from .loading import (
     fit_loading_curve as fit_loading_curve,
     read_loading_curve as read_loading_curve,
 )
+from .simulator import simulator_law as simulator_law
 from .study.pipeline import run_study as run_study
 from .study.results.load import load_results as load_results
 from .uncertainty import (

@@ -1,0 +1,15 @@
+"""A measured finger pad in the numbers and files that robot simulators take."""
+
+from fingerpad.simulator.law import SimulatorLaw, simulator_law
+from fingerpad.simulator.mesh import TetrahedralMesh
+from fingerpad.simulator.targets import DrakeModulus, MujocoContact, NewtonStiffness, PressureByDepth
+
+__all__ = [
+    "DrakeModulus",
+    "MujocoContact",
+    "NewtonStiffness",
+    "PressureByDepth",
+    "SimulatorLaw",
+    "TetrahedralMesh",
+    "simulator_law",
+]

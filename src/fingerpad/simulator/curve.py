@@ -1,0 +1,159 @@
+"""Load and area of a pad by depth, and what a rigid plate overlaps of the undeformed pad."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import Tissue, solve_contact
+from fingerpad.contact.contact import AnyPlacement
+from fingerpad.contact.fast_laws import press
+from fingerpad.exceptions import GeometryError
+from fingerpad.geometry import Gap, Placement
+
+_SOLVED: Final = 12  # contacts between which the solver's answer is interpolated
+_BELOW: Final = 0.3  # of the lowest load, from which on the solver is asked
+_POINTS: Final = 128
+_STEP: Final = 0.01  # of the logarithm of the depth, whose fourth power is the error of the slope
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curve:
+    """Load and area of pads by depth, along the last axis, by the fast laws.
+
+    Arrays of pads have a last axis of one. Complex steps give derivatives.
+    """
+
+    gap: Gap
+    height: FloatArray  # of the pad's centre over the plate at touch; infinite for a paraboloid
+    reduced_modulus: FloatArray
+    thickness: FloatArray
+    poisson_ratio: FloatArray
+
+    @property
+    def radius(self) -> FloatArray:
+        """R_e."""
+        radius: FloatArray = np.sqrt(self.gap.first_radius * self.gap.second_radius)
+        return radius
+
+    def depth(self, load: FloatArray) -> FloatArray:
+        """Return ξ under loads; NaN beyond the range of the laws."""
+        return self._pressed(load=load)[0]
+
+    def load(self, depth: FloatArray) -> FloatArray:
+        """Return F at depths."""
+        return self._pressed(indentation=depth)[1]
+
+    def area(self, depth: FloatArray) -> FloatArray:
+        """Return A at depths."""
+        return self._pressed(indentation=depth)[2]
+
+    def _pressed(self, **given: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        deep = np.isinf(np.real(self.thickness)).all()
+        contact = press(
+            self.gap,
+            reduced_modulus=self.reduced_modulus,
+            thickness=None if deep else self.thickness,
+            poisson_ratio=self.poisson_ratio,
+            **given,
+        )
+        return contact.indentation, contact.load, contact.area
+
+    def stiffness(self, depth: FloatArray) -> FloatArray:
+        """Return dF/dξ."""
+        near = np.exp(_STEP * np.array([-2, -1, 1, 2]))
+        logarithm = np.stack([np.log(self.load(depth * step)) for step in near], axis=-1)
+        slope = logarithm @ np.array([1, -8, 8, -1]) / (12 * _STEP)
+        stiffness: FloatArray = self.load(depth) / depth * slope
+        return stiffness
+
+    def section(self, depth: FloatArray) -> FloatArray:
+        """Return the area in which the plate's plane cuts the undeformed pad."""
+        return np.pi * self.radius * depth * (2 - depth / self.height)
+
+    def overlap(self, depth: FloatArray) -> FloatArray:
+        """Return the volume of the undeformed pad beyond the plate's plane."""
+        return np.pi * self.radius * depth**2 * (1 - depth / (3 * self.height))
+
+    def extent(self, depth: FloatArray) -> FloatArray:
+        """Return ∫ e dA over the section, e falling evenly from 1 at the pad's centre to 0 on its surface."""
+        part = depth / self.height
+        return np.pi * self.radius * depth * part * (1 - 2 * part / 3)
+
+    def pressure(self, depth: FloatArray) -> FloatArray:
+        """Return p by depth with F(ξ) = ∫ p(d) S'(ξ − d) dd, S being the section.
+
+        With G = F/(2πR_e) and P = ∫p it is P' − P/h = G', so that P = G + (1/h) ∫ G(s) exp((ξ − s)/h) ds.
+        """
+        scale = 2 * np.pi * self.radius
+        held = self.load(depth)
+        for node, weight in zip((1 + _NODES) / 2, _WEIGHTS / 2, strict=True):
+            rest = depth * (1 - node) / self.height
+            held = held + weight * depth / self.height * self.load(depth * node) * np.exp(rest)
+        return (self.stiffness(depth) + held / self.height) / scale
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SolvedCurve(Curve):
+    """The same between solved contacts, of one pad."""
+
+    splines: tuple[
+        CubicSpline, CubicSpline, CubicSpline
+    ]  # of logarithms: depth by load, load and area by depth
+
+    def _pressed(self, **given: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        by_load, load, area = self.splines
+        ((name, value),) = given.items()
+        depth = value if name == "indentation" else _along(by_load, np.log(value / self.reduced_modulus))
+        at = np.log(depth)
+        return depth, self.reduced_modulus * _along(load, at), _along(area, at)
+
+
+def _along(spline: CubicSpline, logarithm: FloatArray) -> FloatArray:
+    """Return a power law's spline, beyond its ends the power there; complex steps give derivatives."""
+    inside = np.clip(np.real(logarithm), spline.x[0], spline.x[-1])
+    value: FloatArray = np.exp(spline(inside) + spline(inside, 1) * (logarithm - inside))
+    return value
+
+
+def height_of(placement: AnyPlacement) -> FloatArray:
+    """Return the height of the pad's centre over the plate at touch."""
+    if isinstance(placement, Placement):
+        height: FloatArray = np.sum(placement.normal * placement.point, axis=-1)
+        return height
+    return np.array(np.inf)
+
+
+def solved_curve(placement: AnyPlacement, tissue: Tissue, gap: Gap, loads: FloatArray) -> SolvedCurve:
+    """Solve contacts over a range of loads.
+
+    Raises
+    ------
+    GeometryError
+        If the solver cannot take one of them.
+    """
+    asked = np.geomspace(_BELOW * loads[0], loads[-1], _SOLVED)
+    solved = []
+    for load in asked[::-1]:  # the highest, which is refused, comes first
+        try:
+            solved.append(solve_contact(placement, tissue, load=float(load), points=_POINTS))
+        except GeometryError as error:
+            raise GeometryError(f"no contact under {load:.3g} N: {error}; or give lower loads") from None
+    modulus = float(tissue.reduced_modulus)
+    depth, load, area = (
+        np.log([float(getattr(each, name)) for each in solved[::-1]])
+        for name in ("indentation", "load", "area")
+    )
+    load = load - math.log(modulus)
+    return SolvedCurve(
+        gap=gap,
+        height=height_of(placement),
+        reduced_modulus=np.array(modulus),
+        thickness=tissue.thickness,
+        poisson_ratio=tissue.poisson_ratio,
+        splines=(CubicSpline(load, depth), CubicSpline(depth, load), CubicSpline(depth, area)),
+    )

@@ -1,0 +1,250 @@
+"""What robot simulators take for a finger pad, each with its error; in SI units, as theirs are."""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._display import Displayed
+
+MUJOCO_TIME_STEP: Final = 0.002  # s, MuJoCo's default
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Target(Displayed):
+    """What one simulator takes, and how far its load and area are from the pad's."""
+
+    worst_relative_error: float
+    area_factor: float
+    assumes: str
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers by names that end in units.
+
+        Returns
+        -------
+        dict of str to Any
+            Numbers, text, and None for what there is not.
+        """
+        return {
+            **self._numbers(),
+            "worst_relative_error": self.worst_relative_error,
+            "area_factor": self.area_factor,
+            "assumes": self.assumes,
+        }
+
+    def _numbers(self) -> dict[str, Any]:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class PressureByDepth(Target):
+    """Pressure of an elastic foundation by the depth of overlap, for Newton's callback and others.
+
+    Attributes
+    ----------
+    worst_relative_error : float
+        Largest relative error of the load at equal indentation, over the law's range of loads.
+    area_factor : float
+        Contact area over that of the pad, where in the range it is furthest from 1; NaN where the simulator
+        has no area.
+    assumes : str
+        What must hold in the simulator.
+    depth : ndarray
+        Depths, m, from 0 to the indentation under the highest load.
+    pressure, pressure_std : ndarray
+        Pressure there and its standard uncertainty, Pa.
+
+    Examples
+    --------
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> from fingerpad.simulator import simulator_law
+    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+    >>> table = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0)).pressure_by_depth()
+    >>> print(f"{table.pressure_at(0.001):.0f} Pa")
+    14942 Pa
+    """
+
+    depth: FloatArray
+    pressure: FloatArray
+    pressure_std: FloatArray
+
+    def pressure_at(self, depth: ArrayLike) -> FloatArray:
+        """Return the pressure at depths, linear between those of the table and along its end beyond.
+
+        Parameters
+        ----------
+        depth : array_like
+            Depth of overlap, m; there is no pressure where it is negative.
+
+        Returns
+        -------
+        ndarray
+            Pressure, Pa.
+        """
+        at = as_float_array(depth, "depth")
+        slope = (self.pressure[-1] - self.pressure[-2]) / (self.depth[-1] - self.depth[-2])
+        beyond = slope * np.maximum(at - self.depth[-1], 0)
+        value: FloatArray = np.interp(at, self.depth, self.pressure) + beyond
+        return value
+
+    def _numbers(self) -> dict[str, Any]:
+        return {
+            "depth_m": self.depth,
+            "pressure_Pa": self.pressure,
+            "pressure_Pa_std": self.pressure_std,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class NewtonStiffness(Target):
+    """Newton's ``kh``, one stiffness per area.
+
+    Attributes
+    ----------
+    worst_relative_error, area_factor, assumes : float, float and str
+        As of `PressureByDepth`.
+    kh, kh_std : float
+        Stiffness and its standard uncertainty, N/m³.
+
+    Examples
+    --------
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> from fingerpad.simulator import simulator_law
+    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+    >>> found = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0)).newton_kh()
+    >>> print(f"{found.kh:.3g} N/m³, load within {100 * found.worst_relative_error:.0f} %")
+    1.62e+07 N/m³, load within 6 %
+    """
+
+    kh: float
+    kh_std: float
+
+    def _numbers(self) -> dict[str, Any]:
+        return {"kh_N_per_m3": self.kh, "kh_N_per_m3_std": self.kh_std}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class DrakeModulus(Target):
+    """Drake's hydroelastic modulus.
+
+    Attributes
+    ----------
+    worst_relative_error, area_factor, assumes : float, float and str
+        As of `PressureByDepth`.
+    modulus, modulus_std : float
+        Modulus and its standard uncertainty, Pa.
+
+    Examples
+    --------
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> from fingerpad.simulator import simulator_law
+    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+    >>> found = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0)).drake_modulus()
+    >>> print(f"{found.modulus:.3g} Pa, load within {100 * found.worst_relative_error:.0f} %")
+    1.63e+05 Pa, load within 4 %
+    """
+
+    modulus: float
+    modulus_std: float
+
+    def _numbers(self) -> dict[str, Any]:
+        return {"hydroelastic_modulus_Pa": self.modulus, "hydroelastic_modulus_Pa_std": self.modulus_std}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class MujocoContact(Target):
+    """MuJoCo's solref and solimp, for one effective mass.
+
+    Attributes
+    ----------
+    worst_relative_error, area_factor, assumes : float, float and str
+        As of `PressureByDepth`.
+    effective_mass : float
+        Of the contact, kg: that of the body for one that moves along the normal alone.
+    damping_ratio : float
+        Of small oscillations about the middle of the range of loads.
+    solref : tuple of float
+        Negative stiffness and damping, for direct format; for twice the mass `solref_at_twice_the_mass`.
+    solref_at_twice_the_mass : tuple of float
+        The same for twice the effective mass; solimp stays.
+    solimp : tuple of float
+        d0, dwidth, width (m), midpoint and power.
+    stiffness_std : float
+        Standard uncertainty of the stiffness, −solref[0].
+    largest_time_step : float
+        Beyond which MuJoCo's Euler integrator is unstable at the highest load, s.
+    flag : str
+        ``time_step_below_default`` where MuJoCo's own time step of 2 ms is too long; empty otherwise.
+
+    Examples
+    --------
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> from fingerpad.simulator import simulator_law
+    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+    >>> law = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0))
+    >>> found = law.mujoco(effective_mass=0.1, damping_ratio=1.0)
+    >>> step = 1000 * found.largest_time_step
+    >>> print(f"{100 * found.worst_relative_error:.1f} %, steps up to {step:.1f} ms")
+    0.8 %, steps up to 5.6 ms
+    """
+
+    effective_mass: float
+    damping_ratio: float
+    solref: tuple[float, float]
+    solref_at_twice_the_mass: tuple[float, float]
+    solimp: tuple[float, float, float, float, float]
+    stiffness_std: float
+    largest_time_step: float
+    flag: str
+
+    def load(self, depth: ArrayLike) -> FloatArray:
+        """Return the load at rest, as MuJoCo has it.
+
+        Parameters
+        ----------
+        depth : array_like
+            Penetration, m.
+
+        Returns
+        -------
+        ndarray
+            Load, N: m k d² r/(d_w² (1 − d)).
+        """
+        return (
+            self.effective_mass * -self.solref[0] * mujoco_shape(as_float_array(depth, "depth"), self.solimp)
+        )
+
+    def _numbers(self) -> dict[str, Any]:
+        return {
+            "solref": self.solref,
+            "solimp": self.solimp,
+            "stiffness_std": self.stiffness_std,
+            "effective_mass_kg": self.effective_mass,
+            "damping_ratio": self.damping_ratio,
+            "solref_at_twice_the_mass": self.solref_at_twice_the_mass,
+            "largest_time_step_s": self.largest_time_step,
+            "flag": self.flag or None,
+        }
+
+
+def impedance(depth: FloatArray, solimp: tuple[float, ...] | FloatArray) -> FloatArray:
+    """Return MuJoCo's d(r)."""
+    lowest, highest, width, midpoint, power = solimp
+    x = np.minimum(depth / width, 1)
+    low = x**power / midpoint ** (power - 1)
+    high = 1 - (1 - x) ** power / (1 - midpoint) ** (power - 1)
+    value: FloatArray = lowest + np.where(x <= midpoint, low, high) * (highest - lowest)
+    return value
+
+
+def mujoco_shape(depth: FloatArray, solimp: tuple[float, ...] | FloatArray) -> FloatArray:
+    """Return the load at rest over effective mass and stiffness."""
+    d = impedance(depth, solimp)
+    value: FloatArray = (d / solimp[1]) ** 2 * depth / (1 - d)
+    return value
