@@ -1,21 +1,19 @@
-"""Named columns with units of a CSV file."""
+"""Named columns with units of a table."""
 
-import csv
 import difflib
-import io
 import json
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from itertools import islice
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from fingerpad._arrays import FloatArray
+from fingerpad._tables import Table, read_table
 from fingerpad.exceptions import LoadingError
 from fingerpad.units import FACTORS
 
@@ -44,7 +42,6 @@ _UNIT_SPELLINGS: Final = {"µ": "u", "μ": "u", "²": "2", "^2": "2", "sec": "s"
 _TOLD_BY_UNIT: Final = frozenset(("area", "time"))
 _NUMBER: Final = re.compile(r"[-+]?[\d.,]+(e[-+]?\d+)?", re.IGNORECASE)
 _MOST_PROPOSED: Final = 4
-_HEAD_LINES: Final = 10
 
 
 class ColumnsError(LoadingError):
@@ -107,17 +104,9 @@ def columns_in_toml(key: str, columns: Mapping[str, str]) -> str:
 
 
 class _Column(NamedTuple):
-    place: int
+    position: int
     header: str
     factor: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Table:
-    path: Path
-    separator: str
-    header: list[str]
-    rows: list[tuple[int, list[str]]]
 
 
 def read_columns(
@@ -127,15 +116,14 @@ def read_columns(
     *,
     columns: Mapping[str, str] | None = None,
 ) -> dict[str, FloatArray]:
-    """Read quantities from a CSV file whose header names each with its unit, as in ``force_N, Time (s)``.
+    """Read quantities from a table whose header names each with its unit, as in ``force_N, Time (s)``.
 
-    Units may stand in a line of their own below the header. Cells are separated by commas, semicolons or
-    tabs, the latter two with decimal points or commas.
+    Units may stand in a line of their own below the header.
 
     Parameters
     ----------
     path : Path
-        The CSV file, with a header line. Columns of other names are left alone.
+        A CSV, XLSX or MAT file. Columns of other names are left alone.
     required, optional : sequence of str
         Quantities of `fingerpad.units.FACTORS`.
     columns : mapping, optional
@@ -205,44 +193,18 @@ def unread_notes(unread: Mapping[str, Sequence[str]], way_out: Callable[[str, st
             yield f"column {title!r} was not read; if it is the {name}{way_out(name, column)}"
 
 
-def _read_table(path: Path, *, head_only: bool = False) -> _Table:
-    if path.is_char_device():
-        raise LoadingError(f"{path}: is a device, not a file")  # which may have no end
-    try:
-        with path.open("rb") as file:
-            text = _decoded(b"".join(islice(file, _HEAD_LINES)) if head_only else file.read())
-        first = next((line for line in text.splitlines() if line.strip()), "")
-        separator = max(",;\t", key=first.count)
-        reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-        rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
-    except FileNotFoundError:
-        raise LoadingError(f"{path}: no such file: check the path") from None
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise LoadingError(f"{path}: cannot be read as CSV ({error})") from error
-    header = [cell.strip() for cell in rows[0][1]] if rows else []
-    start = 1
-    if len(rows) > 1 and (units := _line_of_units(rows[1][1])):
-        header = [f"{title} ({unit})" if unit else title for title, unit in zip(header, units, strict=False)]
-        start = 2
-    if len(rows) <= start:
+def _read_table(path: Path, *, head_only: bool = False) -> Table:
+    """Return a table with numbers under its header; units of a line of their own are in the header."""
+    table = read_table(path, LoadingError, head_only=head_only)
+    if table.rows and (units := _line_of_units(table.rows[0][1])):
+        header = [
+            f"{title} ({unit})" if unit else title for title, unit in zip(table.header, units, strict=False)
+        ]
+        table = replace(table, header=header, rows=table.rows[1:])
+    if not table.rows:
         raise LoadingError(f"{path}: holds no data; a header line and rows of numbers are expected")
-    for line, row in rows[start:]:
-        if any(cell.strip() for cell in row[len(header) :]):
-            raise LoadingError(
-                f"{path}: line {line} has {len(row)} cells under {len(header)} headers: "
-                "decimal commas need semicolons or tabs between cells"
-            )
-    return _Table(path=path, separator=separator, header=header, rows=rows[start:])
-
-
-def _decoded(content: bytes) -> str:
-    """Return text in UTF-8, or else in the 8-bit code of Windows, in which instruments write µ and ²."""
-    if b"\0" in content:
-        raise csv.Error("holds zero bytes; UTF-8 is expected")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252")
+    table.require_headers(LoadingError)
+    return table
 
 
 def _line_of_units(cells: Sequence[str]) -> list[str]:
@@ -253,24 +215,24 @@ def _line_of_units(cells: Sequence[str]) -> list[str]:
     return units if has_unit and not any(map(_NUMBER.fullmatch, units)) else []
 
 
-def _find_columns(table: _Table, known: Sequence[str], given: Mapping[str, str]) -> dict[str, _Column]:
+def _find_columns(table: Table, known: Sequence[str], given: Mapping[str, str]) -> dict[str, _Column]:
     """Return the column of each quantity that has one."""
     for name in given:
         if name not in known:
             raise LoadingError(
-                f"{table.path}: columns name no quantity {name!r}; there are {', '.join(known)}"
+                f"{table.name}: columns name no quantity {name!r}; there are {', '.join(known)}"
             )
     found = {name: _find_column(table, name, given) for name in known}
     return {name: column for name, column in found.items() if column is not None}
 
 
-def _find_column(table: _Table, name: str, given: Mapping[str, str]) -> _Column | None:
+def _find_column(table: Table, name: str, given: Mapping[str, str]) -> _Column | None:
     """Return the column that holds quantity `name`, or None where there is none."""
     if name in given:
         title, _, unit = given[name].rpartition(":")
         if title not in table.header:
             raise LoadingError(
-                f"{table.path}: no column {title!r} for {name}; found {', '.join(table.header)}"
+                f"{table.name}: no column {title!r} for {name}; found {', '.join(table.header)}"
             )
         return _column(table, name, table.header.index(title), unit)
     named = [
@@ -283,7 +245,7 @@ def _find_column(table: _Table, name: str, given: Mapping[str, str]) -> _Column 
     if len(readable) > 1:
         titles = [_column(table, name, *column).header for column in readable]
         raise ColumnsError(
-            f"{table.path}: {' and '.join(titles)} may each be the {name}",
+            f"{table.name}: {' and '.join(titles)} may each be the {name}",
             _as_choices(given) | {name: [f"{table.header[place]}:{unit}" for place, unit in readable]},
         )
     # A unit that is not one of the quantity is refused rather than the column left out; load_cell has none.
@@ -320,10 +282,10 @@ def _plain_unit(text: str) -> str:
 
 
 def _proposed(
-    table: _Table, missing: Iterable[str], found: Mapping[str, _Column], *, by_unit: Collection[str]
+    table: Table, missing: Iterable[str], found: Mapping[str, _Column], *, by_unit: Collection[str]
 ) -> dict[str, list[str]]:
     """Return what may be the columns of missing quantities: like in name, or else of such a unit."""
-    read = {column.place for column in found.values()}
+    read = {column.position for column in found.values()}
     proposed = {}
     for name in missing:
         titles = [
@@ -347,52 +309,44 @@ def _as_choices(columns: Mapping[str, str]) -> dict[str, Sequence[str]]:
     return {name: [column] for name, column in columns.items()}
 
 
-def _column(table: _Table, name: str, place: int, unit: str) -> _Column:
+def _column(table: Table, name: str, place: int, unit: str) -> _Column:
     title = table.header[place]
     if table.header.count(title) > 1:
         raise LoadingError(
-            f"{table.path}: {table.header.count(title)} columns are called {title}: rename one"
+            f"{table.name}: {table.header.count(title)} columns are called {title}: rename one"
         )
     factor = FACTORS[name].get(_plain_unit(unit))
     if factor is None:
         known = ", ".join(FACTORS[name])
         raise LoadingError(
-            f"{table.path}: column {title!r} has unit {unit!r}; {name} is read in {known}. Convert it, or "
+            f"{table.name}: column {title!r} has unit {unit!r}; {name} is read in {known}. Convert it, or "
             "rename the column to leave it out"
         )
     return _Column(place, title, factor)
 
 
-def _numbers(table: _Table, columns: Mapping[str, _Column]) -> dict[str, FloatArray]:
-    """Return the numbers of columns; commas mark decimals where cells are not separated by them."""
-    cells = {
-        name: [row[column.place].strip() if column.place < len(row) else "" for _, row in table.rows]
-        for name, column in columns.items()
-    }
-    marks = {mark for mark in ".," if any(mark in cell for column in cells.values() for cell in column)}
-    swapped = table.separator != "," and marks == {","}
+def _numbers(table: Table, columns: Mapping[str, _Column]) -> dict[str, FloatArray]:
+    """Return the numbers of columns, up to the last line that has any."""
+    cells = table.texts([column.position for column in columns.values()])
+    count = max((k for k, line in enumerate(zip(*cells, strict=True), 1) if any(line)), default=0)
+    lines = [line for line, _ in table.rows[:count]]
     return {
         name: column.factor
         * np.array(
-            [
-                _number(table, line, column, cell.replace(",", ".") if swapped else cell)
-                for (line, _), cell in zip(table.rows, cells[name], strict=True)
-            ]
+            [_number(table, *one, column) for one in zip(lines, texts, strict=False)], dtype=np.float64
         )
-        for name, column in columns.items()
+        for (name, column), texts in zip(columns.items(), cells, strict=True)
     }
 
 
-def _number(table: _Table, line: int, column: _Column, cell: str) -> float:
+def _number(table: Table, line: int, cell: str, column: _Column) -> float:
     try:
         value = float(cell)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        hint = ""
-        if "," in cell:
-            hint = ": decimal commas need semicolons or tabs between cells, and no decimal point in the table"
         raise LoadingError(
-            f"{table.path}: line {line}, column {column.header!r}: {cell!r} is not a finite number{hint}"
+            f"{table.name}: {table.line(line)}, column {column.header!r}: {cell!r} is not a finite number"
+            f"{table.hint(cell)}"
         )
     return value

@@ -73,10 +73,10 @@ def write_csv(path: Path, rows: Iterable[Iterable[object]], mode: Literal["w", "
         csv.writer(file).writerows(map(csv_cell, row) for row in rows)
 
 
-def csv_text(rows: Iterable[Iterable[object]]) -> str:
+def csv_text(rows: Iterable[Iterable[object]], separator: str = ",") -> str:
     r"""Return rows of values as the content of a CSV file with lines that end in ``\n``."""
     lines: list[str] = []
     # A writer with its own line ends quotes a lone \r; one with \n does not.
     end = SimpleNamespace(write=lambda line: lines.append(line.removesuffix("\r\n") + "\n"))
-    csv.writer(end).writerows(map(csv_cell, row) for row in rows)
+    csv.writer(end, delimiter=separator).writerows(map(csv_cell, row) for row in rows)
     return "".join(lines)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
@@ -224,6 +225,14 @@ def stiffening(indentation, *, loading_radius, poisson_ratio, youngs_modulus, st
     hertz = 4 / 3 * youngs_modulus / (1 - poisson_ratio**2) * np.sqrt(loading_radius) * indentation**1.5
     return hertz * (1 + stiffening * indentation**1.5)
 """
+
+
+def test_a_mat_file_is_fitted_as_the_csv(curve: Path) -> None:
+    header, *_ = curve.read_text().splitlines()
+    values = np.loadtxt(curve, delimiter=",", skiprows=1)
+    savemat(curve.with_suffix(".mat"), dict(zip(header.split(","), values.T, strict=True)))
+    found = [json.loads(run(curve.with_suffix(suffix), "--json")[1]) for suffix in (".csv", ".mat")]
+    assert {**found[0], "file": ""} == {**found[1], "file": ""}
 
 
 @pytest.mark.usefixtures("own_laws")

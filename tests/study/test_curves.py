@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
+from tests.workbooks import sheet_xml, workbook
 
 from fingerpad._json import dumps
 from fingerpad.contact import Tissue, fast_contact
@@ -96,6 +98,25 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
     # The true ellipsoid reads a higher modulus from the area than from the indentation, the more so loaded.
     assert (curve.shape.ratio > 1).all()
     assert curve.shape.ratio[-1] > curve.shape.ratio[0]
+
+
+@pytest.mark.parametrize("name", ["press.mat", "press.xlsx"])
+def test_a_curve_from_matlab_or_a_workbook_is_that_of_the_csv(tmp_path: Path, name: str) -> None:
+    write_curve(tmp_path / "press.csv", points=60)
+    header, *_ = (tmp_path / "press.csv").read_text().splitlines()
+    values = np.loadtxt(tmp_path / "press.csv", delimiter=",", skiprows=1)
+    columns = header.split(",")
+    if name.endswith(".mat"):
+        savemat(tmp_path / name, dict(zip(columns, values.T, strict=True)))
+    else:
+        (tmp_path / name).write_bytes(workbook(sheet_xml([columns, *values.tolist()])))
+    found = []
+    for file in ("press.csv", name):
+        (tmp_path / "study.toml").write_text(f'{MANIFEST}{CURVE}file = "{file}"\n')
+        found.append(run_study(tmp_path / "study.toml", tmp_path / f"out_{file}").curves[0])
+    assert found[1].reason == found[0].reason
+    assert found[1].loading_radius == found[0].loading_radius
+    assert found[1].loading_radius_std == found[0].loading_radius_std
 
 
 def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path: Path) -> None:

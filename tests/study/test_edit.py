@@ -307,6 +307,21 @@ def test_rows_of_a_spreadsheet_are_changed_there(folder):
     assert "row_2" not in (folder / "more.csv").read_text()
 
 
+def test_decimal_commas_and_semicolons_of_a_spreadsheet_stay(folder):
+    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
+    (folder / STUDY_NAME).write_text(text)
+    header, row = (
+        "name;finger;wedge_angle_deg;Load (N);file;ppi;seed_px",
+        "row_1;left;22,5;1,5;a.png;500;3, 4.5",
+    )
+    (folder / "more.csv").write_text(f"{header}\n{row}\n{row.replace('row_1', 'row_2')}\n")
+    changed(folder, ("observation", "row_2", {"load_N": 2.25, "seed_px": [1.5, 2]}))
+    lines = (folder / "more.csv").read_text().splitlines()
+    assert lines == [header, row, "row_2;left;22,5;2,25;a.png;500;1.5, 2"]
+    loads = {each.name: each.load_N for each in read_study(folder / STUDY_NAME).observations}
+    assert (loads["row_1"], loads["row_2"]) == (1.5, 2.25)
+
+
 @pytest.mark.parametrize("notes", ["=1+1", "@cmd", "-x", "a\rb", "'=1", "-1.5"])
 def test_no_spreadsheet_evaluates_what_was_typed_into_its_rows(folder, notes):
     text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')

@@ -102,7 +102,7 @@ def test_rows_of_summarize_are_left_out(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("", "is empty"),
+        ("", "no column Major and Minor; found none"),
         (
             " ,Label,Area\n1,a,3\n",
             "no column Major and Minor; found Label, Area.*Set Measurements > Fit ellipse",
@@ -112,10 +112,10 @@ def test_rows_of_summarize_are_left_out(tmp_path: Path) -> None:
         (" ,Major,Minor\n1,,3\n", "column Major: expected a number, found ''"),
         (" ,Major,Minor\n1,0,0\n", "a line or a point has none"),
         (" ,Major,Minor\n1,9,12\n", "Major 9 and Minor 12 are no full axes"),
-        (" ,Major,Minor\n1,14,8,10,0\n", "line 2: more cells.*decimal commas need tabs or semicolons"),
+        (" ,Major,Minor\n1,14,8,10,0\n", "line 2 has 5 cells under 3 headers: decimal commas need"),
         (" ,Area,Major,Minor\n1,116.24,7.4,5.0\n", "these are semi-axes; Fiji writes full axes"),
-        ("PK\x03\x04 \x00", "is an Excel workbook or a zip, no text"),
-        ("a\x00b", "is a binary file"),
+        ("PK\x03\x04 \x00", "is no XLSX workbook, or a damaged one: save it as CSV"),
+        ("a\x00b", "holds zero bytes"),
     ],
 )
 def test_tables_that_are_none_are_refused(tmp_path: Path, content: str, message: str) -> None:
@@ -476,7 +476,7 @@ def test_units_are_asked_for_and_agree(tmp_path: Path) -> None:
         ((rois, "--unit", "mm"), "RoiSet.zip, which is in px"),
         ((rois,), "Fiji's files name no unit"),
         ((in_px, in_px, "--ppi", 500), "px.csv: is named twice"),
-        ((tmp_path / "lost.csv", "--unit", "mm"), "lost.csv: cannot be read"),
+        ((tmp_path / "lost.csv", "--unit", "mm"), "lost.csv: no such file"),
     ]:
         code, _, error = cli(*arguments, *common, bad)
         assert (code, error.count("\n")) == (2, 1)

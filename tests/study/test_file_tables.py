@@ -1,35 +1,11 @@
 """Spreadsheets and patterns of names, joined to files."""
 
-import io
-import zipfile
-
 import pytest
+from tests.workbooks import MAIN, workbook
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.new_files import join_files, match_file_names, parse_file_table, read_file_table
 from fingerpad.study.new_files.quantities import FileValues, read_value
-
-MAIN = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
-LINK = 'xmlns:r="http://schemas.openxmlformats.org/officeDocument/2006/relationships"'
-
-
-def workbook(sheet: str, shared: str = "", **extra: bytes) -> bytes:
-    """A workbook as spreadsheet programs write it, with the cells given as XML."""
-    parts = {
-        "xl/workbook.xml": f'<workbook {MAIN} {LINK}><sheets><sheet name="A" sheetId="1" r:id="rId7"/>'
-        '<sheet name="B" sheetId="2" r:id="rId1"/></sheets></workbook>',
-        "xl/_rels/workbook.xml.rels": '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/'
-        'relationships"><Relationship Id="rId1" Target="worksheets/sheet2.xml"/>'
-        '<Relationship Id="rId7" Target="worksheets/sheet1.xml"/></Relationships>',
-        "xl/worksheets/sheet1.xml": sheet,
-        "xl/sharedStrings.xml": f"<sst {MAIN}>{shared}</sst>",
-    }
-    target = io.BytesIO()
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, content in (parts | extra).items():
-            archive.writestr(name, content)
-    return target.getvalue()
-
 
 SHEET = f"""<?xml version="1.0"?><worksheet {MAIN}><sheetData>
 <row r="1"><c r="A1" t="s"><v>0</v></c><c r="B1" t="s"><v>1</v></c>
@@ -55,13 +31,10 @@ def test_hostile_workbooks(tmp_path) -> None:
     bad = {
         "entities": workbook(entities, SHARED),
         "wide characters": workbook(SHEET.encode("utf-16").decode("latin-1"), SHARED),
-        "a bomb": workbook("<a>" + " " * 30_000_000 + "</a>", SHARED),
         "no zip": b"PK\3\4 nothing",
         "cut": workbook(SHEET, SHARED)[:500],
         "a text beyond the last": workbook(SHEET, "<si><t>File</t></si>"),
-        "many parts": workbook(SHEET, SHARED, **{f"x{k}": b"" for k in range(1001)}),
         "no sheet": workbook(SHEET, SHARED, **{"xl/workbook.xml": f"<workbook {MAIN}/>".encode()}),
-        "no number": workbook(SHEET.replace("<v>0.1", "<v>x0.1"), SHARED),
     }
     for what, content in bad.items():
         path = tmp_path / f"{what}.xlsx"

@@ -300,7 +300,7 @@ CELLS = "b,index,45,2,5,4,.1"
         (f"{HEADER}\nb,index,45,x,5,4,.1", "rows.csv, line 2: load_N: expected a valid number.*found 'x'"),
         (f"{HEADER}\n\nb,index,45,2,5,4", "rows.csv, line 3: ellipse_mm.std: required, but missing"),
         (f"{HEADER}\n{CELLS},extra", "rows.csv, line 2: more cells than the header has columns"),
-        (f"{HEADER.replace(',', ';')}\n{CELLS.replace(',', ';')}", "separated by semicolons"),
+        (f"{HEADER.replace(',', ';')}\n{CELLS.replace(',', ';')};x", "line 2: more cells"),
         (CELLS, "rows.csv: no column finger, load_N, name, wedge_angle_deg in the first line"),
         ("", "rows.csv: no column"),
         (HEADER, "rows.csv: holds no rows"),
@@ -320,6 +320,18 @@ def test_names_the_line_of_a_spreadsheet(tmp_path: Path, text: str, message: str
     (tmp_path / "rows.csv").write_text(text)
     with pytest.raises(ManifestError, match=message):
         read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "cp1252"])
+def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "rows.csv").write_text(
+        "Name;Finger;Wedge angle (deg);Load [N];Semi major (mm);semi_minor_mm;ellipse_mm_std;notes\n"
+        "b;index;22,5;0,5;5,3;4;0,1;größer, als 1,5 N\n",
+        encoding=encoding,
+    )
+    (row,) = read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER)).observations
+    assert (row.wedge_angle_deg, row.load_N, row.ellipse_mm.semi_major) == (22.5, 0.5, 5.3)
+    assert row.notes == "größer, als 1,5 N"
 
 
 def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:

@@ -1,14 +1,20 @@
 """New files over the API: what each may be, spreadsheets and patterns of names."""
 
 import pytest
-from tests.study.test_file_tables import SHARED, SHEET, workbook
+from tests.study.test_file_tables import SHARED, SHEET
+from tests.test_tables import mat
 from tests.web.test_files import png, upload
+from tests.workbooks import workbook
 
 
 def test_identity_of_a_file(client) -> None:
     upload(client, "IMG_1.csv", b"time_s,force_N,displacement_mm\n0,0,0\n")
     found = client.get("/api/files/identity", params={"file": "uploads/IMG_1.csv"}).json()
     assert (found["contents"][0], found["sure"]) == ("loading curve", True)
+    record = upload(client, "IMG_2.mat", mat(time_s=[0, 1], force_N=[0, 2])).json()
+    assert (record["kind"], record["columns"]) == ("table", ["time_s", "force_N"])
+    found = client.get("/api/files/identity", params={"file": record["file"]}).json()
+    assert (found["contents"][0], found["sure"]) == ("force table", True)
     found = client.get("/api/files/identity", params={"file": "synthetic/photograph_radial.jpg"}).json()
     assert (found["contents"][0], found["faces"][0], found["face_sure"]) == ("photograph", "radial", True)
     assert client.get("/api/files/identity", params={"file": "../../etc/passwd"}).status_code == 404

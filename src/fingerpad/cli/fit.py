@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 
 
 def fit(
-    curve: Annotated[Path, typer.Argument(help="CSV with force and displacement.", show_default=False)],
+    curve: Annotated[
+        Path, typer.Argument(help="CSV, XLSX or MAT file with force and displacement.", show_default=False)
+    ],
     *,
     column: Annotated[
         list[str] | None,

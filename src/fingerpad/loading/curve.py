@@ -127,17 +127,18 @@ class LoadingCurve(Displayed):
 
 
 def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> LoadingCurve:
-    r"""Read a loading curve from a CSV file.
+    r"""Read a loading curve from a CSV, XLSX or MAT file.
 
     The header names a quantity and its unit, as in ``time_s, force_N, displacement_mm, area_mm2`` or
     ``Time (s), Load [mN], Disp / um``; other units are converted. Time and area may be absent. Columns of
     other names are left alone. Units may stand in a line of their own below the header. Cells are separated
-    by commas, semicolons or tabs, the latter two with decimal points or commas.
+    by commas, semicolons or tabs, the latter two with decimal points or commas. Of a workbook the first sheet
+    is read, of a MAT file (version 7 or below) the vectors, named as headers are.
 
     Parameters
     ----------
     path : path-like
-        The CSV file, with a header line.
+        The file, with a header line.
     columns : mapping, optional
         From a quantity (``force``, ``displacement``, ``area``, ``time``) to ``"HEADER:UNIT"`` where the
         file's own headers differ.

@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from fingerpad._tables import TABLE_SUFFIXES
 from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
 from fingerpad.image.read import Picture
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
 from fingerpad.study.new_files.file_names import Kind
-from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES
 from fingerpad.web.errors import RequestError
 
 THUMBNAIL_PX: Final = 192
@@ -180,7 +180,7 @@ def kind_of_file(name: str) -> Kind:
     suffix = Path(name).suffix.lower()
     if suffix in PICTURE_SUFFIXES:
         return "picture"
-    if suffix in SHEET_SUFFIXES:
+    if suffix in TABLE_SUFFIXES:
         return "table"
     return "sequence" if suffix in _SEQUENCE_SUFFIXES else "other"
 

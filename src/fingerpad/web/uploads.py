@@ -15,17 +15,17 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 
 from fingerpad._files import sha256_of
-from fingerpad.exceptions import FingerpadError
+from fingerpad._tables import TABLE_SUFFIXES, read_table
+from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.image import open_frames, read_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
-from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES, read_cells
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import is_sequence, kind_of_file
 from fingerpad.web.study_session import StudySession
 
 FOLDER: Final = "uploads"
 _LONGEST: Final = 120
-_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | SHEET_SUFFIXES
+_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
 
 
 def plain_name(name: str) -> str:
@@ -44,7 +44,7 @@ def plain_name(name: str) -> str:
         raise RequestError(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
             f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), videos (AVI, MP4) and tables "
-            "(CSV, TSV, XLSX) can be used",
+            "(CSV, TSV, XLSX, MAT) can be used",
         )
     plain = re.sub(r"(?:(?!(?<=\d)\.(?=\d))[^\w+-])+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
     return f"{plain}.{suffix}"
@@ -131,14 +131,6 @@ def _rename_to_free(path: Path, free: Path) -> None:
         path.unlink()
 
 
-def _headers(path: Path) -> list[str]:
-    """Return the cells of a table's first line."""
-    if path.suffix.lower() != ".csv":
-        return next(iter(read_cells(path)), [])
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        return [cell.strip() for cell in file.readline(4000).split(",")]
-
-
 def described(opened: StudySession, path: Path) -> dict[str, Any]:
     """Return the kind and size of a file."""
     record: dict[str, Any] = {
@@ -154,7 +146,7 @@ def described(opened: StudySession, path: Path) -> dict[str, Any]:
     }
     try:
         if record["kind"] == "table":
-            record["columns"] = _headers(path)
+            record["columns"] = read_table(path, ManifestError, head_only=True).header
         elif is_sequence(path) and (count := open_frames(path, memory_limit=opened.memory_limit).count) > 1:
             record |= {"kind": "sequence", "frames": count}
         else:

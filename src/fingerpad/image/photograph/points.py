@@ -105,12 +105,12 @@ def _arc(face: Face, points: FloatArray, ellipse: PlaneEllipse) -> FaceArc:
 
 
 def read_outline(path: str | PathLike[str]) -> FloatArray:
-    r"""Read outline points from a CSV file with columns like ``x_mm, y_mm`` or ``X [um], Y [um]``.
+    r"""Read outline points from a table with columns like ``x_mm, y_mm`` or ``X [um], Y [um]``.
 
     Parameters
     ----------
     path : path-like
-        The file.
+        A CSV, XLSX or MAT file.
 
     Returns
     -------
@@ -137,12 +137,12 @@ def read_outline(path: str | PathLike[str]) -> FloatArray:
 
 
 def read_marks(path: str | PathLike[str]) -> FloatArray:
-    r"""Read marks on a picture from a CSV file with the columns ``row_px`` and ``column_px``.
+    r"""Read marks on a picture from a table with the columns ``row_px`` and ``column_px``.
 
     Parameters
     ----------
     path : path-like
-        The file.
+        A CSV, XLSX or MAT file.
 
     Returns
     -------

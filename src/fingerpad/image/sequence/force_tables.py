@@ -17,14 +17,14 @@ _REQUIRED, _OPTIONAL = ("time", "force"), ("trigger", "displacement")
 
 
 def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> ForceSignal:
-    r"""Read a force signal from a CSV file with columns like ``time_s, force_N`` or ``Time (s), Load [mN]``.
+    r"""Read a force signal from a table with columns like ``time_s, force_N`` or ``Time (s), Load [mN]``.
 
     ``trigger_V`` and ``displacement_mm`` may stand beside them.
 
     Parameters
     ----------
     path : path-like
-        The CSV file, with a header line that names quantities and units.
+        A CSV, XLSX or MAT file, with a header line or names of vectors that names quantities and units.
     columns : mapping, optional
         From a quantity (``time``, ``force``, ``trigger``, ``displacement``) to ``"HEADER:UNIT"`` where
         headers differ.
@@ -90,12 +90,12 @@ def _require_pressing(path: Path, load: FloatArray, displacement: FloatArray) ->
 
 
 def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> FrameStamps:
-    r"""Read the time of each frame from a CSV file with a column like ``time_s``, one row for each frame.
+    r"""Read the time of each frame from a table with a column like ``time_s``, one row for each frame.
 
     Parameters
     ----------
     path : path-like
-        The CSV file, with a header line.
+        A CSV, XLSX or MAT file.
     columns : mapping, optional
         ``{"time": "HEADER:UNIT"}`` where the header differs.
 

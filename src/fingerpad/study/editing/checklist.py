@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Final
 
+from fingerpad._tables import TABLE_SUFFIXES
 from fingerpad.image import FACE_AXES
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME, Table
 from fingerpad.study.manifest.messages import Fault
-from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES
 
 # What can be a picture, a sequence, a curve, an outline or a spreadsheet that tells of them.
-_USABLE: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | SHEET_SUFFIXES
+_USABLE: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
 # A run's output folder, which may lie inside the study's.
 _OF_A_RUN: Final = frozenset(("store.sqlite", "results.json", "results.csv"))
 # More pictures than these in a folder of their own are the frames of a sequence.

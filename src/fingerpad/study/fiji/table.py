@@ -1,16 +1,14 @@
-"""Fiji's Results table: as CSV, as tab separated text, or saved again by a spreadsheet."""
+"""Fiji's Results table: as CSV, as tab separated text, or saved again by a spreadsheet program."""
 
-import csv
-import io
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+from fingerpad._tables import read_table
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.fiji.ellipse import MeasuredEllipse, upward_deg
 
-_BINARY: Final = {b"PK\x03\x04": "an Excel workbook or a zip", b"\xd0\xcf\x11\xe0": "an old Excel workbook"}
 _SUMMARY: Final = ["Mean", "SD", "Min", "Max"]  # rows that Fiji's Summarize appends
 # Area over that of the ellipse: they differ where holes or a threshold count.
 _SAME_AREA: Final = 0.05
@@ -25,61 +23,39 @@ def read_results_table(path: Path) -> list[MeasuredEllipse]:
     Parameters
     ----------
     path : Path
-        ``Results.csv``, or ``.txt``, ``.tsv``, ``.xls`` as Fiji writes them: text.
+        ``Results.csv``, or ``.txt``, ``.tsv``, ``.xls`` as Fiji writes them: text; or an XLSX workbook.
 
     Raises
     ------
     ManifestError
         Naming file and line, what was found, and what to do in Fiji.
     """
-    lines = _lines(path)
-    header = [cell.strip() for cell in lines[0][1]]
-    missing = [name for name in ("Major", "Minor") if name not in header]
+    table = read_table(path, ManifestError)
+    missing = [name for name in ("Major", "Minor") if name not in table.header]
     if missing:
+        found = ", ".join(filter(None, table.header)) or "none"
         raise ManifestError(
-            f"{path}: no column {' and '.join(missing)}; found {', '.join(filter(None, header)) or 'none'}. "
+            f"{path}: no column {' and '.join(missing)}; found {found}. "
             "In Fiji choose Analyze > Set Measurements > Fit ellipse, and measure again"
         )
+    table.require_headers(ManifestError)
+    names = [name for name in ("Major", "Minor", "Area", "Angle") if name in table.header]
+    numbers = zip(*table.texts([table.header.index(name) for name in names]), strict=True)
     rows = [
-        (f"{path.name}, line {line}", dict(zip(header, map(str.strip, cells), strict=False)))
-        for line, cells in lines[1:]
+        (
+            f"{path.name}, {table.line(line)}",
+            {
+                **dict(zip(table.header, map(str.strip, cells), strict=False)),
+                **dict(zip(names, found, strict=True)),
+            },
+        )
+        for (line, cells), found in zip(table.rows, numbers, strict=True)
     ]
     if [row.get("Label") for _, row in rows[-4:]] == _SUMMARY:
         rows = rows[:-4]
     if not rows:
         raise ManifestError(f"{path}: holds no rows below its first line; measure something first")
     return [_ellipse(row, place, number) for number, (place, row) in enumerate(rows, start=1)]
-
-
-def _lines(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the rows of cells with their line numbers, by the separator that parts the header best."""
-    if path.is_char_device():
-        raise ManifestError(f"{path}: is a device, not a file")  # which may have no end
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise ManifestError(f"{path}: cannot be read ({error.strerror})") from error
-    kind = _BINARY.get(content[:4], "a binary file" if b"\0" in content[:4096] else None)
-    if kind:
-        raise ManifestError(f"{path}: is {kind}, no text; save the table as CSV")
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = content.decode("cp1252", errors="replace")  # as spreadsheets on Windows save
-    first = text.split("\n", 1)[0]
-    separator = max("\t;,", key=first.count)
-    try:
-        reader = csv.reader(io.StringIO(text), delimiter=separator)
-        lines = [(reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells)]
-    except csv.Error as error:
-        raise ManifestError(f"{path}: cannot be read as a table ({error})") from error
-    if not lines:
-        raise ManifestError(f"{path}: is empty")
-    for line, cells in lines:
-        if any(cell.strip() for cell in cells[len(lines[0][1]) :]):
-            hint = "; decimal commas need tabs or semicolons between cells" if separator == "," else ""
-            raise ManifestError(f"{path.name}, line {line}: more cells than the header has columns{hint}")
-    return lines
 
 
 def _ellipse(row: Mapping[str, str], place: str, number: int) -> MeasuredEllipse:
@@ -111,11 +87,10 @@ def _ellipse(row: Mapping[str, str], place: str, number: int) -> MeasuredEllipse
 
 
 def _number(row: Mapping[str, str], column: str, place: str) -> float:
-    text = row.get(column, "")
     try:
-        value = float(text.replace(",", ".") if "." not in text else text)
+        value = float(row[column])
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ManifestError(f"{place}: column {column}: expected a number, found {text[:40]!r}")
+        raise ManifestError(f"{place}: column {column}: expected a number, found {row[column][:40]!r}")
     return value

@@ -262,7 +262,7 @@ class Photograph(ManifestModel):
     face: Literal["palmar", "distal", "radial", "ulnar"]
     """The face that looks at the camera."""
     outline: str | None = None
-    """CSV file of outline points, `x_mm,y_mm`, in place of a photograph."""
+    """Table (CSV, XLSX or MAT) of outline points, `x_mm,y_mm`, in place of a photograph."""
     outline_relative_std: RelativeStd = 0.0
     """Relative standard uncertainty of the outline's scale, where `scale` does not name it."""
     file: str | None = None
@@ -435,7 +435,7 @@ class ContactSequence(PlacedFinger):
     file: str
     """Folder of pictures, TIFF of many pages, or video."""
     force: str
-    """CSV file of the force, `time_s,force_N` and perhaps `trigger_V` and `displacement_mm`."""
+    """Table (CSV, XLSX or MAT) of the force, `time_s,force_N`, perhaps `trigger_V`, `displacement_mm`."""
     force_columns: dict[Literal["time", "force", "trigger", "displacement"], str] = Field(default={})
     """Other headers of that file, as in `Fz:mN` or `stage:um`."""
     frames_per_second: Positive | None = None
@@ -445,7 +445,7 @@ class ContactSequence(PlacedFinger):
     contact_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
     """Force in the frame of first contact, N."""
     times: str | None = None
-    """CSV file with one `time_s` for each frame."""
+    """Table (CSV, XLSX or MAT) with one `time_s` for each frame."""
     pool_min_load_N: Load | None = None  # noqa: N815 (the unit's own letter)
     """Least load of the loading frames that are pooled, N."""
 
@@ -482,7 +482,7 @@ class Curve(ManifestModel):
     wedge_angle_deg: WedgeAngle
     """Angle of the wedge: 0 is flat, 90 on the fingertip."""
     file: str | None = None
-    """CSV file, `time_s,force_N,displacement_mm,area_mm2`; time and area are optional."""
+    """Table (CSV, XLSX or MAT), `time_s,force_N,displacement_mm,area_mm2`; time and area are optional."""
     file_columns: dict[Literal["time", "force", "displacement", "area"], str] = Field(default={})
     """Other headers of that file, as in `stage:um`."""
     cycle: Annotated[int, Field(ge=0)] = 0

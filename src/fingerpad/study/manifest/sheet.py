@@ -1,16 +1,19 @@
 """Observations kept in a spreadsheet: its headers are the keys of an observation.
 
-It can be changed row by row; what is not changed stays as it was written.
+Headers may have their units in brackets too. It can be changed row by row; other rows stay as they were
+written.
 """
 
-import csv
-import io
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any, Final, Self
 
+from fingerpad._columns import header_parts
 from fingerpad._csv import csv_cell, csv_text, unescape_formula
+from fingerpad._tables import Table, parse_table, with_point
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.manifest.messages import Fault
+from fingerpad.study.manifest.models import Observation
 
 # A cell holds no table: these columns make the tables of an observation.
 _TABLE_COLUMNS: Final = {
@@ -24,13 +27,26 @@ _TABLE_COLUMNS: Final = {
 }
 
 
+_KEYS: Final = frozenset(Observation.model_fields).union(*_TABLE_COLUMNS.values())
+# Keys of one number; a comma in a point separates its coordinates.
+_QUANTITY: Final = re.compile(r".*_(N|deg|mm|std)|ppi|mm_per_px")
+
+
 class Sheet:
     """The rows of ``observations_csv``."""
 
-    def __init__(self, name: str, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
-        self.name = name
-        self._header = header
-        self._rows = rows
+    def __init__(self, table: Table) -> None:
+        self.name = table.name
+        self._separator = table.separator
+        self._titles = table.header
+        self._header = [_key(title) for title in table.header]
+        self._rows = table.rows
+        self._decimal_commas = table.has_decimal_commas(
+            cell.strip()
+            for _, cells in self._rows
+            for key, cell in zip(self._header, cells, strict=False)
+            if _QUANTITY.fullmatch(key)
+        )
 
     @classmethod
     def parse(cls, name: str, content: bytes) -> Self:
@@ -41,29 +57,25 @@ class Sheet:
         ManifestError
             If it is no table of observations.
         """
-        try:
-            reader = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
-            rows = [(reader.line_num, [unescape_formula(cell) for cell in cells]) for cells in reader]
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise ManifestError(f"{name}: cannot be read as CSV ({error})") from error
-        while rows and not any(cell.strip() for cell in rows[0][1]):
-            del rows[0]
-        header = [cell.strip() for cell in rows[0][1]] if rows else []
-        missing = {"name", "finger", "wedge_angle_deg", "load_N"} - set(header)
+        table = parse_table(content, name, ManifestError)
+        if not table.separator:
+            raise ManifestError(f"{name}: is no CSV, which corrections can be written into: save it as CSV")
+        sheet = cls(table)
+        missing = {"name", "finger", "wedge_angle_deg", "load_N"} - set(sheet._header)
         if missing:
-            hint = "; its cells are separated by semicolons, save it with commas"
-            hint = hint if ";" in "".join(header) else ""
-            raise ManifestError(f"{name}: no column {', '.join(sorted(missing))} in the first line{hint}")
-        repeated = sorted({title for title in header if title and header.count(title) > 1})
+            raise ManifestError(f"{name}: no column {', '.join(sorted(missing))} in the first line")
+        repeated = sorted({key for key in sheet._header if key and sheet._header.count(key) > 1})
         if repeated:
-            raise ManifestError(f"{name}: column {repeated[0]} is there {header.count(repeated[0])} times")
-        if not any(cell.strip() for _, cells in rows[1:] for cell in cells):
+            raise ManifestError(
+                f"{name}: column {repeated[0]} is there {sheet._header.count(repeated[0])} times"
+            )
+        if not table.rows:
             raise ManifestError(f"{name}: holds no rows below its first line")
-        return cls(name, header, rows[1:])
+        return sheet
 
     def text(self) -> str:
         """Return it as a CSV text."""
-        return csv_text([self._header, *(cells for _, cells in self._rows)])
+        return csv_text([self._titles, *(cells for _, cells in self._rows)], self._separator)
 
     def tables(self) -> Iterator[tuple[int, dict[str, Any], tuple[Fault, ...]]]:
         """Yield the line of each row, its cells as the table of an observation, and what is wrong with it."""
@@ -76,7 +88,11 @@ class Sheet:
         if any(cell.strip() for cell in cells[len(self._header) :]):
             faults.append(Fault("", "more cells than the header has columns"))
         content: dict[str, Any] = {
-            key: cell.strip() for key, cell in zip(self._header, cells, strict=False) if cell.strip()
+            key: with_point(cell.strip())
+            if self._decimal_commas and _QUANTITY.fullmatch(key)
+            else cell.strip()
+            for key, cell in zip(self._header, cells, strict=False)
+            if cell.strip()
         }
         for table, columns in _TABLE_COLUMNS.items():
             found = [column for column in columns if column in content]
@@ -131,9 +147,19 @@ class Sheet:
             if value is None:
                 return
             self._header.append(key)
+            self._titles.append(key)
         place = self._header.index(key)
         row.extend([""] * (place + 1 - len(row)))
         try:
-            row[place] = unescape_formula(csv_cell(value))
+            cell = unescape_formula(csv_cell(value))
         except TypeError as error:
             raise ManifestError(f"{key}: {error}; move the row to the manifest") from error
+        commas = self._decimal_commas and _QUANTITY.fullmatch(key)
+        row[place] = cell.replace(".", ",") if commas else cell
+
+
+def _key(title: str) -> str:
+    """Return the key that a header means, as load_N by "Load (N)"; others as they are."""
+    word, unit, _ = header_parts(title)
+    key = "_".join(filter(None, (word.replace(" ", "_"), unit)))
+    return key if key in _KEYS else title

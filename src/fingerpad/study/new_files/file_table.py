@@ -8,10 +8,11 @@ from os import PathLike
 from pathlib import Path, PurePosixPath
 from typing import Final, Literal, NamedTuple, TypeAlias
 
+from fingerpad._tables import Table, parse_table, read_table
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.new_files.quantities import FACTORS, Field, FileValues, finger_name, read_value
-from fingerpad.study.new_files.sheet_cells import cells_of_text, read_cells
 
+_MOST_BYTES: Final = 20_000_000
 Meaning: TypeAlias = Field | Literal["file", "hand"]
 
 # Words of a header, in order of preference; other words beside them do not matter.
@@ -126,7 +127,10 @@ def read_file_table(path: str | PathLike[str]) -> FileTable:
     ...     read_file_table(path).rows[0].values
     {'load_N': 0.5}
     """
-    return file_table(read_cells(Path(path)), Path(path).name)
+    path = Path(path)
+    if path.is_file() and path.stat().st_size > _MOST_BYTES:
+        raise ManifestError(f"{path.name}: larger than {_MOST_BYTES // 1_000_000} MB")
+    return file_table(read_table(path, ManifestError))
 
 
 def parse_file_table(text: str) -> FileTable:
@@ -154,27 +158,26 @@ def parse_file_table(text: str) -> FileTable:
     >>> table.unknown_columns
     ['mood']
     """
-    return file_table(cells_of_text(text), "the pasted text")
+    return file_table(parse_table(text, "the pasted text", ManifestError))
 
 
-def file_table(cells: Sequence[Sequence[str]], name: str) -> FileTable:
-    """Return the table in cells, the first row of which holds the headers; errors as of `read_file_table`."""
-    if len(cells) < 2:
+def file_table(table: Table) -> FileTable:
+    """Return the rows of a table as what they state of files; errors as of `read_file_table`."""
+    name = PurePosixPath(table.name).name
+    if not table.rows:
         raise ManifestError(f"{name}: a line of headers and at least one row are expected")
-    columns = tuple(_column(header) for header in cells[0])
+    columns = tuple(_column(header) for header in table.header)
     counts = Counter(column.meaning for column in columns if column.meaning)
     if not counts["file"]:
         raise ManifestError(
-            f"{name}: no column names the files; found {', '.join(filter(None, cells[0]))[:300]}. "
+            f"{name}: no column names the files; found {', '.join(filter(None, table.header))[:300]}. "
             "Call it file, in the first line"
         )
     twice = [meaning for meaning, count in counts.items() if count > 1]
     if twice:
         headers = " and ".join(repr(one.header) for one in columns if one.meaning == twice[0])
         raise ManifestError(f"{name}: {headers} both state the {twice[0]}: remove one")
-    return FileTable(
-        columns=columns, rows=tuple(_row(columns, row, line) for line, row in enumerate(cells[1:], 2))
-    )
+    return FileTable(columns=columns, rows=tuple(_row(columns, cells, line) for line, cells in table.rows))
 
 
 def _column(header: str) -> Column:
@@ -201,7 +204,7 @@ def _parts(header: str) -> list[str]:
 
 def _row(columns: Sequence[Column], cells: Sequence[str], line: int) -> FileRow:
     values, problems, file, hand = FileValues(), [], "", ""
-    for column, cell in zip(columns, cells, strict=False):
+    for column, cell in zip(columns, map(str.strip, cells), strict=False):
         if not cell or column.meaning is None:
             continue
         if column.meaning == "file":

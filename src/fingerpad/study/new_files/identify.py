@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Final, Literal, TypeAlias
 
 from fingerpad._columns import NAMES
+from fingerpad._tables import TABLE_SUFFIXES, Table, read_table
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames, read_colour_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.new_files.file_names import Kind, names_a_force, names_a_scale, read_file_name
 from fingerpad.study.new_files.file_table import file_table
-from fingerpad.study.new_files.sheet_cells import SHEET_SUFFIXES, cells_of_text, read_cells
 
 Content: TypeAlias = Literal[
     "contact image",
@@ -39,7 +39,6 @@ _OF_SUBJECT: Final[Mapping[Subject, Content]] = {
 _NAMED: Final = 200.0
 SURE: Final = 0.9
 _SIDES: Final[tuple[Face, ...]] = ("radial", "ulnar")
-_HEAD_BYTES: Final = 65536
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,7 +116,7 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if suffix in SHEET_SUFFIXES:
+    if suffix in TABLE_SUFFIXES:
         return _identity(_table_contents(path), path, "table")
     if suffix in VIDEO_SUFFIXES:
         return _identity({"sequence": 1.0}, path, "sequence")
@@ -159,13 +158,8 @@ def _ranked(weights: Mapping[Content, float]) -> dict[Content, float]:
 
 def _table_contents(path: Path) -> dict[Content, float]:
     """Return what a table may be, by its headers."""
-    if path.suffix.lower() == ".csv":
-        with path.open("rb") as file:
-            head = file.read(_HEAD_BYTES).decode("utf-8-sig", errors="replace")
-        cells = cells_of_text(head.rpartition("\n")[0] or head, path.name)
-    else:
-        cells = read_cells(path)
-    headers = [cell.casefold() for cell in cells[0]] if cells else []
+    table = read_table(path, ManifestError, head_only=True)
+    headers = [cell.casefold() for cell in table.header]
     has = {
         name: any(_begins(header, words) for header in headers)
         for name, words in {
@@ -183,7 +177,7 @@ def _table_contents(path: Path) -> dict[Content, float]:
             0.04 if not has["time"] else 0.95 if has["trigger"] else 0.7 if names_a_force(path.name) else 0.04
         )
         return {"loading curve": 0.99 - share, "force table": share, "other": 0.01}
-    if _names_files(cells, path):
+    if _names_files(table):
         return {"table of files": 0.95, "other": 0.05}
     if has["force"] and has["time"]:
         return {"force table": 0.95, "loading curve": 0.03, "other": 0.02}
@@ -197,9 +191,8 @@ def _begins(header: str, words: Iterable[str]) -> bool:
     return any(re.match(rf"{word}(?=$|[_ ,/(\[])", header) for word in words)
 
 
-def _names_files(cells: list[list[str]], path: Path) -> bool:
+def _names_files(table: Table) -> bool:
     try:
-        table = file_table(read_cells(path) if path.suffix.lower() == ".csv" else cells, path.name)
+        return any(row.values for row in file_table(table).rows)
     except ManifestError:
         return False
-    return any(row.values for row in table.rows)

@@ -58,7 +58,7 @@ function sequenceRow(tables, one) {
     cell(
       choose({
         value: one.force ?? "",
-        options: [["", "– select CSV –"], ...force.map((file) => [file, file.split("/").at(-1)])],
+        options: [["", "– select table –"], ...force.map((file) => [file, file.split("/").at(-1)])],
         label: `Force of ${one.name}`,
         onset: set("force"),
       }),

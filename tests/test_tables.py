@@ -1,0 +1,234 @@
+"""Tables of every kind: the same numbers from each, and clear words for what is none."""
+
+import io
+import struct
+import zipfile
+import zlib
+from pathlib import Path
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as examples
+from hypothesis import strategies as st
+from scipy.io import savemat
+from tests.workbooks import MAIN, sheet_xml, workbook
+
+from fingerpad import _tables
+from fingerpad._tables import parse_table, read_table
+from fingerpad.exceptions import LoadingError
+from fingerpad.image.sequence.force_tables import read_force_signal
+from fingerpad.loading import read_loading_curve
+
+HEADER = ("time_s", "force_N", "displacement_mm")
+NUMBERS = st.floats(-1e9, 1e9).map(float)
+
+
+def mat(**variables: object) -> bytes:
+    target = io.BytesIO()
+    savemat(target, variables, oned_as="column", do_compression=True)
+    return target.getvalue()
+
+
+def written(rows: list[list[float]]) -> dict[str, bytes]:
+    """Return a table in every kind of file that holds it."""
+    texts = [HEADER, *([repr(value) for value in row] for row in rows)]
+    found = {}
+    for name, mark, decimal, encoding in (
+        ("comma.csv", ",", ".", "utf-8"),
+        ("semicolon.csv", ";", ".", "utf-8-sig"),
+        ("tab.tsv", "\t", ".", "cp1252"),
+        ("semicolon_comma.csv", ";", ",", "utf-8"),
+        ("tab_comma.csv", "\t", ",", "utf-8"),
+    ):
+        lines = (mark.join(cell.replace(".", decimal) for cell in row) for row in texts)
+        found[name] = "\r\n".join(lines).encode(encoding)
+    values = np.array(rows)
+    columns = dict(zip(HEADER, values.T, strict=True))
+    found["table.xlsx"] = workbook(sheet_xml([HEADER, *rows]))
+    found["texts.xlsx"] = workbook(sheet_xml([row if k else HEADER for k, row in enumerate(texts)]))
+    found["vectors.mat"] = mat(**columns)
+    found["structure.mat"] = mat(press=columns, sample_rate_Hz=1000.0, subject="S01")
+    return found
+
+
+@examples(derandomize=True, max_examples=60, database=None, deadline=None)
+@given(st.lists(st.lists(NUMBERS, min_size=3, max_size=3), min_size=2, max_size=5))
+def test_the_same_table_gives_the_same_numbers(rows: list[list[float]]) -> None:
+    for name, content in written(rows).items():
+        table = parse_table(content, name, LoadingError)
+        assert tuple(table.header) == HEADER, name
+        columns = [[float(cell) for cell in column] for column in table.texts([0, 1, 2])]
+        assert np.array_equal(columns, np.transpose(rows)), name
+
+
+def test_curves_and_forces_are_read_from_any_of_them(tmp_path: Path) -> None:
+    rows = [[0.0, 0.001, 0.0], [0.1, 0.25, 0.3], [0.2, 1.5, 1.25]]
+    for name, content in written(rows).items():
+        (tmp_path / name).write_bytes(content)
+        curve, force = read_loading_curve(tmp_path / name), read_force_signal(tmp_path / name)
+        assert np.array_equal([curve.load, curve.indentation], np.transpose(rows)[1:]), name
+        assert np.array_equal([force.time, force.load, force.displacement], np.transpose(rows)), name
+        assert read_table(tmp_path / name, LoadingError, head_only=True).header == list(HEADER)
+
+
+def test_columns_of_a_matrix_are_named_by_their_number(tmp_path: Path) -> None:
+    path = tmp_path / "a.mat"
+    path.write_bytes(mat(data=np.array([[1.0, 20.0], [2.0, 30.0]])))
+    with pytest.raises(LoadingError, match="no column force_N or displacement_mm; found data column 1, data"):
+        read_loading_curve(path)
+    curve = read_loading_curve(path, {"force": "data column 1:mN", "displacement": "data column 2:um"})
+    assert curve.load.tolist() == [0.001, 0.002]
+    assert curve.indentation.tolist() == pytest.approx([0.02, 0.03])
+
+
+def test_other_vectors_of_a_mat_file_do_not_matter(tmp_path: Path) -> None:
+    path = tmp_path / "a.mat"
+    path.write_bytes(mat(force_N=[1, 2], displacement_mm=[3, 4], window=np.arange(9.0), on=[True, False]))
+    assert read_loading_curve(path).load.tolist() == [1, 2]
+    path.write_bytes(mat(force_N=[1, 2, 3], displacement_mm=[3, 4]))
+    with pytest.raises(LoadingError, match="row 3, column 'displacement_mm': '' is not a finite number"):
+        read_loading_curve(path)
+
+
+@pytest.mark.parametrize(
+    ("style", "found"), [(1, "2023-03-15"), (2, "2023-03-15 06:00:00"), (3, "45000 days,.*")]
+)
+def test_dates_and_times_do_not_become_numbers(tmp_path: Path, style: int, found: str) -> None:
+    path = tmp_path / "a.xlsx"
+    path.write_bytes(workbook(sheet_xml([HEADER[1:], [45000 + 0.25 * (style > 1), 1.5]], style)))
+    with pytest.raises(LoadingError, match=f"row 2, column 'force_N': '{found}' .* a date or a time in the"):
+        read_loading_curve(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "separator", "header"),
+    [
+        ("force, N;disp, mm\n1;2\n", ";", ["force, N", "disp, mm"]),
+        ("force_N;displacement_mm\n0,5;1,5\n", ";", ["force_N", "displacement_mm"]),
+        ("a,b\n1,2\n", ",", ["a", "b"]),
+        ("a,b;c\n1,2\n3,4\n", ",", ["a", "b;c"]),
+        ('"a;b",c\n"1;2",3\n', ",", ["a;b", "c"]),
+        ("\n\ufeffa\tb, c\n1\t2\n", "\t", ["\ufeffa", "b, c"]),
+        ("a\n1\n", ",", ["a"]),
+        ("", ",", []),
+    ],
+)
+def test_separators(text: str, separator: str, header: list[str]) -> None:
+    table = parse_table(text, "a.csv", LoadingError)
+    assert (table.separator, table.header) == (separator, header)
+
+
+@pytest.mark.parametrize(
+    ("cells", "commas"),
+    [
+        (["0,5", "1"], True),
+        (["0,5", "24.12.2026", "a.b"], True),
+        (["0,5", "1.5"], False),
+        (["1,234,567"], False),
+        (["1.234,5"], False),
+        (["left, right"], False),
+        (["1", "2"], False),
+    ],
+)
+def test_decimal_commas(cells: list[str], commas: bool) -> None:
+    table = parse_table("\n".join(["a;b", *(f"{cell};x" for cell in cells)]), "a.csv", LoadingError)
+    assert (table.texts([0]) != [cells]) == commas
+
+
+def far(last: str) -> bytes:
+    """Return a small workbook with a cell far away."""
+    cells = f'<row r="1"><c r="A1"><v>1</v></c></row><row r="{last[3:]}"><c r="{last}"><v>2</v></c></row>'
+    return workbook(f"<worksheet {MAIN}><sheetData>{cells}</sheetData></worksheet>")
+
+
+def with_wrong_size(content: bytes, size: int) -> bytes:
+    """Return a ZIP that says its sheet is of another size."""
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        real = archive.getinfo("xl/worksheets/sheet1.xml").file_size
+    return content.replace(struct.pack("<I", real), struct.pack("<I", size))
+
+
+def mat_bomb() -> bytes:
+    packed = zlib.compress(struct.pack("<II", 14, 120_000_000) + bytes(120_000_000))
+    return mat(a=[1, 2])[:128] + struct.pack("<II", 15, len(packed)) + packed
+
+
+BLANK = sheet_xml([HEADER, *([0.0, 0.0, 0.0],)]) + " " * 120_000_000
+BAD = {
+    "bomb.xlsx": (lambda: workbook(BLANK), "larger than 100 MB when unpacked: keep only the table"),
+    "said_small.xlsx": (lambda: with_wrong_size(workbook(BLANK), 500), "is no XLSX workbook, or a damaged"),
+    "far.xlsx": (lambda: far("XFD1048576"), "has a sheet of 1048576 x 16384 cells"),
+    "long_text.xlsx": (
+        lambda: workbook(
+            sheet_xml([["a"] * 2000]).replace('"inlineStr"><is><t>a</t></is>', '"s"><v>0</v>'),
+            f"<si><t>{'x' * 1_000_000}</t></si>",
+        ),
+        "repeats a text of 1000",
+    ),
+    "parts.xlsx": (
+        lambda: workbook(sheet_xml([HEADER]), **{f"xl/x{k}.xml": b"" for k in range(1001)}),
+        "has 1008 parts",
+    ),
+    "entities.xlsx": (
+        lambda: workbook('<!DOCTYPE a [<!ENTITY b "bb">]>' + sheet_xml([HEADER]).partition("?>")[2]),
+        "is no XLSX workbook",
+    ),
+    "cut.xlsx": (lambda: workbook(sheet_xml([HEADER]))[:500], "is no XLSX workbook, or a damaged one"),
+    "empty.xlsx": (lambda: workbook(f"<worksheet {MAIN}><sheetData/></worksheet>"), "holds no data"),
+    "old.xls": (lambda: b"\xd0\xcf\x11\xe0" + bytes(600), "is an old Excel workbook: save it as XLSX or CSV"),
+    "bomb.mat": (mat_bomb, "larger than 100 MB when unpacked: keep only the table"),
+    "new.mat": (
+        lambda: (
+            b"MATLAB 7.3 MAT-file, Platform".ljust(124) + b"\0\2IM" + bytes(384) + b"\x89HDF\r\n\x1a\n"
+        ),
+        r"is HDF5, as MATLAB's version 7.3: save it again with save\('curve.mat', ..., '-v7'\)",
+    ),
+    "hdf.csv": (lambda: b"\x89HDF\r\n\x1a\n" + bytes(600), "is HDF5"),
+    "none.mat": (lambda: b"", "is no MAT file of version 7 or below, or a damaged one"),
+    "text.mat": (lambda: b"time_s,force_N\n1,2\n" * 30, "is no MAT file of version 7 or below"),
+    "cut.mat": (lambda: mat(force_N=np.arange(900.0))[:400], "is no MAT file of version 7 or below"),
+    "words.mat": (lambda: mat(name="S01", rate=5.0, image=np.zeros((99, 99))), "no vectors .*table2struct"),
+    "nan.mat": (lambda: mat(force_N=[1, np.nan], displacement_mm=[1, 2]), "row 2, column 'force_N': 'nan'"),
+    "zeros.csv": (lambda: b"a\0b", "cannot be read as CSV .holds zero bytes"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_files_are_refused(tmp_path: Path, name: str) -> None:
+    make, message = BAD[name]
+    (tmp_path / name).write_bytes(make())
+    with pytest.raises(LoadingError, match=f"{name}: .*{message}"):
+        read_loading_curve(tmp_path / name)
+
+
+def test_torn_files_are_refused_or_read_but_never_a_traceback(tmp_path: Path) -> None:
+    random, outcomes = np.random.default_rng(5), set()
+    for name, content in written([[0.0, 0.5, 1.0], [1.0, 2.5, 3.0]]).items():
+        for _ in range(40):
+            torn = bytearray(content[: random.integers(1, len(content) + 1)])
+            torn[random.integers(0, len(torn))] = random.integers(0, 256)
+            (tmp_path / name).write_bytes(torn)
+            try:
+                read_loading_curve(tmp_path / name)
+            except LoadingError as error:  # anything else is a fault
+                outcomes.add("refused" if name in str(error) else str(error))
+            else:
+                outcomes.add("read")
+    assert outcomes == {"refused", "read"}
+
+
+def test_a_workbook_without_its_reader_says_what_to_install() -> None:
+    with (
+        patch.dict("sys.modules", {"python_calamine": None}),
+        pytest.raises(
+            LoadingError, match=r"a.xlsx: reading XLSX needs python-calamine: pip install 'fingerpad"
+        ),
+    ):
+        parse_table(workbook(sheet_xml([HEADER])), "a.xlsx", LoadingError)
+
+
+def test_a_bomb_is_never_unpacked() -> None:
+    with patch.object(_tables, "_MOST_BYTES", 10_000), pytest.raises(LoadingError, match="when unpacked"):
+        parse_table(workbook(sheet_xml([["a"] * 99] * 99)), "a.xlsx", LoadingError)
