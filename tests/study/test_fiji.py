@@ -19,7 +19,6 @@ from fingerpad.cli import app
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
 from fingerpad.study.fiji import (
-    LabelPattern,
     MeasuredEllipse,
     manual_observations,
     read_results_table,
@@ -293,25 +292,49 @@ def ellipse(
 @pytest.mark.parametrize(
     ("pattern", "label", "reported"),
     [
-        ("{finger}_{load_N}N", "ring_2N.tif", {"finger": "ring", "load_N": 2}),
-        ("{finger}_{wedge_angle_deg}deg", "my_ring_4.5deg_x", {"finger": "my_ring", "wedge_angle_deg": 4.5}),
-        ("*_{load_N}N", "stack.tif:0012_0p25N", {"load_N": 0.25}),
-        ("{load_N}N*roll{roll_angle_deg}", "1,5N_xx_roll-10", {"load_N": 1.5, "roll_angle_deg": -10}),
-        ("{load_N} N (a+b)", "2 N (a+b)", {"load_N": 2}),
-        ("{load_N} N (a+b)", "2 N ab", {}),
+        ("{finger}_{load}N", "ring_2N.tif", {"finger": "ring", "load_N": 2}),
+        ("{finger}_{wedge}deg*", "left_ring_4.5deg_x", {"finger": "left_ring", "wedge_angle_deg": 4.5}),
+        ("{person}_{finger}_{load}mN", "S1_LI_500mN.TIF:0012", {"finger": "S1_left_index", "load_N": 0.5}),
+        ("*_{load}N", "stack.x_0p25N", {"load_N": 0.25}),
+        ("{load}N*roll{roll}", "1,5N_xx_roll-10", {"load_N": 1.5, "roll_angle_deg": -10}),
+        ("{load} N (a+b)", "2 N (a+b)", {"load_N": 2}),
+        ("{load}N", "0.5N", {"load_N": 0.5}),
     ],
 )  # fmt: skip
 def test_labels_tell_what_the_pattern_says(pattern: str, label: str, reported: dict[str, object]) -> None:
-    assert LabelPattern.of(pattern).values_in(label) == reported
+    found = manual_observations(
+        [ellipse(label), ellipse("other")], mm_per_unit=1, semi_axis_mm_std=0.1, pattern=pattern
+    )
+    assert [row.values for row in found] == [reported, {}]
 
 
 @pytest.mark.parametrize(
-    ("pattern", "found"),
-    [("{force}", "{force}"), ("plain", "none"), ("{load_N}_{load_N}", "the same twice"), ("{}", "{}")],
+    ("pattern", "message"),
+    [
+        ("{force}", "{force} is unknown"),
+        ("{face}", "{face} is unknown: a pattern holds {person}, {finger}, {wedge}, {roll}, {load}"),
+        ("plain", "write {person}, .* found 'plain'"),
+        ("{load}_{load}", "{load} stands twice"),
+        ("{}", "{} is unknown"),
+        ("w{load}N", "'w{load}N' fits no label, such as 'a'"),
+        ("{finger}_{load}N", "fits no label.* only hand and digit"),
+    ],
 )
-def test_patterns_that_are_none_are_refused(pattern: str, found: str) -> None:
-    with pytest.raises(ManifestError, match="each once; found " + found):
-        LabelPattern.of(pattern)
+def test_patterns_that_are_none_are_refused(pattern: str, message: str) -> None:
+    with pytest.raises(ManifestError, match=message):
+        manual_observations([ellipse()], mm_per_unit=1, semi_axis_mm_std=0.1, pattern=pattern)
+
+
+def test_a_label_out_of_range_is_named() -> None:
+    with pytest.raises(ManifestError, match="t, line 2: wedge: '100' is out of range"):
+        manual_observations([ellipse("100deg")], mm_per_unit=1, semi_axis_mm_std=0.1, pattern="{wedge}deg")
+
+
+def test_a_person_in_labels_is_in_front_of_the_finger_of_all() -> None:
+    (row,) = manual_observations(
+        [ellipse("S7")], mm_per_unit=1, semi_axis_mm_std=0.1, pattern="{person}", known={"finger": "index"}
+    )
+    assert row.values == {"finger": "S7_index"}
 
 
 @pytest.mark.parametrize(
@@ -350,11 +373,10 @@ def test_a_scale_s_uncertainty_widens_the_axes() -> None:
         ({"known": {"load_N": -1}}, ManifestError, "line 2: load_N: expected greater than 0, found -1"),
         ({"known": {"wedge_angle_deg": 100}}, ManifestError, "line 2: wedge_angle_deg: .* 90, found 100"),
         ({"known": {"finger": "left index"}}, ManifestError, "finger: write it with letters"),
-        ({"pattern": LabelPattern.of("w{load_N}N")}, ManifestError, "'w{load_N}N' fits no label, such as"),
         ({"mm_per_unit": 25.4}, CalibrationError, "line 2: a semi-major axis of 188 mm is none .* px until"),
         ({"mm_per_unit": 0.05}, CalibrationError, "a semi-major axis of 0.37 mm is none"),
         (
-            {"known": {"load_N": 2}, "pattern": LabelPattern.of("{load_N}N")},
+            {"ellipses": [ellipse("2N")], "known": {"load_N": 2}, "pattern": "{load}N"},
             ManifestError,
             "load_N is given for all",
         ),
@@ -362,7 +384,7 @@ def test_a_scale_s_uncertainty_widens_the_axes() -> None:
 )
 def test_what_cannot_be_meant_is_refused(changed: dict[str, object], error: type, message: str) -> None:
     with pytest.raises(error, match=message):
-        manual_observations([ellipse()], **{"mm_per_unit": 1, "semi_axis_mm_std": 0.1, **changed})
+        manual_observations(**{"ellipses": [ellipse()], "mm_per_unit": 1, "semi_axis_mm_std": 0.1, **changed})
 
 
 def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path: Path) -> None:
@@ -412,7 +434,7 @@ def test_from_fiji_to_results(tmp_path: Path) -> None:
     results = table(tmp_path, as_table(rows))
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     out = tmp_path / "observations.csv"
-    pattern = "{finger}_{wedge_angle_deg}deg_{load_N}N"
+    pattern = "{finger}_{wedge}deg_{load}N"
     code, said, error = cli(results, "--ppi", 500, "--std-mm", 0.1, "--label-pattern", pattern, "--out", out)
     assert (code, error) == (0, "")
     assert 'observations_csv = "observations.csv"' in said

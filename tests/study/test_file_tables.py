@@ -130,8 +130,13 @@ def test_join_lists_what_is_unmatched_and_what_is_named_twice() -> None:
 
 def test_pattern() -> None:
     found = match_file_names(
-        "S{person}_{finger}_{wedge}deg_{load}mN{}",
-        ["S01_LI_45deg_500mN.png", "x/s2_right-thumb_0deg_1,5mN_b.tif", "S1_LI_100deg_5mN.png", "IMG_1.png"],
+        "S{person}_{finger}_{wedge}deg_{load}mN*",
+        [
+            "S01_left_index_45deg_500mN.png",
+            "x/s2_right-thumb_0deg_1,5mN_b.tif",
+            "S1_LI_100deg_5mN.png",
+            "IMG_1.png",
+        ],
     )
     assert [one.problem == "" for one in found] == [True, True, False, False]
     assert found[0].values == {
@@ -147,7 +152,17 @@ def test_pattern() -> None:
 
 @pytest.mark.parametrize(
     "pattern",
-    ["IMG", "{load}_{load}", "{mood}", "{person}{finger}", "{}_{}_{}_{}_{load}", "{load}" + "x" * 300],
+    [
+        "IMG",
+        "{load}_{load}",
+        "{mood}",
+        "{person}{finger}",
+        "*_*_*_*_{load}",
+        "{load}{}",
+        "{roll}",
+        "*{load}",
+        "{load}" + "x" * 300,
+    ],
 )
 def test_patterns_refused(pattern: str) -> None:
     with pytest.raises(ManifestError):

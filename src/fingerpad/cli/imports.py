@@ -49,7 +49,7 @@ def import_fiji(
     load_n: Annotated[float | None, typer.Option(min=1e-6, help="Load for all rows, N.")] = None,
     label_pattern: Annotated[
         str | None,
-        typer.Option(help='Pattern of labels, as in "{finger}_{wedge_angle_deg}deg_{load_N}N".'),
+        typer.Option(help='Pattern of labels, as in "{finger}_{wedge}deg_{load}N".'),
     ] = None,
     finger_axis_deg: Annotated[
         float,
@@ -65,7 +65,7 @@ def import_fiji(
     A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
     neither flags nor labels give is left empty, to be filled in.
     """
-    from fingerpad.study.fiji import LabelPattern, manual_observations, write_observations
+    from fingerpad.study.fiji import manual_observations, write_observations
 
     given = {
         "finger": finger,
@@ -73,7 +73,6 @@ def import_fiji(
         "roll_angle_deg": roll_deg,
         "load_N": load_n,
     }
-    pattern = LabelPattern.of(label_pattern) if label_pattern is not None else None
     mm_per_unit = _mm_per_unit(files, unit, scale)
     ellipses = _read(files)
     rows = manual_observations(
@@ -82,7 +81,7 @@ def import_fiji(
         semi_axis_mm_std=std_mm,
         relative_scale_std=scale.relative_std if scale else 0.0,
         known={name: value for name, value in given.items() if value is not None},
-        pattern=pattern,
+        pattern=label_pattern,
         finger_axis_deg=finger_axis_deg,
         synthetic=synthetic,
     )

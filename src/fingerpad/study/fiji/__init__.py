@@ -4,7 +4,6 @@ from pathlib import Path
 
 from fingerpad.study.fiji.ellipse import MeasuredEllipse
 from fingerpad.study.fiji.observations import (
-    LabelPattern,
     ManualObservation,
     manual_observations,
     write_observations,
@@ -13,7 +12,6 @@ from fingerpad.study.fiji.rois import read_rois
 from fingerpad.study.fiji.table import read_results_table
 
 __all__ = [
-    "LabelPattern",
     "ManualObservation",
     "MeasuredEllipse",
     "is_roi_file",

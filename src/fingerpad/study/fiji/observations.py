@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from fingerpad._csv import write_csv
 from fingerpad._display import Displayed
@@ -13,6 +13,8 @@ from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
 from fingerpad.study.fiji.ellipse import MeasuredEllipse
 from fingerpad.study.manifest.messages import validated
 from fingerpad.study.manifest.models import Load, ManifestModel, Name, RollAngle, WedgeAngle
+from fingerpad.study.new_files.name_pattern import NamePattern
+from fingerpad.study.new_files.quantities import Field
 
 # What an ellipse does not tell of its contact.
 FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")
@@ -22,7 +24,9 @@ _PLAUSIBLE: Final = (0.5, 40.0)
 _HEADER: Final = (
     "name", *FIELDS, "semi_major_mm", "semi_minor_mm", "ellipse_mm_std", "long_axis", "synthetic", "notes",
 )  # fmt: skip
-_NUMBER: Final = r"-?\d+(?:[.,p]\d+)?"
+# What a pattern of labels may hold.
+_LABEL_FIELDS: Final[tuple[Field, ...]] = ("person", "finger", "wedge", "roll", "load")
+_SUFFIX: Final = r"\.(?:tiff?|png|jpe?g|bmp|gif)(?=$|:)"
 _LONGEST_NAME: Final = 50
 
 
@@ -33,70 +37,6 @@ class _LabelValues(ManifestModel):
     wedge_angle_deg: WedgeAngle | None = None
     load_N: Load | None = None  # noqa: N815 (the unit's own letter)
     roll_angle_deg: RollAngle | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LabelPattern:
-    """How labels tell what an ellipse does not.
-
-    Attributes
-    ----------
-    text : str
-        As the person wrote it.
-    expression : re.Pattern
-        What it means.
-    fields : tuple of str
-        The `FIELDS` in it.
-    """
-
-    text: str
-    expression: re.Pattern[str]
-    fields: tuple[str, ...]
-
-    @classmethod
-    def of(cls, text: str) -> Self:
-        """Make a pattern such as ``{finger}_{wedge_angle_deg}deg_{load_N}N``.
-
-        ``*`` stands for anything; what follows the pattern in a label is left alone. Numbers may have a
-        point, a comma or the letter p for the decimal point, as file names do.
-
-        Raises
-        ------
-        ManifestError
-            If a field is not known or stands twice, or there is none.
-
-        Examples
-        --------
-        >>> pattern = LabelPattern.of("{finger}_{wedge_angle_deg}deg_{load_N}N")
-        >>> pattern.values_in("left_index_30deg_0p5N.tif:12")
-        {'finger': 'left_index', 'wedge_angle_deg': 30.0, 'load_N': 0.5}
-        """
-        parts = re.split(r"(\{[^{}]*\}|\*)", text)
-        fields = tuple(part[1:-1] for part in parts if part.startswith("{") and part.endswith("}"))
-        unknown = sorted(set(fields) - set(FIELDS))
-        if unknown or not fields or len(set(fields)) < len(fields):
-            found = f"{{{unknown[0]}}}" if unknown else "the same twice" if fields else "none"
-            known = ", ".join(f"{{{name}}}" for name in FIELDS)
-            raise ManifestError(f"a label pattern takes {known}, each once; found {found} in {text!r}")
-        expression = "".join(
-            r".*?" if part == "*" else _group(part[1:-1]) if part[1:-1] in fields else re.escape(part)
-            for part in parts
-        )
-        return cls(text=text, expression=re.compile(expression), fields=fields)
-
-    def values_in(self, label: str) -> dict[str, str | float]:
-        """Return what a label tells; nothing where it does not begin as the pattern says."""
-        match = self.expression.match(label)
-        if match is None:
-            return {}
-        return {
-            name: text if name == "finger" else float(text.replace(",", ".").replace("p", "."))
-            for name, text in match.groupdict().items()
-        }
-
-
-def _group(name: str) -> str:
-    return r"(?P<finger>\w[\w.+-]*?)" if name == "finger" else rf"(?P<{name}>{_NUMBER})"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -154,7 +94,7 @@ def manual_observations(
     semi_axis_mm_std: float,
     relative_scale_std: float = 0.0,
     known: Mapping[str, str | float] | None = None,
-    pattern: LabelPattern | None = None,
+    pattern: str | None = None,
     finger_axis_deg: float = 0.0,
     synthetic: bool = False,
 ) -> list[ManualObservation]:
@@ -162,7 +102,7 @@ def manual_observations(
 
     Parameters
     ----------
-    ellipses : sequence of HandEllipse
+    ellipses : sequence of MeasuredEllipse
         As read, in the unit of their file.
     mm_per_unit : float
         That unit: mm per px, or 1 for a table in mm.
@@ -172,8 +112,9 @@ def manual_observations(
         That of the scale; it is added to each row as if it were the row's own.
     known : mapping, optional
         Those of `FIELDS` that are the same for all.
-    pattern : LabelPattern, optional
-        What labels tell.
+    pattern : str, optional
+        How labels, up to the picture's suffix, tell what an ellipse does not: as of `match_file_names`, with
+        ``{person}``, ``{finger}``, ``{wedge}``, ``{roll}`` and ``{load}``.
     finger_axis_deg : float
         The finger's direction in the pictures, from straight up, counter-clockwise.
     synthetic : bool
@@ -185,7 +126,7 @@ def manual_observations(
         If a semi-axis is none that a contact of a finger has.
     ManifestError
         If no uncertainty is given, something is given twice, a number is none that a manifest takes, or the
-        pattern fits no label.
+        pattern is none, or fits no label.
     """
     if not (semi_axis_mm_std > 0 and math.isfinite(semi_axis_mm_std)):
         raise ManifestError(f"the standard uncertainty must be positive, found {semi_axis_mm_std:g} mm")
@@ -193,21 +134,24 @@ def manual_observations(
     for name, value in {**known, "finger_axis_deg": finger_axis_deg}.items():
         if not isinstance(value, str) and not math.isfinite(value):
             raise ManifestError(f"{name} must be a finite number, found {value:g}")
-    twice = sorted(set(known) & set(pattern.fields if pattern else ()))
+    labels = _values_of_labels(ellipses, pattern)
+    twice = sorted(set(known) & {name for stated in labels for name in stated})
     if twice:
         raise ManifestError(
             f"{twice[0]} is given for all rows and by the label pattern; choose one of the two"
         )
     names: set[str] = set()
     rows = []
-    for ellipse in ellipses:
+    for ellipse, stated in zip(ellipses, labels, strict=True):
         major, minor = mm_per_unit * ellipse.semi_major, mm_per_unit * ellipse.semi_minor
         if not _PLAUSIBLE[0] <= major <= _PLAUSIBLE[1]:
             raise CalibrationError(
                 f"{ellipse.place}: a semi-major axis of {major:.3g} mm is none of a finger's contact; "
                 "check the unit or the scale (Fiji measures in px until a scale is set)"
             )
-        values = {**known, **(pattern.values_in(ellipse.label) if pattern else {})}
+        values = {**known, **stated}
+        if person := values.pop("person", None):
+            values["finger"] = f"{person}_{values['finger']}" if "finger" in values else person
         validated(_LabelValues, values, ellipse.place, strict=True)
         rows.append(
             ManualObservation(
@@ -221,11 +165,25 @@ def manual_observations(
                 notes="; ".join((f"measured manually: {ellipse.place}", *ellipse.doubts)),
             )
         )
-    if pattern and rows and not any(pattern.values_in(ellipse.label) for ellipse in ellipses):
-        raise ManifestError(
-            f"the label pattern {pattern.text!r} fits no label, such as {ellipses[0].label!r}"
-        )
     return rows
+
+
+def _values_of_labels(ellipses: Sequence[MeasuredEllipse], text: str | None) -> list[dict[str, Any]]:
+    """Return what each label states, nothing where it does not fit the pattern."""
+    if text is None:
+        return [{} for _ in ellipses]
+    pattern = NamePattern.of(text, _LABEL_FIELDS)
+    stems = [re.split(f"{_SUFFIX}|:", one.label, maxsplit=1, flags=re.IGNORECASE)[0] for one in ellipses]
+    found = [pattern.match(one.place, stem) for one, stem in zip(ellipses, stems, strict=True)]
+    for match in found:
+        if match.fits and match.problem:
+            raise ManifestError(f"{match.file}: {match.problem}")
+    if ellipses and not any(match.fits for match in found):
+        raise ManifestError(
+            f"the label pattern {text!r} fits no label, such as {ellipses[0].label!r}; * is anything, and "
+            "only hand and digit of a finger may have an underscore between them"
+        )
+    return [dict[str, Any](match.values) for match in found]
 
 
 def _long_axis(ellipse: MeasuredEllipse, finger_axis_deg: float) -> str | None:
@@ -237,7 +195,7 @@ def _long_axis(ellipse: MeasuredEllipse, finger_axis_deg: float) -> str | None:
 
 def _name(label: str, taken: set[str]) -> str:
     """Return a name that a manifest takes, unlike all others even where case does not count."""
-    stem = re.sub(r"\.(tiff?|png|jpe?g|bmp|gif)(?=$|:)", "", label, flags=re.IGNORECASE)
+    stem = re.sub(_SUFFIX, "", label, flags=re.IGNORECASE)
     base = re.sub(r"[^\w.+-]+", "_", stem).strip("_.+-")[:_LONGEST_NAME] or "contact"
     name, number = base, 1
     while name.casefold() in taken:

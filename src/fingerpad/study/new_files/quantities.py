@@ -8,7 +8,7 @@ from typing import Final, Literal, TypeAlias, TypedDict, get_args
 from fingerpad.image import Face
 
 Role: TypeAlias = Literal["observation", "photograph", "sequence", "curve", "outline"]
-Field: TypeAlias = Literal["person", "finger", "face", "role", "wedge", "load", "scale", "session"]
+Field: TypeAlias = Literal["person", "finger", "face", "role", "wedge", "roll", "load", "scale", "session"]
 
 
 class FileValues(TypedDict, total=False):
@@ -19,6 +19,7 @@ class FileValues(TypedDict, total=False):
     finger: str
     face: Face
     wedge_angle_deg: float
+    roll_angle_deg: float
     load_N: float
     scale: str
     ppi: float
@@ -61,11 +62,12 @@ _ROLE_WORDS: Final[Mapping[str, Role | Literal[""]]] = {
 FACTORS: Final[Mapping[str, Mapping[str, float]]] = {
     "load": {"n": 1.0, "mn": 1e-3, "kn": 1e3, "g": 9.80665e-3, "gf": 9.80665e-3, "kgf": 9.80665},
     "wedge": {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0, "rad": math.degrees(1.0)},
+    "roll": {"deg": 1.0},
     "mm_per_px": {"mm/px": 1.0, "mm/pixel": 1.0, "um/px": 1e-3, "µm/px": 1e-3, "μm/px": 1e-3},
     "px_per_mm": {"px/mm": 1.0, "pixel/mm": 1.0, "pixels/mm": 1.0},
     "ppi": {"ppi": 1.0, "dpi": 1.0},
 }
-_LIMITS: Final = {"load": (0.0, 1e4), "wedge": (0.0, 90.0)}
+_LIMITS: Final = {"load": (0.0, 1e4), "wedge": (0.0, 90.0), "roll": (-90.0, 90.0)}
 _NUMBER: Final = re.compile(r"\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
 
 
@@ -77,7 +79,7 @@ def number_in(text: str, quantity: str, unit: str | None = None) -> float:
     text : str
         A number with a decimal point or comma, and perhaps its unit, which then holds.
     quantity : str
-        ``load`` or ``wedge``, or a scale: ``mm_per_px``, ``px_per_mm`` or ``ppi``.
+        ``load``, ``wedge`` or ``roll``, or a scale: ``mm_per_px``, ``px_per_mm`` or ``ppi``.
     unit : str, optional
         The unit where the text has none; by default that of the library.
 
@@ -143,6 +145,8 @@ def read_value(values: FileValues, field: Field, text: str, unit: str | None = N
             values["load_N"] = number_in(text, "load", unit)
         case "wedge":
             values["wedge_angle_deg"] = number_in(text, "wedge", unit)
+        case "roll":
+            values["roll_angle_deg"] = number_in(text, "roll", unit)
         case "scale":
             _read_scale(values, text, unit)
         case "face":

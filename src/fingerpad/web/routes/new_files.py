@@ -21,7 +21,7 @@ from fingerpad.web.workspace import Workspace
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]
 # One at a time: together pictures could take more memory than the limit of each.
 _READING: Final = Lock()
-_KEYS: Final = tuple(FileValues.__annotations__)
+_KEYS: Final = tuple(answers.StatedValues.model_fields)
 
 
 class FileParams(Params):

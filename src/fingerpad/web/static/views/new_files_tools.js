@@ -84,7 +84,7 @@ export class NewFileTools {
       h(
         "p.soft",
         "Write the name of one file, with {person}, {finger}, {face}, {wedge}, {load} or {session} in " +
-          "place of what changes, and {} for anything else.",
+          "place of what changes, and * for anything else.",
       ),
       h("div.actions", field, use),
       this.preview,
