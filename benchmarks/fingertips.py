@@ -128,13 +128,14 @@ def _shaft(rng: np.random.Generator, tip: Array, face: Face, seen: Array) -> Arr
     return np.concatenate([seen, [[-across + in_by, low], [first, low]]])
 
 
-def measured(count: int, seed: int) -> Iterator[tuple[str, ShapedFinger, PhotographFit | None]]:
+def measured(
+    count: int, seed: int, faces: tuple[Face, ...] = ("palmar", "distal", "radial")
+) -> Iterator[tuple[str, ShapedFinger, PhotographFit | None]]:
     """Yield each shape's name, a finger of it and its measurement, None where that is refused."""
-    faces: tuple[Face, ...] = ("palmar", "distal", "radial")
     for name in SHAPES:
         for number in range(count):
             rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
-            yield name, *measure_one(render(rng, name, faces[number % 3]))
+            yield name, *measure_one(render(rng, name, faces[number % len(faces)]))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import dataclasses
 import inspect
 import pkgutil
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +16,7 @@ from scipy.optimize import minimize
 from fingerpad._arrays import FloatArray
 
 _ROUNDS, _STEP, _MOST, _RESAMPLED = 5, 0.1, 0.5, 60
+_CLIMBS, _SMALL_STEP = 10, 0.01
 _LEAST_STD = 1e-6
 _T_SCALE = 0.815  # of the Student t of 4 degrees of freedom nearest to a normal distribution of std 1
 _OUTLIER = 3.0  # robust standard deviations beyond which an error counts less
@@ -38,9 +39,9 @@ class Problem:
         With the values in use.
     of : str
         What the errors are, with their unit.
-    places, stds : tuple of str
-        Fields that move the result, by least squares of the errors; fields that only change what uncertainty
-        is stated, by likelihood.
+    places, tuned, stds : tuple of str
+        Fields that move the result, by least squares of the errors; fields by likelihood, whatever they
+        change; fields that only change what uncertainty is stated, each the standard deviation of an effect.
     kept : mapping
         Why each other field is not fitted.
     sample : callable
@@ -52,6 +53,7 @@ class Problem:
     model: Any
     of: str
     places: tuple[str, ...] = ()
+    tuned: tuple[str, ...] = ()
     stds: tuple[str, ...] = ()
     kept: Mapping[str, str] = field(default_factory=dict)
     sample: Callable[[int, int], Sequence[Any]]
@@ -82,14 +84,19 @@ def fit(problem: Problem, sample: Sequence[Any], seed: int = 0) -> Fitted:
     """Fit the fields of a model to a sample; resample its images for the errors of the values."""
     model, error = problem.model, dict[str, float]()
     rng = np.random.default_rng(seed)
-    for names_of, method in ((problem.places, _least_squares), (problem.stds, _likelihood)):
+    for names_of, method in (
+        (problem.places, _least_squares),
+        (problem.tuned, _scoring),
+        (problem.stds, _likelihood),
+    ):
         if names_of:
             model, spread = method(problem, model, sample, names_of, rng)
             error |= dict(zip(names_of, spread.tolist(), strict=True))
     return Fitted(model=model, error=error)
 
 
-def _with(model: Any, fields: tuple[str, ...], values: FloatArray) -> Any:
+def changed(model: Any, fields: tuple[str, ...], values: FloatArray) -> Any:
+    """Return a model with other values in some fields."""
     return replace(model, **dict(zip(fields, values.tolist(), strict=True)))
 
 
@@ -108,7 +115,7 @@ def _least_squares(
     size = np.maximum(np.abs(values), 0.05)
 
     def errors_of(at: FloatArray) -> FloatArray:
-        return problem.compare(_with(model, fields, at), sample).errors
+        return problem.compare(changed(model, fields, at), sample).errors
 
     errors = errors_of(values)
     for _ in range(_ROUNDS):
@@ -118,9 +125,7 @@ def _least_squares(
         slope = np.stack(columns, axis=1) / _STEP
         move = _solved(slope, -errors, weight).clip(-_MOST, _MOST)
         cost = float(np.sum((weight * errors) ** 2))
-        for share in (1.0, 0.5, 0.25, 0.1):
-            place = values + share * move * size
-            place = np.where(values > 0, np.maximum(place, values / 4), place)  # what is positive stays so
+        for place in _shortened(values, move * size):
             tried = errors_of(place)
             if np.sum((weight * tried) ** 2) < cost:
                 values, errors = place, tried
@@ -131,11 +136,58 @@ def _least_squares(
             break
     draws = rng.integers(len(errors), size=(_RESAMPLED, len(errors)))
     moved = [_solved(slope[each], -errors[each], weight[each]) for each in draws]
-    return _with(model, fields, values), np.std(moved, axis=0) * size
+    return changed(model, fields, values), np.std(moved, axis=0) * size
+
+
+def _shortened(values: FloatArray, move: FloatArray) -> Iterator[FloatArray]:
+    """Yield where ever shorter moves lead; what is positive stays so."""
+    for share in (1.0, 0.5, 0.25, 0.1):
+        place = values + share * move
+        yield np.where(values > 0, np.maximum(place, values / 4), place)
 
 
 def _solved(slope: FloatArray, target: FloatArray, weight: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.lstsq(slope * weight[:, None], target * weight, rcond=1e-6)[0])
+
+
+def _costs(errors: FloatArray, variance: FloatArray) -> FloatArray:
+    """Return the negative log-likelihood of each error.
+
+    By Student's t of few degrees of freedom: single failures do not set the deviation of all.
+    """
+    variance = np.maximum(variance, _LEAST_STD**2)
+    return np.asarray(np.log(variance) / 2 + 2.5 * np.log1p(errors**2 / variance / _T_SCALE**2 / 4))
+
+
+def _scoring(
+    problem: Problem, model: Any, sample: Sequence[Any], fields: tuple[str, ...], _: np.random.Generator
+) -> tuple[Any, FloatArray]:
+    """Move fields while the errors become likelier, by steps of Berndt, Hall, Hall and Hausman.
+
+    The scores of single errors make the information, which gives the step and the errors of the values.
+    """
+    values = _values(model, fields)
+
+    def cost_at(at: FloatArray) -> FloatArray:
+        errors, stds = problem.compare(changed(model, fields, at), sample)
+        return _costs(errors, stds**2)
+
+    costs = cost_at(values)
+    for _round in range(_CLIMBS):
+        size = np.maximum(np.abs(values), 0.01)
+        slopes = [cost_at(values + s) - cost_at(values - s) for s in _SMALL_STEP * np.diag(size)]
+        scores = np.stack(slopes, axis=1) / (2 * _SMALL_STEP)
+        inverse = np.linalg.pinv(scores.T @ scores, rcond=1e-6, hermitian=True)
+        move = (-inverse @ scores.sum(axis=0)).clip(-_MOST, _MOST)
+        before = costs.sum()
+        for place in _shortened(values, move * size):
+            tried = cost_at(place)
+            if tried.sum() < before:
+                values, costs = place, tried
+                break
+        if costs.sum() > before - 0.1:
+            break
+    return changed(model, fields, values), np.sqrt(np.diagonal(inverse)) * size
 
 
 def _likelihood(
@@ -150,23 +202,20 @@ def _likelihood(
     errors, _ = problem.compare(model, sample)
     zeros = np.zeros(len(fields))
     rest, *alone = (
-        problem.compare(_with(model, fields, at), sample).stds ** 2 for at in (zeros, *np.diag(size))
+        problem.compare(changed(model, fields, at), sample).stds ** 2 for at in (zeros, *np.diag(size))
     )
     effects = np.stack([each - rest for each in alone], axis=1)
 
     def found(chosen: npt.NDArray[np.integer[Any]]) -> FloatArray:
         def cost(at: FloatArray) -> float:
-            variance = np.maximum(rest + effects @ at**2, _LEAST_STD**2)[chosen]
-            # Student's t of few degrees of freedom: single failures do not set the deviation of all.
-            ratio = errors[chosen] ** 2 / variance / _T_SCALE**2
-            return float(np.sum(np.log(variance) / 2 + 2.5 * np.log1p(ratio / 4)))
+            return float(np.sum(_costs(errors[chosen], (rest + effects @ at**2)[chosen])))
 
         best = minimize(cost, start / size, method="L-BFGS-B", bounds=[(0, 20)] * len(start))
         return np.asarray(best.x * size)
 
     draws = rng.integers(len(errors), size=(_RESAMPLED, len(errors)))
     values = found(np.arange(len(errors)))
-    return _with(model, fields, values), np.std([found(each) for each in draws], axis=0)
+    return changed(model, fields, values), np.std([found(each) for each in draws], axis=0)
 
 
 def show(problem: Problem, images: int, seed: int, other: int) -> Fitted:

@@ -19,6 +19,7 @@ from fingerpad.image.coin._circle_detection import (
     fit_edge,
     gaps,
 )
+from fingerpad.image.coin.calibration import COIN_EDGE
 from fingerpad.image.ellipse import PlaneEllipse, orientation_of
 from fingerpad.image.ellipse_fit import fit_ellipse
 from fingerpad.image.levels import picture_levels
@@ -33,9 +34,6 @@ _REACH_OF_SHADOW = 1.2
 _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
-# What moves the edge all round, as standard deviations: lens and lamp, px; of the radius: the rounded edge,
-# which mirrors the background, and a shadow or a band beside the edge as strong as the coin's contrast.
-_LENS_STD_PX, _ROUNDING_STD, _SHADOW_STD, _BAND_STD = 0.08, 0.0045, 0.045, 0.006
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
 
 
@@ -291,9 +289,9 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
         raise CalibrationError(f"no coin found: {error}") from error
     places = np.flatnonzero(outline.kept)
     correlated = correlation_length(outline.ellipse.offsets(outline.points[places]), places)
-    relative = math.hypot(_ROUNDING_STD, _SHADOW_STD * shadow, _BAND_STD * min(band, 1.0))
+    relative = math.hypot(COIN_EDGE.rounding, COIN_EDGE.shadow * shadow, COIN_EDGE.band * min(band, 1.0))
     x, y, semi_major, semi_minor, angle = fit.ellipse.parameters
-    moved = math.hypot(_LENS_STD_PX, relative * semi_major)
+    moved = math.hypot(COIN_EDGE.lens_px, relative * semi_major)
     major_std, minor_std = (math.hypot(math.sqrt(correlated * fit.covariance[k, k]), moved) for k in (2, 3))
     return Coin(
         centre=(y, x),

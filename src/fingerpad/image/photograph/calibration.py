@@ -6,10 +6,7 @@ the functions that use them.
 
 import math
 from dataclasses import dataclass
-from typing import Final, TypeAlias
-
-# Across and along.
-Pair: TypeAlias = tuple[float, float]
+from typing import Final
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,8 +42,10 @@ class LengthDoubt:
     well be pad, and hides as much as it adds.
     """
 
-    side_std: Pair = (0.015, 0.02)  # relative, on an ellipse; across and along in a side face
-    front_std: Pair = (0.01, 0.015)  # relative, on an ellipse; across and along in the others
+    side_across_std: float = 0.015  # relative, on an ellipse; across in a side face
+    side_along_std: float = 0.02  # relative, on an ellipse; along in a side face
+    front_across_std: float = 0.01  # relative, on an ellipse; across in the other faces
+    front_along_std: float = 0.015  # relative, on an ellipse; along in the other faces
     side_axis_std: float = math.radians(1.0)  # radians; a side face's axis beyond the ellipse's own
     shaft: float = 0.06  # relative; a shaft is commonly that much wider than the pad
     hidden: float = 3.0  # half of the width is off by so many times what the shaft hides

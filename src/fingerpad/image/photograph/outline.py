@@ -63,12 +63,14 @@ def contradicted_by_lengths(
     if face in ("radial", "ulnar"):
         lengths = _side_lengths(points, across, along)
         axis = math.hypot(tilt_std, LENGTHS.side_axis_std)
-        stds = np.hypot(LENGTHS.side_std, np.array([across / along, along / across]) * axis)
+        own = LENGTHS.side_across_std, LENGTHS.side_along_std
+        stds = np.hypot(own, np.array([across / along, along / across]) * axis)
     else:
         width = half_width(points, pad, across, along, face)
         lengths = _front_lengths(points, across, along, width)
         shaft = (1 + (LENGTHS.hidden - 1) * ellipse) * width.hidden / across
-        stds = np.hypot(LENGTHS.front_std, np.array([1, LENGTHS.height_by_width]) * shaft)
+        own = LENGTHS.front_across_std, LENGTHS.front_along_std
+        stds = np.hypot(own, np.array([1, LENGTHS.height_by_width]) * shaft)
     return beyond_chance(np.nan_to_num(lengths / semi_axes - 1), stds)
 
 

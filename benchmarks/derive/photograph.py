@@ -1,0 +1,151 @@
+"""What photographed fingers that are no ellipses add to the uncertainty of semi-axes and radii.
+
+Shape and lengths: the faces of `benchmarks.photograph_terms`, whose arcs are found once. Radii: side faces
+of `benchmarks.finger_shapes` and `benchmarks.fingertips`, at four wedges.
+"""
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from functools import lru_cache
+from types import ModuleType
+from typing import Any, NamedTuple
+from unittest.mock import patch
+
+import numpy as np
+
+from benchmarks import finger_shapes, fingertips, photograph_terms
+from benchmarks.derive.fit import Compared, Problem
+from fingerpad._arrays import FloatArray
+from fingerpad.exceptions import FitError
+from fingerpad.image import PhotographFit
+from fingerpad.image.photograph import face_arc, outline, shape
+from fingerpad.image.photograph.calibration import DOUBT, LENGTHS, RADIUS
+from fingerpad.image.photograph.face_arc import FaceArc
+
+_WEDGES_DEG = (15.0, 30.0, 45.0, 60.0)
+# Errors count no more than this, nor less where a radius is not seen.
+_MOST, _UNSEEN = 0.5, 0.3
+
+_fitted = lru_cache(maxsize=None)(face_arc._fitted)
+_shapes_averaged = lru_cache(maxsize=None)(face_arc._average_over_shapes)
+
+
+class SeenFace(NamedTuple):
+    """The arc of a face, and its true semi-axes, mm."""
+
+    arc: FaceArc
+    semi_axes: FloatArray
+
+
+@lru_cache(maxsize=2)
+def faces(count: int, seed: int) -> tuple[SeenFace, ...]:
+    """Return the faces whose arc determines an ellipse."""
+    seen = []
+    for _, truth, arc in photograph_terms.faces(count, seed):
+        try:
+            _fitted(arc)
+            face_arc.face_from_arc(arc)
+        except FitError:
+            continue
+        seen.append(SeenFace(arc, truth))
+    return tuple(seen)
+
+
+def _compared(seen: Sequence[SeenFace], name: str, model: Any, *modules: ModuleType) -> Compared:
+    """Fit semi-axes from each arc with another model in place of the one that the modules call so."""
+    with ExitStack() as stack:
+        stack.enter_context(patch.object(face_arc, "_fitted", _fitted))
+        for module in modules:
+            stack.enter_context(patch.object(module, name, model))
+        found = [face_arc.face_from_arc(one.arc) for one in seen]
+    true = np.stack([one.semi_axes for one in seen])
+    errors = np.stack([one.semi_axes for one in found]) / true - 1
+    stds = np.sqrt([np.diagonal(one.edge_covariance) for one in found]) / true
+    return Compared(errors.clip(-_MOST, _MOST).ravel(), stds.ravel())
+
+
+def compare_shapes(model: Any, seen: Sequence[SeenFace]) -> Compared:
+    """Average over ellipse and superellipse under other numbers."""
+    return _compared(seen, "DOUBT", model, face_arc, shape)
+
+
+def compare_lengths(model: Any, seen: Sequence[SeenFace]) -> Compared:
+    """Compare lengths with ellipses under other numbers; the average over shapes stays."""
+    with patch.object(face_arc, "_average_over_shapes", _shapes_averaged):
+        return _compared(seen, "LENGTHS", model, face_arc, outline)
+
+
+class SeenRadius(NamedTuple):
+    """A side face, the angle of its normal, radians, and the true radius there, mm."""
+
+    found: PhotographFit
+    angle: float
+    radius: float
+
+
+def radii(count: int, seed: int) -> list[SeenRadius]:
+    """Return the places where wedges touch side faces."""
+    return [
+        SeenRadius(found, angle, truth.radius(angle))
+        for shapes in (finger_shapes, fingertips)
+        for _, truth, found in shapes.measured(count, seed, ("radial",))
+        if found is not None
+        for angle in np.radians(_WEDGES_DEG).tolist()
+    ]
+
+
+def compare_radii(model: Any, seen: Sequence[SeenRadius]) -> Compared:
+    """Fit radii under other numbers."""
+    with patch.object(outline, "RADIUS", model):
+        found = np.array([one.found.outline_radius(one.angle) for one in seen])
+    errors, stds = (found / [[one.radius] for one in seen] - [1, 0]).T
+    return Compared(np.nan_to_num(errors, nan=_UNSEEN).clip(-_MOST, _MOST), np.nan_to_num(stds, nan=_UNSEEN))
+
+
+_OF_SEMI_AXES = "error of the semi-axes, as a share"
+_FLAGGED = "choice: what is flagged"
+_LOOKED_AT = "choice: where the outline is looked at"
+PROBLEMS = (
+    Problem(
+        model=RADIUS,
+        of="error of the radius, as a share",
+        places=("window",),
+        stds=("missed_std", "of_difference", "axis_std"),
+        kept=dict.fromkeys(("degree", "seen", "wider", "higher"), _LOOKED_AT),
+        sample=radii,
+        compare=compare_radii,
+    ),
+    Problem(
+        model=LENGTHS,
+        of=_OF_SEMI_AXES,
+        tuned=(
+            "side_across_std",
+            "side_along_std",
+            "front_across_std",
+            "front_along_std",
+            "side_axis_std",
+            "shaft",
+            "hidden",
+            "height_by_width",
+            "of_tilt_std",
+        ),
+        stds=("added",),
+        kept={"no_ellipse": _FLAGGED, "window": _LOOKED_AT, "seen": _LOOKED_AT},
+        sample=faces,
+        compare=compare_lengths,
+    ),
+    Problem(
+        model=DOUBT,
+        of=_OF_SEMI_AXES,
+        tuned=("exponent_std", "quadrant_std", "log_odds", "width_std"),
+        stds=("widening", "missed", "floor", "rough_std"),
+        kept={
+            "too_rough": "choice: what neither curve follows",
+            "significant": _FLAGGED,
+            "least_significant": _FLAGGED,
+            **dict.fromkeys(("least_px", "far", "most_alike"), "choice: how points count"),
+        },
+        sample=faces,
+        compare=compare_shapes,
+    ),
+)
