@@ -33,7 +33,7 @@ class Trial:
     flagged: bool
 
 
-def random_finger(seed: int, least_arc_deg: float) -> SyntheticFinger:
+def random_finger(seed: int, least_arc_deg: float, greatest_arc_deg: float = 180) -> SyntheticFinger:
     """Render one finger of the population."""
     rng = np.random.default_rng([seed, 99])
     face = FACES[seed % 4]
@@ -43,7 +43,7 @@ def random_finger(seed: int, least_arc_deg: float) -> SyntheticFinger:
     return render_finger(
         face,
         semi_axes=(rng.uniform(*across), rng.uniform(*along)),
-        arc_deg=rng.uniform(least_arc_deg, 180),
+        arc_deg=rng.uniform(least_arc_deg, greatest_arc_deg),
         departure=rng.uniform(-0.7, 0.7),
         palmar=None if face == "palmar" else "down" if face == "distal" else "right",
         tilt_deg=rng.uniform(-5, 5),
