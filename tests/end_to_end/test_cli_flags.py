@@ -57,6 +57,7 @@ VALID = {
     "modulus": "--semi-axes-mm 8 14 12 --wedge-deg 30 --load-n 2 --area-mm2 90",
     "solve": "--semi-axes-mm 8 14 12 --wedge-deg 30 --youngs-modulus-kpa 100 --load-n 2 --grid 64",
     "fields": "--semi-axes-mm 8 14 12 --wedge-deg 9 --youngs-modulus-kpa 9 --load-n 1 --depth-mm 1 --grid 64",
+    "simulator": "--semi-axes-mm 8 14 12 --wedge-deg 30 --youngs-modulus-kpa 100 --load-n 1 2",
     "correct": "--ellipse-mm 7 5 --radius-mm 18",
     "fit": "curve.csv",
     "figure": "figure.json --out figure.svg",
@@ -120,6 +121,8 @@ def test_a_flag_of_a_modulus_says_which() -> None:
         ("hertz", "--reduced-modulus-kpa"),
         ("solve", "--youngs-modulus-kpa"),
         ("fields", "--youngs-modulus-kpa"),
+        ("simulator", "--youngs-modulus-kpa"),
+        ("simulator", "--youngs-modulus-kpa-std"),
     }
 
 

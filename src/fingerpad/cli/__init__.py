@@ -14,6 +14,7 @@ from fingerpad.cli.figure import figure
 from fingerpad.cli.fit import fit
 from fingerpad.cli.modulus import modulus
 from fingerpad.cli.shared import Command, Commands
+from fingerpad.cli.simulator import simulator
 from fingerpad.cli.solve import solve
 
 __all__ = ["app"]
@@ -34,7 +35,10 @@ app = typer.Typer(
 )
 for title, functions in (
     ("Studies", (study.init, study.run, page, study.status, study.verify, compare, figure, export)),
-    ("Single questions", (model.geometry, model.hertz, modulus, solve, fields, model.correct, fit)),
+    (
+        "Single questions",
+        (model.geometry, model.hertz, modulus, solve, fields, model.correct, fit, simulator),
+    ),
     ("Dzidek et al. (2017)", (model.reproduce,)),
 ):
     for function in functions:

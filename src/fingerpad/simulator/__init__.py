@@ -1,5 +1,6 @@
 """A measured finger pad in the numbers and files that robot simulators take."""
 
+from fingerpad.simulator.export import export_finger
 from fingerpad.simulator.law import SimulatorLaw, simulator_law
 from fingerpad.simulator.mesh import TetrahedralMesh
 from fingerpad.simulator.targets import DrakeModulus, MujocoContact, NewtonStiffness, PressureByDepth
@@ -11,5 +12,6 @@ __all__ = [
     "PressureByDepth",
     "SimulatorLaw",
     "TetrahedralMesh",
+    "export_finger",
     "simulator_law",
 ]

@@ -142,7 +142,8 @@ def solved_curve(placement: AnyPlacement, tissue: Tissue, gap: Gap, loads: Float
         try:
             solved.append(solve_contact(placement, tissue, load=float(load), points=_POINTS))
         except GeometryError as error:
-            raise GeometryError(f"no contact under {load:.3g} N: {error}; or give lower loads") from None
+            way_out = "lower loads, or a thickness" if tissue.is_deep else "lower loads"
+            raise GeometryError(f"no contact under {load:.3g} N: {error}; or give {way_out}") from None
     modulus = float(tissue.reduced_modulus)
     depth, load, area = (
         np.log([float(getattr(each, name)) for each in solved[::-1]])

@@ -14,7 +14,6 @@ from fingerpad.contact import Tissue, fast_contact
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Placement
 from fingerpad.simulator.curve import Curve, height_of, solved_curve
 from fingerpad.simulator.mesh import TetrahedralMesh, pad_mesh
 from fingerpad.simulator.pressed import PressedPad, uncertain_inputs
@@ -137,7 +136,7 @@ class SimulatorLaw(Displayed):
         GeometryError
             If the law is that of a `Paraboloid`, which has no inside, or the mesh is not cut by the plate.
         """
-        placement = self._placement("Drake's modulus")
+        placement = self.pad.placed("Drake's modulus")
         modulus, std, error = self._scale(Curve.extent)
         if mesh is not None:
             if not isinstance(mesh, TetrahedralMesh):
@@ -211,8 +210,8 @@ class SimulatorLaw(Displayed):
             flag="time_step_below_default" if step < MUJOCO_TIME_STEP else "",
             worst_relative_error=error,
             area_factor=math.nan,
-            assumes=f"one point of contact with an effective mass of {mass:g} kg; with another mass the same "
-            "solref is another stiffness",
+            assumes=f"one point of contact of effective mass, 1/body_invweight0 in MuJoCo, {mass:g} kg: "
+            "with another the same solref is another stiffness",
         )
 
     def mesh(self, level: int = 4) -> TetrahedralMesh:
@@ -233,13 +232,7 @@ class SimulatorLaw(Displayed):
         GeometryError
             If the law is that of a `Paraboloid`, or the level is not within its limits.
         """
-        return pad_mesh(self._placement("a mesh").ellipsoid, level)
-
-    def _placement(self, what: str) -> Placement:
-        placement = self.pad.placement
-        if not isinstance(placement, Placement):
-            raise GeometryError(f"{what} needs a pad: give a Placement, not a Paraboloid")
-        return placement
+        return pad_mesh(self.pad.placed("a mesh").ellipsoid, level)
 
     def _area_factor(self) -> float:
         factor = self.pad.curve.section(self.indentation) / self.area

@@ -20,6 +20,8 @@ _CUT_EDGES: Final = {
     2: ((0, 0, 1, 1), (2, 3, 3, 2)),
     3: ((0, 1, 2), (3, 3, 3)),
 }
+_MIDDLES: Final = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))  # edges of a ten-node tetrahedron
+_FLATTEST: Final = 0.1  # height of an element over its width
 _GOLDEN: Final = (1 + 5**0.5) / 2
 
 
@@ -177,3 +179,112 @@ def pad_mesh(pad: Ellipsoid, level: int) -> TetrahedralMesh:
         np.concatenate([points * pad.semi_axes, np.zeros((1, 3))]),
         np.concatenate([centre, triangles], axis=1),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LayerMesh:
+    """The tissue around the place of contact, from the skin to the bone, of ten-node tetrahedra.
+
+    The bone is the pad made smaller about its centre, under the place of contact as deep as the tissue is
+    thick.
+    """
+
+    points: FloatArray
+    tetrahedra: Indices  # four corners, then the middles of edges 12, 23, 31, 14, 24, 34, as in Abaqus
+    skin: Indices
+    bone: Indices
+
+    @property
+    def volume(self) -> float:
+        """Volume between its corners, mm³."""
+        return float(signed_volumes(self.points, self.tetrahedra).sum())
+
+
+def layer_mesh(
+    pad: Ellipsoid, contact: FloatArray, thickness: float, *, rings: int = 12, layers: int = 4
+) -> LayerMesh:
+    """Return the layer of tissue over bone, a quarter turn around the place of contact.
+
+    Parameters
+    ----------
+    pad : Ellipsoid
+        The pad.
+    contact : ndarray, shape (3,)
+        Place of contact.
+    thickness : float
+        Of the tissue under it, along the plate's normal, mm.
+    rings, layers : int
+        Of elements around the place of contact, and from bone to skin.
+
+    Raises
+    ------
+    GeometryError
+        If the bone would not lie inside the pad, or elements would be too flat.
+    """
+    axis = contact / pad.semi_axes
+    height = float(1 / np.linalg.norm(contact / pad.semi_axes**2))
+    if not thickness < height:
+        raise GeometryError(
+            f"thickness must be below {height:.3g} mm, the pad's own depth, found {thickness:g}"
+        )
+    if thickness < _FLATTEST * layers * height / rings:
+        least = _FLATTEST * layers * height / rings
+        raise GeometryError(f"thickness must be at least {least:.2g} mm for the mesh, found {thickness:g}")
+    directions, triangles = _cap(axis, rings)
+    count = len(directions)
+    scales = np.linspace(1 - thickness / height, 1, layers + 1)
+    place = np.concatenate([scale * directions for scale in scales])
+    lower = np.concatenate([triangles + layer * count for layer in range(layers)])
+    # Each prism is cut by the diagonals from its lowest vertices, so that neighbours agree.
+    a, b, c = np.sort(lower, axis=1).T
+    corners = np.concatenate(
+        [
+            np.stack(each, axis=1)
+            for each in (
+                (a, b, c, c + count),
+                (a, b, b + count, c + count),
+                (a, a + count, b + count, c + count),
+            )
+        ]
+    )
+    corners[signed_volumes(place, corners) < 0] = corners[signed_volumes(place, corners) < 0][:, [0, 2, 1, 3]]
+    edges = np.sort(corners[:, _MIDDLES].reshape(-1, 2), axis=1)
+    unique, where = np.unique(edges, axis=0, return_inverse=True)
+    ends = place[unique]
+    size = np.linalg.norm(ends, axis=-1)
+    middle = (ends / size[..., None]).sum(axis=1)
+    middle *= (size.mean(axis=1) / np.linalg.norm(middle, axis=1))[:, None]
+    every = np.concatenate([place, middle])
+    radius = np.linalg.norm(every, axis=1)
+    return LayerMesh(
+        points=every * pad.semi_axes,
+        tetrahedra=np.concatenate([corners, len(place) + where.reshape(-1, 6)], axis=1),
+        skin=np.flatnonzero(radius > 1 - 1e-9),
+        bone=np.flatnonzero(radius < scales[0] + 1e-9),
+    )
+
+
+def _cap(axis: FloatArray, rings: int) -> tuple[FloatArray, Indices]:
+    """Return directions and triangles of a hemisphere, six more of them on each ring about an axis."""
+    first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    first /= np.linalg.norm(first)
+    second = np.cross(axis, first)
+    points, triangles = [axis[None]], []
+    begin = [0, *(1 + 3 * ring * (ring - 1) for ring in range(1, rings + 2))]
+    for ring in range(1, rings + 1):
+        polar, around = np.pi / 2 * ring / rings, 2 * np.pi * np.arange(6 * ring)[:, None] / (6 * ring)
+        points.append(
+            np.cos(polar) * axis + np.sin(polar) * (np.cos(around) * first + np.sin(around) * second)
+        )
+        for side in range(6):
+            for step in range(ring):
+                outer = begin[ring] + side * ring + step
+                following = begin[ring] + (side * ring + step + 1) % (6 * ring)
+                inside = max(6 * (ring - 1), 1)
+                inner = begin[ring - 1] + (side * (ring - 1) + step) % inside
+                triangles.append((outer, following, inner))
+                if step < ring - 1:
+                    triangles.append(
+                        (inner, following, begin[ring - 1] + (side * (ring - 1) + step + 1) % inside)
+                    )
+    return np.concatenate(points), np.array(triangles)

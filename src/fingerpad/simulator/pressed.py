@@ -51,6 +51,12 @@ class PressedPad:
     tissue: Tissue
     inputs: Inputs | None
 
+    def placed(self, what: str) -> Placement:
+        """Return the placement, and refuse radii of curvature in its place."""
+        if not isinstance(self.placement, Placement):
+            raise GeometryError(f"{what} needs a pad: give a Placement, not a Paraboloid")
+        return self.placement
+
     def with_std(self, function: Callable[[Curve], FloatArray]) -> tuple[FloatArray, FloatArray]:
         """Return a function of the curve, and its standard uncertainty."""
         value = function(self.curve)

@@ -165,7 +165,9 @@ class MujocoContact(Target):
     worst_relative_error, area_factor, assumes : float, float and str
         As of `PressureByDepth`.
     effective_mass : float
-        Of the contact, kg: that of the body for one that moves along the normal alone.
+        Of the contact, kg: one over the sum of ``model.body_invweight0[body, 0]`` of both bodies. It is the
+        mass of a free body, and of one on a slide whose inertia is given in the slide's own axes; turned
+        against them it is three times the mass.
     damping_ratio : float
         Of small oscillations about the middle of the range of loads.
     solref : tuple of float

@@ -1,0 +1,190 @@
+"""The command that gives a pad in the numbers and files that robot simulators take."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+
+from fingerpad.cli.shared import (
+    AsJson,
+    RollAngle,
+    Thickness,
+    WedgeAngle,
+    placement_of,
+    print_json,
+    print_note,
+    require_positive,
+    tissue_of,
+)
+from fingerpad.exceptions import GeometryError
+from fingerpad.units import KPA_PER_MPA
+
+if TYPE_CHECKING:
+    from fingerpad.simulator import SimulatorLaw
+
+_SHOWN = 6  # rows of the table on the terminal
+
+
+def simulator(
+    wedge_deg: WedgeAngle,
+    results: Annotated[
+        Path | None,
+        typer.Argument(
+            help="Output folder of a finished run, in place of the pad's numbers.", show_default=False
+        ),
+    ] = None,
+    finger: Annotated[
+        str | None, typer.Option(help="Finger of that run.", show_default="its only one")
+    ] = None,
+    semi_axes_mm: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.", show_default=False),
+    ] = None,
+    youngs_modulus_kpa: Annotated[
+        float | None, typer.Option(help="Young's modulus E of the tissue, kPa.", show_default=False)
+    ] = None,
+    thickness_mm: Thickness = None,
+    poisson_ratio: Annotated[
+        float, typer.Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")
+    ] = 0.5,
+    roll_deg: RollAngle = 0.0,
+    load_n: Annotated[
+        tuple[float, float], typer.Option(help="Lowest and highest load of the range that matters, N.")
+    ] = (0.2, 3.0),
+    mass_kg: Annotated[float, typer.Option(help="MuJoCo's effective mass of the contact, kg.")] = 0.1,
+    damping_ratio: Annotated[float, typer.Option(help="Damping ratio in MuJoCo; 1 is critical.")] = 1.0,
+    youngs_modulus_kpa_std: Annotated[
+        float, typer.Option(min=0, help="Standard uncertainty of E, kPa.")
+    ] = 0.0,
+    thickness_mm_std: Annotated[
+        float, typer.Option(min=0, help="Standard uncertainty of the thickness, mm.")
+    ] = 0.0,
+    semi_axes_mm_std: Annotated[
+        float, typer.Option(min=0, help="Standard uncertainty of each semi-axis, mm.")
+    ] = 0.0,
+    export: Annotated[
+        Path | None,
+        typer.Option(help="Folder for MJCF, SDF, meshes and tables. finger.inp needs the package meshio."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Give a finger pad in the numbers that MuJoCo, Drake and Newton take, with the error of each.
+
+    The whole ellipsoid, on deep tissue or on a layer over bone, by fast laws, and by the solver where
+    these do not hold. Each number is the one whose load is nearest over the range of loads. Of a finished run
+    the pad is that of a finger, with E and thickness from its loading curve, or from its contact images.
+    """
+    from fingerpad.simulator import export_finger, simulator_law
+
+    for flag, value in (("--mass-kg", mass_kg), ("--damping-ratio", damping_ratio)):
+        require_positive(flag, value)
+    if not 0 < load_n[0] < load_n[1]:
+        raise GeometryError(f"--load-n must ascend from above zero, found {load_n[0]:g} {load_n[1]:g}")
+    if results is None:
+        if semi_axes_mm is None or youngs_modulus_kpa is None:
+            missing = "--semi-axes-mm" if semi_axes_mm is None else "--youngs-modulus-kpa"
+            raise typer.BadParameter(f"give {missing}, or the output folder of a finished run")
+        placement = placement_of(semi_axes_mm, wedge_deg, roll_deg)
+        tissue = tissue_of(youngs_modulus_kpa, poisson_ratio, thickness_mm)
+        stds = {"youngs_modulus": youngs_modulus_kpa_std / KPA_PER_MPA, "thickness": thickness_mm_std}
+        stds |= dict.fromkeys(("palmar", "distal", "radial_ulnar"), semi_axes_mm_std)
+        stds = {name: std for name, std in stds.items() if std}
+        if "thickness" in stds and thickness_mm is None:
+            raise typer.BadParameter("--thickness-mm-std is that of --thickness-mm: give both")
+    else:
+        from fingerpad.study.results.measured_pad import measured_pad
+
+        given = {"--semi-axes-mm": semi_axes_mm, "--youngs-modulus-kpa": youngs_modulus_kpa}
+        if wrong := [flag for flag, value in given.items() if value is not None]:
+            raise typer.BadParameter(f"{wrong[0]} is that of the run: leave it out, or the folder")
+        pad = measured_pad(
+            results,
+            finger=finger,
+            wedge_deg=wedge_deg,
+            thickness_mm=thickness_mm,
+            poisson_ratio=poisson_ratio,
+        )
+        placement, tissue, stds = pad.placement, pad.tissue, pad.stds
+        print_note(pad.source)
+    try:
+        law = simulator_law(placement, tissue, load_n, stds=stds)
+    except GeometryError as error:
+        raise GeometryError(f"--load-n {load_n[0]:g} {load_n[1]:g}: {error}") from None
+    record = _record(law, mass_kg, damping_ratio)
+    files = None
+    if export is not None:
+        files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio)
+    if as_json:
+        print_json(record)
+        return
+    _print(record, law.model)
+    if files is not None:
+        typer.echo(f"Files: {export}, {', '.join(file.name for file in files)}")
+
+
+def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str, Any]:
+    """Return all targets, and the law as a table."""
+    return {
+        "pressure_by_depth": law.pressure_by_depth().as_record(),
+        "newton": law.newton_kh().as_record(),
+        "drake": law.drake_modulus().as_record(),
+        "mujoco": law.mujoco(mass, damping_ratio).as_record(),
+        "table": {
+            "model": law.model,
+            "load_N": law.load,
+            "load_N_std": law.load_std,
+            "indentation_mm": law.indentation,
+            "area_mm2": law.area,
+            "area_mm2_std": law.area_std,
+        },
+    }
+
+
+def _print(record: dict[str, Any], model: str) -> None:
+    """Print the law, a line for each target, and what each assumes."""
+    table = record["table"]
+    typer.echo(f"By the {model}:\n{'load_N':<12}{'indentation_mm':<16}area_mm2")
+    for place in np.linspace(0, len(table["load_N"]) - 1, _SHOWN).round().astype(int):
+        load, depth, area = (table[key][place] for key in ("load_N", "indentation_mm", "area_mm2"))
+        typer.echo(f"{load:<12.4g}{depth:<16.4g}{area:.4g}")
+    newton, drake, mujoco, pressure = (
+        record[name] for name in ("newton", "drake", "mujoco", "pressure_by_depth")
+    )
+    values = {
+        "pressure by depth": (f"{len(pressure['depth_m'])} depths, in --json and --export", pressure),
+        "Newton kh": (_with_std(newton["kh_N_per_m3"], newton["kh_N_per_m3_std"], "N/m³"), newton),
+        "Drake modulus": (
+            _with_std(drake["hydroelastic_modulus_Pa"], drake["hydroelastic_modulus_Pa_std"], "Pa"),
+            drake,
+        ),
+        "MuJoCo solref": (_numbers(mujoco["solref"]), mujoco),
+        "MuJoCo solimp": (_numbers(mujoco["solimp"]), None),
+    }
+    typer.echo(f"\n{'':<19}{'':<48}{'load within':<13}area")
+    for name, (text, target) in values.items():
+        end = ""
+        if target is not None:
+            factor = target["area_factor"]
+            end = f"{100 * target['worst_relative_error']:<13.2g}" + (
+                "none" if math.isnan(factor) else f"× {factor:.2f}"
+            )
+            end = end.replace(" ", " %", 1)
+        typer.echo(f"{name:<19}{text:<48}{end}".rstrip())
+    typer.echo(
+        f"\nMuJoCo: steps up to {1000 * mujoco['largest_time_step_s']:.3g} ms are stable; with twice the "
+        f"effective mass solref is {_numbers(mujoco['solref_at_twice_the_mass'])}"
+    )
+    for name, target in (("pressure by depth, Newton", newton), ("Drake", drake), ("MuJoCo", mujoco)):
+        typer.echo(f"Assumed for {name}: {target['assumes']}")
+    if mujoco["flag"]:
+        print_note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
+
+
+def _with_std(value: float, std: float, unit: str) -> str:
+    return f"{value:.4g} {unit}" + (f" ± {std:.2g}" if std else "")
+
+
+def _numbers(values: tuple[float, ...]) -> str:
+    return " ".join(f"{value:.6g}" for value in values)

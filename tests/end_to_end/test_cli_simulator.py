@@ -1,0 +1,181 @@
+"""The command that gives a pad in the numbers of robot simulators."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import fingerpad as fp
+from fingerpad.cli import app
+from fingerpad.study.results import measured_pad as of_run
+from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, ThicknessFitRecord
+
+PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30)
+USUAL = (*PAD, "--youngs-modulus-kpa", 50, "--thickness-mm", 8)
+PLACE = fp.Placement(fp.Ellipsoid(7.9, 13.8, 11.8), wedge_angle=math.radians(30))
+STUDY = """title = "One"
+[uncertainty]
+wedge_angle_deg_std = 0.3
+[[fingers]]
+name = "left_index"
+semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.2, radial_ulnar = 0.3 }
+[[observations]]
+name = "press"
+finger = "left_index"
+wedge_angle_deg = 30
+load_N = 2
+ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }
+"""
+THICK = "effective_thickness_mm = 6\neffective_thickness_mm_std = 0.5\n"
+
+
+def run(*arguments: object) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, ["simulator", *map(str, arguments)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, " ".join(result.stderr.replace("│", " ").split())
+
+
+def run_json(*arguments: object):
+    code, out, err = run(*arguments, "--json")
+    assert code == 0, err
+    return json.loads(out), err
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory) -> dict[str, Path]:
+    made = {}
+    for name, study in {
+        "deep": STUDY,
+        "layer": STUDY.replace("[[observations]]", THICK + "[[observations]]"),
+    }.items():
+        folder = tmp_path_factory.mktemp(name)
+        (folder / "study.toml").write_text(study, encoding="utf-8")
+        fp.run_study(folder / "study.toml", folder / "results")
+        made[name] = folder / "results"
+    return made
+
+
+def test_json_has_all_targets() -> None:
+    record, note = run_json(*USUAL, "--load-n", 0.3, 2, "--mass-kg", 0.2)
+    assert note == ""
+    assert set(record) == {"pressure_by_depth", "newton", "drake", "mujoco", "table"}
+    law = fp.simulator_law(PLACE, fp.Tissue(0.05, 0.5, 8.0), (0.3, 2.0))
+    for name, target in (
+        ("pressure_by_depth", law.pressure_by_depth()),
+        ("newton", law.newton_kh()),
+        ("drake", law.drake_modulus()),
+        ("mujoco", law.mujoco(0.2)),
+    ):
+        assert record[name]["worst_relative_error"] == pytest.approx(target.worst_relative_error)
+        assert record[name]["assumes"] == target.assumes
+    assert record["newton"]["kh_N_per_m3"] == pytest.approx(law.newton_kh().kh)
+    assert record["mujoco"]["solref"] == pytest.approx(law.mujoco(0.2).solref)
+    assert record["mujoco"]["area_factor"] is None
+    assert record["table"]["load_N"] == pytest.approx(law.load)
+    assert record["table"]["indentation_mm"] == pytest.approx(law.indentation)
+
+
+def test_text_has_the_same_numbers() -> None:
+    code, out, _ = run(
+        *USUAL, "--youngs-modulus-kpa-std", 5, "--thickness-mm-std", 1, "--semi-axes-mm-std", 0.1
+    )
+    assert code == 0
+    record, _ = run_json(*USUAL)
+    assert f"{record['newton']['kh_N_per_m3']:.4g} N/m³ ± " in out
+    assert "5.7 %" in out
+    assert " ".join(f"{number:.6g}" for number in record["mujoco"]["solimp"]) in out
+
+
+def test_export(tmp_path) -> None:
+    code, out, err = run(*USUAL, "--export", tmp_path / "new")
+    assert (code, err) == (0, "")
+    assert "finger.xml" in out
+    assert (tmp_path / "new" / "finger.inp").is_file()
+
+
+def test_small_mass_is_flagged() -> None:
+    record, _ = run_json(*USUAL, "--mass-kg", 0.001)
+    assert record["mujoco"]["flag"] == "time_step_below_default"
+    assert record["mujoco"]["largest_time_step_s"] < 0.002
+    _, _, err = run(*USUAL, "--mass-kg", 0.001)
+    assert "default time step of 2 ms is unstable" in err
+
+
+@pytest.mark.parametrize(
+    ("name", "thickness"), [("deep", None), ("layer", 6.0), ("deep", 8.0), ("layer", 8.0)]
+)
+def test_pad_of_a_run_has_the_area_that_was_seen(results, name, thickness) -> None:
+    given = () if thickness in {None, 6.0} else ("--thickness-mm", thickness)
+    record, note = run_json(results[name], "--finger", "left_index", "--wedge-deg", 30, *given)
+    assert "contact area seen at 2 N" in note
+    assert f"{thickness:g} mm of tissue" in note if thickness else "deep tissue" in note
+    table = record["table"]
+    assert np.interp(2.0, table["load_N"], table["area_mm2"]) == pytest.approx(math.pi * 30, rel=2e-3)
+    assert record["newton"]["kh_N_per_m3_std"] > 0
+
+
+def test_pad_of_a_run_by_its_loading_curve(results, monkeypatch) -> None:
+    summary = SummaryFile.read(results["layer"])
+    layers = [
+        ThicknessFitRecord.model_construct(
+            thickness_mm=thickness, thickness_mm_std=0.5, youngs_modulus_kpa=40.0, youngs_modulus_kpa_std=4.0
+        )
+        for thickness in (5.0, 7.0)
+    ]
+    curves = [
+        CurveRecord.model_construct(finger="left_index", wedge_angle_deg=30.0, synthetic=False, layer=layer)
+        for layer in (*layers, None)
+    ]
+    monkeypatch.setattr(SummaryFile, "read", lambda _: summary.model_copy(update={"curves": curves}))
+    pad = of_run.measured_pad(results["layer"], finger=None, wedge_deg=30.0)
+    assert (float(pad.tissue.thickness), float(pad.tissue.youngs_modulus)) == (7.0, 0.04)
+    assert pad.stds == pytest.approx(
+        {"palmar": 0.1, "distal": 0.2, "radial_ulnar": 0.3, "youngs_modulus": 0.004, "thickness": 0.5}
+    )
+    assert "loading curve" in pad.source
+
+
+BAD = {
+    "no pad": (("--wedge-deg", 30), "give --semi-axes-mm"),
+    "no modulus": (PAD, "give --youngs-modulus-kpa"),
+    "loads descend": ((*USUAL, "--load-n", 3, 1), "--load-n must ascend"),
+    "loads beyond the pad": ((*PAD, "--youngs-modulus-kpa", 10), "--load-n 0.2 3: no contact under 3 N"),
+    "too thin": (
+        (*PAD, "--youngs-modulus-kpa", 50, "--thickness-mm", 0.05),
+        "thickness must be at least a tenth",
+    ),
+    "no mass": ((*USUAL, "--mass-kg", 0), "--mass-kg must be positive"),
+    "mass too small": ((*USUAL, "--mass-kg", 1e-8), "effective_mass must be at least"),
+    "uncertainty of no thickness": (
+        (*PAD, "--youngs-modulus-kpa", 90, "--thickness-mm-std", 1),
+        "--thickness-mm-std is that of --thickness-mm",
+    ),
+    "no run": (("nowhere", "--wedge-deg", 30), "nowhere: no finished run there"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input(name) -> None:
+    given, message = BAD[name]
+    code, out, err = run(*given)
+    assert (code, out) == (2, "")
+    assert message in err
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (("--wedge-deg", 30, "--finger", "thumb"), "found no finger 'thumb'; it has left_index"),
+        (("--wedge-deg", 20), "left_index was not pressed at 20°; it was at 30°"),
+        (("--wedge-deg", 30, "--youngs-modulus-kpa", 30), "--youngs-modulus-kpa is that of the run"),
+        (("--wedge-deg", 30, "--thickness-mm", 0.1), "neither a loading curve nor a contact"),
+    ],
+)
+def test_bad_input_beside_a_run(results, given, message) -> None:
+    code, out, err = run(results["layer"], *given)
+    assert (code, out) == (2, "")
+    assert message in err
