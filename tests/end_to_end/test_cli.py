@@ -697,9 +697,11 @@ def test_init_then_run(tmp_path: Path) -> None:
     assert run("init", tmp_path / "mine")[0] == 2
     code, out, _ = run("run", tmp_path / "mine" / "study.toml", "--out", tmp_path / "results")
     assert code == 0
-    radius, modulus = "corrected radius 13.80 ± 0.90 mm (fails)", "E at 2 N 67.1 ± 5.0 kPa (fails)"
-    assert f"left_index, wedge 30°: {radius}, {modulus}, from 1 observation  (synthetic); " in out
-    assert "fails by more than 20%" in out
+    modulus, radius = "modulus 67.1 ± 5.0 kPa, bone unknown", "corrected radius 13.80 ± 0.90 mm"
+    assert re.search(
+        rf"^left_index, 30° \(synthetic\): {modulus}; Hertz theory fails \(.*\); {radius}\.$", out, re.M
+    )
+    assert "fails where by more than 20%" in out
     names = {"report.html", "results.csv", "results_columns.csv", "results.json", "summary.json"}
     assert names <= {path.name for path in (tmp_path / "results").iterdir()}
 
@@ -723,7 +725,7 @@ def test_run_reports_failures_and_continues(run_demo: Path, tmp_path: Path) -> N
     code, stdout, err = run("run", study / "study.toml", "--out", out, "--workers", 2)
     assert code == 3
     assert "failed: synthetic_30deg_1N: synthetic/synthetic_30deg_1N.png" in err
-    assert "from 4 observations and 10 frames of 1 sequence  (synthetic)" in stdout
+    assert "synthetic_pad, 30° (synthetic): modulus " in stdout
     assert "synthetic_30deg_1N" in (out / "report.html").read_text(encoding="utf-8")
 
 
@@ -867,5 +869,6 @@ def test_a_run_without_a_result_says_why(tmp_path: Path) -> None:
     study.write_text(head, encoding="utf-8")
     code, out, _ = run("run", study)
     assert code == 3
-    assert re.search(r"^f, wedge 30°: 0 of 1 contact pooled: .*the ridge period is not that", out, re.M)
+    assert re.search(r"^f, 30°: 0 of 1 contact pooled: .*the ridge period is not that", out, re.M)
+    assert "f, 30°: no modulus and no corrected radius, as none of 1 contact counts.\n" in out
     assert run("status", study)[1].endswith("failed: empty\n")

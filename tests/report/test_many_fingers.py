@@ -118,9 +118,10 @@ def test_one_page_per_finger_and_index(drawn: Path) -> None:
         assert 'href="../report.html"' in page
         assert f"{name}, wedge 30°" in page
         assert not any(f"{other}, wedge" in page for other in FINGERS if other != name)
-        # The pad, the radius, the area, the budget.
-        assert page.count("<svg") >= 4
-    assert over.count("<svg") == 1
+        # The same of this finger, and the pad, the radius, the area, the budget.
+        assert page.count("<svg") >= 3 + 4
+    # Area, modulus and radius against load, and the radius against the wedge angle.
+    assert over.count("<svg") == 4
     assert len(re.findall(r"<td class=\"number\">30°</td>", over)) == len(FINGERS) + 1  # and the curve
 
 

@@ -1,5 +1,6 @@
 """The report: one file that needs nothing else, and says what it must."""
 
+import html
 import re
 import shutil
 from html.parser import HTMLParser
@@ -10,6 +11,7 @@ import pytest
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.output import answers_of
 from fingerpad.study.results.study_result import StudyResult
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
@@ -93,16 +95,61 @@ def test_synthetic_is_labelled(demo: tuple[StudyResult, str, Path]) -> None:
         assert (tag in heading) == heading.startswith("synthetic_pad")
 
 
+def unfolded(text: str) -> str:
+    """Return a page's words as it opens, with a figure as FIGURE."""
+    body = re.sub("<svg.*?</svg>", " FIGURE ", text[text.index("<body>") :], flags=re.DOTALL)
+    folded = re.sub(r"<details[^>]*>(<summary>.*?</summary>).*?</details>", r"\1", body, flags=re.DOTALL)
+    return html.unescape(re.sub("<[^>]*>", " ", folded))
+
+
+def words(text: str) -> int:
+    return sum(bool(re.search(r"\w", word)) for word in text.split())
+
+
+def test_the_answers_come_first_and_in_few_words(demo: tuple[StudyResult, str, Path]) -> None:
+    result, text, _ = demo
+    assert "<details>" not in text[: text.index('<details class="fold">')]
+    page = unfolded(text)
+    before, *_ = page.split("FIGURE")
+    assert page.count("FIGURE") == 3
+    assert words(before) <= 150
+    assert words(page) <= 1200
+    flat = re.sub(r"\s+", " ", before).replace(" synthetic :", " (synthetic):").replace(" :", ":")
+    for one in answers_of(result):
+        assert one.sentence in flat
+    table = text[text.index('<table class="results">') : text.index('<details class="fold">')]
+    assert table.count("<th") - table.count("<thead") == 8
+    for row, validity in zip(table.split("<tr>")[2:], result.validities, strict=True):
+        assert f"</span> {validity.verdict}" in row or f" {validity.verdict}</span></a>" in row
+    assert "13.8 ± 4.6</td>" in table
+    assert "49.2 ± 5.0<br><small>on bone</small>" in table
+
+
+def test_each_link_leads_into_a_fold_not_to_its_lid(demo: tuple[StudyResult, str, Path]) -> None:
+    _, text, _ = demo
+    # A browser opens the fold that an element lies in, not one that has the name itself.
+    links = set(re.findall(r'href="#([^"]+)"', re.sub("<svg.*?</svg>", "", text, flags=re.DOTALL)))
+    assert {"finger1", "missing"} <= links
+    assert all(f'</summary><div id="{link}">' in text for link in links)
+
+
+def test_what_is_missing_or_exact_stands_in_its_fold(demo: tuple[StudyResult, str, Path]) -> None:
+    result, text, _ = demo
+    fold = html.unescape(re.search(r'<div id="missing">(.*?)</div>', text, re.DOTALL)[1])  # type: ignore[index]
+    assert len(result.study.taken_as_exact()) == fold.count("Taken as exact") > 0
+    assert "so that the modulus is that of Hertz theory: left_index_direct, 30°" in fold
+    assert "no loading radius R<sub>g</sub> to compare with: synthetic_pad, 45°" in fold
+    assert fold.count("Missing: repeatability") == 2
+    assert f'<a href="#missing">{fold.count("<li>")} inputs are missing' in text
+
+
 def test_verdicts_stand_beside_the_results(demo: tuple[StudyResult, str, Path]) -> None:
     result, text, _ = demo
     for summary, validity in zip(result.summaries, result.validities, strict=True):
         assert validity.verdict == ("strained" if summary.synthetic else "fails")
-    headings = re.findall(r'<h3 id="holds\d">Does the model hold\? <span class="verdict (\w+)">', text)
+    headings = re.findall(r'<h3>Does the model hold\? <span class="verdict (\w+)">', text)
     assert headings == [validity.verdict for validity in result.validities]
-    table = text[text.index('<h2 id="results">') : text.index('<h2 id="fingers">')]
-    assert table.count('">○ fails</span></a>') == 4
-    assert "13.8 ± 4.6</strong><br><small>" in table
-    assert "± 0.88 without the model</small>" in table
+    assert "± 0.88</span>&nbsp;mm without the model" in text
 
 
 def test_fingers_without_a_thickness_get_conditional_figures(demo: tuple[StudyResult, str, Path]) -> None:

@@ -96,7 +96,7 @@ def test_the_report_lists_manual_corrections(manifest: Path) -> None:
     decide(manifest, "o2", {"rejected": "it <slipped>"})
     result, _ = run(manifest)
     page = write_report(result, manifest.parent / "out").read_text(encoding="utf-8")
-    section = page[page.index("Manual corrections") : page.index('id="fingers"')]
+    section = page[page.index('<div id="corrections">') : page.index('<div id="methods">')]
     assert ("corrected" in section, "it &lt;slipped&gt;" in section, "anna" in section) == (True,) * 3
     own = row_of(result, "o1")["automatic_semi_major_mm"]
     assert f"{own:.3f}" in section

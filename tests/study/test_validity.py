@@ -195,8 +195,9 @@ def test_every_place_shows_the_same_total_and_verdict(tmp_path: Path) -> None:
     radius, modulus = (summary["validity"]["headlines"][name] for name in (RADIUS, MODULUS))
     shown = positive_with_uncertainty(radius["value"], radius["total_std"])
     assert radius["total_std"] > 2 * radius["value_std"]
-    assert f"corrected radius {shown} mm ({radius['verdict']})" in printed
-    assert f"{shown}</strong>" in (out / "report.html").read_text()
+    assert f"; corrected radius {shown} mm." in printed
+    assert f"; Hertz theory {summary['validity']['verdict']} (" in printed
+    assert f'<td class="number">{shown}</td>' in (out / "report.html").read_text()
     assert summary["radius_from_indentation_mm_total_std"] == radius["total_std"]
     with (out / "results.csv").open() as file:
         (row,) = csv.DictReader(file)

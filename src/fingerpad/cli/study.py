@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
 
@@ -162,32 +161,22 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         finger_doubts,
         fingers_without_results,
         implausible_values,
-        placement_words,
         to_do,
         why_not_pooled,
     )
     from fingerpad.study.results.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
-    from fingerpad.study.results.validity import MODULUS, RADIUS
+    from fingerpad.study.results.output import answers_of
 
-    for summary, validity in zip(result.summaries, result.validities, strict=True):
-        pooled = summary.corrected_radius
-        label = "  (synthetic)" if summary.synthetic else ""
-        if pooled is None:
-            typer.echo(f"{placement_words(summary)}: {why_not_pooled(summary)}{label}")
-            continue
-        radius, modulus = validity.headlines[RADIUS], validity.headlines[MODULUS]
-        typer.echo(
-            f"{placement_words(summary)}: corrected radius "
-            f"{positive_with_uncertainty(radius.value, radius.total_std)} mm ({radius.verdict}), E at "
-            f"{validity.load:.3g} N {positive_with_uncertainty(modulus.value, modulus.total_std)} kPa "
-            f"({modulus.verdict}), from {summary.pooled_from}{label}; Hertz theory: {validity.verdict}"
-        )
+    for summary, answer in zip(result.summaries, answers_of(result), strict=True):
+        typer.echo(answer.sentence)
+        if summary.corrected_radius is None:
+            typer.echo(f"{answer.label}: {why_not_pooled(summary)}")
     for line in fingers_without_results(result):
         typer.echo(line)
     if any(validity.verdict in {STRAINED, FAILS} for validity in result.validities):
         typer.echo(
-            f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%}, {FAILS} by more "
-            f"than {FAILS_ABOVE:.0%}; the report says in which check"
+            f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%}, {FAILS} where by "
+            f"more than {FAILS_ABOVE:.0%}; in brackets, its largest difference"
         )
     for finger in result.fingers.values():
         for words in finger_doubts(finger):

@@ -6,8 +6,9 @@ from itertools import cycle
 from typing import Final
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
-from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
 from fingerpad.figures.panels import AnyAxes
 from fingerpad.figures.style import (
     BLACK,
@@ -23,8 +24,9 @@ from fingerpad.figures.style import (
 )
 
 _COLOURS: Final = (BLUE, ORANGE, GREEN, VERMILLION, SKY, "#CC79A7", GREY)
-_MOST_NAMES: Final = 8
+MOST_NAMES: Final = 8
 _WIDEST_SHIFT_DEG: Final = 1.4
+_SHIFT: Final = 0.035  # of the highest load
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +71,34 @@ class FingerLine:
     wedge_angle_deg: ArrayLike
     value: ArrayLike
     std: ArrayLike
+    synthetic: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LoadLine:
+    """Values of one finger at one placement against the load, N.
+
+    Attributes
+    ----------
+    name, colour : str
+        The finger and its angle, and the colour of them.
+    load, value, std : array_like, shape (n,)
+        One for each contact.
+    left_out : array_like of bool, shape (n,)
+        Which are not pooled: faded.
+    beside : sequence of (float, float)
+        Values that belong to no load, each with its standard uncertainty, NaN where not known.
+    synthetic : bool
+        Whether they were rendered or simulated: hollow.
+    """
+
+    name: str
+    colour: str
+    load: ArrayLike
+    value: ArrayLike
+    std: ArrayLike
+    left_out: ArrayLike = False
+    beside: Sequence[tuple[float, float]] = ()
     synthetic: bool = False
 
 
@@ -174,7 +204,7 @@ def plot_by_wedge(
     label : str
         Name of the values with their unit.
     """
-    crowded = len({line.person for line in lines}) > _MOST_NAMES
+    crowded = len({line.person for line in lines}) > MOST_NAMES
     named: set[str] = set()
     for place, line in enumerate(lines):
         name = f"{'a finger' if crowded else line.person}{' (synthetic)' if line.synthetic else ''}"
@@ -209,6 +239,72 @@ def plot_by_wedge(
     axes.set_ylabel(label)
     axes.margins(y=0.12)
     legend_above(axes)
+    return axes
+
+
+@in_style
+def plot_over_load(
+    axes: AnyAxes, lines: Sequence[LoadLine], *, label: str, beside: Sequence[str] = ()
+) -> AnyAxes:
+    """Draw values of several fingers and angles against load, each with its standard uncertainty.
+
+    Points at one load stand beside one another. More than eight fingers are grey, without names or bars.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    lines : sequence of LoadLine
+        The fingers.
+    label : str
+        Name of the values with their unit.
+    beside : sequence of str
+        Names of the values of `LoadLine.beside`, which stand to the right of the highest load.
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> line = LoadLine(name="thumb, 30°", colour=BLUE, load=[1, 2], value=[60, 95], std=[2, 3])
+    >>> plot_over_load(axes, [line], label="contact area A (mm²)").get_xlabel()
+    'normal load W (N)'
+    """
+    crowded = len(lines) > MOST_NAMES
+    loads = np.concatenate([np.zeros(1), *(as_float_array(line.load) for line in lines)])
+    top = float(loads.max()) or 1.0
+    places = top * (1.2 + 0.22 * np.arange(len(beside)))
+    for number, line in enumerate(lines):
+        x, y, std, out = broadcast(line.load, line.value, line.std, line.left_out)
+        more, more_std = as_float_array(line.beside).reshape(-1, 2).T
+        x, y, std = np.append(x, places), np.append(y, more), np.append(std, more_std)
+        known = np.isfinite(y)
+        colour = GREY if crowded else line.colour
+        shift = _SHIFT * top * (2 * (number + 0.5) / len(lines) - 1)
+        draw_points(
+            axes,
+            x[known] + shift,
+            y[known],
+            y_std=None if crowded else std[known],
+            synthetic=line.synthetic,
+            left_out=np.append(out, np.zeros(len(beside)))[known],
+            colour=colour,
+            label="_",  # named below, once
+        )
+        if not crowded:
+            face = "white" if line.synthetic else colour
+            axes.plot([], [], "o", color=colour, markerfacecolor=face, markersize=4.2, label=line.name)
+    if beside:
+        axes.axvline(1.09 * top, color=GREY, linewidth=0.5)
+        ticks = as_float_array(MaxNLocator(4).tick_values(0, top))
+        ticks = ticks[ticks <= 1.01 * top]
+        names = [f"{tick:g}" for tick in ticks] + list(beside)
+        axes.set_xticks(np.append(ticks, places), names)
+    axes.set_xlim(0, 1.08 * top + (places[-1] - 0.97 * top if beside else 0.0))
+    axes.set_xlabel("normal load W (N)")
+    axes.set_ylabel(label)
+    axes.margins(y=0.08)
+    if not crowded:
+        legend_above(axes, columns=2)
     return axes
 
 

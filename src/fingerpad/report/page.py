@@ -2,7 +2,8 @@
 
 import base64
 import io
-from collections.abc import Callable, Iterable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -17,12 +18,14 @@ from fingerpad._arrays import FloatArray
 from fingerpad._rounding import two_digits
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError
+from fingerpad.figures.compare import MOST_NAMES, colours_of
 from fingerpad.flags import FLAGS, Flag, flags_in
 from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plot
 from fingerpad.report.plots import (
     MOST_POINTS,
     agreement_plots,
+    answer_plots,
     area_indentation_plot,
     budget_plot,
     curve_plots,
@@ -41,6 +44,7 @@ from fingerpad.report.text import (
     contact_flags,
     doubtful_frames,
     face_differences,
+    fingers_without_results,
     implausible_values,
     note_counts,
     outline_doubts,
@@ -51,19 +55,21 @@ from fingerpad.report.text import (
     probability,
     to_do,
 )
+from fingerpad.study.results.answers import Answer
 from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.operators import QUANTITY_WORDS
+from fingerpad.study.results.output import answers_of
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.validity import Validity
 
 # Saves plots, and returns what the page shows of them.
 _Draw: TypeAlias = Callable[[Iterable[Plot]], list[dict[str, Any]]]
 
 _OVERLAY_WIDTH_PX = 560
+_MOST_ANSWERS = 6
 _MOST_FAILED = 200
 _MOST_PRESSES = 60
 # Of contacts and of sequences each: some twenty kilobytes a picture make a page that still opens.
@@ -119,7 +125,7 @@ def write_page(
         "quantity": _quantity,
         "headlines": HEADLINE_WORDS,
     }
-    path, draw = out / name, partial(_drawn, out, on_drawn)
+    path, draw, found = out / name, partial(_drawn, out, on_drawn), answers_of(result)
     try:
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)
@@ -131,17 +137,22 @@ def write_page(
             odd=[*result.notes, *implausible_values(result)],
             most_failed=_MOST_FAILED,
             corrected=result.corrected,
-            **(_tabled(result, draw) if pages else _drawn_in_full(result, draw)),
+            answers=found,
+            most_answers=_MOST_ANSWERS,
+            colours=colours_of([one.label for one in found]) if len(found) <= MOST_NAMES else {},
+            without=list(fingers_without_results(result)),
+            overview=draw(answer_plots(result, found, f"{path.stem}_" if home else "")),
+            by_wedge=draw(wedge_plot(result)) if pages else [],
+            **(_tabled(result, found) if pages else _drawn_in_full(result, found, draw)),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows.column("synthetic").any()),
             repeats=repeatability_section(result, with_loads=not pages),
             operators=[] if home else result.operators,
             agreement_figures=[] if home else draw(agreement_plots(result)),
             quantity_words=QUANTITY_WORDS,
-            exact=result.study.taken_as_exact(),
+            missing=_missing(result, found),
             first_order=result.study.uncertainty.method == "first_order",
             methods=None if home else methods_section(result),
-            assumed=result.study.assumed(),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
         )
         page.enable_buffering()
@@ -155,14 +166,10 @@ def write_page(
         ) from error
 
 
-def _tabled(result: StudyResult, draw: _Draw) -> dict[str, Any]:
-    """Return what the page over those of the fingers shows: a line of each, and one figure of all."""
+def _tabled(result: StudyResult, found: Sequence[Answer]) -> dict[str, Any]:
+    """Return what the page over those of the fingers shows: a line of each."""
     return {
-        "overview": draw(wedge_plot(result)),
-        "groups": [
-            _line(result, summary, validity)
-            for summary, validity in zip(result.summaries, result.validities, strict=True)
-        ],
+        "groups": [_line(result, summary, one) for summary, one in zip(result.summaries, found, strict=True)],
         "curves": [{"curve": curve, "figures": []} for curve in result.curves],
         "velocities": [],
         "photographs": [],
@@ -170,17 +177,17 @@ def _tabled(result: StudyResult, draw: _Draw) -> dict[str, Any]:
     }
 
 
-def _drawn_in_full(result: StudyResult, draw: _Draw) -> dict[str, Any]:
+def _drawn_in_full(result: StudyResult, found: Sequence[Answer], draw: _Draw) -> dict[str, Any]:
     """Return what a page with all figures and pictures shows."""
     on_layer = [one for one in result.summaries if one.layer and not one.layer.flag]
     return {
-        "overview": [],
         "groups": [
-            _line(result, summary, validity)
+            _line(result, summary, one)
+            | {"validity": validity}
             | _details(result, summary, check, draw)
             | _on_layer(result, summary, draw, with_section=on_layer[:1] == [summary])
-            for summary, check, validity in zip(
-                result.summaries, result.checks, result.validities, strict=True
+            for summary, one, check, validity in zip(
+                result.summaries, found, result.checks, result.validities, strict=True
             )
         ],
         "curves": [
@@ -197,17 +204,50 @@ def _drawn_in_full(result: StudyResult, draw: _Draw) -> dict[str, Any]:
     }
 
 
-def _line(result: StudyResult, summary: Summary, validity: Validity) -> dict[str, Any]:
+def _line(result: StudyResult, summary: Summary, found: Answer) -> dict[str, Any]:
     """Return what a table shows of one finger at one placement."""
     contacts = summary.contacts
     return {
         "summary": summary,
-        "validity": validity,
+        "answer": found,
         "contacts": len(contacts),
         "pooled": int(np.count_nonzero(contacts.column("pooled"))),
         "doubtful": int(np.count_nonzero(contacts.column("flags") != "")),
         "loading": loading_radius(result.curves, summary.place),
     }
+
+
+def _missing(result: StudyResult, found: Sequence[Answer]) -> list[str]:
+    """Return what is taken as exact, assumed, or missing, and what it does to the results."""
+    study = result.study
+    lacking = {
+        "the thickness of the tissue, so that the modulus is that of Hertz theory": [
+            one.label for one in found if one.of.on_layer is None
+        ],
+        "loading data, so that there is no loading radius R_g to compare with": [
+            one.label for one in found if math.isnan(one.of.loading_radius_mm)
+        ],
+    }
+    repeats = {kind: one.missing for kind, one in result.repeatability.items() if not one.known}
+    synthetic = set(result.rows.column("synthetic").tolist())
+    return [
+        *(
+            f"Taken as exact, since the manifest gives no uncertainty: {one}."
+            for one in study.taken_as_exact()
+        ),
+        *(
+            f"Assumed, since the manifest does not say: {one}. Set wedge_angle_deg_std and "
+            "roll_angle_deg_std if you know better."
+            for one in study.assumed()
+        ),
+        *(f"Missing: {what}: {', '.join(of)}." for what, of in lacking.items() if of),
+        *(
+            f"Missing: repeatability{' of synthetic contacts' if kind and len(synthetic) > 1 else ''}, "
+            f"which another impression would change: {why}."
+            for kind, why in repeats.items()
+            if kind in synthetic
+        ),
+    ]
 
 
 def _details(

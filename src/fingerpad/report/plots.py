@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem
 from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.estimate import Estimate
@@ -19,13 +20,21 @@ from fingerpad.figures import (
     plot_press,
     plot_uncertainty_budget,
 )
-from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_by_wedge
+from fingerpad.figures.compare import (
+    FingerLine,
+    LoadLine,
+    MeanMark,
+    colours_of,
+    plot_by_wedge,
+    plot_over_load,
+)
 from fingerpad.figures.panels import PanelFigure, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.answers import Answer
 from fingerpad.study.results.exponent import Exponent, area_exponent
 from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.rows import PlacementKey
@@ -38,6 +47,7 @@ from fingerpad.study.results.validity import RADIUS, Headline
 # More than these only make a page heavy.
 _MOST_FRAMES: Final = 150
 MOST_POINTS: Final = 60
+_BESIDE: Final = (r"$R_\mathrm{g}$", r"$R_\mathrm{0g}$")
 
 
 def group_name(key: PlacementKey) -> str:
@@ -46,6 +56,54 @@ def group_name(key: PlacementKey) -> str:
     roll = f"_roll{roll_angle_deg!r}" if roll_angle_deg else ""
     name = f"{finger}_{wedge_angle_deg!r}deg{roll}".replace(".0deg", "deg")
     return file_stem(name + ("_synthetic" if synthetic else ""))
+
+
+def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> Iterator[Plot]:
+    """Draw area, modulus and corrected radius of all fingers and angles against load."""
+    colours = colours_of([one.label for one in found])
+    pairs = list(zip(result.summaries, found, strict=True))
+    if not pairs:
+        return
+    on_bone = any(one.on_bone for one in found)
+    for name, label, caption, values in (
+        (
+            "area_over_load",
+            "contact area A (mm²)",
+            "Contact area against load; points at one load stand side by side.",
+            _areas,
+        ),
+        (
+            "modulus_over_load",
+            "Young's modulus E (kPa)",
+            "Young's modulus against load"
+            + (", on bone where the tissue's thickness is stated, else by Hertz theory." if on_bone else "."),
+            _moduli,
+        ),
+        (
+            "radius_over_load",
+            "corrected radius (mm)",
+            "Corrected radius against load; beside it loading radius R_g and R_0g of the undeformed pad.",
+            _radii,
+        ),
+    ):
+        lines = [
+            LoadLine(
+                name=one.label,
+                colour=colours[one.label],
+                beside=[
+                    (one.of.loading_radius_mm, one.of.loading_radius_mm_std),
+                    (one.of.mean_curvature_radius_mm, one.of.mean_curvature_radius_mm_std),
+                ]
+                if values is _radii
+                else (),
+                synthetic=one.of.synthetic,
+                **values(shown_rows(summary), one),
+            )
+            for summary, one in pairs
+        ]
+        figure, (axes,) = new_panels(height_mm=78)
+        plot_over_load(axes, lines, label=label, beside=_BESIDE if values is _radii else ())
+        yield Plot(name=f"{prefix}{name}", figure=figure, caption=caption)
 
 
 def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
@@ -306,6 +364,28 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:
         synthetic=summary.synthetic,
     )
     return figure
+
+
+def _areas(rows: ResultsTable, _: Answer) -> dict[str, FloatArray]:
+    area = np.pi * rows.column("semi_major_mm") * rows.column("semi_minor_mm")
+    return _points(rows, area, rows.column("gross_area_mm2_std"))
+
+
+def _moduli(rows: ResultsTable, found: Answer) -> dict[str, FloatArray]:
+    name, std = ("_on_layer_kpa", "std") if found.on_bone else ("_kpa", "total_std")
+    return _points(rows, rows.column(f"youngs_modulus{name}"), rows.column(f"youngs_modulus{name}_{std}"))
+
+
+def _radii(rows: ResultsTable, _: Answer) -> dict[str, FloatArray]:
+    name = "radius_from_indentation_mm"
+    return _points(rows, rows.column(name), rows.column(f"{name}_total_std"))
+
+
+def _points(rows: ResultsTable, value: FloatArray, std: FloatArray) -> dict[str, FloatArray]:
+    """Return rows as a `LoadLine` has them, without those that have no value or no load."""
+    load, left_out = rows.column("load_N"), ~rows.column("pooled")
+    known = np.isfinite(value) & (load > 0)
+    return {"load": load[known], "value": value[known], "std": std[known], "left_out": left_out[known]}
 
 
 def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> PanelFigure:

@@ -15,6 +15,7 @@ from fingerpad.image import PadSemiAxes
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.answers import Answer, answers
 from fingerpad.study.results.by_load import AtLoad, LoadMean
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.exponent import area_exponent
@@ -134,12 +135,7 @@ def summary_of(result: StudyResult) -> SummaryFile:
     return SummaryFile(
         title=result.study.title,
         fingers=[_finger(finger) for finger in result.fingers.values()],
-        summaries=[
-            _placement(summary, check, validity, loading_radius(result.curves, summary.place))
-            for summary, check, validity in zip(
-                result.summaries, result.checks, result.validities, strict=True
-            )
-        ],
+        summaries=_placements(result),
         repeatability=RepeatabilityRecord(
             contact=[
                 _contact_repeatability(one, synthetic=synthetic)
@@ -172,6 +168,18 @@ def summary_of(result: StudyResult) -> SummaryFile:
         methods=methods_section(result),
         provenance=ProvenanceRecord.model_validate(result.provenance),
     )
+
+
+def answers_of(result: StudyResult) -> list[Answer]:
+    """Return what was found of each finger at each placement."""
+    return answers(_placements(result), map(_at_load, result.by_load))
+
+
+def _placements(result: StudyResult) -> list[PlacementRecord]:
+    return [
+        _placement(summary, check, validity, loading_radius(result.curves, summary.place))
+        for summary, check, validity in zip(result.summaries, result.checks, result.validities, strict=True)
+    ]
 
 
 def _finger(finger: FingerResult) -> FingerRecord:
