@@ -56,7 +56,7 @@ class SimulatorLaw(Displayed):
 
     Examples
     --------
-    >>> from fingerpad.geometry import Ellipsoid
+    >>> from fingerpad.geometry import Ellipsoid, Placement
     >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
     >>> law = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0), loads=(0.2, 3.0))
     >>> print(f"{law.load[-1]:.1f} N at {law.indentation[-1]:.2f} mm, {law.area[-1]:.0f} mm²")
@@ -286,7 +286,7 @@ def simulator_law(
 
     Examples
     --------
-    >>> from fingerpad.geometry import Ellipsoid
+    >>> from fingerpad.geometry import Ellipsoid, Placement
     >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
     >>> tissue = Tissue(youngs_modulus=0.05, thickness=8.0)
     >>> law = simulator_law(place, tissue, stds={"youngs_modulus": 0.005, "thickness": 1.0})
