@@ -22,7 +22,7 @@ from benchmarks.photographs import random_finger
 from benchmarks.pressure_images import CONDITIONS, pressure_image
 from fingerpad.image import Face, guess_subject, read_colour_image
 from fingerpad.simulate import render_coin
-from fingerpad.study.new_files.identify import SURE
+from fingerpad.study.imports.identify import SURE
 
 ROOT = Path(__file__).resolve().parents[1]
 REAL = ROOT.parent / "shared" / "data"

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 from fingerpad.cli import app
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
-from fingerpad.study.fiji import (
+from fingerpad.study.imports import (
     MeasuredEllipse,
     manual_observations,
     read_results_table,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fingerpad.study.new_files.file_names import read_file_name
+from fingerpad.study.imports.names import read_file_name
 
 
 @pytest.mark.parametrize(
@@ -24,7 +24,7 @@ from fingerpad.study.new_files.file_names import read_file_name
     ],
 )
 def test_load(name: str, load: float | None) -> None:
-    assert read_file_name(name, "picture").load_N == load
+    assert read_file_name(name, "picture").get("load_N") == load
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_load(name: str, load: float | None) -> None:
     ],
 )
 def test_wedge_angle(name: str, angle: float | None) -> None:
-    assert read_file_name(name, "picture").wedge_angle_deg == angle
+    assert read_file_name(name, "picture").get("wedge_angle_deg") == angle
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_wedge_angle(name: str, angle: float | None) -> None:
     ],
 )
 def test_finger(name: str, finger: str | None) -> None:
-    assert read_file_name(name, "picture", fingers=["my_pad", "pad"]).finger == finger
+    assert read_file_name(name, "picture", fingers=["my_pad", "pad"]).get("finger") == finger
 
 
 @pytest.mark.parametrize(
@@ -88,4 +88,4 @@ def test_finger(name: str, finger: str | None) -> None:
 )
 def test_role(name: str, kind: str, role: str | None, face: str | None) -> None:
     found = read_file_name(f"folder_2N/{name}", kind)
-    assert (found.role, found.face, found.load_N is None) == (role, face, "2N" not in name)
+    assert (found.get("role"), found.get("face"), "load_N" not in found) == (role, face, "2N" not in name)

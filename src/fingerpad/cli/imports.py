@@ -11,7 +11,7 @@ from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
-    from fingerpad.study.fiji import ManualObservation, MeasuredEllipse
+    from fingerpad.study.imports import ManualObservation, MeasuredEllipse
 
 app = typer.Typer(
     cls=Group, rich_markup_mode=None, help="Import measurements from other programs.", no_args_is_help=True
@@ -65,7 +65,7 @@ def import_fiji(
     A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
     neither flags nor labels give is left empty, to be filled in.
     """
-    from fingerpad.study.fiji import manual_observations, write_observations
+    from fingerpad.study.imports import manual_observations, write_observations
 
     given = {
         "finger": finger,
@@ -96,7 +96,7 @@ def import_fiji(
 
 
 def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> float:
-    from fingerpad.study.fiji import is_roi_file
+    from fingerpad.study.imports import is_roi_file
 
     rois = [path for path in files if is_roi_file(path)]
     if unit is not None and (scale is not None or rois):
@@ -115,7 +115,7 @@ def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> 
 
 
 def _read(files: list[Path]) -> list["MeasuredEllipse"]:
-    from fingerpad.study.fiji import is_roi_file, read_results_table, read_rois
+    from fingerpad.study.imports import is_roi_file, read_results_table, read_rois
 
     places = [path.resolve() for path in files]
     for path, place in zip(files, places, strict=True):

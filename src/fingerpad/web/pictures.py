@@ -17,7 +17,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
 from fingerpad.image.read import Picture
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
-from fingerpad.study.new_files.file_names import Kind
+from fingerpad.study.imports.names import Kind
 from fingerpad.web.errors import RequestError
 
 THUMBNAIL_PX: Final = 192

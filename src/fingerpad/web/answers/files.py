@@ -2,8 +2,8 @@
 
 from typing import Literal
 
-from fingerpad.study.new_files.identify import Content
-from fingerpad.study.new_files.quantities import Role
+from fingerpad.study.imports.identify import Content
+from fingerpad.study.imports.values import Role
 from fingerpad.web.answers.base import Answer
 
 

@@ -2,10 +2,10 @@
 
 from typing import Any, Final, Literal
 
+from fingerpad.study.imports.names import Kind as FileKind
+from fingerpad.study.imports.values import Role
 from fingerpad.study.manifest.load import Kind
 from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
-from fingerpad.study.new_files.file_names import Kind as FileKind
-from fingerpad.study.new_files.quantities import Role
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
 from fingerpad.web.answers.base import Answer, Face, Status
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import Field
 
-from fingerpad.study.new_files import (
+from fingerpad.study.imports import (
     FileValues,
     identify_file,
     join_files,

@@ -25,13 +25,13 @@ from fingerpad.study.corrections.items import (
     is_rejected,
 )
 from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.imports.names import read_file_name
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.models import Surface
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.items import StudyItems
-from fingerpad.study.new_files.file_names import read_file_name
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.summary_file import FingerRecord
 from fingerpad.study.status import item_states, semi_axes_state
@@ -345,7 +345,10 @@ def _files(opened: StudySession) -> list[dict[str, Any]]:
             and (opened.count_frames(name) or 1) > 1
         ):
             kind = "sequence"
-        reading = asdict(read_file_name(name, kind, fingers=fingers)) if name in unused else None
+        reading = None
+        if name in unused:
+            stated = read_file_name(name, kind, fingers=fingers)
+            reading = {key: stated.get(key) for key in answers.FileReading.model_fields}
         return {"file": name, "kind": kind, "bytes": size, "used": used, "reading": reading}
 
     return [described(name, status.st_size) for name, status in opened.files().items()]

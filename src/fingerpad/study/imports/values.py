@@ -5,6 +5,7 @@ import re
 from collections.abc import Mapping
 from typing import Final, Literal, TypeAlias, TypedDict, get_args
 
+from fingerpad import units
 from fingerpad.image import Face
 
 Role: TypeAlias = Literal["observation", "photograph", "sequence", "curve", "outline"]
@@ -60,7 +61,11 @@ _ROLE_WORDS: Final[Mapping[str, Role | Literal[""]]] = {
 }
 # Factor that turns a value in the unit into the library's; grams are grams-force.
 FACTORS: Final[Mapping[str, Mapping[str, float]]] = {
-    "load": {"n": 1.0, "mn": 1e-3, "kn": 1e3, "g": 9.80665e-3, "gf": 9.80665e-3, "kgf": 9.80665},
+    "load": {
+        **{unit.casefold(): factor for unit, factor in units.FACTORS["force"].items()},
+        "g": units.FACTORS["force"]["gf"],
+        "kgf": 9.80665,
+    },
     "wedge": {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0, "rad": math.degrees(1.0)},
     "roll": {"deg": 1.0},
     "mm_per_px": {"mm/px": 1.0, "mm/pixel": 1.0, "um/px": 1e-3, "µm/px": 1e-3, "μm/px": 1e-3},

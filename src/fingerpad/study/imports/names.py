@@ -1,23 +1,149 @@
-"""A pattern of the names of files or labels, stated once, and what it gives of each name."""
+"""What the names of files and labels say: by their usual words, or by a pattern that is stated once."""
 
 import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import PurePosixPath
-from typing import Final, Self
+from typing import Final, Literal, Self, TypeAlias
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.new_files.quantities import DIGITS, HAND_WORDS, Field, FileValues, read_value
+from fingerpad.study.imports.values import (
+    DIGITS,
+    FACES,
+    HAND_WORDS,
+    INITIALS,
+    Field,
+    FileValues,
+    Role,
+    read_value,
+)
 
+Kind: TypeAlias = Literal["picture", "sequence", "table", "other"]
+
+# Letters, or one number with its decimal mark.
+_WORD: Final = re.compile(r"[^\W\d_]+|\d+(?:[.,]\d+)?")
+_NUMBER: Final = r"(?<![\d.,])(\d+(?:[.,]\d+)?)"
+# A dash or underscore after one digit may stand for a decimal point: 0-5N, 1_5N.
+_LOAD: Final = re.compile(rf"(?<!(?<!\d)\d[-_]){_NUMBER}[ _-]?(m?)N(?![^\W\d_])")
+_WEDGE: Final = (
+    re.compile(rf"(?<!(?<!\d)\d[-_]){_NUMBER}[ _-]?(?:deg|°)", re.IGNORECASE),
+    re.compile(rf"(?:wedge|theta|θ)(?:[ _-]?angle)?[ _-]?{_NUMBER}", re.IGNORECASE),
+)
+_PERSON: Final = re.compile(r"(?<![^\W_])(?:s|p|subject|participant|person)[ _-]?(\d+)(?!\d)", re.IGNORECASE)
+_CAPITALS: Final = re.compile(r"(?<![^\W\d_])([LR])([TIMRLP])(?![^\W\d_])")
+_OF_SCALE: Final = frozenset(
+    ("ruler", "scale", "coin", "euro", "cent", "calibration", "card", "checkerboard", "grid")
+)
+_ROLES: Final[dict[Kind, Role]] = {"picture": "observation", "sequence": "sequence", "table": "curve"}
+_FACE_ROLES: Final[dict[Kind, Role]] = {"picture": "photograph", "table": "outline"}
+
+# Of a pattern.
 FILE_FIELDS: Final[tuple[Field, ...]] = ("person", "finger", "face", "role", "wedge", "load", "session")
 _PLACEHOLDER: Final = re.compile(r"\{([^{}]*)\}|(\*)")
-_NUMBER: Final = r"\d+(?:[.,p]\d+)?"
+_PATTERN_NUMBER: Final = r"\d+(?:[.,p]\d+)?"
 _TEXT: Final = r"[^\W_]+(?:-[^\W_]+)*?"
 _HAND, _DIGIT = "|".join(HAND_WORDS), "|".join(DIGITS)
 _FINGER: Final = rf"(?:{_HAND})[ _-]?(?:{_DIGIT})|(?:{_DIGIT})[ _-](?:{_HAND})|{_TEXT}"
-_EXPRESSIONS: Final = {"wedge": _NUMBER, "load": _NUMBER, "roll": f"-?{_NUMBER}", "finger": _FINGER}
+_EXPRESSIONS: Final = {
+    "wedge": _PATTERN_NUMBER,
+    "load": _PATTERN_NUMBER,
+    "roll": f"-?{_PATTERN_NUMBER}",
+    "finger": _FINGER,
+}
 _LONGEST: Final = 200
 _MOST_ANY: Final = 3
+
+
+def read_file_name(name: str, kind: Kind, *, fingers: Iterable[str] = ()) -> FileValues:
+    """Read what a file's name says about its content.
+
+    Parameters
+    ----------
+    name : str
+        Name of the file, with or without folders.
+    kind : {"picture", "sequence", "table", "other"}
+        Kind of file.
+    fingers : iterable of str
+        Fingers of the study; one of them in the name is that finger.
+
+    Returns
+    -------
+    FileValues
+        ``role``, ``finger``, ``face``, ``wedge_angle_deg`` and ``load_N``, as far as the name states them and
+        could not mean two things. The person's name is in front of the finger's: ``S01_left_index``. There is
+        no role for a ruler, a coin or the force of a sequence.
+
+    Examples
+    --------
+    >>> found = read_file_name("S01_LI_wedge45_500mN.png", "picture")
+    >>> found["finger"], found["wedge_angle_deg"], found["load_N"]
+    ('S01_left_index', 45.0, 0.5)
+    >>> read_file_name("left-thumb-30deg-1,5N.tif", "picture")["load_N"]
+    1.5
+    >>> read_file_name("IMG_0031.jpg", "picture")
+    {'role': 'observation'}
+    """
+    stem, values = PurePosixPath(name).stem, FileValues()
+    words = [word.lower() for word in _WORD.findall(stem)]
+    if face := next((face for face in FACES if face in words), None):
+        values["face"] = face
+    role = (_FACE_ROLES if face else _ROLES).get(kind, _ROLES.get(kind))
+    if role and not names_a_scale(name) and not (kind == "table" and names_a_force(name)):
+        values["role"] = role
+    known = [finger for finger in fingers if finger.lower() in stem.lower()]
+    if finger := max(known, key=len) if known else _finger(stem):
+        values["finger"] = finger
+    if (angle := _wedge(stem)) is not None:
+        values["wedge_angle_deg"] = angle
+    if (load := _load(stem)) is not None:
+        values["load_N"] = load
+    return values
+
+
+def names_a_scale(name: str) -> bool:
+    """Tell whether a name says that a file shows a ruler, a coin or the like."""
+    return not _OF_SCALE.isdisjoint(word.lower() for word in _WORD.findall(PurePosixPath(name).stem))
+
+
+def names_a_force(name: str) -> bool:
+    """Tell whether a name says that a table holds a force, as beside a sequence, and no loading curve."""
+    words = {word.lower() for word in _WORD.findall(PurePosixPath(name).stem)}
+    return "force" in words and words.isdisjoint(("displacement", "indentation", "curve"))
+
+
+def _finger(stem: str) -> str | None:
+    """Return hand and digit, by full words in any order or by two capitals, after the person."""
+    words = [word.lower() for word in re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))]
+    pairs = [pair for one, other in pairwise(words) for pair in ((one, other), (other, one))]
+    found = [
+        *(
+            f"{HAND_WORDS[hand]}_{DIGITS[digit]}"
+            for hand, digit in pairs
+            if hand in HAND_WORDS and digit in DIGITS
+        ),
+        *(f"{HAND_WORDS[hand.lower()]}_{INITIALS[digit]}" for hand, digit in _CAPITALS.findall(stem)),
+    ]
+    if not found:
+        return None
+    person = _PERSON.search(stem)
+    return f"{person[0]}_{found[0]}".replace(" ", "") if person else found[0]
+
+
+def _wedge(stem: str) -> float | None:
+    for pattern in _WEDGE:
+        if (found := pattern.search(stem)) and (angle := _float(found[1])) <= 90:
+            return angle
+    return None
+
+
+def _load(stem: str) -> float | None:
+    found = _LOAD.search(stem)
+    return None if found is None else _float(found[1]) * (1e-3 if found[2] else 1.0)
+
+
+def _float(words: str) -> float:
+    return float(words.replace(",", "."))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,19 +1,20 @@
-"""ImageJ's ROIs: ellipses that were drawn, and outlines that were traced, in pixels."""
+"""Ellipses measured in Fiji or ImageJ: its Results table, and ROIs that were drawn or traced."""
 
 import math
 import struct
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Final
 
 import numpy as np
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
-from fingerpad.exceptions import ImageError
+from fingerpad._tables import read_table
+from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
-from fingerpad.study.fiji.ellipse import MeasuredEllipse, upward_deg
 
 _TRACED: Final = frozenset((ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED))
 _LARGEST: Final = 16_000_000  # bytes; 65,535 corners take one
@@ -27,6 +28,135 @@ _BROKEN: Final = (
     NotImplementedError,
     RuntimeError,
 )
+_SUMMARY: Final = ["Mean", "SD", "Min", "Max"]  # rows that Fiji's Summarize appends
+# Area over that of the ellipse: they differ where holes or a threshold count.
+_SAME_AREA: Final = 0.05
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuredEllipse:
+    """One ellipse, in the unit of its file.
+
+    Attributes
+    ----------
+    label : str
+        What Fiji calls it: the picture's name, or the ROI's.
+    place : str
+        File and line, or file and ROI, for messages.
+    semi_major, semi_minor : float
+        Semi-axes: half of what Fiji's Major and Minor are.
+    orientation_deg : float or None
+        Long axis from straight up in the picture, counter-clockwise, in (−90, 90]; None where not known.
+    doubts : tuple of str
+        What should be looked at.
+    """
+
+    label: str
+    place: str
+    semi_major: float
+    semi_minor: float
+    orientation_deg: float | None = None
+    doubts: tuple[str, ...] = ()
+
+
+def upward_deg(angle_deg: float) -> float:
+    """Turn an angle from the horizontal, as Fiji gives it, into one from straight up, in (−90, 90].
+
+    Examples
+    --------
+    >>> upward_deg(90.0), upward_deg(0.0), upward_deg(100.0)
+    (0.0, 90.0, 10.0)
+    """
+    return 90 - (180 - angle_deg) % 180
+
+
+def is_roi_file(path: Path) -> bool:
+    """Tell by its suffix whether a file holds ROIs, which are in pixels, or a table.
+
+    Examples
+    --------
+    >>> is_roi_file(Path("RoiSet.zip")), is_roi_file(Path("Results.csv"))
+    (True, False)
+    """
+    return path.suffix.lower() in {".roi", ".zip"}
+
+
+def read_results_table(path: Path) -> list[MeasuredEllipse]:
+    """Read the fitted ellipses of a Results table, in its own unit.
+
+    Cells may be separated by commas, tabs or semicolons, the latter two with decimal commas. Rows that Fiji's
+    *Summarize* appends are left out.
+
+    Parameters
+    ----------
+    path : Path
+        ``Results.csv``, or ``.txt``, ``.tsv``, ``.xls`` as Fiji writes them: text; or an XLSX workbook.
+
+    Raises
+    ------
+    ManifestError
+        Naming file and line, what was found, and what to do in Fiji.
+    """
+    table = read_table(path, ManifestError)
+    missing = [name for name in ("Major", "Minor") if name not in table.header]
+    if missing:
+        found = ", ".join(filter(None, table.header)) or "none"
+        raise ManifestError(
+            f"{path}: no column {' and '.join(missing)}; found {found}. "
+            "In Fiji choose Analyze > Set Measurements > Fit ellipse, and measure again"
+        )
+    table.require_headers(ManifestError)
+    names = [name for name in ("Major", "Minor", "Area", "Angle") if name in table.header]
+    numbers = zip(*table.texts([table.header.index(name) for name in names]), strict=True)
+    rows = []
+    for (line, cells), measured in zip(table.rows, numbers, strict=True):
+        row = dict(zip(table.header, map(str.strip, cells), strict=False)) | dict(
+            zip(names, found, strict=True)
+        )
+        rows.append((f"{path.name}, {table.line(line)}", row))
+    if [row.get("Label") for _, row in rows[-4:]] == _SUMMARY:
+        rows = rows[:-4]
+    if not rows:
+        raise ManifestError(f"{path}: holds no rows below its first line; measure something first")
+    return [_row_ellipse(row, place, number) for number, (place, row) in enumerate(rows, start=1)]
+
+
+def _row_ellipse(row: Mapping[str, str], place: str, number: int) -> MeasuredEllipse:
+    major, minor = _number(row, "Major", place), _number(row, "Minor", place)
+    if not major >= minor > 0:
+        raise ManifestError(
+            f"{place}: Major {major:g} and Minor {minor:g} are no full axes of an ellipse; "
+            "a line or a point has none: remove the row"
+        )
+    doubts = []
+    if row.get("Area"):
+        ratio = _number(row, "Area", place) / (math.pi * major * minor / 4)
+        if abs(ratio - 4) < 4 * _SAME_AREA:
+            raise ManifestError(
+                f"{place}: Area is π times Major times Minor, so these are semi-axes; "
+                "Fiji writes full axes: double them, or write observations with semi_major_mm yourself"
+            )
+        if abs(ratio - 1) > _SAME_AREA:
+            doubts.append(f"Area is {ratio:.2f} of the ellipse's; were holes or a threshold measured?")
+    angle = _number(row, "Angle", place) if row.get("Angle") else None
+    return MeasuredEllipse(
+        label=row.get("Label") or f"contact_{number}",
+        place=place,
+        semi_major=major / 2,
+        semi_minor=minor / 2,
+        orientation_deg=None if angle is None else upward_deg(angle),
+        doubts=tuple(doubts),
+    )
+
+
+def _number(row: Mapping[str, str], column: str, place: str) -> float:
+    try:
+        value = float(row[column])
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ManifestError(f"{place}: column {column}: expected a number, found {row[column][:40]!r}")
+    return value
 
 
 def read_rois(path: Path) -> list[MeasuredEllipse]:

@@ -10,11 +10,11 @@ from typing import Any, Final
 from fingerpad._csv import write_csv
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FingerpadError, ManifestError
-from fingerpad.study.fiji.ellipse import MeasuredEllipse
+from fingerpad.study.imports.ellipses import MeasuredEllipse
+from fingerpad.study.imports.names import NamePattern
+from fingerpad.study.imports.values import Field, plain_name
 from fingerpad.study.manifest.messages import validated
 from fingerpad.study.manifest.models import Load, ManifestModel, Name, RollAngle, WedgeAngle
-from fingerpad.study.new_files.name_pattern import NamePattern
-from fingerpad.study.new_files.quantities import Field
 
 # What an ellipse does not tell of its contact.
 FIELDS: Final = ("finger", "wedge_angle_deg", "load_N", "roll_angle_deg")
@@ -75,16 +75,7 @@ class ManualObservation(Displayed):
 
     def as_record(self) -> dict[str, Any]:
         """Return the row, None for what is not known."""
-        return {
-            "name": self.name,
-            **{name: self.values.get(name) for name in FIELDS},
-            "semi_major_mm": self.semi_major_mm,
-            "semi_minor_mm": self.semi_minor_mm,
-            "ellipse_mm_std": self.ellipse_mm_std,
-            "long_axis": self.long_axis,
-            "synthetic": self.synthetic,
-            "notes": self.notes,
-        }
+        return {key: self.values.get(key) if key in FIELDS else getattr(self, key) for key in _HEADER}
 
 
 def manual_observations(
@@ -195,8 +186,7 @@ def _long_axis(ellipse: MeasuredEllipse, finger_axis_deg: float) -> str | None:
 
 def _name(label: str, taken: set[str]) -> str:
     """Return a name that a manifest takes, unlike all others even where case does not count."""
-    stem = re.sub(_SUFFIX, "", label, flags=re.IGNORECASE)
-    base = re.sub(r"[^\w.+-]+", "_", stem).strip("_.+-")[:_LONGEST_NAME] or "contact"
+    base = plain_name(re.sub(_SUFFIX, "", label, flags=re.IGNORECASE))[:_LONGEST_NAME] or "contact"
     name, number = base, 1
     while name.casefold() in taken:
         number += 1

@@ -10,7 +10,7 @@ from typing import Final, Literal, NamedTuple, TypeAlias
 
 from fingerpad._tables import Table, parse_table, read_table
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.new_files.quantities import FACTORS, Field, FileValues, finger_name, read_value
+from fingerpad.study.imports.values import FACTORS, Field, FileValues, finger_name, read_value
 
 _MOST_BYTES: Final = 20_000_000
 Meaning: TypeAlias = Field | Literal["file", "hand"]

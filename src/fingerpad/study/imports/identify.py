@@ -12,8 +12,8 @@ from fingerpad._tables import TABLE_SUFFIXES, Table, read_table
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames, read_colour_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
-from fingerpad.study.new_files.file_names import Kind, names_a_force, names_a_scale, read_file_name
-from fingerpad.study.new_files.file_table import file_table
+from fingerpad.study.imports.file_table import file_table
+from fingerpad.study.imports.names import Kind, names_a_force, names_a_scale, read_file_name
 
 Content: TypeAlias = Literal[
     "contact image",
@@ -139,15 +139,14 @@ def _identity(
         named: list[Content] = []
         if names_a_scale(path.name):
             named = ["coin", "ruler"]
-        elif reading.face is not None:
+        elif "face" in reading:
             named = ["photograph"]
-        elif reading.load_N is not None:
+        elif "load_N" in reading:
             named = ["contact image"]
         for content in named:
             weights[content] *= _NAMED
-    if reading.face is not None and kind in {"picture", "table"}:
-        by_face = {face: share for face, share in by_face.items() if face != reading.face}
-        by_face = {reading.face: 1.0, **dict.fromkeys(by_face, 0.0)}
+    if "face" in reading and kind in {"picture", "table"}:
+        by_face = {reading["face"]: 1.0, **{face: 0.0 for face in by_face if face != reading["face"]}}
     return FileIdentity(contents=_ranked(weights), faces=by_face)
 
 
