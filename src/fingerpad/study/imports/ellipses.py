@@ -110,9 +110,8 @@ def read_results_table(path: Path) -> list[MeasuredEllipse]:
     numbers = zip(*table.texts([table.header.index(name) for name in names]), strict=True)
     rows = []
     for (line, cells), measured in zip(table.rows, numbers, strict=True):
-        row = dict(zip(table.header, map(str.strip, cells), strict=False)) | dict(
-            zip(names, found, strict=True)
-        )
+        row = dict(zip(table.header, map(str.strip, cells), strict=False))
+        row.update(zip(names, measured, strict=True))
         rows.append((f"{path.name}, {table.line(line)}", row))
     if [row.get("Label") for _, row in rows[-4:]] == _SUMMARY:
         rows = rows[:-4]
