@@ -38,6 +38,7 @@ from benchmarks import (
     repeatability,
     scale,
     sequences,
+    simulators,
     soak,
     stripe_images,
     studies,
@@ -96,6 +97,7 @@ if __name__ == "__main__":
     peers.report()
     contact_law_errors.report()
     fields.report()
+    simulators.report()
     uncertainty.monte_carlo_speed()
     uncertainty.first_order_against_simulation()
     studies.study_coverage()

@@ -72,6 +72,12 @@ def test_readme_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert Path("overlay.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_finger_for_simulators_is_what_the_code_prints() -> None:
+    printed, said = run_page("docs/how-to/simulators.md")
+    assert len(said) == 2
+    assert printed == said
+
+
 def test_explained_contact_is_what_the_code_prints() -> None:
     printed, said = run_page("docs/explanation/pad-to-contact.md")
     assert len(said) == 6
