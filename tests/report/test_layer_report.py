@@ -65,8 +65,8 @@ def cells(text: str, quantity: str, of: str) -> list[str]:
 @pytest.mark.parametrize(
     ("quantity", "hertz", "layered"),
     [
-        ("E from load and area (kPa)", "youngs_modulus_kpa", "youngs_modulus_on_layer_kpa"),
-        ("ξ from the area (mm)", "indentation_mm", "indentation_on_layer_mm"),
+        ("Young's modulus E from load and area (kPa)", "youngs_modulus_kpa", "youngs_modulus_on_layer_kpa"),
+        ("indentation ξ from the area (mm)", "indentation_mm", "indentation_on_layer_mm"),
         (
             "Rg to expect, A/(πξ) (mm)",
             "geometric_radius_from_compliance_mm",
@@ -85,14 +85,14 @@ def test_both_theories_side_by_side(report, quantity: str, hertz: str, layered: 
 def test_the_mean_and_the_measured_radius(report) -> None:
     _, text = report
     assert "on 8.0 ± 1.5 mm" in text
-    assert cells(text, "E from load and area (kPa)", "mean of 2 contacts")
+    assert cells(text, "Young's modulus E from load and area (kPa)", "mean of 2 contacts")
     assert "19.70 ± 0.40" in cells(text, "Rg measured (mm)", "loading data")
 
 
 def test_a_contact_out_of_range_is_named(report) -> None:
     _, text = report
     assert "wide is out of the range of the laws: the contact is wider than 0.6 of the pad" in text
-    assert cells(text, "E from load and area (kPa)", "wide, 2 N")[3] == "–"
+    assert cells(text, "Young's modulus E from load and area (kPa)", "wide, 2 N")[3] == "–"
     assert not re.search(r"\bnan\b", re.sub("<svg.*?</svg>", "", text, flags=re.DOTALL), re.IGNORECASE)
 
 

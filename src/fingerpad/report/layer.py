@@ -59,8 +59,8 @@ def comparisons(result: StudyResult, summary: Summary) -> list[Comparison]:
     if layer is None:
         return []
     names = {
-        "youngs_modulus_on_layer": "E from load and area (kPa)",
-        "indentation_on_layer": "ξ from the area (mm)",
+        "youngs_modulus_on_layer": "Young's modulus E from load and area (kPa)",
+        "indentation_on_layer": "indentation ξ from the area (mm)",
         "loading_radius_on_layer": "R_g to expect, A/(πξ) (mm)",
     }
     at = f"{layer.observation}, {layer.load:.3g} N"
@@ -72,7 +72,7 @@ def comparisons(result: StudyResult, summary: Summary) -> list[Comparison]:
     means = (
         [
             _comparison(
-                "E from load and area (kPa)",
+                "Young's modulus E from load and area (kPa)",
                 f"mean of {pooled.count} contacts",
                 layer.pooled["youngs_modulus"],
                 pooled,

@@ -33,8 +33,8 @@ VERDICT_SYMBOLS: Final[Mapping[str, str]] = {
 # Name, unit and symbol of what has a verdict.
 HEADLINE_WORDS: Final[Mapping[str, str]] = {
     RADIUS: "corrected radius (mm)",
-    MODULUS: "E from load and area (kPa)",
-    INDENTATION: "ξ from the area (mm)",
+    MODULUS: "Young's modulus E from load and area (kPa)",
+    INDENTATION: "indentation ξ from the area (mm)",
 }
 
 _NOT_LOADING: Final = "no loading frame, or too small an ellipse"

@@ -95,7 +95,9 @@ def _task(part: StudyResult) -> Task:
         name=f"/page {name}",  # no item's name begins like this
         item=name,
         file=file,
-        key=digest_of_values(shown, code_digest("report", "figures", "image", "units.py")),
+        key=digest_of_values(
+            shown, code_digest("report", "figures", "image", "units.py", "study/results/answers.py")
+        ),
         work=partial(_draw, part, file),
         inputs=(),
     )

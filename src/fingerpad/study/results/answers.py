@@ -52,7 +52,7 @@ class Answer:
     @property
     def label(self) -> str:
         """The finger and its angles."""
-        roll = f", roll {self.of.roll_angle_deg:g}°" if self.of.roll_angle_deg else ""
+        roll = f", roll {self.of.roll_angle_deg:g}°".replace("-", "−") if self.of.roll_angle_deg else ""
         return f"{self.of.finger}, {self.of.wedge_angle_deg:g}°{roll}"
 
     @property
@@ -140,6 +140,7 @@ def _largest(verdict: str, checks: Sequence[CheckRecord]) -> str:
     concerned = [one for one in checks if one.verdict == verdict and math.isfinite(one.relative_difference)]
     if verdict not in {STRAINED, FAILS} or not concerned:
         return ""
-    worst = max(concerned, key=lambda one: abs(math.log1p(one.relative_difference)))
+    # Of one comparison in several words the first.
+    worst = max(concerned, key=lambda one: round(abs(math.log1p(one.relative_difference)), 9))
     difference = f"{100 * worst.relative_difference:+.0f} %".replace("-", "−")
     return f"{_COMPARED[worst.check.split('_')[0]]} {difference}"
