@@ -326,17 +326,27 @@ def _column(table: Table, name: str, place: int, unit: str) -> _Column:
 
 
 def _numbers(table: Table, columns: Mapping[str, _Column]) -> dict[str, FloatArray]:
-    """Return the numbers of columns, up to the last line that has any."""
+    """Return the numbers of columns; other columns of a workbook or MAT file may be longer."""
     cells = table.texts([column.position for column in columns.values()])
-    count = max((k for k, line in enumerate(zip(*cells, strict=True), 1) if any(line)), default=0)
-    lines = [line for line, _ in table.rows[:count]]
+    count = len(table.rows)
+    if not table.separator:
+        count = max((k for k, row in enumerate(zip(*cells, strict=True), 1) if any(row)), default=count)
     return {
-        name: column.factor
-        * np.array(
-            [_number(table, *one, column) for one in zip(lines, texts, strict=False)], dtype=np.float64
-        )
+        name: column.factor * _parsed(table, column, texts[:count])
         for (name, column), texts in zip(columns.items(), cells, strict=True)
     }
+
+
+def _parsed(table: Table, column: _Column, texts: Sequence[str]) -> FloatArray:
+    try:
+        values = np.array(list(map(float, texts)))
+    except ValueError:
+        values = np.array([math.nan])
+    if np.isfinite(values).all():
+        return values
+    return np.array(
+        [_number(table, line, text, column) for (line, _), text in zip(table.rows, texts, strict=False)]
+    )
 
 
 def _number(table: Table, line: int, cell: str, column: _Column) -> float:

@@ -78,15 +78,14 @@ class Table:
         if self.separator == ",":
             return False
         # 24.12.2026 is a date.
-        numbers = [cell for cell in cells if _NUMBER.fullmatch(cell) and (cell.count(".") < 2 or "," in cell)]
-        return any("," in cell for cell in numbers) and not any(
-            "." in cell or cell.count(",") > 1 for cell in numbers
-        )
+        marked = [cell for cell in cells if "," in cell or cell.count(".") == 1]
+        numbers = [cell for cell in marked if _NUMBER.fullmatch(cell)] if "," in "".join(marked) else []
+        return bool(numbers) and all(cell.count(",") == 1 and "." not in cell for cell in numbers)
 
     def require_headers(self, error: type[FingerpadError]) -> None:
         """Raise `error` if a line has cells beyond the last header."""
         for number, cells in self.rows:
-            if any(cell.strip() for cell in cells[len(self.header) :]):
+            if len(cells) > len(self.header) and any(map(str.strip, cells[len(self.header) :])):
                 raise error(
                     f"{self.name}: {self.line(number)} has {len(cells)} cells under {len(self.header)} "
                     "headers: decimal commas need semicolons or tabs between cells"
@@ -167,10 +166,12 @@ def parse_table(content: bytes | str, name: str, error: type[FingerpadError]) ->
             text = content if isinstance(content, str) else _decoded(content)
             separator = _separator(text)
             reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
-            lines = [(reader.line_num, [unescape_formula(cell) for cell in row]) for row in reader]
+            lines = [(reader.line_num, row) for row in reader]
+            if "'" in text:
+                lines = [(number, [unescape_formula(cell) for cell in row]) for number, row in lines]
         except (UnicodeDecodeError, csv.Error) as fault:
             raise error(f"{name}: cannot be read as CSV ({fault})") from fault
-    rows = [(number, row) for number, row in lines if any(cell.strip() for cell in row)]
+    rows = [(number, row) for number, row in lines if any(map(str.strip, row))]
     header = [cell.strip() for cell in rows[0][1]] if rows else []
     return Table(name=name, header=header, rows=rows[1:], separator=separator)
 

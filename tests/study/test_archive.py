@@ -11,8 +11,11 @@ import pytest
 import tomlkit
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from scipy.io import savemat
+from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.loading import read_loading_curve
 from fingerpad.study.archive import pack, unpack
 from fingerpad.study.bundle import Bundle
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -301,3 +304,19 @@ def test_a_zip_that_was_packed_again_by_hand_comes_back(tmp_path):
             new.writestr(f"top/{entry.filename}", old.read(entry))
     unpack(tmp_path / "new.zip", tmp_path / "other", ROOM)
     assert contents(tmp_path / "other") == contents(folder)
+
+
+def test_curves_from_matlab_and_workbooks_are_packed_as_they_are(tmp_path: Path) -> None:
+    folder = tmp_path / "study"
+    folder.mkdir()
+    values = {"force_N": [0.0, 1.0], "displacement_mm": [0.0, 0.5]}
+    savemat(folder / "press.mat", values)
+    (folder / "press.xlsx").write_bytes(workbook(sheet_xml([[*values], [0.0, 0.0], [1.0, 0.5]])))
+    curves = [{"finger": "f", "wedge_angle_deg": 30, "file": f"press.{kind}"} for kind in ("mat", "xlsx")]
+    (folder / "study.toml").write_text(tomlkit.dumps({**HEAD, "curves": curves}))
+    loaded = load_study(folder / "study.toml")
+    bundle = Bundle.of(folder, tmp_path / "out", loaded.files(), None)
+    pack(folder, bundle, tmp_path / "study.zip")
+    unpack(tmp_path / "study.zip", tmp_path / "copy", ROOM)
+    for curve in read_study(tmp_path / "copy" / "study.toml").curves:
+        assert read_loading_curve(tmp_path / "copy" / curve.file).load.tolist() == values["force_N"]

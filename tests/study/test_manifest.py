@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.editing.example import write_example
@@ -332,6 +333,12 @@ def test_spreadsheets_as_programs_in_other_languages_save_them(tmp_path: Path, e
     (row,) = read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"' + FINGER)).observations
     assert (row.wedge_angle_deg, row.load_N, row.ellipse_mm.semi_major) == (22.5, 0.5, 5.3)
     assert row.notes == "größer, als 1,5 N"
+
+
+def test_a_workbook_of_observations_is_refused_since_its_rows_are_edited(tmp_path: Path) -> None:
+    (tmp_path / "rows.xlsx").write_bytes(workbook(sheet_xml([HEADER.split(","), CELLS.split(",")])))
+    with pytest.raises(ManifestError, match="rows.xlsx: is no CSV, the rows of which can be edited: save it"):
+        read_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.xlsx"' + FINGER))
 
 
 def test_spreadsheets_may_be_untidy(tmp_path: Path) -> None:

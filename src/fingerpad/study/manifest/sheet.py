@@ -59,7 +59,7 @@ class Sheet:
         """
         table = parse_table(content, name, ManifestError)
         if not table.separator:
-            raise ManifestError(f"{name}: is no CSV, which corrections can be written into: save it as CSV")
+            raise ManifestError(f"{name}: is no CSV, the rows of which can be edited: save it as CSV")
         sheet = cls(table)
         missing = {"name", "finger", "wedge_angle_deg", "load_N"} - set(sheet._header)
         if missing:
