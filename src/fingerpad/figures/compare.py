@@ -248,7 +248,8 @@ def plot_over_load(
 ) -> AnyAxes:
     """Draw values of several fingers and angles against load, each with its standard uncertainty.
 
-    Points at one load stand beside one another. More than eight fingers are grey, without names or bars.
+    Points at one load stand beside one another. More than eight fingers are grey, without names or bars, and
+    at their loads.
 
     Parameters
     ----------
@@ -272,34 +273,36 @@ def plot_over_load(
     crowded = len(lines) > MOST_NAMES
     loads = np.concatenate([np.zeros(1), *(as_float_array(line.load) for line in lines)])
     top = float(loads.max()) or 1.0
-    places = top * (1.2 + 0.22 * np.arange(len(beside)))
+    values = as_float_array([line.beside for line in lines]).reshape(len(lines), len(beside), 2)
+    known = np.flatnonzero(np.isfinite(values[..., 0]).any(axis=0))
+    values, names = values[:, known], [beside[place] for place in known.tolist()]
+    places = top * (1.2 + 0.22 * np.arange(len(names)))
     for number, line in enumerate(lines):
         x, y, std, out = broadcast(line.load, line.value, line.std, line.left_out)
-        more, more_std = as_float_array(line.beside).reshape(-1, 2).T
-        x, y, std = np.append(x, places), np.append(y, more), np.append(std, more_std)
-        known = np.isfinite(y)
+        x, (y, std) = np.append(x, places), np.concatenate([[y, std], values[number].T], axis=1)
+        seen = np.isfinite(y)
         colour = GREY if crowded else line.colour
-        shift = _SHIFT * top * (2 * (number + 0.5) / len(lines) - 1)
+        shift = 0.0 if crowded else _SHIFT * top * (2 * (number + 0.5) / len(lines) - 1)
         draw_points(
             axes,
-            x[known] + shift,
-            y[known],
-            y_std=None if crowded else std[known],
+            x[seen] + shift,
+            y[seen],
+            y_std=None if crowded else std[seen],
             synthetic=line.synthetic,
-            left_out=np.append(out, np.zeros(len(beside)))[known],
+            left_out=np.append(out, np.zeros(len(names)))[seen],
             colour=colour,
             label="_",  # named below, once
         )
         if not crowded:
             face = "white" if line.synthetic else colour
             axes.plot([], [], "o", color=colour, markerfacecolor=face, markersize=4.2, label=line.name)
-    if beside:
+    if names:
         axes.axvline(1.09 * top, color=GREY, linewidth=0.5)
         ticks = as_float_array(MaxNLocator(4).tick_values(0, top))
         ticks = ticks[ticks <= 1.01 * top]
-        names = [f"{tick:g}" for tick in ticks] + list(beside)
+        names = [f"{tick:g}" for tick in ticks] + names
         axes.set_xticks(np.append(ticks, places), names)
-    axes.set_xlim(0, 1.08 * top + (places[-1] - 0.97 * top if beside else 0.0))
+    axes.set_xlim(0, 1.08 * top + (places[-1] - 0.97 * top if places.size else 0.0))
     axes.set_xlabel("normal load W (N)")
     axes.set_ylabel(label)
     axes.margins(y=0.08)

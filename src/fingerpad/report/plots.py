@@ -21,6 +21,7 @@ from fingerpad.figures import (
     plot_uncertainty_budget,
 )
 from fingerpad.figures.compare import (
+    MOST_NAMES,
     FingerLine,
     LoadLine,
     MeanMark,
@@ -65,11 +66,14 @@ def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> I
     if not pairs:
         return
     on_bone = any(one.on_bone for one in found)
+    loading = "" if all(np.isnan(one.of.loading_radius_mm) for one in found) else "loading radius R_g and "
     for name, label, caption, values in (
         (
             "area_over_load",
             "contact area A (mm²)",
-            "Contact area against load; points at one load stand side by side.",
+            "Contact area against load; points at one load stand side by side."
+            if len(pairs) <= MOST_NAMES
+            else "Contact area against load, of each contact.",
             _areas,
         ),
         (
@@ -82,7 +86,7 @@ def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> I
         (
             "radius_over_load",
             "corrected radius (mm)",
-            "Corrected radius against load; beside it loading radius R_g and R_0g of the undeformed pad.",
+            f"Corrected radius against load; beside it {loading}radius R_0g of the undeformed pad.",
             _radii,
         ),
     ):
