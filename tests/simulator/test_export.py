@@ -7,6 +7,7 @@ import meshio
 import mujoco
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 
 import fingerpad as fp
 from fingerpad.simulator import export_finger, simulator_law
@@ -137,11 +138,16 @@ def test_finite_elements(folder) -> None:
     a, b, c, d = (points[cells[:, place]] for place in range(4))
     volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
     assert (volumes > 0).all()
-    scale = 1 - 5.5 / HEIGHT
-    assert volumes.sum() == pytest.approx(VOLUME / 2 * (1 - scale**3), rel=0.02)
-    size = np.linalg.norm(points / PAD.semi_axes, axis=1)
-    assert size[mesh.point_sets["SKIN"]] == pytest.approx(1, abs=1e-7)
-    assert size[mesh.point_sets["BONE"]] == pytest.approx(scale, abs=1e-7)
+    # Columns of tissue along the plate's normal: the skin's shadow on the plate times the thickness.
+    skin = points[mesh.point_sets["SKIN"]]
+    along = np.cross(PLACE.normal, [0, 0, 1.0])
+    along /= np.linalg.norm(along)
+    shadow = ConvexHull(np.stack([skin @ along, skin @ np.cross(PLACE.normal, along)], axis=1)).volume
+    assert volumes.sum() == pytest.approx(5.5 * shadow, rel=0.02)
+    assert np.linalg.norm(skin / PAD.semi_axes, axis=1) == pytest.approx(1, abs=1e-7)
+    bone = points[mesh.point_sets["BONE"]] + 5.5 * PLACE.normal
+    assert np.linalg.norm(bone / PAD.semi_axes, axis=1) == pytest.approx(1, abs=1e-7)
+    assert np.linalg.norm(skin - PLACE.point, axis=1).min() == pytest.approx(0, abs=1e-6)
     assert len(mesh.point_sets["BONE"]) == len(mesh.point_sets["SKIN"])
     # Every corner of an element is used, and each middle lies near that of its edge.
     assert np.unique(cells).size == len(points)
@@ -155,7 +161,7 @@ def test_finite_elements(folder) -> None:
 
 
 def test_faces_of_the_layer_meet() -> None:
-    mesh = layer_mesh(PAD, PLACE.point, 5.5, rings=5, layers=2)
+    mesh = layer_mesh(PLACE, 5.5, rings=5, layers=2)
     faces = np.sort(mesh.tetrahedra[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
     _, count = np.unique(faces, axis=0, return_counts=True)
     assert count.max() == 2
@@ -181,12 +187,12 @@ def test_table_and_words(law, folder) -> None:
 def test_deep_tissue_has_no_bone(tmp_path) -> None:
     files = export_finger(simulator_law(PLACE, fp.Tissue(0.08), (0.1, 1.0)), tmp_path, effective_mass=0.1)
     assert "finger.inp" not in [file.name for file in files]
-    assert "no bone lies inside" in (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert "without bone" in (tmp_path / "README.md").read_text(encoding="utf-8")
 
 
 BAD = {
-    "thin": (lambda: layer_mesh(PAD, PLACE.point, 0.1), "thickness must be at least"),
-    "deep": (lambda: layer_mesh(PAD, PLACE.point, 20.0), "thickness must be below"),
+    "thin": (lambda: layer_mesh(PLACE, 0.1), "thickness must be finite and at least"),
+    "deep": (lambda: layer_mesh(PLACE, math.inf), "thickness must be finite"),
 }
 
 

@@ -42,7 +42,7 @@ def export_finger(
     -------
     tuple of Path
         The files: ``finger.xml``, ``finger.sdf``, ``finger.vtk``, ``finger.obj``, ``pressure_by_depth.csv``,
-        ``README.md``, and ``finger.inp`` where there is bone inside the pad.
+        ``README.md``, and ``finger.inp`` where there is bone.
 
     Raises
     ------
@@ -193,15 +193,15 @@ def _tissue_mesh(law: SimulatorLaw) -> tuple[str, str]:
     """Return the tissue over bone for finite elements, or why there is none."""
     placement, tissue = law.pad.placed("a file"), law.pad.tissue
     thickness = float(tissue.thickness)
-    if not thickness < float(law.pad.curve.height):
-        return "", "No `finger.inp`: the tissue is deeper than the pad, so that no bone lies inside."
+    if tissue.is_deep:
+        return "", "No `finger.inp`: the law is that of deep tissue, without bone."
     try:
         import meshio  # noqa: PLC0415 (it need not be installed)
     except ImportError:
         raise FingerpadError(
             "finger.inp needs the package meshio: pip install 'fingerpad[simulators]'"
         ) from None
-    mesh = layer_mesh(placement.ellipsoid, placement.point, thickness)
+    mesh = layer_mesh(placement, thickness)
     written = StringIO()
     meshio.abaqus.write(
         written,
@@ -248,7 +248,7 @@ def _readme(
     ]
     bone = (
         "`finger.inp` (mm, N, MPa) is the tissue around the place of contact, ten-node tetrahedra between "
-        f"SKIN and BONE, with ν = {inside:g}. Its layer follows the pad, where that of the law is flat."
+        f"SKIN and BONE, with ν = {inside:g}. The tissue is equally thick along the plate's normal."
     )
     turned = [math.degrees(float(angle)) for angle in (placement.wedge_angle, placement.roll_angle)]
     twice = _numbers(*mujoco.solref_at_twice_the_mass)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray, as_float_array, set_fields
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid
+from fingerpad.geometry import Ellipsoid, Placement
 
 Indices: TypeAlias = npt.NDArray[np.intp]
 
@@ -21,7 +21,10 @@ _CUT_EDGES: Final = {
     3: ((0, 1, 2), (3, 3, 3)),
 }
 _MIDDLES: Final = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))  # edges of a ten-node tetrahedron
+_MIRRORED: Final = (0, 2, 1, 3, 6, 5, 4, 7, 9, 8)  # the same tetrahedron of ten nodes, two corners exchanged
 _FLATTEST: Final = 0.1  # height of an element over its width
+_WIDEST: Final = np.pi / 3  # from the place of contact to the mesh's rim, on the unit sphere
+_STEEPEST: Final = 0.3  # cosine of the skin there to the plate
 _GOLDEN: Final = (1 + 5**0.5) / 2
 
 
@@ -185,8 +188,8 @@ def pad_mesh(pad: Ellipsoid, level: int) -> TetrahedralMesh:
 class LayerMesh:
     """The tissue around the place of contact, from the skin to the bone, of ten-node tetrahedra.
 
-    The bone is the pad made smaller about its centre, under the place of contact as deep as the tissue is
-    thick.
+    The bone is the skin moved inwards along the plate's normal, so that the tissue is equally thick
+    everywhere, as in the law.
     """
 
     points: FloatArray
@@ -194,85 +197,69 @@ class LayerMesh:
     skin: Indices
     bone: Indices
 
-    @property
-    def volume(self) -> float:
-        """Volume between its corners, mm³."""
-        return float(signed_volumes(self.points, self.tetrahedra).sum())
 
-
-def layer_mesh(
-    pad: Ellipsoid, contact: FloatArray, thickness: float, *, rings: int = 12, layers: int = 4
-) -> LayerMesh:
-    """Return the layer of tissue over bone, a quarter turn around the place of contact.
+def layer_mesh(placement: Placement, thickness: float, *, rings: int = 12, layers: int = 4) -> LayerMesh:
+    """Return the layer of tissue over bone around the place of contact.
 
     Parameters
     ----------
-    pad : Ellipsoid
-        The pad.
-    contact : ndarray, shape (3,)
-        Place of contact.
+    placement : Placement
+        One pad.
     thickness : float
-        Of the tissue under it, along the plate's normal, mm.
+        Of the tissue, mm.
     rings, layers : int
-        Of elements around the place of contact, and from bone to skin.
+        Of elements around the place of contact, and from skin to bone.
 
     Raises
     ------
     GeometryError
-        If the bone would not lie inside the pad, or elements would be too flat.
+        If elements would be too flat.
     """
-    axis = contact / pad.semi_axes
-    height = float(1 / np.linalg.norm(contact / pad.semi_axes**2))
-    if not thickness < height:
-        raise GeometryError(
-            f"thickness must be below {height:.3g} mm, the pad's own depth, found {thickness:g}"
-        )
-    if thickness < _FLATTEST * layers * height / rings:
-        least = _FLATTEST * layers * height / rings
-        raise GeometryError(f"thickness must be at least {least:.2g} mm for the mesh, found {thickness:g}")
-    directions, triangles = _cap(axis, rings)
+    axes, normal = placement.ellipsoid.semi_axes, placement.normal
+    polar = _WIDEST
+    while True:
+        directions, triangles = _cap(placement.point / axes, rings, polar)
+        outward = directions / axes
+        if (outward @ normal > _STEEPEST * np.linalg.norm(outward, axis=1)).all():
+            break
+        polar *= 0.9
+    width = polar / rings * float(axes.mean())
+    if not _FLATTEST * width * layers <= thickness < np.inf:
+        least = _FLATTEST * width * layers
+        raise GeometryError(f"thickness must be finite and at least {least:.2g} mm, found {thickness:g}")
     count = len(directions)
-    scales = np.linspace(1 - thickness / height, 1, layers + 1)
-    place = np.concatenate([scale * directions for scale in scales])
-    lower = np.concatenate([triangles + layer * count for layer in range(layers)])
+    direction = np.tile(directions, (layers + 1, 1))
+    inward = np.repeat(np.linspace(0, 1, layers + 1), count)
     # Each prism is cut by the diagonals from its lowest vertices, so that neighbours agree.
-    a, b, c = np.sort(lower, axis=1).T
-    corners = np.concatenate(
-        [
-            np.stack(each, axis=1)
-            for each in (
-                (a, b, c, c + count),
-                (a, b, b + count, c + count),
-                (a, a + count, b + count, c + count),
-            )
-        ]
-    )
-    corners[signed_volumes(place, corners) < 0] = corners[signed_volumes(place, corners) < 0][:, [0, 2, 1, 3]]
+    a, b, c = np.sort(np.concatenate([triangles + layer * count for layer in range(layers)]), axis=1).T
+    prisms = ((a, b, c, c + count), (a, b, b + count, c + count), (a, a + count, b + count, c + count))
+    corners = np.concatenate([np.stack(each, axis=1) for each in prisms])
     edges = np.sort(corners[:, _MIDDLES].reshape(-1, 2), axis=1)
     unique, where = np.unique(edges, axis=0, return_inverse=True)
-    ends = place[unique]
-    size = np.linalg.norm(ends, axis=-1)
-    middle = (ends / size[..., None]).sum(axis=1)
-    middle *= (size.mean(axis=1) / np.linalg.norm(middle, axis=1))[:, None]
-    every = np.concatenate([place, middle])
-    radius = np.linalg.norm(every, axis=1)
+    middle = direction[unique].sum(axis=1)
+    direction = np.concatenate([direction, middle / np.linalg.norm(middle, axis=1, keepdims=True)])
+    inward = np.concatenate([inward, inward[unique].mean(axis=1)])
+    points = direction * axes - thickness * inward[:, None] * normal
+    cells = np.concatenate([corners, (layers + 1) * count + where.reshape(-1, 6)], axis=1)
+    turned = signed_volumes(points, cells) < 0
+    cells[turned] = cells[turned][:, _MIRRORED]
     return LayerMesh(
-        points=every * pad.semi_axes,
-        tetrahedra=np.concatenate([corners, len(place) + where.reshape(-1, 6)], axis=1),
-        skin=np.flatnonzero(radius > 1 - 1e-9),
-        bone=np.flatnonzero(radius < scales[0] + 1e-9),
+        points=points,
+        tetrahedra=cells,
+        skin=np.flatnonzero(inward == 0),
+        bone=np.flatnonzero(inward == 1),
     )
 
 
-def _cap(axis: FloatArray, rings: int) -> tuple[FloatArray, Indices]:
-    """Return directions and triangles of a hemisphere, six more of them on each ring about an axis."""
+def _cap(axis: FloatArray, rings: int, widest: float) -> tuple[FloatArray, Indices]:
+    """Return directions and triangles of a cap, six more of them on each ring about an axis."""
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     first /= np.linalg.norm(first)
     second = np.cross(axis, first)
     points, triangles = [axis[None]], []
     begin = [0, *(1 + 3 * ring * (ring - 1) for ring in range(1, rings + 2))]
     for ring in range(1, rings + 1):
-        polar, around = np.pi / 2 * ring / rings, 2 * np.pi * np.arange(6 * ring)[:, None] / (6 * ring)
+        polar, around = widest * ring / rings, 2 * np.pi * np.arange(6 * ring)[:, None] / (6 * ring)
         points.append(
             np.cos(polar) * axis + np.sin(polar) * (np.cos(around) * first + np.sin(around) * second)
         )
