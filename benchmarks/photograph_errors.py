@@ -2,7 +2,7 @@
 
 Semi-axes from arcs of 120 to 150 degrees: what the skin's roughness leaves, what the picture adds, and what
 the outline beyond the arc and the finger's tilt tell. Radii of curvature of side faces where wedges touch, by
-shape, and in other windows. Ten minutes on one core for 120 fingers.
+shape, and in other windows. Two minutes on one idle core for 120 fingers.
 """
 
 import math
