@@ -5,9 +5,8 @@ The finger's own axis, along which that ellipse lies, comes from the sides of th
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -58,33 +57,16 @@ _UPRIGHT_STD = math.radians(5.0)
 _MAX_TILT = math.radians(35)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PadArc:
-    """The arc of the pad and its ellipse.
+class PadArc(NamedTuple):
+    """The arc of the pad and its ellipse."""
 
-    Attributes
-    ----------
-    fit : ArcFit
-        The ellipse of the points used.
-    used, rejected : ndarray of int
-        Indices into the outline, in order along it.
-    """
-
-    fit: ArcFit
-    used: IndexArray
+    fit: ArcFit  # the ellipse of the points used
+    used: IndexArray  # into the outline, in order along it
     rejected: IndexArray
 
 
 def candidate_points(points: FloatArray, face: Face) -> IndexArray:
-    """Return the indices of the outline's points that can be pad, in order along it.
-
-    Parameters
-    ----------
-    points : ndarray, (n, 2)
-        Outline in the face's frame, px, in order.
-    face : Face
-        The face.
-    """
+    """Return the indices of the points, px, of an outline in the face's frame that can be pad, in order."""
     guess = initial_ellipse(points, face)
     off = turns_from(PAD_MIDDLE[face], points, guess)
     inside = np.abs(off) < PAD_REACH[face]
@@ -118,13 +100,6 @@ def finger_tilt(points: FloatArray, face: Face) -> tuple[float, float]:
 
     The middle line between the two sides below the pad, where they show; upright within 5 degrees where
     they do not, as when the finger is seen end on.
-
-    Parameters
-    ----------
-    points : ndarray, (n, 2)
-        Outline in the face's frame, px, in order.
-    face : Face
-        The face.
     """
     if face == "distal":
         return 0.0, _UPRIGHT_STD
@@ -156,16 +131,8 @@ def _side_at(points: FloatArray, levels: FloatArray) -> FloatArray:
 def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tuple[float, float]) -> PadArc:
     """Find the longest arc through the middle of the candidates that one ellipse fits, and fit it.
 
-    Parameters
-    ----------
-    points : ndarray, (n, 2)
-        Outline in the face's frame, px.
-    order : ndarray of int
-        Candidates in order along the outline.
-    middle : float
-        Parametric angle of the pad's middle, radians.
-    tilt : (float, float)
-        Tilt of the finger's axis and its standard uncertainty, radians.
+    `points` of the outline are in the face's frame, px; `order` has the indices of the candidates along it;
+    `middle` is the pad's as a parametric angle, `tilt` that of the finger's axis and its std, radians.
     """
     track = points[order]
     start = _consensus(track, tilt)

@@ -34,28 +34,9 @@ _TWO_SIDED_95 = 1.959964
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ArcFit(EllipseFit):
-    """An ellipse fitted to ordered points with correlated errors.
+    """An ellipse fitted to ordered points whose errors are correlated; all is in the unit of the points."""
 
-    Attributes
-    ----------
-    ellipse : PlaneEllipse
-        Centre, semi-axes and angle, in the unit of the points.
-    covariance : ndarray, shape (5, 5)
-        Of (x, y, semi_x, semi_y, angle), from the residuals on the arc and their correlation.
-    residual_std : float
-        Standard deviation of the orthogonal distances on the arc.
-    correlation : float
-        Number of neighbouring points that count as one.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import outline_points
-    >>> fit = fit_arc_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
-    >>> print(f"{fit.ellipse.semi_y:.2f} ± {np.sqrt(fit.covariance[3, 3]):.2f}")
-    13.78 ± 0.07
-    """
-
-    correlation: float
+    correlation: float  # number of neighbouring points that count as one
 
 
 def fit_arc_ellipse(
@@ -72,21 +53,17 @@ def fit_arc_ellipse(
     Parameters
     ----------
     points : array_like, (n, 2)
-        (x, y) of at least eight points, in order along the outline, in any unit of length.
+        (x, y), at least eight, in any unit of length.
     tilt, tilt_std : float
-        Turn of the finger's axis from x towards y as known beforehand, and its standard uncertainty, radians.
-        The fit weighs it against the points.
+        Turn of the finger's axis from x towards y as known beforehand, weighed against the points, and its
+        standard uncertainty, radians.
     places : array_like of int, (n,), optional
         Place of each point in the outline, rising, where some are left out.
     start : array_like, (5,), optional
         (x, y, semi_x, semi_y, tilt) to start from; the least-squares conic if left out.
     beyond : array_like, (n,), optional
-        How far along the outline each point lies beyond the arc, in the unit of the points: negative before
-        its first end, positive past its last, 0 on it. All points are on the arc if left out.
-
-    Returns
-    -------
-    ArcFit
+        How far along the outline each point lies beyond the arc: negative before its first end, positive past
+        its last, 0 on it. All points are on the arc if left out.
 
     Raises
     ------
@@ -97,8 +74,8 @@ def fit_arc_ellipse(
     --------
     >>> from fingerpad.simulate import outline_points
     >>> fit = fit_arc_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
-    >>> round(fit.ellipse.semi_x, 1), round(fit.ellipse.semi_y, 1)
-    (11.8, 13.8)
+    >>> print(f"{fit.ellipse.semi_y:.2f} ± {np.sqrt(fit.covariance[3, 3]):.2f}")
+    13.78 ± 0.07
     """
     points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():
@@ -112,22 +89,22 @@ def fit_arc_ellipse(
     values = _refine(local[on_arc], values, (tilt, math.inf), np.asarray)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
-        spread = bend_covariance(past[~on_arc], _end_radii(values, local[on_arc]))
-        errors = _Errors(on_arc=on_arc, density=variance * correlation, bends=spread)
-        values = _refine(local, values, (tilt, tilt_std), errors.whitened)
+        spread = bend_covariance(past[~on_arc], _radii_of_curvature(values, local[on_arc][[0, -1]]))
+        whitened = _whitening(on_arc, variance * correlation, spread)
+        values = _refine(local, values, (tilt, tilt_std), whitened)
     residuals, design = distances(values, local)
-    white = errors.whitened(design)
+    white = whitened(design)
     information = white.T @ white
     information[4, 4] += 1 / tilt_std**2
     inverse = np.linalg.pinv(information, hermitian=True)
-    widening = student_widening(on_arc.sum() / correlation - values.size)
+    # So that 1.96 deviations hold 95 %, whatever the degrees of freedom.
+    freedom = max(on_arc.sum() / correlation - values.size, _MIN_FREEDOM)
+    widening = (special.stdtrit(freedom, 0.975) / _TWO_SIDED_95) ** 2
     unit = np.array([size, size, size, size, 1.0])
     covariance = widening * inverse * np.outer(unit, unit)
     x, y = values[:2] * size + shift
     return ArcFit(
-        ellipse=PlaneEllipse(
-            float(x), float(y), float(values[2] * size), float(values[3] * size), float(values[4])
-        ),
+        ellipse=PlaneEllipse(*map(float, (x, y, *(values[2:4] * size), values[4]))),
         covariance=np.asarray(covariance, dtype=np.float64),
         residual_std=float(np.std(residuals[on_arc])) * size,
         correlation=correlation,
@@ -137,25 +114,13 @@ def fit_arc_ellipse(
 def extend_arc(
     points: FloatArray, used: npt.NDArray[np.intp], fit: ArcFit, tilt: tuple[float, float]
 ) -> ArcFit:
-    """Fit an arc's ellipse again, with the outline just beyond its ends.
-
-    Parameters
-    ----------
-    points : ndarray, (n, 2)
-        Outline in the face's frame, px, in order.
-    used : ndarray of int
-        The arc.
-    fit : ArcFit
-        The ellipse of the arc alone.
-    tilt : (float, float)
-        Tilt of the finger's axis and its standard uncertainty, radians.
-    """
+    """Fit an arc's ellipse again, with the outline just beyond the ends of the points used."""
     values, ends = fit.ellipse.parameters, used[[0, -1]]
-    first, last = radii_of_curvature(values, parametric_angles(points[ends], values))
+    first, last = _radii_of_curvature(values, points[ends])
     places, spacing = outline_places(points)
     before, after = np.arange(ends[0])[::-1], np.arange(ends[1] + 1, len(points))
     before, after = (
-        _flank(points, side, spacing * np.abs(places[side] - places[end]), fit, float(radius))
+        _flank(points, side, spacing * np.abs(places[side] - places[end]), fit, radius)
         for side, end, radius in ((before, ends[0], first), (after, ends[1], last))
     )
     order = np.concatenate([before[::-1], used, after])
@@ -182,22 +147,23 @@ def _flank(
     return np.asarray(order[good], dtype=np.intp)
 
 
-class _Errors:
-    """The points' errors: independent on the arc, running together beyond its ends."""
+def _whitening(on_arc: BoolArray, density: float, bends: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return what scales values, one row for each point, to independent unit errors.
 
-    def __init__(self, *, on_arc: BoolArray, density: float, bends: FloatArray) -> None:
-        self._on_arc, self._density = on_arc, density
-        self._root = np.linalg.cholesky(bends + density * np.eye(len(bends)))
+    The points' errors are independent on the arc and run together beyond its ends.
+    """
+    root = np.linalg.cholesky(bends + density * np.eye(len(bends)))
 
-    def whitened(self, values: FloatArray) -> FloatArray:
-        """Return values, one row for each point, scaled to independent unit errors."""
-        out = values / math.sqrt(self._density)
-        if len(self._root):
-            out[~self._on_arc] = solve_triangular(self._root, values[~self._on_arc], lower=True)
+    def whitened(values: FloatArray) -> FloatArray:
+        out = values / math.sqrt(density)
+        if len(root):
+            out[~on_arc] = solve_triangular(root, values[~on_arc], lower=True)
         return out
 
+    return whitened
 
-def bend_covariance(beyond: FloatArray, radii: tuple[float, float]) -> FloatArray:
+
+def bend_covariance(beyond: FloatArray, radii: tuple[float, ...]) -> FloatArray:
     """Return the covariance of an outline's distance from the ellipse beyond the ends of its arc.
 
     The outline has no corner. Its curvature, in units of the ellipse's at the end, jumps there by a normal
@@ -206,17 +172,8 @@ def bend_covariance(beyond: FloatArray, radii: tuple[float, float]) -> FloatArra
     curvature R, the covariance is
     R² [s² t² / 4 + (s⁵/5 + (t − s) s⁴/2 + (t − s)² s³/3) / 4]; the two ends are independent.
 
-    Parameters
-    ----------
-    beyond : ndarray, (n,)
-        Distance beyond the arc, negative before its first end, 0 on it.
-    radii : (float, float)
-        The ellipse's radius of curvature at the first and the last end.
-
-    Returns
-    -------
-    ndarray, (n, n)
-        In the unit of the radii, squared.
+    `beyond` is the distance beyond the arc, negative before its first end; `radii` are those of the ellipse
+    at the first and the last end, in the same unit.
     """
     radius = np.where(beyond < 0, *radii)
     angle = np.abs(beyond) / radius
@@ -227,16 +184,11 @@ def bend_covariance(beyond: FloatArray, radii: tuple[float, float]) -> FloatArra
     return np.asarray(np.where(same, spread, 0) * np.outer(radius, radius), dtype=np.float64)
 
 
-def _end_radii(values: Parameters, arc: FloatArray) -> tuple[float, float]:
-    """Return the ellipse's radii of curvature at the first and the last point of an arc."""
-    first, last = radii_of_curvature(values, parametric_angles(arc[[0, -1]], values))
-    return float(first), float(last)
-
-
-def radii_of_curvature(values: Parameters, angles: FloatArray) -> FloatArray:
-    """Return the radius of curvature (a² sin² t + b² cos² t)^(3/2) / (a b) at parametric angles t."""
+def _radii_of_curvature(values: Parameters, points: FloatArray) -> tuple[float, ...]:
+    """Return the ellipse's radius of curvature (a² sin² t + b² cos² t)^(3/2) / (a b) at each point."""
+    angles = parametric_angles(points, values)
     speed = np.hypot(values[2] * np.sin(angles), values[3] * np.cos(angles))
-    return np.asarray(speed**3 / (values[2] * values[3]), dtype=np.float64)
+    return tuple((speed**3 / (values[2] * values[3])).tolist())
 
 
 def parametric_angles(points: FloatArray, values: Parameters) -> FloatArray:
@@ -253,12 +205,7 @@ def turns_from(middle: float, points: FloatArray, values: Parameters) -> FloatAr
 def outline_places(points: FloatArray) -> tuple[npt.NDArray[np.int64], float]:
     """Return the place of each point along its outline, in steps of it, and the length of a step.
 
-    Points that were left out are gaps, and no two points have one place.
-
-    Parameters
-    ----------
-    points : ndarray, (n, 2)
-        Points, evenly spaced but for gaps, in order.
+    Points are evenly spaced but for gaps, where some were left out; no two have one place.
     """
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     step = float(np.median(lengths[lengths > 0])) if (lengths > 0).any() else 1.0
@@ -317,8 +264,3 @@ def _noise(residuals: FloatArray, places: npt.NDArray[np.int64]) -> tuple[float,
     correlation = correlation_length(residuals, places)
     independent = len(residuals) / correlation
     return mean_square * (independent / max(independent - 5, _MIN_FREEDOM)), correlation
-
-
-def student_widening(freedom: float) -> float:
-    """Return how much a variance from few degrees of freedom widens, so that 1.96 deviations hold 95 %."""
-    return float((special.stdtrit(max(freedom, _MIN_FREEDOM), 0.975) / _TWO_SIDED_95) ** 2)

@@ -1,9 +1,8 @@
 """Edges located to a fraction of a pixel along the normals of a rough contour."""
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import cv2
 import numpy as np
@@ -30,43 +29,23 @@ IndexArray: TypeAlias = npt.NDArray[np.intp]
 Window: TypeAlias = tuple[slice, slice]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SubpixelOutline:
-    """Points of an outline, evenly spaced.
+class SubpixelOutline(NamedTuple):
+    """Points of an outline, evenly spaced."""
 
-    Attributes
-    ----------
-    points : ndarray, (n, 2)
-        (row, column), px, in order.
-    found : ndarray of bool, (n,)
-        Whether the edge was found there; where not, the point is the rough contour's.
-    blur : float
-        Standard deviation of the edges' blur, px.
-    step_ratio : ndarray, (n,)
-        Step across the edge over what is left of the profile beside its model, both in light.
-    spacing : float
-        Distance of neighbours, px.
-    closed : bool
-        Whether the last point is next to the first.
-    """
-
-    points: FloatArray
-    found: BoolArray
-    blur: float
-    step_ratio: FloatArray
-    spacing: float
-    closed: bool
+    points: FloatArray  # (n, 2); (row, column), px, in order
+    found: BoolArray  # (n,); whether the edge was found there: where not, the point is the rough contour's
+    blur: float  # px; standard deviation of the edges' blur
+    step_ratio: FloatArray  # (n,); step across the edge over what its model leaves, both in light
+    closed: bool  # whether the last point is next to the first
 
     def between(self, marks: FloatArray) -> IndexArray:
         """Return the indices of the outline's points from the first to the last mark, by way of all."""
         away = np.linalg.norm(self.points[:, None] - marks, axis=2)
-        nearest = np.sort(away.argmin(axis=0))
-        reach = _MARK_REACH * float(np.ptp(self.points, axis=0).min())
-        worst = int(away.min(axis=0).argmax())
-        if away.min(axis=0)[worst] > reach:
-            row, column = marks[worst]
+        nearest, off = np.sort(away.argmin(axis=0)), away.min(axis=0)
+        if off.max() > _MARK_REACH * float(np.ptp(self.points, axis=0).min()):
+            row, column = marks[off.argmax()]
             raise ImageError(
-                f"points: the mark at row {row:g}, column {column:g} is {away.min(axis=0)[worst]:.0f} px off "
+                f"points: the mark at row {row:g}, column {column:g} is {off.max():.0f} px off "
                 "the finger's outline: put marks on the edge of the pad"
             )
         count = len(self.points)
@@ -102,16 +81,8 @@ def locate_edges(
     and a rounded body that brightens as the square root of the depth from its limb. Position by least squares
     over all channels, the blur common to all points.
 
-    Parameters
-    ----------
-    light : ndarray, (rows, columns, channels)
-        Light, see `opponent_light`.
-    contour : ndarray, (n, 2)
-        (row, column), px, in order, closed if its ends meet.
-    reach : float
-        How far the contour can be off, px.
-    spacing : float
-        Distance of the points, px.
+    `light` is that of `opponent_light`; the contour, (row, column), is closed if its ends meet, and can be
+    off by `reach`; points lie `spacing` apart, px.
     """
     closed = bool(np.linalg.norm(contour[0] - contour[-1]) < 3 * np.linalg.norm(contour[1] - contour[0]) + 2)
     points, normals = _resample(contour, spacing, closed=closed)
@@ -121,18 +92,14 @@ def locate_edges(
     places, ratio = _fit_edges(profiles, offsets, blurs, weights, reach)
     found = np.isfinite(places) & (ratio > _MIN_STEP_RATIO)
     moved = points + np.where(found, places, 0.0)[:, None] * normals
-    return SubpixelOutline(
-        points=moved, found=found, blur=float(blurs[0]), step_ratio=ratio, spacing=spacing, closed=closed
-    )
+    return SubpixelOutline(moved, found, float(blurs[0]), ratio, closed)
 
 
 def _resample(contour: FloatArray, spacing: float, *, closed: bool) -> tuple[FloatArray, FloatArray]:
     """Return evenly spaced points of a contour and its outward unit normals."""
     points = evenly_spaced(contour, spacing, closed=closed, min_count=8)
-    if closed:
-        tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    else:
-        tangent = np.gradient(points, axis=0)
+    turned = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    tangent = turned if closed else np.gradient(points, axis=0)
     tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
     normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
     return points, normals

@@ -43,59 +43,27 @@ _LOW_CONTRAST = 30.0
 class FaceArc:
     """The arc of a face's outline, in the outline, and what is known beside it.
 
-    Attributes
-    ----------
-    face : Face
-        The face that looked at the camera.
-    scale : Scale
-        The picture's scale.
-    frame : (ndarray, ndarray)
-        Steps (row, column) of the face's x and y, and the place of their origin in the picture, px.
-    tilt : (float, float)
-        Tilt of the finger's axis, known without the arc, and its standard uncertainty, radians.
-    points : ndarray, (n, 2)
-        Outline in the face's frame, px, in order; the arc is one piece of it.
-    step_ratio : ndarray, (n,)
-        Step across the edge over the noise beside it; NaN where no edge was looked for.
-    pad : ndarray of bool, (n,)
-        Which points can be pad.
-    searched : ndarray of bool, (n,)
-        Among which points the arc was found.
-    used, rejected : ndarray of bool, (n,)
-        The arc, and which of its points stand out.
-    marked : ndarray of bool, (n,)
-        Which points were added manually.
-    erased : ndarray, (m, 2)
-        Points of the arc left out manually, in the face's frame, px.
-    start : ndarray, (5,)
-        (x, y, semi_x, semi_y, tilt) of a rough ellipse, px.
-    alike : int
-        So many neighbouring points share an error.
-    ends_known : bool
-        Whether the arc's ends were given; the outline beyond then tells nothing of the pad's lengths.
-    blur : float
-        Standard deviation of the edges' blur, px; NaN without edges.
-    border : (float, float, float) or None
-        Last row and column of the picture, and how near to the frame an arc is cut by it, px.
+    Lengths are px of the picture. The outline's n points are in the face's frame, in order; the arc is one
+    piece of them.
     """
 
     face: Face
     scale: Scale
-    frame: tuple[FloatArray, FloatArray]
-    tilt: tuple[float, float]
-    points: FloatArray
-    step_ratio: FloatArray
-    pad: BoolArray
-    searched: BoolArray
-    used: BoolArray
-    rejected: BoolArray
-    marked: BoolArray
-    start: FloatArray
-    ends_known: bool
-    erased: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
-    alike: int = 8
-    blur: float = math.nan
-    border: tuple[float, float, float] | None = None
+    frame: tuple[FloatArray, FloatArray]  # steps (row, column) of the face's x and y; their origin there
+    tilt: tuple[float, float]  # radians; of the finger's axis, known without the arc, and its std
+    points: FloatArray  # (n, 2)
+    step_ratio: FloatArray  # (n,); step across the edge over the noise beside it, NaN without an edge
+    pad: BoolArray  # (n,); which points can be pad
+    searched: BoolArray  # (n,); among which points the arc was found
+    used: BoolArray  # (n,); the arc
+    rejected: BoolArray  # (n,); which of its points stand out
+    marked: BoolArray  # (n,); which points were added manually
+    start: FloatArray  # (x, y, semi_x, semi_y, tilt) of a rough ellipse
+    ends_known: bool  # whether the ends were given: the outline beyond then tells nothing of the lengths
+    erased: FloatArray = field(default_factory=lambda: np.empty((0, 2)))  # of the arc, left out manually
+    alike: int = 8  # so many neighbouring points share an error
+    blur: float = math.nan  # standard deviation of the edges' blur, NaN without edges
+    border: tuple[float, float, float] | None = None  # last row, last column, how near the frame cuts an arc
 
     @classmethod
     def given(

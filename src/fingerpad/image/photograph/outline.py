@@ -1,8 +1,7 @@
 """What a face's outline tells without an ellipse: its lengths, and its radius of curvature."""
 
 import math
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -36,26 +35,10 @@ def contradicted_by_lengths(
     The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse goes on, or less
     far, nothing tells which of the two is the pad.
 
-    Parameters
-    ----------
-    face : Face
-        The face.
-    points : ndarray, (n, 2)
-        Points (x, y) of the outline about the ellipse's centre, in order, along its axes; of a palmar face
-        with the shaft.
-    semi_axes : ndarray, (2,)
-        Of the ellipse, across and along.
-    pad : ndarray, (n, 2)
-        Those points that can be pad.
-    tilt_std : float
-        Standard uncertainty of the ellipse's axis, radians.
-    ellipse : float
-        Probability that the pad's arc is one of an ellipse.
-
-    Returns
-    -------
-    ndarray, (2,)
-        Zero where the outline does not show a length.
+    Points (x, y) are about the ellipse's centre, in order, along its axes: of a palmar face with the shaft,
+    in `pad` those that can be pad. `semi_axes` of the ellipse, across and along, has an axis of standard
+    uncertainty `tilt_std`, radians, and describes the pad's arc with the probability `ellipse`. Zero where
+    the outline does not show a length.
     """
     if len(points) < _MIN_POINTS_OF_LENGTHS:
         return np.zeros(2)
@@ -80,23 +63,12 @@ def beyond_chance(off: ArrayLike, std: ArrayLike) -> FloatArray:
     return np.asarray(off**3 / (off**2 + std**2))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class HalfWidth:
-    """Half of an outline's width at the pad's widest place.
-
-    Attributes
-    ----------
-    value : float
-        The length.
-    hidden : float
-        How much of it is not seen, for the shaft that is wider or because the outline ends above.
-    middle : float
-        x of the place midway between the sides.
-    """
+class HalfWidth(NamedTuple):
+    """Half of an outline's width at the pad's widest place."""
 
     value: float
-    hidden: float
-    middle: float
+    hidden: float  # how much is not seen, for the shaft that is wider or because the outline ends above
+    middle: float  # x of the place midway between the sides
 
 
 def half_width(points: FloatArray, pad: FloatArray, across: float, along: float, face: Face) -> HalfWidth:
@@ -105,16 +77,8 @@ def half_width(points: FloatArray, pad: FloatArray, across: float, along: float,
     Of a palmar face the widest place lies at the ellipse's centre or above: below, the shaft may be wider
     than the pad. How much wider it is beyond what is common, is the pad's.
 
-    Parameters
-    ----------
-    points : ndarray, (n, 2)
-        Points (x, y) of the outline about the ellipse's centre, in order, along the finger's axis.
-    pad : ndarray, (n, 2)
-        Those that can be pad.
-    across, along : float
-        Semi-axes of the ellipse.
-    face : {"palmar", "distal"}
-        The face.
+    Points (x, y) are about the ellipse's centre, in order, along the finger's axis; in `pad` those that can
+    be pad. `across` and `along` are the ellipse's semi-axes.
     """
     top = int(points[:, 1].argmax())
     way = math.copysign(1, points[-1, 0] - points[0, 0])
@@ -130,7 +94,7 @@ def half_width(points: FloatArray, pad: FloatArray, across: float, along: float,
     value = abs(ends[0] - ends[1]) / 2
     more = max(float(np.ptp(pad[:, 0])) / 2 - value, 0.0) if face == "palmar" and len(pad) else 0.0
     more_pad = float(beyond_chance(more, LENGTHS.shaft * across))
-    return HalfWidth(value=value + more_pad, hidden=hidden + more - more_pad, middle=sum(ends) / 2)
+    return HalfWidth(value + more_pad, hidden + more - more_pad, sum(ends) / 2)
 
 
 def _side_lengths(points: FloatArray, across: float, along: float) -> FloatArray:
@@ -207,19 +171,8 @@ def radius_of_outline(
     In the frame of the normal, a cubic is fitted to the distance of the outline from the ellipse within 0.35
     radii on either side of the place where the outline's slope vanishes.
 
-    Parameters
-    ----------
-    points : ndarray, (n, 2)
-        Points (x, y) of the outline, in order, in the frame of the ellipse.
-    semi_axes : (float, float)
-        Semi-axes of the ellipse along x and y.
-    angle, angle_std : float
-        Angle of the normal from x towards y and its standard uncertainty, radians.
-
-    Returns
-    -------
-    (float, float)
-        In the unit of the points; NaN where the outline does not show the place.
+    Points (x, y) are in order, in the frame of the ellipse; the angle runs from x towards y, radians. NaN
+    where the outline does not show the place.
     """
     if len(points) < _MIN_POINTS_OF_RADIUS:
         return _NOT_SHOWN

@@ -1,7 +1,7 @@
 """Semi-axes of a face whose outline may be no ellipse: an average over ellipse and superellipse."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,27 +19,14 @@ _EXPONENTS, _STARTS = (1.2, 5.0), (-0.35, -0.15, 0.2, 0.5)
 BLOCK, _MIN_BLOCKS = 8, 10
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ShapeAverage:
-    """An ellipse and a superellipse along the same outline, averaged by the odds of the two.
+class ShapeAverage(NamedTuple):
+    """An ellipse and a superellipse along the same outline, averaged by the odds of the two."""
 
-    Attributes
-    ----------
-    ellipse : PlaneEllipse
-        Mean centre, semi-axes and angle, px.
-    covariance : ndarray, (2, 2)
-        Of its semi-axes, px².
-    weight : float
-        Probability of the superellipse.
-    exponent, exponent_std : float
-        Mean exponent of the superellipse along the arc, and its standard uncertainty; 2 is an ellipse.
-    """
-
-    ellipse: PlaneEllipse
-    covariance: FloatArray
-    weight: float
-    exponent: float
-    exponent_std: float
+    ellipse: PlaneEllipse  # mean centre, semi-axes and angle, px
+    covariance: FloatArray  # (2, 2); of its semi-axes, px²
+    weight: float  # probability of the superellipse
+    exponent: float  # mean exponent of the superellipse along the arc; 2 is an ellipse
+    exponent_std: float  # its standard uncertainty
 
 
 def is_significant(exponent: float, std: float) -> bool:
@@ -64,29 +51,12 @@ def average_over_shapes(
     quadrants together and 0.15 for each. The semi-axes of both curves are the extents to which they continue
     the arc. They are averaged by the posterior odds of the two.
 
-    Parameters
-    ----------
-    points : ndarray, (n, 2)
-        Points of the pad, px, in order.
-    ellipse : PlaneEllipse
-        The ellipse as fitted to its arc.
-    covariance : ndarray, (2, 2)
-        Of its semi-axes, px².
-    tilt : (float, float)
-        Tilt of the finger's axis and its standard uncertainty, radians.
-    half_width : float
-        Half of the finger's width, px; NaN where this face does not show the pad's.
-    hidden : float
-        How much of it, px, the outline does not show.
-    noise : float
-        Standard deviation of the points on the ellipse's arc from it, px.
-    alike : int
-        So many neighbouring points share an error.
-
-    Returns
-    -------
-    ShapeAverage or None
-        None where the points are too few to tell.
+    Points of the pad, in order, may have been fitted along an arc only by the ellipse, whose semi-axes have
+    the covariance given; `tilt` is that of the finger's axis and its standard uncertainty, radians.
+    `half_width` is half of the finger's width, NaN where this face does not show the pad's, of which the
+    outline does not show the part `hidden`. `noise` is the standard deviation of the points on the ellipse's
+    arc; so many neighbouring points share an error as `alike` says. Lengths are px. None where the points are
+    too few to tell.
     """
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
     blocks, counts = _blocks(points / size, alike)

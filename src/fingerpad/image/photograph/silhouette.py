@@ -1,8 +1,7 @@
 """The finger's silhouette before a plain backdrop, in whole pixels of a reduced copy of the photograph."""
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -21,28 +20,14 @@ _MIN_DISTANCE = 5.0
 _SHARE_OF_CONTRAST = 0.3
 _MIN_AREA_SHARE = 0.004
 _MAX_AREA_SHARE = 0.92
+_SMOOTHING_PX = 3.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Silhouette:
-    """A finger set apart from its backdrop.
+class Silhouette(NamedTuple):
+    """A finger set apart from its backdrop."""
 
-    Attributes
-    ----------
-    mask : ndarray of bool
-        The finger, in the reduced copy.
-    reduction : float
-        Pixels of the photograph per pixel of the copy.
-    noise : ndarray, (channels, channels)
-        Covariance of the backdrop's colour in the copy, linear light.
-    contrast : float
-        Distance of the finger's colour from the backdrop's, in the backdrop's standard deviations.
-    """
-
-    mask: BoolArray
-    reduction: float
-    noise: FloatArray
-    contrast: float
+    mask: BoolArray  # the finger, in a reduced copy
+    reduction: float  # pixels of the photograph per pixel of the copy
 
     def contour(self) -> FloatArray:
         """Return its outline, (row, column) in px of the photograph, in order, without the frame."""
@@ -62,32 +47,25 @@ class Silhouette:
         smooth = _smooth_contour(longest, closed=not framed.any())
         return (smooth + 0.5) * self.reduction - 0.5
 
-    def cut_sides(self) -> dict[Direction, tuple[float, float]]:
-        """Return the sides of the frame that cut the finger, with the ends of the cut, px."""
-        edges: dict[Direction, BoolArray] = {
-            "up": np.atleast_1d(self.mask[:2].any(axis=0)),
-            "down": np.atleast_1d(self.mask[-2:].any(axis=0)),
-            "left": np.atleast_1d(self.mask[:, :2].any(axis=1)),
-            "right": np.atleast_1d(self.mask[:, -2:].any(axis=1)),
+    def cut_sides(self) -> dict[Direction, npt.NDArray[np.intp]]:
+        """Return the sides of the frame that cut the finger, with the cut's rows or columns in the copy."""
+        bands: dict[Direction, BoolArray] = {
+            "up": self.mask[:2],
+            "down": self.mask[-2:],
+            "left": self.mask[:, :2].T,
+            "right": self.mask[:, -2:].T,
         }
-        places = {side: np.flatnonzero(edge) * self.reduction for side, edge in edges.items()}
-        return {
-            side: (float(place.min()), float(place.max())) for side, place in places.items() if place.size > 2
-        }
+        cuts = {side: np.flatnonzero(band.any(axis=0)) for side, band in bands.items()}
+        return {side: cut for side, cut in cuts.items() if cut.size > 2}
 
     def check_not_cut(self, sides: tuple[Direction, ...], tip: Direction) -> None:
         """Refuse a finger whose pad lies on the frame."""
-        rows, columns = np.nonzero(self.mask)
+        finger = np.flatnonzero(self.mask.any(axis=1 if tip in ("up", "down") else 0))
         cuts = self.cut_sides()
-        for side in sides:
-            if side not in cuts:
-                continue
-            along = rows if tip in ("up", "down") else columns
-            low, high = float(along.min()) * self.reduction, float(along.max()) * self.reduction
-            first, last = cuts[side]
+        for side, cut in ((side, cuts[side]) for side in sides if side in cuts):
             # A tilted finger may leave through a side; its half at the tip may not.
-            depth = first - low if tip in ("up", "left") else high - last
-            if side == tip or len(sides) == 1 or depth < (high - low) / 2:
+            depth = cut[0] - finger[0] if tip in ("up", "left") else finger[-1] - cut[-1]
+            if side == tip or len(sides) == 1 or depth < (finger[-1] - finger[0]) / 2:
                 raise ImageError(
                     f"the frame cuts the finger on its {side} side, where the pad is: leave a margin there, "
                     "give region_of_interest or points for the part that shows, or check tip and palmar"
@@ -114,14 +92,8 @@ def find_silhouette(
 ) -> Silhouette:
     """Set the finger apart from the backdrop whose colour is that of the frame's border.
 
-    Parameters
-    ----------
-    light : ndarray, (rows, columns, channels)
-        Linear light.
-    root : Direction or None
-        Side of the frame through which the finger comes in, None when it is seen end on.
-    window : (slice, slice) or None
-        Where the finger that is meant lies, if it need not be the largest.
+    `root` is the side of the frame through which the finger comes in, None when it is seen end on; `window`
+    is where the finger that is meant lies, if it need not be the largest.
 
     Raises
     ------
@@ -141,14 +113,11 @@ def find_silhouette(
     # Channel by channel, since sums over three neighbours in memory take several times as long.
     whitened = cv2.split(cv2.transform(off, np.linalg.inv(np.linalg.cholesky(noise))))
     distance = np.sqrt(sum(part * part for part in whitened))
-    mask, contrast = _finger(distance)
     near = tuple(
         slice(int(part.start / reduction), math.ceil(part.stop / reduction))
         for part in window or (slice(0, light.shape[0]), slice(0, light.shape[1]))
     )
-    return Silhouette(
-        mask=_component(mask, (near[0], near[1])), reduction=reduction, noise=noise, contrast=contrast
-    )
+    return Silhouette(_component(_finger(distance), (near[0], near[1])), reduction)
 
 
 def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tuple[FloatArray, FloatArray]:
@@ -195,8 +164,8 @@ def _nearest_half(colours: FloatArray) -> BoolArray:
     return np.asarray(far <= np.quantile(far, 0.6), dtype=bool)
 
 
-def _finger(distance: FloatArray) -> tuple[BoolArray, float]:
-    """Return what stands out from the backdrop, and by how much."""
+def _finger(distance: FloatArray) -> BoolArray:
+    """Return what stands out from the backdrop."""
     level = np.clip(np.log1p(distance) * 40, 0, 255).astype(np.uint8)
     otsu, _ = cv2.threshold(level, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
     out = distance > max(_MIN_DISTANCE, math.expm1(otsu / 40))
@@ -205,11 +174,10 @@ def _finger(distance: FloatArray) -> tuple[BoolArray, float]:
             f"no finger found, {out.mean():.1%} of the photograph stands out from the backdrop: "
             "choose a backdrop of another colour than the skin, or come nearer"
         )
-    contrast = float(np.median(distance[out]))
-    mask = distance > max(_MIN_DISTANCE, _SHARE_OF_CONTRAST * contrast)
+    mask = distance > max(_MIN_DISTANCE, _SHARE_OF_CONTRAST * float(np.median(distance[out])))
     if mask.mean() > _MAX_AREA_SHARE:
         raise ImageError(f"{mask.mean():.0%} of the photograph would be finger: leave a margin of backdrop")
-    return np.asarray(mask, dtype=bool), contrast
+    return np.asarray(mask, dtype=bool)
 
 
 def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
@@ -230,18 +198,13 @@ def _component(mask: BoolArray, window: tuple[slice, slice]) -> BoolArray:
     return fill_holes(labels == counts.argmax())
 
 
-def _smooth_contour(points: FloatArray, *, closed: bool, sigma: float = 3.0) -> FloatArray:
-    """Return a pixel contour without its stairs."""
-    reach = math.ceil(4 * sigma)
-    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
-    weights /= weights.sum()
+def _smooth_contour(points: FloatArray, *, closed: bool) -> FloatArray:
+    """Return a pixel contour without its stairs, the ends of an open one in place."""
+    reach = math.ceil(4 * _SMOOTHING_PX)
     if len(points) < 2 * reach:
         return points
-    if closed:
-        padded = np.concatenate([points[-reach:], points, points[:reach]])
-    else:
-        # Mirrored through the ends, so that they stay in place.
-        padded = np.concatenate(
-            [2 * points[0] - points[reach:0:-1], points, 2 * points[-1] - points[-2 : -reach - 2 : -1]]
-        )
-    return np.stack([np.convolve(padded[:, k], weights, mode="valid") for k in (0, 1)], axis=-1)
+    mode: dict[str, Any] = {"mode": "wrap"} if closed else {"mode": "reflect", "reflect_type": "odd"}
+    padded = np.pad(points, ((reach, reach), (0, 0)), **mode)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / _SMOOTHING_PX) ** 2)
+    weights /= weights.sum()
+    return np.stack([np.convolve(part, weights, mode="valid") for part in padded.T], axis=-1)
