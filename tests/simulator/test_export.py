@@ -1,6 +1,7 @@
 """The exported files, run and measured by what others wrote to read them."""
 
 import math
+import sys
 import xml.etree.ElementTree as ET
 
 import meshio
@@ -201,6 +202,15 @@ def test_thickness_that_the_mesh_cannot_take(name) -> None:
     call, message = BAD[name]
     with pytest.raises(fp.FingerpadError, match=message):
         call()
+
+
+def test_without_meshio_nothing_is_written(law, tmp_path, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    with pytest.raises(
+        fp.FingerpadError, match=r"needs the package meshio: pip install 'fingerpad\[simulators\]'"
+    ):
+        export_finger(law, tmp_path / "new", effective_mass=0.1)
+    assert not (tmp_path / "new").exists()
 
 
 def test_paraboloid_and_places_that_cannot_be_written(law, tmp_path) -> None:
