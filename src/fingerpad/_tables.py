@@ -129,7 +129,7 @@ def read_table(path: Path, error: type[FingerpadError], *, head_only: bool = Fal
         with path.open("rb") as file:
             content = file.read(_HEAD_BYTES) if head_only else file.read()
             if head_only and len(content) == _HEAD_BYTES:
-                content = content + file.read() if is_packed(path, content) else content.rpartition(b"\n")[0]
+                content = content + file.read() if _is_packed(path, content) else content.rpartition(b"\n")[0]
     except FileNotFoundError:
         raise error(f"{path}: no such file: check the path") from None
     except OSError as fault:
@@ -137,7 +137,7 @@ def read_table(path: Path, error: type[FingerpadError], *, head_only: bool = Fal
     return parse_table(content, str(path), error)
 
 
-def is_packed(path: Path, content: bytes) -> bool:
+def _is_packed(path: Path, content: bytes) -> bool:
     """Tell whether a file is one that is read as a whole or not at all."""
     return content[:4] == b"PK\x03\x04" or path.suffix.lower() == ".mat"
 
