@@ -31,6 +31,7 @@ from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.result_set import result_set_faults
+from fingerpad.study.results.table import records
 from fingerpad.study.verify import verify_study
 
 PICTURES, FRAMES = 4, 60
@@ -92,7 +93,7 @@ def kill_runs(count: int = 100, seed: int = 1) -> Counter[str]:
     rng, found = np.random.default_rng(seed), Counter[str]()
     with TemporaryDirectory() as folder:
         manifest, out = make_study(Path(folder) / "study"), Path(folder) / "out"
-        whole = list(run_study(manifest, Path(folder) / "whole", write_report=write_report).rows)
+        whole = list(records(run_study(manifest, Path(folder) / "whole", write_report=write_report).rows))
         command = [sys.executable, "-m", "fingerpad", "run", str(manifest), "--out", str(out), "--workers"]
         began = time.perf_counter()
         subprocess.run([*command, "1"], check=True, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
@@ -112,7 +113,7 @@ def kill_runs(count: int = 100, seed: int = 1) -> Counter[str]:
             found["between"] += any(_IN_BETWEEN in fault for fault in faults)
             found["unnamed or mixed"] += any(_IN_BETWEEN not in fault for fault in faults)
             if rng.random() < 0.2:
-                found["rows that differ"] += list(run_study(manifest, out).rows) != whole
+                found["rows that differ"] += list(records(run_study(manifest, out).rows)) != whole
                 found["faults afterwards"] += bool(verify_study(manifest, out).faults)
     return found
 
@@ -222,7 +223,7 @@ def flip_bits(count: int = 2000, seed: int = 3) -> Counter[str]:
         log = CorrectionLog(study)
         for item in ("o1", "p#7"):
             log.append(item, {"accepted": True}, who="soak", expected=0, study=read_study(manifest))
-        rows = list(run_study(manifest, out, write_report=write_report).rows)
+        rows = list(records(run_study(manifest, out, write_report=write_report).rows))
         kinds = {
             "results": ["results.csv", "results.json", "results_columns.csv", "summary.json", "SHA256SUMS"],
             "report": ["report.html", *_names(out, "figures/*.svg")],
@@ -256,7 +257,7 @@ def _same_rows(manifest: Path, out: Path, rows: list[Any]) -> bool:
     with TemporaryDirectory() as folder:
         copy = Path(shutil.copytree(out, Path(folder) / "out"))
         try:
-            return list(run_study(manifest, copy).rows) == rows
+            return list(records(run_study(manifest, copy).rows)) == rows
         except StoreError:
             return True
 
@@ -282,7 +283,7 @@ def fill_disk(count: int = 40) -> Counter[str]:
     with TemporaryDirectory() as folder:
         manifest = make_study(Path(folder) / "study")
         whole = Path(folder) / "whole"
-        rows = list(run_study(manifest, whole, write_report=write_report).rows)
+        rows = list(records(run_study(manifest, whole, write_report=write_report).rows))
         needed = 2 * sum(path.stat().st_size for path in whole.rglob("*") if path.is_file())
         disk = Path(folder) / "disk"
         disk.mkdir()
@@ -299,7 +300,10 @@ def fill_disk(count: int = 40) -> Counter[str]:
                     faults = result_set_faults(disk / "out") if (disk / "out").exists() else []
                     found["mixed"] += any(_IN_BETWEEN not in fault for fault in faults)
                     resize(4 * needed)
-                    same = list(run_study(manifest, disk / "out", write_report=write_report).rows) == rows
+                    same = (
+                        list(records(run_study(manifest, disk / "out", write_report=write_report).rows))
+                        == rows
+                    )
                     found["rows that differ"] += not same
             except subprocess.CalledProcessError:
                 found["not mounted: needs rights"] += 1

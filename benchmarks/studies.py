@@ -53,7 +53,7 @@ def simulated_study(seed: int) -> Scores:
     (summary,) = pool_contacts(rows)
     pooled = summary.corrected_radius
     assert pooled is not None  # nothing simulated is doubtful
-    row = rows.table[3]
+    row = rows.table.iloc[3]
     low, high = pooled.random.interval
     true_modulus = _modulus(curvature.geometric_mean_radius, elongation)
     return Scores(

@@ -1,6 +1,8 @@
 """Contact laws of a lab: registered, fitted, compared and drawn like ours."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -271,3 +273,27 @@ def test_the_how_to_runs(tmp_path, monkeypatch, capsys) -> None:
     value, conclusion = capsys.readouterr().out.splitlines()[:2]
     assert "±" in value
     assert conclusion.startswith("ogden explains the loading")
+
+
+OWN_FILE = """
+import fingerpad as fp
+from fingerpad.loading.law_registry import find_law
+
+@fp.contact_law(parameters={"k": (0, None)}, units={"k": "N/mm"}, start={"k": 1.0}, name="own_line")
+def line(indentation, *, k):
+    return k * indentation
+
+if __name__ == "__main__":
+    print(find_law("own_line_law.py:line").name)
+"""
+
+
+def test_a_law_is_found_where_it_is_called_and_from_its_own_file(tmp_path: Path) -> None:
+    """As by an installed command, which does not look in its working folder, and as a script of its own."""
+    (tmp_path / "own_line_law.py").write_text(OWN_FILE, encoding="utf-8")
+    find = "import sys; sys.path.remove(''); from fingerpad.loading.law_registry import find_law; "
+    for asked in (["own_line_law.py"], ["-c", find + "print(find_law('own_line_law:line').name)"]):
+        done = subprocess.run(
+            [sys.executable, *asked], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.stdout == "own_line\n", done.stderr

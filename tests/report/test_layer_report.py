@@ -10,6 +10,7 @@ from fingerpad.report import write_report
 from fingerpad.report.layer import comparisons
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import records
 
 FINGER = """
 [[fingers]]
@@ -76,7 +77,7 @@ def cells(text: str, quantity: str, of: str) -> list[str]:
 )
 def test_both_theories_side_by_side(report, quantity: str, hertz: str, layered: str) -> None:
     result, text = report
-    row = next(row for row in result.rows if row["observation"] == "b")
+    row = next(row for row in records(result.rows) if row["observation"] == "b")
     found = cells(text, quantity, "b, 2 N")
     assert found[2:4] == [value_with_uncertainty(row[name], row[f"{name}_std"]) for name in (hertz, layered)]
     assert found[4].startswith("thickness ")

@@ -13,6 +13,7 @@ from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import answers_of
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import first_record, records
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 VOID = {"meta", "img", "br", "link"}
@@ -69,10 +70,10 @@ def test_self_contained(demo: tuple[StudyResult, str, Path]) -> None:
 
 def test_all_observations_and_overlays_shown(demo: tuple[StudyResult, str, Path]) -> None:
     result, text, out = demo
-    for row in result.rows:
+    for row in records(result.rows):
         assert (row["observation"] in text) == (row["frame"] is None)
     photographs = sum(len(finger.photographs) for finger in result.fingers.values())
-    overlays = sum(row["overlay"] is not None for row in result.rows)
+    overlays = sum(row["overlay"] is not None for row in records(result.rows))
     assert text.count("data:image/jpeg;base64,") == overlays + photographs + 3 == 9 + 3 + 3
     assert all(f"synthetic_press_30deg, {role}" in text for role in ("first contact", "largest load"))
     figures = {path.name for path in (out / "figures").iterdir()}
@@ -87,7 +88,7 @@ def test_synthetic_is_labelled(demo: tuple[StudyResult, str, Path]) -> None:
     result, text, _ = demo
     tag = '<span class="synthetic">synthetic</span>'
     assert re.search(rf"<h3>synthetic_press_30deg{tag}</h3>", text)
-    for row in (row for row in result.rows if row["frame"] is None):
+    for row in (row for row in records(result.rows) if row["frame"] is None):
         cell = re.search(rf"<tr><td>{row['observation']}(<span[^>]*>synthetic</span>)?</td>", text)
         assert cell is not None
         assert bool(cell.group(1)) == row["synthetic"]
@@ -211,7 +212,7 @@ def test_what_r_0g_of_a_finger_with_photographs_is_stands_at_the_number(
     demo: tuple[StudyResult, str, Path],
 ) -> None:
     result, text, _ = demo
-    seen = [one.rows[0] for one in result.summaries if one.rows[0]["outline_radius_mm"]]
+    seen = [first_record(one.rows) for one in result.summaries if first_record(one.rows)["outline_radius_mm"]]
     assert text.count("takes the weighted mean of both") == len(seen) > 0
     for row in seen:
         value = value_with_uncertainty(row["mean_curvature_radius_mm"], row["mean_curvature_radius_mm_std"])

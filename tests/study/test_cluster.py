@@ -26,6 +26,7 @@ from fingerpad.study.engine import cluster
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.task import Limits, Task
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.table import records
 
 TOTAL = PICTURES + 2 + FRAMES
 # Loaded by a worker, for which a folder is not there then; to mount something over it takes more rights.
@@ -62,7 +63,7 @@ def unfinished(small_run: Path, tmp_path: Path) -> Path:
 @pytest.fixture
 def undisturbed(small_run: Path, tmp_path: Path) -> list[dict]:
     finished = copy(small_run, tmp_path / "undisturbed")
-    return list(run_study(finished, finished.parent / "out").rows)
+    return list(records(run_study(finished, finished.parent / "out").rows))
 
 
 class Scheduler:
@@ -147,7 +148,7 @@ def workers(scheduler: Scheduler, tmp_path: Path) -> Iterator[Workers]:
 def run(
     manifest: Path, out: Path, scheduler: str, reported: Callable[[Progress], None] = lambda _: None
 ) -> list:
-    return list(run_study(manifest, out, scheduler=scheduler, on_progress=reported).rows)
+    return list(records(run_study(manifest, out, scheduler=scheduler, on_progress=reported).rows))
 
 
 def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
@@ -190,7 +191,8 @@ def test_a_killed_scheduler_costs_only_what_was_in_hand(
         workers.end()
     again: list[Progress] = []
     assert (
-        list(run_study(unfinished, unfinished.parent / "out", on_progress=again.append).rows) == undisturbed
+        list(records(run_study(unfinished, unfinished.parent / "out", on_progress=again.append).rows))
+        == undisturbed
     )
     assert again[0].pictures >= reported[-1].pictures > reported[0].pictures
 
@@ -256,7 +258,7 @@ def test_workers_that_are_all_dead_end_the_run_in_words(
 
     with pytest.raises(ClusterError, match="has had no worker for 3 s: what was measured is kept"):
         run(unfinished, unfinished.parent / "out", workers.address, kill_all)
-    assert list(run_study(unfinished, unfinished.parent / "out").rows) == undisturbed
+    assert list(records(run_study(unfinished, unfinished.parent / "out").rows)) == undisturbed
 
 
 def test_a_task_that_crashes_is_named_and_costs_no_worker(
@@ -325,7 +327,7 @@ def test_waiting_for_one_result_delays_no_other(workers: Workers) -> None:
 
 def test_a_scheduler_of_ones_own(unfinished: Path, undisturbed: list[dict]) -> None:
     out = unfinished.parent / "out"
-    assert list(run_study(unfinished, out, workers=2, scheduler="local").rows) == undisturbed
+    assert list(records(run_study(unfinished, out, workers=2, scheduler="local").rows)) == undisturbed
 
 
 def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(

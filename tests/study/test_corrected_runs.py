@@ -16,6 +16,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import records
 from fingerpad.study.status import item_states, semi_axes_state, study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
@@ -41,7 +42,7 @@ def run(manifest: Path) -> tuple[StudyResult, list[str]]:
 
 
 def row_of(result: StudyResult, name: str) -> dict:
-    return next(row for row in result.rows if row["observation"] == name)
+    return next(row for row in records(result.rows) if row["observation"] == name)
 
 
 def test_a_corrected_observation_alone_is_measured_anew(manifest: Path) -> None:
@@ -57,7 +58,7 @@ def test_a_corrected_observation_alone_is_measured_anew(manifest: Path) -> None:
     decide(manifest, "o1", {})
     again, measured = run(manifest)
     assert measured == ["o1"]
-    assert list(again.rows) == list(before.rows)
+    assert list(records(again.rows)) == list(records(before.rows))
 
 
 @pytest.mark.parametrize(
@@ -86,7 +87,7 @@ def test_a_verdict_measures_nothing(manifest: Path, item: str, change: dict, sta
         if not (name == "model_verdict" or name.endswith(("_model_std", "_total_std")))
     ]
     others = [
-        [one for one in found.rows.records(*own) if one["observation"] != item] for found in (before, after)
+        [one for one in records(found.rows, *own) if one["observation"] != item] for found in (before, after)
     ]
     assert others[0] == others[1]
 
@@ -110,13 +111,15 @@ def test_a_corrected_frame_has_its_piece_measured_anew(manifest: Path) -> None:
     row = row_of(after, "p#8")
     assert (row["measured_by"], row["load_N"]) == ("manual", row_of(before, "p#8")["load_N"])
     assert row["semi_minor_mm"] == pytest.approx(30 * 25.4 / 240, rel=1e-3)
-    others = [[one for one in found.rows if one["observation"] != "p#8"] for found in (before, after)]
+    others = [
+        [one for one in records(found.rows) if one["observation"] != "p#8"] for found in (before, after)
+    ]
     assert others[0] == others[1]
     # A frame without an automatic contact can be measured manually.
-    seen = {row["frame"] for row in before.rows}
+    seen = {row["frame"] for row in records(before.rows)}
     empty = min(frame for frame in range(24) if frame not in seen and frame > 1)
     decide(manifest, f"p#{empty}", ELLIPSE)
-    frames = {row["frame"]: row for row in run(manifest)[0].rows}
+    frames = {row["frame"]: row for row in records(run(manifest)[0].rows)}
     assert empty not in frames or frames[empty]["measured_by"] == "manual"
 
 

@@ -21,6 +21,7 @@ from fingerpad.study.results.digest import digest_of_values
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 
 MANIFEST = """
@@ -195,7 +196,7 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Pa
     result = run_study(tmp_path / "study.toml", tmp_path / "out")
     placed = placed_pad(result.fingers["f"], 30.0, result.study.uncertainty)
     first, second = placed.placement.curvature.principal_radii
-    (row,) = result.rows
+    (row,) = records(result.rows)
     assert 2 / (1 / first + 1 / second) == pytest.approx(row["mean_curvature_radius_mm"])
     assert placed.radius_std == pytest.approx(row["mean_curvature_radius_mm_std"], rel=1e-3)
     assert placed.radius_ratio_std > 0.03

@@ -11,15 +11,14 @@ from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.manifest import Uncertainty
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.digest import digest_of_values
-from fingerpad.study.results.table import TableBuilder
+from fingerpad.study.results.table import table_of
 
 ESTIMATE = Estimate.symmetric(1.0, 0.1)
 
 
 def table(*loads: float, word: str = "a"):
-    builder = TableBuilder()
-    builder.add({"observation": COLUMNS["observation"].array([word] * len(loads)), "load_N": np.array(loads)})
-    return builder.table()
+    names = COLUMNS["observation"].array([word] * len(loads))
+    return table_of([{"observation": names, "load_N": np.array(loads)}])
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.worker import POOL
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
@@ -39,7 +40,7 @@ def whole(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyR
 
 @pytest.fixture(scope="module")
 def undisturbed(whole: StudyResult) -> list[dict]:
-    return list(whole.rows)
+    return list(records(whole.rows))
 
 
 @pytest.fixture
@@ -60,7 +61,7 @@ def unfinished(small_run: Path, tmp_path: Path) -> Path:
 
 
 def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
-    return list(run_study(manifest, out, **options).rows)
+    return list(records(run_study(manifest, out, **options).rows))
 
 
 def test_a_sequence_in_pieces_gives_the_rows_of_the_whole(finished: Path, undisturbed: list[dict]) -> None:
@@ -77,7 +78,9 @@ def test_two_processes_and_a_tiff_give_the_rows_of_one(
     small_study_of_tiff: Path, whole: StudyResult, tmp_path: Path
 ) -> None:
     found = run_study(small_study_of_tiff, tmp_path / "out", workers=2)
-    assert [row | {"file": None} for row in found.rows] == [row | {"file": None} for row in whole.rows]
+    assert [row | {"file": None} for row in records(found.rows)] == [
+        row | {"file": None} for row in records(whole.rows)
+    ]
     assert [sequence.overlays for sequence in found.sequences] == [
         sequence.overlays for sequence in whole.sequences
     ]

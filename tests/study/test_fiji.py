@@ -27,6 +27,7 @@ from fingerpad.study.imports import (
 )
 from fingerpad.study.manifest.sheet import Sheet
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.table import first_record
 
 SEMI_MAJOR, SEMI_MINOR = 146.0, 98.0  # px; 7.4 and 5.0 mm at 500 ppi
 PX_MM = 25.4 / 500
@@ -477,7 +478,7 @@ def test_what_is_not_known_is_left_to_a_person(tmp_path: Path) -> None:
     assert code == 2
     assert "is there already" in error
     assert out.read_text(encoding="utf-8") == filled
-    assert run_study(tmp_path / "study.toml", tmp_path / "out").rows[0]["load_N"] == 2
+    assert first_record(run_study(tmp_path / "study.toml", tmp_path / "out").rows)["load_N"] == 2
 
 
 def test_units_are_asked_for_and_agree(tmp_path: Path) -> None:

@@ -16,9 +16,9 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.layer import POOLED_ON_LAYER
 from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
-from fingerpad.study.results.load import load_results
-from fingerpad.study.results.results_reader import read_table
+from fingerpad.study.results.load import load_results, read_table
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import items, records
 from fingerpad.uncertainty import LAYER_SOURCES
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -63,7 +63,7 @@ def study(
 
 
 def test_rows_have_both_theories(tmp_path: Path) -> None:
-    (row,) = study(tmp_path).rows
+    (row,) = records(study(tmp_path).rows)
     placement, area = Placement(PAD, wedge_angle=math.radians(30)), math.pi * 7.4 * 5.0
     modulus = youngs_modulus(placement, load=2.0, area=area, thickness=8.0)
     found = fast_contact(placement, Tissue(modulus, thickness=8.0), area=area)
@@ -78,7 +78,7 @@ def test_rows_have_both_theories(tmp_path: Path) -> None:
 
 
 def test_nothing_changes_without_a_thickness(tmp_path: Path) -> None:
-    (with_layer,), (without,) = study(tmp_path).rows, study(tmp_path, "").rows
+    (with_layer,), (without,) = records(study(tmp_path).rows), records(study(tmp_path, "").rows)
     assert all(without[name] is None for name in LAYER)
     others = set(COLUMNS) - set(LAYER)
     assert {name: with_layer[name] for name in others} == {name: without[name] for name in others}
@@ -86,8 +86,8 @@ def test_nothing_changes_without_a_thickness(tmp_path: Path) -> None:
 
 
 def test_a_thickness_without_uncertainty_is_exact(tmp_path: Path) -> None:
-    (exact,) = study(tmp_path, "effective_thickness_mm = 8.0").rows
-    (stated,) = study(tmp_path).rows
+    (exact,) = records(study(tmp_path, "effective_thickness_mm = 8.0").rows)
+    (stated,) = records(study(tmp_path).rows)
     assert exact["effective_thickness_mm_std"] is None
     for name in ("youngs_modulus_on_layer_kpa", "loading_radius_on_layer_mm"):
         assert exact[name] == stated[name]
@@ -104,7 +104,7 @@ def test_a_thickness_without_uncertainty_is_exact(tmp_path: Path) -> None:
 )
 def test_out_of_range_is_named_and_not_pooled(tmp_path: Path, finger: str, major: float, flag: str) -> None:
     result = study(tmp_path, finger, contacts=[(2, major)])
-    (row,), (summary,) = result.rows, result.summaries
+    (row,), (summary,) = records(result.rows), result.summaries
     assert row["layer_flag"] == summary.layer.flag == flag
     assert "layer_out_of_range" in row["range_notes"]
     assert row["youngs_modulus_on_layer_kpa_std"] is None
@@ -119,21 +119,21 @@ def test_a_poisson_ratio_below_the_laws(tmp_path: Path) -> None:
     study(tmp_path)
     text = (tmp_path / "study.toml").read_text().replace('"T"', '"T"\npoisson_ratio = 0.2')
     (tmp_path / "study.toml").write_text(text)
-    (row,) = run_study(tmp_path / "study.toml", tmp_path / "out").rows
+    (row,) = records(run_study(tmp_path / "study.toml", tmp_path / "out").rows)
     assert row["layer_flag"] == "poisson_ratio_out_of_range"
 
 
 @pytest.mark.parametrize("method", ["first_order", "monte_carlo"])
 def test_large_uncertainties_cost_the_layer_alone(tmp_path: Path, method: str) -> None:
     more = f'roll_angle_deg_std = 30\nmethod = "{method}"'
-    (row,) = study(tmp_path, axes_std=9.0, wedge_std=60, more=more).rows
+    (row,) = records(study(tmp_path, axes_std=9.0, wedge_std=60, more=more).rows)
     assert row["status"] in {"measured", "failed"}
     assert row["youngs_modulus_on_layer_kpa_std"] is None
 
 
 def test_monte_carlo(tmp_path: Path) -> None:
     (first,), (drawn,) = (
-        study(tmp_path, more=f'method = "{m}"').rows for m in ("first_order", "monte_carlo")
+        records(study(tmp_path, more=f'method = "{m}"').rows) for m in ("first_order", "monte_carlo")
     )
     for name in ("youngs_modulus_on_layer_kpa", "indentation_on_layer_mm", "loading_radius_on_layer_mm"):
         assert drawn[name] == first[name]
@@ -142,15 +142,15 @@ def test_monte_carlo(tmp_path: Path) -> None:
 
 
 def test_incompressible_tissue_with_an_uncertain_poisson_ratio(tmp_path: Path) -> None:
-    (row,) = study(tmp_path, more="poisson_ratio_std = 0.02").rows
+    (row,) = records(study(tmp_path, more="poisson_ratio_std = 0.02").rows)
     assert row["layer_flag"] is None
-    (sure,) = study(tmp_path).rows
+    (sure,) = records(study(tmp_path).rows)
     assert row["youngs_modulus_on_layer_kpa_std"] > sure["youngs_modulus_on_layer_kpa_std"]
 
 
 def test_one_contact_is_its_own_mean(tmp_path: Path) -> None:
     result = study(tmp_path)
-    (row,), layer = result.rows, result.summaries[0].layer
+    (row,), layer = records(result.rows), result.summaries[0].layer
     assert (layer.observation, layer.load, layer.flag) == ("c0", 2.0, "")
     for name in POOLED_ON_LAYER:
         unit = "kpa" if "modulus" in name else "mm"
@@ -197,8 +197,8 @@ def test_contacts_that_scatter_widen_the_mean(tmp_path: Path) -> None:
 def test_tables_are_read_back(tmp_path: Path) -> None:
     result = study(tmp_path, contacts=[(1, 6.0), (2, 7.4), (2, 14.0)])
     read = read_table(tmp_path / "out")
-    assert all(read.items(name) == result.rows.items(name) for name in LAYER)
-    assert read.items("layer_flag") == [None, None, "contact_too_wide"]
+    assert all(items(read[name]) == items(result.rows[name]) for name in LAYER)
+    assert items(read["layer_flag"]) == [None, None, "contact_too_wide"]
     assert load_results(tmp_path / "out") is not None
     cells = (tmp_path / "out" / "results.csv").read_text()
     assert "nan" not in cells.lower()

@@ -1,7 +1,6 @@
-"""Results in memory: what a run wrote, by columns and as a DataFrame."""
+"""Results in memory: what a run wrote, a DataFrame and a summary."""
 
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,8 @@ import pandas as pd
 import pytest
 
 import fingerpad as fp
+from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.load import read_table
 
 STUDY = """
 title = "Two presses"
@@ -39,33 +40,41 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(study / "out")
 
 
-def test_columns_hold_what_the_file_says(folder: str) -> None:
+def test_the_table_holds_what_the_file_says(folder: str) -> None:
     results = fp.load_results(folder)
     with (Path(folder) / "results.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert list(results) == list(rows[0])
-    assert (results.rows, results.title) == (2, "Two presses")
-    assert results["observation"].tolist() == ["heavy", "light"]
-    np.testing.assert_array_equal(results["load_N"], [float(row["load_N"]) for row in rows])
-    assert results.columns["youngs_modulus_kpa"].unit == "kPa"
+    assert isinstance(results.table, pd.DataFrame)
+    assert list(results.table) == list(rows[0])
+    assert (len(results.table), results.title) == (2, "Two presses")
+    assert results.table["observation"].tolist() == ["heavy", "light"]
+    np.testing.assert_array_equal(results.table["load_N"], [float(row["load_N"]) for row in rows])
+    assert results.table.attrs["units"]["youngs_modulus_kpa"] == "kPa"
+    assert set(results.table.attrs["units"]) == set(results.table)
+    assert results.summary.summaries[0].finger == "index"
     assert len(repr(results)) < 100
-    with pytest.raises(KeyError, match=r"no column 'load'; list\(results\) names all"):
-        results["load"]
 
 
-def test_a_data_frame_has_the_same_columns(folder: str) -> None:
-    results = fp.load_results(Path(folder))
-    frame = results.to_pandas()
-    assert isinstance(frame, pd.DataFrame)
-    assert list(frame.columns) == list(results)
-    np.testing.assert_array_equal(frame["semi_major_mm"], [7.4, 5.3])
-
-
-def test_pandas_need_not_be_installed(folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    results = fp.load_results(folder)
-    with pytest.raises(fp.FingerpadError, match="pip install pandas"):
-        results.to_pandas()
+def test_what_a_contact_comes_to_stands_first_and_what_few_ask_for_is_asked_for(tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    fp.run_study(tmp_path)
+    few = fp.load_results(tmp_path / "results").table
+    fp.run_study(tmp_path, all_columns=True)
+    every = fp.load_results(tmp_path / "results").table
+    assert list(every) == list(COLUMNS)
+    assert list(few) == [name for name, column in COLUMNS.items() if column.default]
+    assert list(few)[:4] == ["observation", "finger", "wedge_angle_deg", "load_N"]
+    assert {"gross_area_mm2", "semi_minor_mm_std", "youngs_modulus_kpa", "model_verdict"} <= set(
+        list(few)[:15]
+    )
+    assert {"semi_major_mm_noise_std", "geometric_radius_from_area_mm"} <= set(every) - set(few)
+    pd.testing.assert_frame_equal(every[list(few)], few)
+    with (tmp_path / "results" / "results_columns.csv").open(encoding="utf-8") as file:
+        assert [line["column"] for line in csv.DictReader(file)] == list(every)
+    table = tmp_path / "results" / "results.csv"
+    table.write_text(table.read_text().replace("load_N", "load", 1))
+    with pytest.raises(fp.FingerpadError, match=r"results\.csv"):
+        read_table(tmp_path / "results")
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
@@ -76,7 +85,7 @@ def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
 def test_results_lie_beside_the_manifest(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     fp.run_study(tmp_path)
-    assert fp.load_results(tmp_path / "results").rows == 2
+    assert len(fp.load_results(tmp_path / "results").table) == 2
     with pytest.raises(fp.FingerpadError, match="no finished run there, but in .*results: name that folder"):
         fp.load_results(tmp_path)
     with pytest.raises(fp.FingerpadError, match="study.toml: is a file; name the output folder"):

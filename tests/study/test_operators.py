@@ -14,6 +14,7 @@ from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.table import records
 from fingerpad.study.verify import verify_study
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
@@ -59,7 +60,7 @@ def test_two_persons_outlines_are_compared(manifest: Path) -> None:
     assert ious["o1"] == 1
     assert 0.8 < ious["o2"] < 0.9
     # The first operator's outlines are the results.
-    row = next(row for row in result.rows if row["observation"] == "o0")
+    row = next(row for row in records(result.rows) if row["observation"] == "o0")
     assert row["semi_major_mm"] == pytest.approx(40 * MM, rel=1e-3)
     with (out / "second_operator.csv").open() as file:
         lines = list(csv.DictReader(file))

@@ -15,9 +15,10 @@ from fingerpad.report import write_report
 from fingerpad.report.text import implausible_values
 from fingerpad.simulate import render_contact_image
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.columns import DEFAULT_COLUMNS
 from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import first_record, records
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 
@@ -32,7 +33,7 @@ def demo(run_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Stud
 
 def test_measures_the_rendered_pad_as_it_is(demo: tuple[StudyResult, Path]) -> None:
     result, _ = demo
-    rows = {row["observation"]: row for row in result.rows}
+    rows = {row["observation"]: row for row in records(result.rows)}
     with (EXAMPLE / "synthetic" / "truth.csv").open() as file:
         truths = list(csv.DictReader(file))
     assert len(truths) == 9
@@ -67,7 +68,7 @@ def test_measures_the_photographs_and_the_curve(demo: tuple[StudyResult, Path]) 
 
 def test_the_rows_of_dzidek2017_hold_its_numbers(demo: tuple[StudyResult, Path]) -> None:
     result, _ = demo
-    rows = {row["observation"]: row for row in result.rows}
+    rows = {row["observation"]: row for row in records(result.rows)}
     expected = {
         "table3_30deg_ellipse": (45.243495, 13.607666, 13.625),
         "table3_45deg_ellipse": (60.210426, 9.982357, 10.175),
@@ -86,7 +87,7 @@ def test_the_rows_of_dzidek2017_hold_its_numbers(demo: tuple[StudyResult, Path])
 
 
 def test_nothing_rendered_whole_is_doubted(demo: tuple[StudyResult, Path]) -> None:
-    assert {row["observation"]: row["flags"] for row in demo[0].rows if row["flags"]} == {}
+    assert {row["observation"]: row["flags"] for row in records(demo[0].rows) if row["flags"]} == {}
 
 
 def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo: tuple[StudyResult, Path]) -> None:
@@ -110,14 +111,14 @@ def test_tables_agree_with_each_other(demo: tuple[StudyResult, Path]) -> None:
     records = json.loads((out / "results.json").read_text())
     assert len(table) == len(records) == len(result.rows) == 13 + 21
     for line, record in zip(table, records, strict=True):
-        assert list(line) == list(record) == list(COLUMNS)
+        assert list(line) == list(record) == list(DEFAULT_COLUMNS)
         for key, value in record.items():
             if isinstance(value, float):
                 assert float(line[key]) == value
             elif value is None:
                 assert line[key] == ""
     with (out / "results_columns.csv").open() as file:
-        assert [row["column"] for row in csv.DictReader(file)] == list(COLUMNS)
+        assert [row["column"] for row in csv.DictReader(file)] == list(DEFAULT_COLUMNS)
     summary = json.loads((out / "summary.json").read_text())
     assert set(summary["provenance"]["inputs_sha256"]) >= {"study.toml", "observations.csv"}
     assert len(summary["provenance"]["inputs_sha256"]) == 2 + 3 + 9 + 2 + 3
@@ -136,8 +137,8 @@ def test_a_bad_image_costs_its_row_only(
     Image.fromarray(np.full((300, 300, 3), 200, np.uint8)).save(bad / "photograph_palmar.jpg")
     (bad / "curve_30deg_10mm_per_s.csv").write_text("force_N\n1\n")
     result = run_study(copy / "study.toml", copy / "results")  # the others are there already
-    rows = {row["observation"]: row for row in result.rows if row["frame"] is None}
-    untouched = {row["observation"]: row for row in demo[0].rows}
+    rows = {row["observation"]: row for row in records(result.rows) if row["frame"] is None}
+    untouched = {row["observation"]: row for row in records(demo[0].rows)}
     for load in ("1N", "2N", "4N"):
         row = rows[f"synthetic_30deg_{load}"]
         assert row["status"] == "failed"
@@ -176,7 +177,7 @@ def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
     )
     result = run_study(single_row(tmp_path, rows), tmp_path / "out")
     (summary,) = result.summaries
-    stds = [line["radius_from_indentation_mm_fixed_geometry_std"] for line in result.rows]
+    stds = [line["radius_from_indentation_mm_fixed_geometry_std"] for line in records(result.rows)]
     assert min(stds) > 1e-4
     assert summary.corrected_radius.count == 3
 
@@ -191,7 +192,7 @@ def test_odd_pictures_cost_their_row_only(tmp_path: Path, picture: np.ndarray) -
     rows = row("odd", 'file = "odd.png"\nscale = { ppi = 500 }')
     rows += row("good", "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }")
     result = run_study(single_row(tmp_path, rows), tmp_path / "out")
-    assert [line["status"] for line in result.rows] == ["failed", "measured"]
+    assert [line["status"] for line in records(result.rows)] == ["failed", "measured"]
 
 
 @pytest.mark.parametrize("out", [".", "sub"])
@@ -226,7 +227,7 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     rows = "".join(row(name, f'file = "{name}.png"\nscale = {{ ppi = 500 }}') for name in ("good", "cut"))
     (tmp_path / "one").mkdir()
     result = run_study(single_row(tmp_path, rows), tmp_path / "out")
-    good, cut = result.rows
+    good, cut = records(result.rows)
     assert "touches_border" in cut["flags"]
     assert (good["pooled"], cut["pooled"], cut["status"]) == (True, False, "measured")
     (summary,) = result.summaries
@@ -243,12 +244,12 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
 def test_slips_of_units_are_noted(tmp_path: Path) -> None:
     ellipse = "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }"
     manifest = single_row(tmp_path, row("x", ellipse).replace("load_N = 1", "load_N = 2000"))
-    assert "implausible_modulus" in run_study(manifest, tmp_path / "out").rows[0]["range_notes"]
+    assert "implausible_modulus" in first_record(run_study(manifest, tmp_path / "out").rows)["range_notes"]
     text = manifest.read_text().replace(
         "palmar = 8, distal = 14, radial_ulnar = 12", "palmar = 0.8, distal = 1.4, radial_ulnar = 1.2"
     )
     manifest.write_text(text)
-    notes = run_study(manifest, tmp_path / "out").rows[0]["range_notes"]
+    notes = first_record(run_study(manifest, tmp_path / "out").rows)["range_notes"]
     assert "implausible_size" in notes
     assert "deeper_than_pad" in notes
 
@@ -279,7 +280,7 @@ def test_a_study_of_failures_still_reports(tmp_path: Path) -> None:
         'file = "study.toml"\nscale = { ppi = 500 }\n'
     )
     result = run_study(manifest, tmp_path / "out")
-    assert result.rows[0]["status"] == "failed"
+    assert first_record(result.rows)["status"] == "failed"
     assert result.summaries == []
 
 
@@ -293,7 +294,7 @@ def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path: Path) -> None:
         text.replace("0.1, distal = 0.1, radial_ulnar = 0.1", "1e-4, distal = 1e-4, radial_ulnar = 1e-4")
     )
     result = run_study(manifest, tmp_path / "out")
-    (only,) = result.rows
+    (only,) = records(result.rows)
     assert (only["pooled"], only["excluding_flags"]) == (False, "implausible_size")
     assert result.summaries[0].corrected_radius is None
     (size, *_) = implausible_values(result)

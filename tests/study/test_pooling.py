@@ -24,6 +24,7 @@ from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import first_record, records
 from fingerpad.uncertainty import PAD_SOURCES
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "synthetic"
@@ -64,7 +65,7 @@ def study(
 def test_what_the_pad_is_does_not_average_away(tmp_path: Path) -> None:
     one, many = study(tmp_path, majors=[7.0], loads=[1]), study(tmp_path, majors=[7.0] * 30, loads=[1] * 30)
     (alone,), (pooled,) = (result.summaries for result in (one, many))
-    geometry = one.rows[0]["mean_curvature_radius_mm_std"]
+    geometry = first_record(one.rows)["mean_curvature_radius_mm_std"]
     assert alone.corrected_radius.std > pooled.corrected_radius.std > 0.98 * geometry
     assert pooled.corrected_radius.fixed_geometry == pytest.approx(
         alone.corrected_radius.fixed_geometry / np.sqrt(30), rel=1e-6
@@ -110,8 +111,8 @@ def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> Non
         manifest.write_text(MANIFEST.format(scales="", finger=GIVEN.format(std=0.1), contacts=contacts))
         return run_study(manifest, tmp_path / "out")
 
-    scattered, mean = measured([0.3, 0.5]), measured([0.4]).rows[0]["radius_from_indentation_mm"]
-    naive = np.mean([row["radius_from_indentation_mm"] for row in scattered.rows])
+    scattered, mean = measured([0.3, 0.5]), first_record(measured([0.4]).rows)["radius_from_indentation_mm"]
+    naive = np.mean([row["radius_from_indentation_mm"] for row in records(scattered.rows)])
     pooled = scattered.summaries[0].corrected_radius
     assert pooled.value == pytest.approx(mean, abs=0.1 * (naive - mean))
     assert naive - mean > 0.005
@@ -126,7 +127,7 @@ def test_contacts_that_came_out_round_do_not_count_for_more() -> None:
 def test_the_close_look_agrees_with_the_row(tmp_path: Path) -> None:
     result = study(tmp_path)
     (check,) = result.checks
-    row = result.rows[0]  # the largest load
+    row = first_record(result.rows)  # the largest load
     assert check.observation == row["observation"]
     assert check.std == pytest.approx(row["radius_from_indentation_mm_std"], rel=1e-9)
     assert check.valid
@@ -162,7 +163,8 @@ def test_photographs_of_one_scale_share_its_error(tmp_path: Path) -> None:
     assert (relative_stds(shared) >= 0.05).all()
     assert (relative_stds(alone) < 0.045).all()  # three scales of their own average out in part
     # All radii of the pad go with the scale.
-    assert shared.rows[0]["mean_curvature_radius_mm_std"] > 0.05 * shared.rows[0]["mean_curvature_radius_mm"]
+    row = first_record(shared.rows)
+    assert row["mean_curvature_radius_mm_std"] > 0.05 * row["mean_curvature_radius_mm"]
 
 
 def test_an_unknown_method_is_refused(tmp_path: Path) -> None:
@@ -226,7 +228,7 @@ def test_the_close_look_takes_a_shared_scale_as_one_source() -> None:
     check = check_uncertainty("c0", highest.inputs)
     assert set(check.shares) == {"semi-axes and scale", *PAD_SOURCES} - {"semi-axes", "image scale"}
     assert sum(check.shares.values()) == pytest.approx(1)
-    assert check.std == pytest.approx(rows.table.column(f"{OUTPUT}_mm_std")[0])
+    assert check.std == pytest.approx(rows.table[f"{OUTPUT}_mm_std"].to_numpy()[0])
     assert check.interval == pytest.approx(
         (check.value - 1.96 * check.std, check.value + 1.96 * check.std), rel=1e-4
     )
@@ -256,7 +258,7 @@ def test_the_edge_is_not_counted_twice_in_the_ellipse() -> None:
     assert inputs.std[0, inputs.places(["edge_offset", "elongation"])] == pytest.approx(
         [0.3, np.hypot(0.1 / 7, 0.1 / 5)], rel=1e-9
     )
-    (row,) = model_contacts(STUDY, {"f": finger(None)}, [contact(0, "a", **edge)]).table
+    (row,) = records(model_contacts(STUDY, {"f": finger(None)}, [contact(0, "a", **edge)]).table)
     assert row["semi_minor_mm_std"] == pytest.approx(np.hypot(0.1, 0.3))
     assert row["semi_minor_mm_noise_std"] == pytest.approx(0.1)
     # E* goes with the cube of the contact's radius.
@@ -284,7 +286,7 @@ def test_images_of_one_device_share_its_edge(scales: tuple[str | None, ...], siz
     exact = replace(finger(None), covariance=1e-12 * np.eye(3))
     rows = model_contacts(STUDY, {"f": exact}, seen)
     found = pooled(rows, [0, 1, 2])
-    alone = rows.table.column(f"{OUTPUT}_mm_edge_std")[0]
+    alone = rows.table[f"{OUTPUT}_mm_edge_std"].to_numpy()[0]
     expected = alone * np.linalg.norm(sizes) / 3
     share = np.sqrt(found.budget["contact edge"]) * found.std
     assert share == pytest.approx(expected, rel=0.02)
@@ -314,7 +316,7 @@ def test_frames_of_a_sequence_have_the_weights_of_their_own_uncertainties() -> N
     parts = np.zeros_like(rows.parts)
     parts[:, :, np.flatnonzero(PART_SOURCES == "contact ellipse")[1]] = 0.1
     rows = replace(rows, parts=parts, elongation_std=np.array([0.01, 0.02, 0.05]))
-    radii = rows.table.column(f"{OUTPUT}_mm")
+    radii = rows.table[f"{OUTPUT}_mm"].to_numpy()
     found = pooled(rows, [0, 0, 0])
     assert found.count == 1
     assert found.value == pytest.approx(np.average(radii, weights=[1 / 1, 1 / 4, 1 / 25]))
@@ -352,8 +354,8 @@ def test_flags_keep_contacts_from_being_pooled(
 ) -> None:
     doubtful = contact(1, flags=flags, reviewed=reviewed)
     rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), doubtful])
-    assert [row["status"] for row in rows.table] == ["measured", "measured"]
-    assert [row["pooled"] for row in rows.table] == [True, counts]
+    assert [row["status"] for row in records(rows.table)] == ["measured", "measured"]
+    assert [row["pooled"] for row in records(rows.table)] == [True, counts]
     assert rows.pooled.tolist() == [0, 1][: 1 + counts]
 
 
@@ -374,7 +376,7 @@ def test_a_person_decides_what_flags_would(
     said = ActiveCorrection(item="c1", change=change, who="B", when="", pooling_who="A" if pooling else "")
     where, measured = contact(1, flags=flags)
     rows = model_contacts(STUDY, {"f": finger(None)}, [contact(0), (where, reviewed(measured, said))])
-    row = rows.table[1]
+    row = rows.table.iloc[1]
     assert row["pooled"] == counts
     assert row["excluding_flags"] == " ".join(flags)
     assert row["pooling_corrected_by"] == ("A" if pooling else None)

@@ -28,6 +28,7 @@ from fingerpad.study.results.repeats import (
 )
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.summary import pool_contacts
+from fingerpad.study.results.table import records
 
 AXES = np.array([7.9, 13.8, 11.8])
 STUDY = Study.model_validate(
@@ -132,7 +133,7 @@ def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path)
     leave_out = {"pooling": {"include": False, "why": "slipped"}}
     first = log.append(outlier, leave_out, who="Ada", expected=0, study=read_study(path))
     result = run_study(path, out)
-    left_out = {row["observation"]: row["youngs_modulus_kpa_std"] for row in result.rows}
+    left_out = {row["observation"]: row["youngs_modulus_kpa_std"] for row in records(result.rows)}
     (found,) = json.loads((out / "summary.json").read_text())["repeatability"]["contact"]
     with (out / "repeatability.csv").open() as file:
         lines = [row for row in csv.DictReader(file) if row["quantity"] == "contact_area"]
@@ -141,7 +142,7 @@ def test_a_contact_left_out_manually_does_not_scatter_the_others(tmp_path: Path)
     assert (int(repeat["count"]), int(repeat["degrees_of_freedom"])) == (11, 9)
     log.append(outlier, {"rejected": "slipped"}, who="Ada", expected=first.id, study=read_study(path))
     rejected = run_study(path, out)
-    for row in rejected.rows:
+    for row in records(rejected.rows):
         if row["observation"] != outlier:
             assert left_out[row["observation"]] == pytest.approx(row["youngs_modulus_kpa_std"])
 
@@ -174,10 +175,11 @@ def test_noise_is_not_counted_twice() -> None:
 def test_repeatability_reaches_modulus_indentation_and_radius() -> None:
     """By Hertz theory E goes with the cube of the contact's radius, ξ with its square."""
     (plain,), (row,) = (
-        model_contacts(STUDY, PADS, [contact(0)], known).table for known in ({False: NONE, True: NONE}, BOTH)
+        records(model_contacts(STUDY, PADS, [contact(0)], known).table)
+        for known in ({False: NONE, True: NONE}, BOTH)
     )
     exact = replace(KNOWN, covariance=np.diag([0.02**2, 0.0]))
-    (radial,) = model_contacts(STUDY, PADS, [contact(0)], {False: exact, True: NONE}).table
+    (radial,) = records(model_contacts(STUDY, PADS, [contact(0)], {False: exact, True: NONE}).table)
     modulus = radial["youngs_modulus_kpa_repeatability_std"] / radial["youngs_modulus_kpa"]
     assert modulus == pytest.approx(3 * 0.02, rel=1e-6)
     indentation = radial["indentation_mm_repeatability_std"] / radial["indentation_mm"]
@@ -185,7 +187,9 @@ def test_repeatability_reaches_modulus_indentation_and_radius() -> None:
     assert radial["gross_area_mm2_repeatability_std"] == pytest.approx(2 * 0.02 * radial["gross_area_mm2"])
     assert radial["radius_from_indentation_mm_repeatability_std"] == pytest.approx(0, abs=1e-9)
     up, down = (
-        model_contacts(STUDY, PADS, [contact(0, elongation=0.3 + off)]).table[0]["radius_from_indentation_mm"]
+        model_contacts(STUDY, PADS, [contact(0, elongation=0.3 + off)])
+        .table["radius_from_indentation_mm"]
+        .iloc[0]
         for off in (0.001, -0.001)
     )
     expected = 0.05 * abs(up - down) / 0.002
@@ -228,7 +232,7 @@ def test_scatter_between_contacts_is_in_the_weights() -> None:
 def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
     rows = model_contacts(STUDY, PADS, repeats(4), BOTH)
     (at,) = pool_by_load(rows, BOTH)
-    areas = rows.table.column("gross_area_mm2")
+    areas = rows.table["gross_area_mm2"].to_numpy()
     assert (at.count, at.sessions, at.load) == (4, 1, 1.0)
     assert at.area.value == pytest.approx(np.exp(np.log(areas).mean()))
     assert at.area.repeatability_std == pytest.approx(at.area.value * 0.04 / 2)
@@ -281,7 +285,7 @@ def test_a_run_tables_repeatability_or_says_that_it_is_missing(
         at_loads = list(csv.DictReader(file))
     assert [float(row["load_N"]) for row in at_loads] == [1, 2]
     assert all((row["contact_area_mm2_repeatability_std"] != "") == known for row in at_loads)
-    assert {row["session"] for row in result.rows} == {"monday"}
+    assert {row["session"] for row in records(result.rows)} == {"monday"}
     environment = templates()
     section = environment.get_template("repeatability.html.jinja").render(
         repeats=repeatability_section(result)
@@ -337,7 +341,7 @@ def test_a_ridge_area_that_is_an_upper_bound_is_left_out_of_the_scatter() -> Non
         return scatter_record(found).model_dump_json()
 
     assert ridge_scatter(seen + merged) == ridge_scatter(seen)
-    areas_of_all = model_contacts(STUDY, PADS, seen + merged).table.column("ridge_area_mm2")
+    areas_of_all = model_contacts(STUDY, PADS, seen + merged).table["ridge_area_mm2"].to_numpy()
     assert np.count_nonzero(areas_of_all == 90) == 4
 
 

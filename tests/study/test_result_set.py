@@ -29,6 +29,7 @@ from fingerpad.study.results.result_set import (
     result_files,
     result_set_faults,
 )
+from fingerpad.study.results.table import records
 
 # Angles known so well that few random draws check the uncertainty.
 FINGER = """title = "{title}"
@@ -284,7 +285,7 @@ def test_files_of_the_results_never_share_a_name(small_study: Path, tmp_path: Pa
     manifest.write_text(text)
     result = run_study(manifest, tmp_path / "out", write_report=write_report)
     assert result.failures == []
-    shown = [row["overlay"] for row in result.rows if row["overlay"]]
+    shown = [row["overlay"] for row in records(result.rows) if row["overlay"]]
     shown += [one.overlay for finger in result.fingers.values() for one in finger.photographs]
     shown += [one.file for sequence in result.sequences for one in sequence.overlays]
     assert len(set(shown)) == len(shown) >= PICTURES + 2 + 3

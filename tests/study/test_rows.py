@@ -8,6 +8,7 @@ from PIL import Image
 from fingerpad.simulate import render_coin, render_contact_image
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.table import first_record, records
 
 MANIFEST = """
 title = "T"
@@ -49,7 +50,7 @@ def row_of(
             row=row, finger=finger, wedge_std=wedge_std, load_std=load_std, top=top, more=more, load=load
         )
     )
-    (row,) = run_study(folder / "study.toml", folder / "out").rows
+    (row,) = records(run_study(folder / "study.toml", folder / "out").rows)
     assert row["status"] == "measured"
     return row
 
@@ -141,7 +142,7 @@ def test_a_coin_in_many_tables_is_measured_once_in_a_run(picture: Path) -> None:
         load=2,
     )
     (picture / "study.toml").write_text(text)
-    rows = run_study(picture / "study.toml", picture / "out").rows
+    rows = records(run_study(picture / "study.toml", picture / "out").rows)
     assert len({row["mm_per_px"] for row in rows}) == 1
     with Store.reading(picture / "out" / STORE_NAME) as store:
         tasks = [name for name in store.statuses() if not name.startswith("/check")]
@@ -155,7 +156,7 @@ def test_a_coin_that_is_not_there_costs_its_rows(picture: Path) -> None:
         MANIFEST.format(row=shared, finger="", wedge_std=0.0, load_std=0.0, top="", more="", load=2)
     )
     result = run_study(picture / "study.toml", picture / "out")
-    assert result.rows[0]["reason"].startswith("scale euro: print.png: no coin found")
+    assert first_record(result.rows)["reason"].startswith("scale euro: print.png: no coin found")
     assert len(result.failures) == 2
 
 

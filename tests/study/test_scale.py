@@ -30,7 +30,7 @@ def test_batches_change_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     monkeypatch.setattr(rows_module, "_AT_ONCE", 7)
     parted = study_result(2_300, tmp_path)
     for name, column in COLUMNS.items():
-        one, other = whole.rows.column(name), parted.rows.column(name)
+        one, other = whole.rows[name].to_numpy(), parted.rows[name].to_numpy()
         if column.dtype == "text":
             assert one.tolist() == other.tolist()
         else:
@@ -108,7 +108,7 @@ def test_very_many_single_contacts_are_pooled_without_a_matrix() -> None:
     assert pooled.count == count
     assert pooled.fixed.birge_ratio == pytest.approx(1, abs=0.03)
     # What is left of so many contacts is the pad's own uncertainty.
-    assert pooled.std == pytest.approx(rows.table[0]["mean_curvature_radius_mm_std"], rel=0.02)
+    assert pooled.std == pytest.approx(rows.table.iloc[0]["mean_curvature_radius_mm_std"], rel=0.02)
     assert pooled.fixed_geometry < 0.01 * pooled.std
 
 

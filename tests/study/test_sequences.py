@@ -29,6 +29,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import first_record, records
 from fingerpad.study.status import study_status
 
 RATE = 20
@@ -96,29 +97,29 @@ def run(
 
 def test_frames_in_contact_become_rows(plain: StudyResult, press: SyntheticSequence) -> None:
     result = plain
-    frames = [row["frame"] for row in result.rows]
+    frames = [row["frame"] for row in records(result.rows)]
     assert set(range(4, 24)) <= set(frames) <= set(range(3, 25))
-    for row in result.rows:
+    for row in records(result.rows):
         k = row["frame"]
         assert (row["observation"], row["sequence"], row["status"]) == (f"p#{k}", "p", "measured")
         assert row["scale"] == "sequence:p"
         assert row["time_s"] == pytest.approx(k / RATE)
         assert row["load_N"] == pytest.approx(LOAD[k])
         assert abs(row["semi_major_mm"] - press.semi_major[k]) < 3.5 * row["semi_major_mm_std"]
-    phases = {row["frame"]: row["phase"] for row in result.rows}
+    phases = {row["frame"]: row["phase"] for row in records(result.rows)}
     assert {phases[k] for k in range(5, 10)} == {"loading"}
     assert {phases[k] for k in (12, 13, 14)} == {"hold"}
     assert {phases[k] for k in range(17, 24)} == {"unloading"}
-    assert_allclose([row["reduced_modulus_kpa"] for row in result.rows[3:-3]], 90, rtol=0.06)
+    assert_allclose([row["reduced_modulus_kpa"] for row in records(result.rows[3:-3])], 90, rtol=0.06)
 
 
 def test_only_loading_frames_of_large_ellipses_are_pooled(study_dir: Path, plain: StudyResult) -> None:
-    pooled = [row for row in plain.rows if row["pooled"]]
+    pooled = [row for row in records(plain.rows) if row["pooled"]]
     assert {row["phase"] for row in pooled} == {"loading"}
     assert all(row["semi_minor_mm"] >= 5 * row["ridge_period_mm"] for row in pooled)
     chosen = [
         row["load_N"]
-        for row in run(study_dir, ("p", CLOCK + "\npool_min_load_N = 1.2")).rows
+        for row in records(run(study_dir, ("p", CLOCK + "\npool_min_load_N = 1.2")).rows)
         if row["pooled"]
     ]
     assert 1.2 <= min(chosen) < 1.5
@@ -129,7 +130,9 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Pat
     few, many = (run(study_dir, ("p", f"{CLOCK}\npool_min_load_N = {least}")) for least in (1.5, 0.3))
     (one,), (all_,) = few.summaries, many.summaries
     assert one.corrected_radius.count == all_.corrected_radius.count == 1
-    own = [row["radius_from_indentation_mm_fixed_geometry_std"] for row in many.rows if row["pooled"]]
+    own = [
+        row["radius_from_indentation_mm_fixed_geometry_std"] for row in records(many.rows) if row["pooled"]
+    ]
     assert all_.corrected_radius.fixed.std >= min(own)
     assert all_.corrected_radius.std == pytest.approx(one.corrected_radius.std, rel=0.02)
     (two,) = run(study_dir, ("p", CLOCK), ("q", CLOCK)).summaries
@@ -143,7 +146,7 @@ def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:
     (study_dir / "frames" / "f8.png").write_bytes(b"torn")
     Image.new("L", (40, 40)).save(study_dir / "frames" / "f12.png")
     result = run(study_dir, ("p", CLOCK))
-    failed = {row["frame"]: row for row in result.rows if row["status"] == "failed"}
+    failed = {row["frame"]: row for row in records(result.rows) if row["status"] == "failed"}
     assert set(failed) == {8, 12}
     assert "f8.png" in failed[8]["reason"]
     assert str(study_dir) not in failed[8]["reason"]
@@ -206,10 +209,10 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(
     )
     reported: list[Progress] = []
     result = run(study_dir, ("p", keys), more=ellipse, on_progress=reported.append)
-    assert [row["status"] for row in result.rows] == ["measured", "failed"]
+    assert [row["status"] for row in records(result.rows)] == ["measured", "failed"]
     assert (reported[-1].pictures, reported[-1].failed) == (reported[-1].total, 1)
-    assert reason in result.rows[1]["reason"]
-    assert "#" not in result.rows[1]["observation"]
+    assert reason in list(records(result.rows))[1]["reason"]
+    assert "#" not in list(records(result.rows))[1]["observation"]
     if not keys:
         assert "It could not be measured" in write_report(result, study_dir / "out").read_text(
             encoding="utf-8"
@@ -231,7 +234,7 @@ def test_a_damaged_part_is_measured_again_and_named(study_dir: Path, plain: Stud
         changed = connection.execute("UPDATE result SET seconds = -1 WHERE task = ?", (task,))
         assert changed.rowcount == 1
     result = run(study_dir, ("p", CLOCK))
-    assert list(result.rows) == list(plain.rows)
+    assert list(records(result.rows)) == list(records(plain.rows))
     assert result.notes == (f"{STORE_NAME}: the stored result of {task} was damaged and is measured again",)
 
 
@@ -239,7 +242,7 @@ def test_a_part_that_the_store_has_lost_is_measured_again(study_dir: Path, plain
     with Store.writing(study_dir / "out" / STORE_NAME) as store:
         store.discard(["p frames 0-28"])
     result = run(study_dir, ("p", CLOCK))
-    assert list(result.rows) == list(plain.rows)
+    assert list(records(result.rows)) == list(records(plain.rows))
     assert result.notes == (f"{STORE_NAME}: the stored result of p was damaged and is measured again",)
 
 
@@ -247,10 +250,10 @@ def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence
     rows, columns = press.pixels(0).shape
     half = f"{CLOCK}\nregion_of_interest_px = [0, 0, {rows // 2}, {columns}]"
     result = run(study_dir, ("p", half))
-    frame = next(row for row in result.rows if row["frame"] == 12)
+    frame = next(row for row in records(result.rows) if row["frame"] == 12)
     assert frame["measured_by"] == "corrected"
     assert "cut_by_mask" in frame["flags"]
-    assert not any(row["pooled"] for row in result.rows)
+    assert not any(row["pooled"] for row in records(result.rows))
     assert frame["gross_area_mm2"] == pytest.approx(press.gross_area[12] / 2, rel=0.05)
 
 
@@ -307,7 +310,7 @@ def key_frame(press: SyntheticSequence, frame: int, **more: object) -> dict:
 def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
     study_dir: Path, plain: StudyResult, press: SyntheticSequence
 ) -> None:
-    assert run(study_dir, ("p", CLOCK)).rows[0]["measured_by"] == "automatic"
+    assert first_record(run(study_dir, ("p", CLOCK)).rows)["measured_by"] == "automatic"
     study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
     for frame, change in {
         5: key_frame(press, 5),
@@ -316,8 +319,8 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
         14: {**key_frame(press, 14), "key_frame": False},
     }.items():
         log.append(f"p#{frame}", change, who="anna", expected=0, study=study)
-    rows = {row["frame"]: row for row in run(study_dir, ("p", CLOCK)).rows}
-    before = {row["frame"]: row for row in plain.rows}
+    rows = {row["frame"]: row for row in records(run(study_dir, ("p", CLOCK)).rows)}
+    before = {row["frame"]: row for row in records(plain.rows)}
     for frame in (6, 7, 9, 10):
         row = rows[frame]
         assert "interpolated" in row["flags"]
@@ -335,7 +338,7 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
         assert rows[frame]["semi_major_mm"] == before[frame]["semi_major_mm"]
     # Without its second key frame nothing is carried.
     log.append("p#11", {}, who="anna", expected=log.history("p#11").last_id, study=study)
-    after = {row["frame"]: row for row in run(study_dir, ("p", CLOCK)).rows}
+    after = {row["frame"]: row for row in records(run(study_dir, ("p", CLOCK)).rows)}
     assert after[9] == before[9]
 
 
@@ -431,15 +434,15 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
     study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
     log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
     result = run(study_dir, ("p", CLOCK))
-    rows = {row["frame"]: row for row in result.rows}
+    rows = {row["frame"]: row for row in records(result.rows)}
     # Frames are 0.05 s apart: the limits lie half-way between frames 1 and 2, 9 and 10, 18 and 19, 22 and 23.
     for names, frames in (("loading", range(5, 10)), ("hold", range(10, 19)), ("unloading", range(19, 23))):
         assert {rows[k]["phase"] for k in frames} == {names}
     assert 23 not in rows
-    assert 23 in {row["frame"] for row in plain.rows}
+    assert 23 in {row["frame"] for row in records(plain.rows)}
     assert {row["phase_corrected_by"] for row in rows.values()} == {"anna"}
     assert max(row["frame"] for row in rows.values() if row["pooled"]) == 9
-    assert max(row["frame"] for row in plain.rows if row["pooled"]) == 11
+    assert max(row["frame"] for row in records(plain.rows) if row["pooled"]) == 11
     (record,) = summary_of(result).model_dump()["sequences"]
     assert list(map(list, record["phase_starts_s"])) == [list(one) for one in PHASES]
     assert (record["phases_corrected_by"], record["phases_reason"]) == ("anna", "slipped at first")
@@ -451,7 +454,7 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
     # Taken back, everything is as it was.
     log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
     after = run(study_dir, ("p", CLOCK))
-    assert list(after.rows) == list(plain.rows)
+    assert list(records(after.rows)) == list(records(plain.rows))
     assert summary_of(after).model_dump()["sequences"][0]["phases_corrected_by"] is None
     assert "set manually" not in write_report(after, study_dir / "out").read_text(encoding="utf-8").replace(
         "unless set manually", ""
@@ -497,9 +500,9 @@ AWAY = np.where(np.arange(LOAD.size) < 2, np.arange(LOAD.size) - 2.0, 0) * 0.1
 def test_a_displacement_gives_each_frame_its_indentation(study_dir: Path, plain: StudyResult) -> None:
     write_force(study_dir, 7 + DEPTH + AWAY)
     result = run(study_dir, ("p", CLOCK))
-    for row in result.rows:
+    for row in records(result.rows):
         assert row["measured_indentation_mm"] == pytest.approx(DEPTH[row["frame"]], abs=0.02)
-    assert np.isnan(plain.rows.column("measured_indentation_mm")).all()
+    assert np.isnan(plain.rows["measured_indentation_mm"].to_numpy()).all()
     text = write_report(result, study_dir / "out").read_text(encoding="utf-8")
     assert "against the platen's displacement from the place of contact" in text
     assert "indentation ξ" in (study_dir / "out" / "figures" / "sequence_p_indentation.svg").read_text()
@@ -511,6 +514,6 @@ def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir: Path,
     lines = [f"{k / RATE},{LOAD[k]},{DEPTH[k] + k / 1e4}" for k in range(4, LOAD.size)]
     (study_dir / "force.csv").write_text("time_s,force_N,displacement_mm\n" + "\n".join(lines) + "\n")
     result = run(study_dir, ("p", f"{CLOCK}\nstart_s = 0"))
-    assert not result.rows.known("measured_indentation_mm").any()
+    assert not result.rows["measured_indentation_mm"].notna().any()
     (note,) = [note for note in result.sequences[0].summary.notes if "indentation" in note]
     assert "place of contact is unknown" in note

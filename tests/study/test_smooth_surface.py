@@ -5,6 +5,7 @@ from tests.smooth_study import LOADS, area_at, make_smooth_study
 
 from fingerpad.study.manifest import load_study
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 
 
@@ -15,7 +16,7 @@ def smooth(tmp_path_factory):
 
 
 def test_the_first_frame_is_the_background_of_a_sequence_of_smooth_contacts(smooth):
-    rows = {row["observation"]: row for row in smooth[1].rows if row["observation"] != "contact"}
+    rows = {row["observation"]: row for row in records(smooth[1].rows) if row["observation"] != "contact"}
     assert set(rows) == {f"press#{frame}" for frame, load in enumerate(LOADS) if load}
     for name, row in rows.items():
         truth = area_at(LOADS[int(name.removeprefix("press#"))])
@@ -25,7 +26,7 @@ def test_the_first_frame_is_the_background_of_a_sequence_of_smooth_contacts(smoo
 
 
 def test_the_surface_of_a_study_holds_for_its_pictures(smooth):
-    (row,) = (row for row in smooth[1].rows if row["observation"] == "contact")
+    (row,) = (row for row in records(smooth[1].rows) if row["observation"] == "contact")
     assert row["gross_area_mm2"] == pytest.approx(area_at(2.0), rel=0.015)
 
 
@@ -58,5 +59,5 @@ def test_a_threshold_of_a_smooth_contact_is_refused_in_words(tmp_path):
     text = manifest.read_text()
     manifest.write_text(text.replace('name = "contact"', 'name = "contact"\nthreshold = 20'))
     result = run_study(manifest, manifest.parent / "out")
-    (row,) = (row for row in result.rows if row["observation"] == "contact")
+    (row,) = (row for row in records(result.rows) if row["observation"] == "contact")
     assert "threshold tells ridges from valleys" in row["reason"]

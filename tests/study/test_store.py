@@ -26,6 +26,7 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 from fingerpad.study.verify import verify_study
 
@@ -103,7 +104,7 @@ def run(folder: Path, **options: object) -> tuple[list[str], list[dict]]:
     assert reported[0].status == "started"
     assert reported[-1].pictures == reported[-1].total
     measured = [one.item for one in reported[1:] if one.status not in {"checked", "written"}]
-    return sorted(measured), list(result.rows)
+    return sorted(measured), list(records(result.rows))
 
 
 def test_a_second_run_measures_nothing_and_says_the_same(folder: Path, rows: list[dict]) -> None:
@@ -305,7 +306,7 @@ def test_a_damaged_result_is_measured_again_and_named(folder: Path, rows: list[d
         on_progress=lambda one: reported.append(f"{one.status} {one.item}"),
     )
     assert [one for one in reported if one.startswith("done")] == ["done o2"]
-    assert list(result.rows) == rows
+    assert list(records(result.rows)) == rows
     assert result.notes == (f"{STORE_NAME}: the stored result of o2 was damaged and is measured again",)
     assert verify_study(folder / "study.toml", folder / "out").faults == ()
 
@@ -333,7 +334,7 @@ def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path, rows: li
         with suppress(StoreError):
             study_status(folder / "study.toml", folder / "out")
         with suppress(StoreError):
-            assert list(run_study(folder / "study.toml", folder / "out").rows) == rows
+            assert list(records(run_study(folder / "study.toml", folder / "out").rows)) == rows
         for other in path.parent.glob(f"{STORE_NAME}-*"):
             other.unlink()
 

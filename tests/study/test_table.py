@@ -1,15 +1,16 @@
-"""Rows by column: what is put in comes out, for one row, some of them, and all."""
+"""The table: what is put in comes out, for one row, some of them, and all."""
 
 import csv
 import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.output import write_rows
-from fingerpad.study.results.table import ResultsTable, Row, TableBuilder
+from fingerpad.study.results.table import Row, first_record, groups, records, table_of
 
 ROWS = [
     {"observation": "a", "finger": "f", "load_N": 1.5, "frame": None, "pooled": True, "sequence": None},
@@ -26,59 +27,44 @@ ROWS = [
 ]
 
 
-LOADS = (None, 3.0, 1.0, None, 1.0, 1.0)
-
-
-def table_of(rows: list[Row], batch: int) -> ResultsTable:
-    builder = TableBuilder()
-    for start in range(0, len(rows), batch):
-        some = rows[start : start + batch]
-        builder.add({name: COLUMNS[name].array([row[name] for row in some]) for name in ROWS[0]})
-    return builder.table()
+def table_by(rows: list[Row], batch: int) -> pd.DataFrame:
+    return table_of(
+        {name: COLUMNS[name].array([row[name] for row in rows[start : start + batch]]) for name in ROWS[0]}
+        for start in range(0, len(rows), batch)
+    )
 
 
 @pytest.mark.parametrize("batch", [1, 3, 4])
 def test_rows_come_out_as_they_went_in(batch: int) -> None:
-    table = table_of(ROWS, batch)
+    table = table_by(ROWS, batch)
     whole = [{**dict.fromkeys(COLUMNS), "synthetic": False, **row} for row in ROWS]
-    assert list(table) == [table[place] for place in range(4)] == whole
-    assert list(table[0]) == list(COLUMNS)
-    assert table[-1]["observation"] == "line\nbreak"
-    assert all(type(item) in {str, float, int, bool, type(None)} for row in table for item in row.values())
-    assert table == table_of(ROWS, 2)
-    assert table != table_of(ROWS[:3], 2)
-    assert table != table_of([*ROWS[:3], {**ROWS[3], "load_N": 3.1}], 2)
+    assert list(records(table)) == whole
+    assert first_record(table) == whole[0]
+    assert first_record(table[:0]) is None
+    assert all(
+        type(item) in {str, float, int, bool, type(None)} for row in records(table) for item in row.values()
+    )
+    pd.testing.assert_frame_equal(table, table_by(ROWS, 2))
+
+
+def test_types_are_those_of_the_registry_whatever_is_known() -> None:
+    """Also of no row, and of columns in which nothing is known: pandas guesses neither."""
+    names = {"text": "object", "bool": "bool", "int": "Int64", "float": "float64"}
+    for table in (table_by(ROWS, 2), table_by(ROWS[:1], 1), table_of([])):
+        assert list(table.dtypes.astype(str)) == [names[column.dtype] for column in COLUMNS.values()]
 
 
 def test_some_rows_keep_their_places_in_the_whole() -> None:
-    table = table_of(ROWS, 2)
-    sequences = table.at(table.known("frame")).by("sequence", "finger")
+    table = table_by(ROWS, 2)
+    sequences = groups(table[table["frame"].notna()], "sequence", "finger")
     assert list(sequences) == [("p", "g"), ("p", "f"), ("q", "f")]
-    assert sequences["q", "f"].places.tolist() == [3]
-    assert sequences["q", "f"][0] == table[3] == list(table[2:])[1]
-    assert table[1:][::-1].column("frame").tolist() == [13, 12, 0]
-    assert table[1:].at(np.array([2, 0])).places.tolist() == [3, 1]
-    assert np.isnan(table.column("load_N")).tolist() == [False, True, False, False]
-    with pytest.raises(IndexError):
-        table[4]
-
-
-def test_rows_without_a_value_come_last_whichever_way_they_are_sorted() -> None:
-    rows = [
-        {**ROWS[0], "observation": name, "load_N": load} for name, load in zip("abcdef", LOADS, strict=True)
-    ]
-    table = table_of(rows, 4)
-    assert table.sorted_by("load_N").items("observation") == ["c", "e", "f", "b", "a", "d"]
-    assert table.sorted_by("load_N", descending=True).items("observation") == ["b", "c", "e", "f", "a", "d"]
-    sequences = table_of(ROWS, 4).sorted_by("sequence", descending=True)
-    assert sequences.items("sequence") == ["q", "p", "p", None]
-    frames = table_of(ROWS, 4).sorted_by("frame")
-    assert frames.items("frame") == [0, 12, 13, None]
+    assert sequences["q", "f"].index.tolist() == [3]
+    assert list(groups(table, "sequence")) == [(None,), ("p",), ("q",)]
 
 
 def test_records_hold_the_columns_asked_for() -> None:
-    table = table_of(ROWS, 2)
-    assert list(table.at(table.known("frame")).records("frame", "load_N")) == [
+    table = table_by(ROWS, 2)
+    assert list(records(table[table["frame"].notna()], "frame", "load_N")) == [
         {"frame": 0, "load_N": None},
         {"frame": 12, "load_N": -2e-7},
         {"frame": 13, "load_N": 3.0},
@@ -89,12 +75,12 @@ def test_records_hold_the_columns_asked_for() -> None:
 def test_files_hold_every_row(tmp_path: Path, count: int) -> None:
     rows = [{**ROWS[k % 4], "load_N": None if k % 5 == 1 else k / 7} for k in range(count)]
     rows[:1] = [{**row, "load_N": np.inf} for row in rows[:1]]
-    write_rows(table_of(rows, 700) if rows else TableBuilder().table(), tmp_path / "c", tmp_path / "j")
-    records = json.loads((tmp_path / "j").read_text(encoding="utf-8"))
+    write_rows(table_by(rows, 700), tmp_path / "c", tmp_path / "j")
+    objects = json.loads((tmp_path / "j").read_text(encoding="utf-8"))
     with (tmp_path / "c").open(encoding="utf-8", newline="") as file:
         lines = list(csv.DictReader(file))
-    assert len(records) == len(lines) == count
-    for place, (record, line) in enumerate(zip(records, lines, strict=True)):
+    assert len(objects) == len(lines) == count
+    for place, (record, line) in enumerate(zip(objects, lines, strict=True)):
         assert list(record) == list(line) == list(COLUMNS)
         assert record["observation"] == line["observation"] == rows[place]["observation"]
         load = None if place == 0 else rows[place]["load_N"]
@@ -104,4 +90,4 @@ def test_files_hold_every_row(tmp_path: Path, count: int) -> None:
         frame = rows[place]["frame"]
         assert (record["frame"], line["frame"]) == (frame, "" if frame is None else str(frame))
     text = (tmp_path / "j").read_text(encoding="utf-8")
-    assert text == json.dumps(records, indent=1, ensure_ascii=False) + "\n"
+    assert text == json.dumps(objects, indent=1, ensure_ascii=False) + "\n"

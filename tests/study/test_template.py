@@ -10,13 +10,14 @@ from fingerpad.study.editing.example import write_example
 from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_template
 from fingerpad.study.manifest import Study
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.table import records
 
 
 def test_the_example_runs_and_its_truth_is_covered(tmp_path: Path) -> None:
     manifest = write_example(tmp_path / "example")
     result = run_study(manifest, tmp_path / "example" / "results")
     assert result.failures == []
-    assert all(row["synthetic"] for row in result.rows)
+    assert all(row["synthetic"] for row in records(result.rows))
     (finger,) = result.fingers.values()
     stds = np.sqrt(np.diag(finger.covariance))
     assert np.abs((finger.semi_axes - (7.9, 13.8, 11.8)) / stds).max() < 3

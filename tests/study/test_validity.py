@@ -19,6 +19,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.table import records
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS, Validity
 
 WRONG = [name for name in CASES if not name.startswith("Hertz") and not name.endswith("with curve")]
@@ -146,7 +147,7 @@ def test_without_loading_data_no_term_is_made_up(tmp_path: Path) -> None:
     assert "no loading data" in headline.model_from
     assert named(validity, "radius_against_loading").note == "no loading data of this finger at this angle"
     assert named(validity, "area_against_load").note == "all contacts that count are at one load"
-    (row,) = result.rows
+    (row,) = records(result.rows)
     assert (row["model_verdict"], row["radius_from_indentation_mm_model_std"]) == (HOLDS, None)
 
 
@@ -160,7 +161,7 @@ def test_loading_data_of_one_finger_tell_of_all_but_not_of_synthetic_ones(tmp_pa
         assert of[name].relative_stds[RADIUS] == pytest.approx(term, rel=0.01)
     assert np.isnan(of["s"].relative_stds[RADIUS])
     assert (of["f"].verdict, of["g"].verdict) == (FAILS, HOLDS)
-    for row in result.rows:
+    for row in records(result.rows):
         model = row["youngs_modulus_kpa_model_std"]
         validity = of[row["finger"]]
         assert row["model_verdict"] == validity.verdict

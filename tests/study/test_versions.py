@@ -115,7 +115,7 @@ def numbers(value: object, place: str = "") -> dict[str, float]:
 
 
 def measured(manifest: Path, out: Path) -> dict[str, dict[str, float]]:
-    run_study(manifest, out)
+    run_study(manifest, out, all_columns=True)
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     rows = {row["observation"]: row for row in json.loads((out / "results.json").read_text(encoding="utf-8"))}
     found = {kind: numbers({key: summary[key] for key in keys}) for kind, keys in PLACES.items()}

@@ -129,6 +129,14 @@ def fit(
     from fingerpad.loading.curve import unread_curve_columns
 
     require_positive("--radius-mm", radius_mm)
+    if semi_axes_mm is not None and thickness_mm is not None:
+        raise LoadingError("--semi-axes-mm fits the thickness that --thickness-mm states; give one of them")
+    of_the_layer = wedge_deg or pad_radius_mm_std or poisson_ratio_std or load_relative_std
+    if of_the_layer and semi_axes_mm is None:
+        raise LoadingError(
+            "--wedge-deg, --pad-radius-mm-std, --poisson-ratio-std and --load-relative-std go with "
+            "--semi-axes-mm"
+        )
     compliance = _given(
         "--stage-compliance-mm-per-n", stage_compliance_mm_per_n, stage_compliance_mm_per_n_std
     )
@@ -171,8 +179,6 @@ def fit(
     if constraint is not None:
         found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
     layer = None
-    if semi_axes_mm is not None and thickness_mm is not None:
-        raise LoadingError("--semi-axes-mm fits the thickness that --thickness-mm states; give one of them")
     if semi_axes_mm is not None:
         layer = fit_layer_thickness(
             record,
@@ -185,11 +191,6 @@ def fit(
             cycle=cycle,
             stage_compliance=compliance,
             area_delay=delay,
-        )
-    elif wedge_deg or pad_radius_mm_std or poisson_ratio_std or load_relative_std:
-        raise LoadingError(
-            "--wedge-deg, --pad-radius-mm-std, --poisson-ratio-std and --load-relative-std go with "
-            "--semi-axes-mm"
         )
     if plot is not None:
         _draw(plot, curve.stem, record, found, cycle)

@@ -8,6 +8,7 @@ import typer
 
 from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
+from fingerpad.study.results.table import records
 
 if TYPE_CHECKING:
     from fingerpad.study.results.study_result import StudyResult
@@ -56,6 +57,9 @@ def run(
         typer.Option(help="File to which progress is added, one JSON object a line.", show_default=False),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Re-measure all.")] = False,
+    all_columns: Annotated[
+        bool, typer.Option("--all-columns", help="Write also the columns that few ask for.")
+    ] = False,
     time_limit_s: Annotated[
         float, typer.Option(help="Time that measuring one picture may take, s.")
     ] = DEFAULT_LIMITS.seconds,
@@ -86,6 +90,7 @@ def run(
                 workers=workers,
                 scheduler=scheduler,
                 force=force,
+                all_columns=all_columns,
                 limits=Limits(seconds=time_limit_s, memory_gb=memory_gb),
                 write_report=write_report,
                 on_progress=progress.update,
@@ -181,11 +186,11 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     for finger in result.fingers.values():
         for words in finger_doubts(finger):
             typer.echo(f"doubtful: {finger.name}: {words}")
-    for row in result.rows.at(~result.rows.known("frame")):
+    for row in records(result.rows[result.rows["frame"].isna()]):
         if row["flags"]:
             words = ", ".join(flag.words for flag in contact_flags(row["flags"]))
             typer.echo(f"doubtful: {row['observation']}: {words}")
-    for words in to_do(result.rows.at(~result.rows.known("frame"))):
+    for words in to_do(result.rows[result.rows["frame"].isna()]):
         typer.echo(f"to do: {words}")
     for name, count, flag in doubtful_frames(result):
         typer.echo(f"doubtful: {name}: {flag.words} in {count} of its frames; to do: {flag.to_do}")

@@ -6,6 +6,7 @@ Lengths in mm, forces in N, moduli in MPa; arrays broadcast, and what has no ans
 import importlib.util
 import inspect
 import math
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -276,6 +277,10 @@ def _imported(place: str) -> Any:
         raise LoadingError(f"no file {place}, which should hold a contact law")
     try:
         if not place.endswith(".py"):
+            if not {"", str(Path.cwd())} & set(
+                sys.path
+            ):  # an installed command does not look where it is called
+                sys.path.append(str(Path.cwd()))
             return importlib.import_module(place)
         spec = importlib.util.spec_from_file_location(Path(place).stem, place)
         assert spec is not None  # of a file that ends in .py
@@ -287,6 +292,13 @@ def _imported(place: str) -> Any:
     except Exception as fault:  # a lab's file may raise anything
         raise LoadingError(f"{place} cannot be imported: {type(fault).__name__}: {fault}") from fault
     return module
+
+
+def _is_made_again(one: Callable[..., Any], other: Callable[..., Any]) -> bool:
+    """Whether two functions are one definition, run again: a cell of a notebook, or a script's own file."""
+    files = (one.__code__.co_filename, other.__code__.co_filename)
+    same_place = one.__module__ == other.__module__ or Path(files[0]).resolve() == Path(files[1]).resolve()
+    return same_place and one.__qualname__ == other.__qualname__
 
 
 def start_of(law: ContactLaw, values: Values, load: float) -> dict[str, float]:
@@ -335,11 +347,7 @@ def _check_declaration(law: ContactLaw) -> None:
             f"a contact law needs a name, found {law.name!r}: define a function, or give name="
         )
     other = LAWS.get(law.name)
-    # A cell of a notebook that is run again replaces the law that it made.
-    if other and (other.function.__module__, other.function.__qualname__) != (
-        law.function.__module__,
-        law.function.__qualname__,
-    ):
+    if other and not _is_made_again(other.function, law.function):
         raise LoadingError(
             f"{what} exists already, in {other.function.__module__}: give yours another name, as by name="
         )

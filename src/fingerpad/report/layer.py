@@ -132,21 +132,21 @@ def layer_plots(result: StudyResult, summary: Summary, *, with_section: bool) ->
 
 def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw what would follow for the contact at the highest load that is in the range of the laws."""
-    pooled = summary.rows.at(summary.rows.column("pooled"))
-    area = np.pi * pooled.column("semi_major_mm") * pooled.column("semi_minor_mm")
+    pooled = summary.rows[summary.rows["pooled"]]
+    area = np.pi * pooled["semi_major_mm"].to_numpy() * pooled["semi_minor_mm"].to_numpy()
     nu = result.study.poisson_ratio
     reduced, contacts = find_modulus(
         plate_gap(_placement(result, summary)),
         thickness=_THICKNESSES,
         poisson_ratio=nu,
-        load=pooled.column("load_N")[:, None],
+        load=pooled["load_N"].to_numpy()[:, None],
         area=area[:, None],
     )
     known = np.flatnonzero(np.isfinite(reduced).any(axis=-1))
     if not known.size:
         return
     place = int(known[-1])
-    row, radius = pooled[place], contacts.area_over_pi_indentation[place]
+    row, radius = pooled.iloc[place], contacts.area_over_pi_indentation[place]
     modulus = from_reduced_modulus(reduced[place], nu)
     figure, (axes,) = new_panels(height_mm=56)
     plot_layer_effect(

@@ -64,6 +64,7 @@ from fingerpad.study.results.output import answers_of
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
+from fingerpad.study.results.table import first_record, records
 
 # Saves plots, and returns what the page shows of them.
 _Draw: TypeAlias = Callable[[Iterable[Plot]], list[dict[str, Any]]]
@@ -136,7 +137,8 @@ def write_page(
             failed=result.failed_contacts,
             odd=[*result.notes, *implausible_values(result)],
             most_failed=_MOST_FAILED,
-            corrected=result.corrected,
+            corrected=list(records(result.corrected[:_MOST_FAILED])),
+            corrections=len(result.corrected),
             answers=found,
             most_answers=_MOST_ANSWERS,
             colours=colours_of([one.label for one in found]) if len(found) <= MOST_NAMES else {},
@@ -145,7 +147,7 @@ def write_page(
             by_wedge=draw(wedge_plot(result)) if pages else [],
             **(_tabled(result, found) if pages else _drawn_in_full(result, found, draw)),
             most_presses=_MOST_PRESSES,
-            synthetic=bool(result.rows.column("synthetic").any()),
+            synthetic=bool(result.rows["synthetic"].any()),
             repeats=repeatability_section(result, with_loads=not pages),
             operators=[] if home else result.operators,
             agreement_figures=[] if home else draw(agreement_plots(result)),
@@ -209,10 +211,11 @@ def _line(result: StudyResult, summary: Summary, found: Answer) -> dict[str, Any
     contacts = summary.contacts
     return {
         "summary": summary,
+        "row": first_record(summary.rows),
         "answer": found,
         "contacts": len(contacts),
-        "pooled": int(np.count_nonzero(contacts.column("pooled"))),
-        "doubtful": int(np.count_nonzero(contacts.column("flags") != "")),
+        "pooled": int(np.count_nonzero(contacts["pooled"])),
+        "doubtful": int(np.count_nonzero(contacts["flags"] != "")),
         "loading": loading_radius(result.curves, summary.place),
     }
 
@@ -229,7 +232,7 @@ def _missing(result: StudyResult, found: Sequence[Answer]) -> list[str]:
         ],
     }
     repeats = {kind: one.missing for kind, one in result.repeatability.items() if not one.known}
-    synthetic = set(result.rows.column("synthetic").tolist())
+    synthetic = set(result.rows["synthetic"])
     return [
         *(
             f"Taken as exact, since the manifest gives no uncertainty: {one}."
@@ -256,27 +259,27 @@ def _details(
     """Return what a section shows of one finger at one placement."""
     rows, contacts, shown = summary.rows, summary.contacts, shown_rows(summary)
     notes = note_counts(summary)
-    doubtful = contacts.at(contacts.column("flags") != "")
-    doubtful = doubtful.at(np.argsort(doubtful.column("pooled"), kind="stable"))  # those left out first
-    out = contacts.at(~contacts.column("pooled"))
-    overlays = contacts.at(contacts.known("overlay"))
+    doubtful = contacts[contacts["flags"] != ""]
+    doubtful = doubtful.iloc[np.argsort(doubtful["pooled"].to_numpy(), kind="stable")]  # those left out first
+    out = contacts[~contacts["pooled"]]
+    overlays = contacts[contacts["overlay"].notna()]
     return {
-        "shown": shown if contacts else (),
+        "shown": list(records(shown)) if len(contacts) else (),
         "check": check,
         "budget": draw(budget_plot(summary, check)),
         "figures": draw(summary_plots(result, summary)),
-        "doubts": doubtful[:MOST_POINTS],
+        "doubts": list(records(doubtful[:MOST_POINTS])),
         "repeatability": result.repeatability[summary.synthetic].known,
-        "left_out": [(row["observation"], pooling_words(row)) for row in out[:MOST_POINTS]],
+        "left_out": [(row["observation"], pooling_words(row)) for row in records(out[:MOST_POINTS])],
         "to_do": list(to_do(contacts)),
         "pooled_manually": [
             (row["observation"], pooling_words(row))
-            for row in contacts.at(contacts.column("pooled") & contacts.known("pooling_corrected_by"))
+            for row in records(contacts[contacts["pooled"] & contacts["pooling_corrected_by"].notna()])
         ],
-        "edge": _edge(shown.column("edge_offset_mm_std")),
+        "edge": _edge(shown["edge_offset_mm_std"].to_numpy()),
         "range_notes": [(flag, notes[code], len(rows)) for code, flag in FLAGS["row"].items() if notes[code]],
         "pictures": len(overlays),
-        "overlays": thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))),
+        "overlays": list(records(thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))))),
     }
 
 
@@ -320,9 +323,9 @@ def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
         shown.append(
             {
                 "sequence": sequence,
-                "synthetic": bool(frames.column("synthetic").any()),
+                "synthetic": bool(frames["synthetic"].any()),
                 "figures": figures,
-                "pooled": int(frames.column("pooled").sum()),
+                "pooled": int(frames["pooled"].sum()),
                 "exponent": area_exponent(frames),
                 "doubts": doubts.get(sequence.manifest.name, ()),
                 "overlays": sequence.overlays[:pictures],

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
+import pandas as pd
 
 from fingerpad._arrays import FloatArray
 from fingerpad._files import file_stem
@@ -42,7 +43,7 @@ from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import ResultsTable, Row
+from fingerpad.study.results.table import Row, records
 from fingerpad.study.results.validity import RADIUS, Headline
 
 # More than these only make a page heavy.
@@ -113,16 +114,17 @@ def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> I
 def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw one finger at one placement."""
     rows = shown_rows(summary)
+    (last,) = records(rows[-1:])
     name = group_name(summary.key)
     label = "; synthetic" if summary.synthetic else ""
     where = f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°{label}"
     yield Plot(
         name=f"{name}_pad",
-        figure=_pad(result, summary, rows[-1]),
+        figure=_pad(result, summary, last),
         caption=(
             f"The pad seen through the platen ({where}; grey: not pad), and the contact "
-            f"{rows[-1]['observation']} drawn flat. Hertz theory gives the shape only."
-            + ("" if rows[-1]["long_axis"] else " The measured ellipse has no direction and is not drawn.")
+            f"{last['observation']} drawn flat. Hertz theory gives the shape only."
+            + ("" if last["long_axis"] else " The measured ellipse has no direction and is not drawn.")
         ),
     )
     loading = loading_radius(result.curves, summary.place)
@@ -139,15 +141,15 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             f"parts, as Dzidek et al. do. Dotted: undeformed pad.{level}"
         ),
     )
-    if np.ptp(rows.column("load_N")) > 0:
+    if np.ptp(rows["load_N"].to_numpy()) > 0:
         yield Plot(
             name=f"{name}_area",
-            figure=_area(rows, area_exponent(summary.contacts or summary.rows)),
+            figure=_area(rows, area_exponent(summary.contacts_or_frames)),
             caption=f"Contact area against load, with the fitted exponent and that of Hertz ({where}). "
             "± of the exponent is from the scatter about the line, over frames from its bends, and from the "
             "contact edge; the check of the model takes in the stated uncertainties of areas and loads.",
         )
-    if rows.known("long_axis").any():
+    if rows["long_axis"].notna().any():
         yield Plot(
             name=f"{name}_aspect_ratio",
             figure=_aspect_ratio(rows),
@@ -275,23 +277,23 @@ def budget_plot(summary: Summary, check: UncertaintyCheckRecord | None) -> Itera
     )
 
 
-def press_plot(sequence: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
+def press_plot(sequence: SequenceResult, frames: pd.DataFrame) -> Iterator[Plot]:
     """Draw one sequence."""
     of = sequence.manifest
-    seen = frames.at(frames.known("semi_major_mm"))
-    if not seen:
+    seen = frames[frames["semi_major_mm"].notna()]
+    if seen.empty:
         return
     rows = thinned(seen, _MOST_FRAMES)
     figure, axes = new_panels(width_mm=170, height_mm=110, rows=2, columns=2)
-    synthetic = bool(rows[0]["synthetic"])
+    synthetic = bool(rows["synthetic"].iloc[0])
     plot_press(
         axes,
-        time=rows.column("time_s"),
-        load=rows.column("load_N"),
-        phase=rows.column("phase").tolist(),
-        area=rows.column("gross_area_mm2"),
-        semi_major=rows.column("semi_major_mm"),
-        semi_minor=rows.column("semi_minor_mm"),
+        time=rows["time_s"].to_numpy(),
+        load=rows["load_N"].to_numpy(),
+        phase=rows["phase"].tolist(),
+        area=rows["gross_area_mm2"].to_numpy(),
+        semi_major=rows["semi_major_mm"].to_numpy(),
+        semi_minor=rows["semi_minor_mm"].to_numpy(),
         synthetic=synthetic,
     )
     manual = " Phases were set manually." if sequence.phases else ""
@@ -306,20 +308,20 @@ def press_plot(sequence: SequenceResult, frames: ResultsTable) -> Iterator[Plot]
     )
 
 
-def area_indentation_plot(sequence: SequenceResult, frames: ResultsTable) -> Iterator[Plot]:
+def area_indentation_plot(sequence: SequenceResult, frames: pd.DataFrame) -> Iterator[Plot]:
     """Draw area against measured indentation of one sequence, where a displacement was recorded."""
-    seen = frames.at(frames.known("gross_area_mm2") & frames.known("measured_indentation_mm"))
-    if not seen:
+    seen = frames[frames["gross_area_mm2"].notna() & frames["measured_indentation_mm"].notna()]
+    if seen.empty:
         return
     of, rows = sequence.manifest, thinned(seen, _MOST_FRAMES)
-    synthetic = bool(rows[0]["synthetic"])
+    synthetic = bool(rows["synthetic"].iloc[0])
     yield Plot(
         name=f"sequence_{file_stem(of.name)}_indentation{'_synthetic' if synthetic else ''}",
         figure=panel(
             plot_area_against_indentation,
-            rows.column("measured_indentation_mm"),
-            rows.column("gross_area_mm2"),
-            phase=rows.column("phase").tolist(),
+            rows["measured_indentation_mm"].to_numpy(),
+            rows["gross_area_mm2"].to_numpy(),
+            phase=rows["phase"].tolist(),
             synthetic=synthetic,
         ),
         caption=(
@@ -330,17 +332,18 @@ def area_indentation_plot(sequence: SequenceResult, frames: ResultsTable) -> Ite
     )
 
 
-def shown_rows(summary: Summary) -> ResultsTable:
+def shown_rows(summary: Summary) -> pd.DataFrame:
     """Return the rows to show one by one, by load: single contacts, or where there are none frames."""
-    pooled = summary.rows.at(summary.rows.column("pooled"))
-    return thinned(summary.contacts or pooled or summary.rows, MOST_POINTS)
+    pooled = summary.rows[summary.rows["pooled"]]
+    shown = next((rows for rows in (summary.contacts, pooled) if len(rows)), summary.rows)
+    return thinned(shown, MOST_POINTS)
 
 
-def thinned(rows: ResultsTable, most: int) -> ResultsTable:
+def thinned(rows: pd.DataFrame, most: int) -> pd.DataFrame:
     """Return at most so many rows, evenly spaced, with the first and the last."""
     if len(rows) <= most:
         return rows
-    return rows.at(np.linspace(0, len(rows) - 1, most).round().astype(int))
+    return rows.iloc[np.linspace(0, len(rows) - 1, most).round().astype(int)]
 
 
 def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:
@@ -370,74 +373,75 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:
     return figure
 
 
-def _areas(rows: ResultsTable, _: Answer) -> dict[str, FloatArray]:
-    area = np.pi * rows.column("semi_major_mm") * rows.column("semi_minor_mm")
-    return _points(rows, area, rows.column("gross_area_mm2_std"))
+def _areas(rows: pd.DataFrame, _: Answer) -> dict[str, FloatArray]:
+    return _points(rows, np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"], rows["gross_area_mm2_std"])
 
 
-def _moduli(rows: ResultsTable, found: Answer) -> dict[str, FloatArray]:
+def _moduli(rows: pd.DataFrame, found: Answer) -> dict[str, FloatArray]:
     name, std = ("_on_layer_kpa", "std") if found.on_bone else ("_kpa", "total_std")
-    return _points(rows, rows.column(f"youngs_modulus{name}"), rows.column(f"youngs_modulus{name}_{std}"))
+    return _points(rows, rows[f"youngs_modulus{name}"], rows[f"youngs_modulus{name}_{std}"])
 
 
-def _radii(rows: ResultsTable, _: Answer) -> dict[str, FloatArray]:
+def _radii(rows: pd.DataFrame, _: Answer) -> dict[str, FloatArray]:
     name = "radius_from_indentation_mm"
-    return _points(rows, rows.column(name), rows.column(f"{name}_total_std"))
+    return _points(rows, rows[name], rows[f"{name}_total_std"])
 
 
-def _points(rows: ResultsTable, value: FloatArray, std: FloatArray) -> dict[str, FloatArray]:
+def _points(rows: pd.DataFrame, value: pd.Series, std: pd.Series) -> dict[str, FloatArray]:
     """Return rows as a `LoadLine` has them, without those that have no value or no load."""
-    load, left_out = rows.column("load_N"), ~rows.column("pooled")
-    known = np.isfinite(value) & (load > 0)
-    return {"load": load[known], "value": value[known], "std": std[known], "left_out": left_out[known]}
+    columns = {"load": rows["load_N"], "value": value, "std": std, "left_out": ~rows["pooled"]}
+    known = value.notna() & (rows["load_N"] > 0)
+    return {name: column[known].to_numpy() for name, column in columns.items()}
 
 
-def _corrected_radius(rows: ResultsTable, loading: LoadingRadius | None) -> PanelFigure:
+def _corrected_radius(rows: pd.DataFrame, loading: LoadingRadius | None) -> PanelFigure:
     return panel(
         plot_corrected_radius,
-        rows.column("load_N"),
-        rows.column("radius_from_indentation_mm"),
-        corrected_radius_std=rows.column("radius_from_indentation_mm_total_std"),
-        fixed_geometry_std=rows.column("radius_from_indentation_mm_fixed_geometry_std"),
-        compliance_radius=rows.column("radius_from_compliance_mm"),
+        rows["load_N"].to_numpy(),
+        rows["radius_from_indentation_mm"].to_numpy(),
+        corrected_radius_std=rows["radius_from_indentation_mm_total_std"].to_numpy(),
+        fixed_geometry_std=rows["radius_from_indentation_mm_fixed_geometry_std"].to_numpy(),
+        compliance_radius=rows["radius_from_compliance_mm"].to_numpy(),
         measured_radius=None if loading is None else loading.value,
         measured_radius_std=None if loading is None else loading.std,
-        mean_curvature_radius=rows[0]["mean_curvature_radius_mm"],
-        synthetic=rows.column("synthetic"),
-        left_out=~rows.column("pooled"),
+        mean_curvature_radius=rows["mean_curvature_radius_mm"].iloc[0],
+        synthetic=rows["synthetic"].to_numpy(),
+        left_out=~rows["pooled"].to_numpy(),
     )
 
 
-def _area(rows: ResultsTable, exponent: Exponent) -> PanelFigure:
-    major, minor = rows.column("semi_major_mm"), rows.column("semi_minor_mm")
+def _area(rows: pd.DataFrame, exponent: Exponent) -> PanelFigure:
+    major, minor = rows["semi_major_mm"].to_numpy(), rows["semi_minor_mm"].to_numpy()
     return panel(
         plot_area_against_load,
-        rows.column("load_N"),
+        rows["load_N"].to_numpy(),
         np.pi * major * minor,
-        area_std=rows.column("gross_area_mm2_std"),
+        area_std=rows["gross_area_mm2_std"].to_numpy(),
         exponent=exponent.value,
         exponent_std=exponent.std,
-        synthetic=rows.column("synthetic"),
-        left_out=~rows.column("pooled"),
+        synthetic=rows["synthetic"].to_numpy(),
+        left_out=~rows["pooled"].to_numpy(),
     )
 
 
-def _aspect_ratio(rows: ResultsTable) -> PanelFigure:
-    ratio = rows.column("aspect_ratio")
+def _aspect_ratio(rows: pd.DataFrame) -> PanelFigure:
+    ratio = rows["aspect_ratio"].to_numpy()
     names = ("semi_major_mm", "semi_minor_mm")
-    noise = [rows.column(f"{name}_noise_std") / rows.column(name) for name in names]
-    edge = rows.column("edge_offset_mm_std") * (1 / rows.column(names[1]) - 1 / rows.column(names[0]))
-    across = np.where(rows.column("long_axis") == "across", 90.0, 0.0)
-    orientation = rows.column("orientation_deg")
-    first = rows[0]
+    noise = [rows[f"{name}_noise_std"].to_numpy() / rows[name].to_numpy() for name in names]
+    edge = rows["edge_offset_mm_std"].to_numpy() * (
+        1 / rows[names[1]].to_numpy() - 1 / rows[names[0]].to_numpy()
+    )
+    across = np.where(rows["long_axis"].to_numpy() == "across", 90.0, 0.0)
+    orientation = rows["orientation_deg"].to_numpy()
+    first = rows.iloc[0]
     return panel(
         plot_aspect_ratio,
-        rows.column("load_N"),
+        rows["load_N"].to_numpy(),
         ratio,
         aspect_ratio_std=ratio * np.linalg.norm([*noise, edge], axis=0),
         long_axis_angle=np.radians(np.where(np.isfinite(orientation), orientation, across)),
         predicted_aspect_ratio=first["predicted_aspect_ratio"],
         predicted_long_axis_angle=np.pi / 2 if first["predicted_long_axis"] == "across" else 0.0,
-        synthetic=rows.column("synthetic"),
-        left_out=~rows.column("pooled"),
+        synthetic=rows["synthetic"].to_numpy(),
+        left_out=~rows["pooled"].to_numpy(),
     )

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Final
 
 import numpy as np
+import pandas as pd
 
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.flags import FLAGS, Flag, flags_in
@@ -18,7 +19,7 @@ from fingerpad.study.results.model_checks import FAILS, HOLDS, NOT_TESTED, STRAI
 from fingerpad.study.results.rows import IMPLAUSIBLE
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
-from fingerpad.study.results.table import ResultsTable
+from fingerpad.study.results.table import items, records
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 
 # Why a flag, or a range note, leaves a contact out.
@@ -100,10 +101,10 @@ def pooling_words(row: Mapping[str, Any]) -> str:
     return flags
 
 
-def to_do(rows: ResultsTable) -> Iterator[str]:
+def to_do(rows: pd.DataFrame) -> Iterator[str]:
     """Yield what to do about doubtful contacts, for each flag; first about those that are left out."""
-    out = rows.at(~rows.column("pooled"))
-    cells = (*out.items("excluding_flags"), *out.items("flags"), *rows.items("flags"))
+    out = rows[~rows["pooled"]]
+    cells = (*items(out["excluding_flags"]), *items(out["flags"]), *items(rows["flags"]))
     codes = dict.fromkeys(code for cell in cells for code in (cell or "").split())
     for flag in contact_flags(" ".join(codes)):
         yield f"{flag.words}: {flag.to_do}"
@@ -118,7 +119,7 @@ def placement_words(summary: Summary) -> str:
 def note_counts(summary: Summary) -> Counter[str]:
     """Return how many rows of a summary have each range note."""
     counts: Counter[str] = Counter()
-    for codes, count in Counter(summary.rows.column("range_notes")).items():
+    for codes, count in Counter(summary.rows["range_notes"]).items():
         counts.update(dict.fromkeys((codes or "").split(), count))
     return counts
 
@@ -142,7 +143,7 @@ def why_not_pooled(summary: Summary) -> str:
     counts = {"contact": contacts, "frame": len(summary.rows) - contacts}
     seen = " and ".join(counted(count, noun) for noun, count in counts.items() if count)
     fields = ("excluding_flags", "pooling_corrected_by", "pooling_reason", "pooled")
-    reasons = Counter(pooling_words(row) or _NOT_LOADING for row in summary.rows.records(*fields))
+    reasons = Counter(pooling_words(row) or _NOT_LOADING for row in records(summary.rows, *fields))
     return f"0 of {seen} pooled: " + "; ".join(
         f"{words} ({count})" if len(reasons) > 1 else words for words, count in reasons.items()
     )
@@ -160,7 +161,7 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
             f"{words} {value_with_uncertainty(axis, std)} mm"
             for words, axis, std in zip(_AXIS_WORDS.values(), finger.semi_axes, stds, strict=True)
         )
-        contacts = int(np.count_nonzero(result.rows.column("finger") == finger.name))
+        contacts = int(np.count_nonzero(result.rows["finger"] == finger.name))
         pressed = any(one.manifest.finger == finger.name for one in result.sequences)
         why = (
             f"none of {counted(contacts, 'contact')} was measured"
@@ -183,8 +184,8 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
     """Yield for each sequence and flag the sequence's name, the number of frames, and the flag."""
-    frames = result.rows.at(result.rows.known("frame"))
-    doubts = Counter(zip(frames.column("sequence"), frames.column("flags"), strict=True))
+    frames = result.rows[result.rows["frame"].notna()]
+    doubts = Counter(zip(frames["sequence"].to_numpy(), frames["flags"].to_numpy(), strict=True))
     counts: Counter[tuple[str, str]] = Counter()
     for (name, flags), count in doubts.items():
         for flag in flags.split():

@@ -63,6 +63,7 @@ def run_study(
     workers: int = 1,
     scheduler: str | None = None,
     force: bool = False,
+    all_columns: bool = False,
     limits: Limits = DEFAULT_LIMITS,
     write_report: ReportWriter | None = None,
     on_progress: Callable[[Progress], None] = lambda _: None,
@@ -85,6 +86,9 @@ def run_study(
         one that is started here with so many workers.
     force : bool
         Re-measure all, whatever is stored.
+    all_columns : bool
+        Write also the columns that few ask for: parts of uncertainties, automatic semi-axes under corrected
+        ones, centroids, radii by other routes.
     limits : Limits
         Time and memory that measuring one picture may take.
     write_report : callable, optional
@@ -179,7 +183,13 @@ def run_study(
             _require_unchanged(study, folder, store)
             draw_in = partial(local_executor, workers=workers, limits=limits)
             _write_results(
-                result, measured, store, draw_in, write_report=write_report, on_progress=on_progress
+                result,
+                measured,
+                store,
+                draw_in,
+                all_columns=all_columns,
+                write_report=write_report,
+                on_progress=on_progress,
             )
             return result
 
@@ -197,6 +207,7 @@ def _write_results(
     store: Store,
     draw_in: Callable[[Path], AbstractContextManager[Executor]],
     *,
+    all_columns: bool,
     write_report: ReportWriter | None,
     on_progress: Callable[[Progress], None],
 ) -> None:
@@ -208,7 +219,7 @@ def _write_results(
     with new_result_set(store) as new:
         _add_drawn(new, store, _drawn(measured.items, store))
         written("tables")
-        write_tables(result, new.folder)
+        write_tables(result, new.folder, all_columns=all_columns)
         if write_report is None:
             return
 

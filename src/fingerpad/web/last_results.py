@@ -3,12 +3,14 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Self
+from typing import Final
 
 import numpy as np
+import pandas as pd
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.measuring.fingers import FingerResult, finger_result, stated
+from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import (
     RERUN,
     quick_faults,
@@ -16,10 +18,9 @@ from fingerpad.study.results.result_set import (
     result_set_faults,
     result_set_stamp,
 )
-from fingerpad.study.results.results_reader import read_table
 from fingerpad.study.results.rows import PlacementKey
-from fingerpad.study.results.summary_file import HeadlineRecord, SummaryFile
-from fingerpad.study.results.table import ResultsTable, Row
+from fingerpad.study.results.summary_file import HeadlineRecord
+from fingerpad.study.results.table import Row, first_record, records
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
@@ -30,47 +31,22 @@ FRAME_COLUMNS: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Results:
-    """The tables of the last run.
+def contact_rows(table: pd.DataFrame) -> dict[str, Row]:
+    """Return flags and reason of single contacts by their names."""
+    contacts = table[table["frame"].isna()]
+    return {row["observation"]: row for row in records(contacts, "observation", "flags", "reason")}
 
-    Attributes
-    ----------
-    table : ResultsTable
-        The rows of ``results.csv``.
-    summary : SummaryFile
-        Of ``summary.json``.
-    """
 
-    table: ResultsTable
-    summary: SummaryFile
+def frame_rows(table: pd.DataFrame, sequence: str) -> dict[int, Row]:
+    """Return what the page lists of a sequence's frames, by their numbers."""
+    frames = table[(table["sequence"] == sequence) & table["frame"].notna()]
+    columns = ("frame", "status", "flags", "pooled", *FRAME_COLUMNS)
+    return {row["frame"]: row for row in records(frames, *columns)}
 
-    @classmethod
-    def read(cls, out: Path) -> Self:
-        """Read and check the tables of a run's output folder.
 
-        Raises
-        ------
-        FingerpadError
-            If there is none, or a table is not as a run writes it.
-        """
-        return cls(table=read_table(out), summary=SummaryFile.read(out))
-
-    def contacts(self) -> dict[str, Row]:
-        """Return flags and reason of single contacts by their names."""
-        contacts = self.table.at(~self.table.known("frame"))
-        return {row["observation"]: row for row in contacts.records("observation", "flags", "reason")}
-
-    def frames(self, sequence: str) -> dict[int, Row]:
-        """Return what the page lists of a sequence's frames, by their numbers."""
-        frames = self.table.at((self.table.column("sequence") == sequence) & self.table.known("frame"))
-        columns = ("frame", "status", "flags", "pooled", *FRAME_COLUMNS)
-        return {row["frame"]: row for row in frames.records(*columns)}
-
-    def row(self, item: str) -> Row | None:
-        """Return the row of an item, None where it has none."""
-        places = np.flatnonzero(self.table.column("observation") == item)
-        return self.table[int(places[0])] if places.size else None
+def item_row(table: pd.DataFrame, item: str) -> Row | None:
+    """Return the row of an item, None where it has none."""
+    return first_record(table[table["observation"] == item])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

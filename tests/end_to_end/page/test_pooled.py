@@ -9,6 +9,7 @@ from tests.end_to_end.page.browser import Tab, numbers, unexplained
 
 from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.table import records
 
 
 def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(example_tab: Tab, example) -> None:
@@ -60,7 +61,10 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     page.get_by_text("Counts in the pooled radius").wait_for()
     page.get_by_role("button", name="Leave out").click()
     page.get_by_text("Left out of the pooled radius").wait_for()
-    rows = {row["observation"]: row for row in run_study(example / "study.toml", example / "results").rows}
+    rows = {
+        row["observation"]: row
+        for row in records(run_study(example / "study.toml", example / "results").rows)
+    }
     assert [rows[f"contact_{load}N"]["pooled"] for load in ("0.5", "1", "2")] == [True, False, False]
     assert rows["contact_2N"]["pooling_corrected_by"] == record["who"]
     assert rows["contact_2N"]["reviewed"] is None

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Final, Self
 
 import numpy as np
+import pandas as pd
 from scipy import special
 
 from fingerpad._arrays import FloatArray, as_float_array
@@ -20,7 +21,7 @@ from fingerpad.study.results.repeats import (
     nominal_loads,
 )
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
-from fingerpad.study.results.table import ResultsTable
+from fingerpad.study.results.table import groups, items
 from fingerpad.study.results.validity import MODULUS, Validity
 from fingerpad.uncertainty import ScatterComponent
 from fingerpad.units import KPA_PER_MPA
@@ -188,17 +189,17 @@ def pool_by_load(
         Whether the model holds, by the values of `PLACEMENT`; not tested where it is missing.
     """
     between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
-    table = rows.table.at(rows.table.column("pooled") & ~rows.table.known("frame"))
-    table = table.at((table.column("load_N") > 0) & (contact_quantity(table, "youngs_modulus") > 0))
+    table = rows.table[rows.table["pooled"] & rows.table["frame"].isna()]
+    table = table[(table["load_N"] > 0) & (contact_quantity(table, "youngs_modulus") > 0)]
     found = []
-    for key, unsorted in table.by(*PLACEMENT).items():
-        group = unsorted.sorted_by("load_N")
-        load = nominal_loads(group.column("load_N"))
+    for key, unsorted in groups(table, *PLACEMENT).items():
+        group = unsorted.sort_values("load_N", kind="stable")
+        load = nominal_loads(group["load_N"].to_numpy())
         found += [
             _at_load(
                 rows,
                 key,
-                group.at(load == one),
+                group[load == one],
                 repeatability=repeatability[bool(key[-1])],
                 validity=validities.get(key),
                 between=between,
@@ -211,14 +212,14 @@ def pool_by_load(
 def _at_load(
     of: Rows,
     key: PlacementKey,
-    rows: ResultsTable,
+    rows: pd.DataFrame,
     *,
     repeatability: ContactRepeatability,
     validity: Validity | None,
     between: Mapping[tuple[str, bool], ScatterComponent],
 ) -> AtLoad:
     finger, wedge, roll, synthetic = key
-    count = len(set(rows.items("session")))
+    count = len(set(items(rows["session"])))
 
     def sessions(quantity: str) -> tuple[int, ScatterComponent | None]:
         found = between.get((quantity, synthetic))
@@ -226,19 +227,19 @@ def _at_load(
 
     freedom = float(repeatability.freedom) if repeatability.known else math.inf
     area = contact_quantity(rows, "contact_area")
-    own = {part: rows.column(f"gross_area_mm2_{part}_std") for part in ("noise", "edge")}
-    by_image = np.isfinite(rows.column("gross_area_mm2"))
+    own = {part: rows[f"gross_area_mm2_{part}_std"].to_numpy() for part in ("noise", "edge")}
+    by_image = np.isfinite(rows["gross_area_mm2"].to_numpy())
     ellipse = area * np.hypot(*(_relative(rows, axis) for axis in ("semi_major_mm", "semi_minor_mm")))
     noise = np.where(by_image, own["noise"], ellipse)
-    total = np.where(by_image, rows.column("gross_area_mm2_std"), ellipse)
+    total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), ellipse)
     repeats = area * repeatability.area_std
-    modulus = {part: rows.column(f"youngs_modulus_kpa_{part}_std") for part in _PARTS}
+    modulus = {part: rows[f"youngs_modulus_kpa_{part}_std"].to_numpy() for part in _PARTS}
     return AtLoad(
         finger=finger,
         wedge_angle_deg=wedge,
         roll_angle_deg=roll,
         synthetic=synthetic,
-        load=float(np.mean(rows.column("load_N"))),
+        load=float(np.mean(rows["load_N"].to_numpy())),
         count=len(rows),
         sessions=count,
         area=LoadMean.of(
@@ -251,7 +252,7 @@ def _at_load(
         modulus=LoadMean.of(
             contact_quantity(rows, "youngs_modulus"),
             modulus,
-            rows.column("youngs_modulus_kpa_std"),
+            rows["youngs_modulus_kpa_std"].to_numpy(),
             freedom,
             sessions("youngs_modulus"),
             model=validity.relative_stds[MODULUS] if validity else math.nan,
@@ -263,18 +264,18 @@ def _at_load(
 
 
 def _on_layer(
-    of: Rows, rows: ResultsTable, freedom: float, sessions: tuple[int, ScatterComponent | None]
+    of: Rows, rows: pd.DataFrame, freedom: float, sessions: tuple[int, ScatterComponent | None]
 ) -> LoadMean | None:
     """Pool Young's modulus on the layer over the rows in the range of its laws; None without any."""
     if not of.layer_parts.size:
         return None
-    places, output = np.searchsorted(of.pooled, rows.places), POOLED_ON_LAYER.index(_ON_LAYER)
+    places, output = np.searchsorted(of.pooled, rows.index.to_numpy()), POOLED_ON_LAYER.index(_ON_LAYER)
     variances = (KPA_PER_MPA * of.layer_parts[places, output]) ** 2
     known = np.isfinite(variances).all(axis=-1)
     if not known.any():
         return None
     return LoadMean.of(
-        rows.at(known).column(f"{_ON_LAYER}_kpa"),
+        rows[known][f"{_ON_LAYER}_kpa"].to_numpy(),
         {
             part: np.sqrt(variances[known][:, np.isin(LAYER_PART_SOURCES, sources)].sum(axis=-1))
             for part, sources in STATED_APART.items()
@@ -288,5 +289,5 @@ def _on_layer(
 _PARTS: Final = ("noise", "repeatability", "edge")
 
 
-def _relative(rows: ResultsTable, axis: str) -> FloatArray:
-    return as_float_array(rows.column(f"{axis}_noise_std") / rows.column(axis))
+def _relative(rows: pd.DataFrame, axis: str) -> FloatArray:
+    return as_float_array(rows[f"{axis}_noise_std"].to_numpy() / rows[axis].to_numpy())

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isnan, nan
+from math import nan
 from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
-
-from fingerpad._arrays import BoolArray
+import pandas as pd
 
 ColumnArray: TypeAlias = npt.NDArray[Any]
 DType: TypeAlias = Literal["text", "bool", "int", "float"]
@@ -28,21 +27,23 @@ class Column:
         As in ``results.csv``.
     dtype : {"text", "bool", "int", "float"}
         What it holds. As an array: objects, with None for what is not known; truths; int64 with −1; float64
-        with NaN.
+        with NaN. In a table whole numbers are Int64.
     unit : str
         Its unit: empty for text and truths, ``1`` for pure numbers and counts.
     meaning : str
         What it holds, in words.
     group : str
         What it belongs to.
+    default : bool
+        Whether ``results.csv`` has it without ``--all-columns``.
 
     Examples
     --------
     >>> COLUMNS["youngs_modulus_kpa_std"].unit
     'kPa'
     >>> frame = COLUMNS["frame"].array([None, 12])
-    >>> frame, COLUMNS["frame"].items(frame)
-    (array([-1, 12]), [None, 12])
+    >>> frame, COLUMNS["frame"].series(frame).tolist()
+    (array([-1, 12]), [<NA>, 12])
     """
 
     name: str
@@ -50,6 +51,7 @@ class Column:
     unit: str
     meaning: str
     group: str = ""
+    default: bool = True
 
     def array(self, items: Iterable[Any]) -> ColumnArray:
         """Return items as an array; None is what is not known."""
@@ -63,33 +65,25 @@ class Column:
         """Return an array in which nothing is known; truths are false."""
         return np.full(size, _UNKNOWN[self.dtype], dtype=_NUMPY[self.dtype])
 
-    def known(self, array: ColumnArray) -> BoolArray:
-        """Return where an array is known."""
-        if self.dtype == "float":
-            return ~np.isnan(array)
-        if self.dtype == "bool":
-            return np.ones(array.shape, dtype=bool)
-        return np.asarray(array != _UNKNOWN[self.dtype], dtype=bool)
-
-    def items(self, array: ColumnArray) -> list[Any]:
-        """Return an array as a list of plain values, None for what is not known."""
-        items: list[Any] = array.tolist()
-        if self.dtype == "float":
-            return [None if isnan(item) else item for item in items]
-        return [None if item == -1 else item for item in items] if self.dtype == "int" else items
+    def series(self, array: ColumnArray) -> pd.Series:
+        """Return an array as a column of a table."""
+        if self.dtype == "int":
+            return pd.Series(pd.arrays.IntegerArray(array, array == _UNKNOWN["int"]))
+        return pd.Series(array, dtype=array.dtype, copy=False)
 
 
 def _text(name: str, meaning: str) -> Column:
     return Column(name, "text", "", meaning)
 
 
-def _number(name: str, unit: str, meaning: str) -> Column:
-    return Column(name, "float", unit, meaning)
+def _number(name: str, unit: str, meaning: str, *, default: bool = True) -> Column:
+    return Column(name, "float", unit, meaning, default=default)
 
 
-def _with_std(name: str, unit: str, meaning: str) -> tuple[Column, Column]:
+def _with_std(name: str, unit: str, meaning: str, *, default: bool = True) -> tuple[Column, Column]:
     """Return a column and that of its standard uncertainty."""
-    return _number(name, unit, meaning), _number(f"{name}_std", unit, f"standard uncertainty of {name}")
+    std = _number(f"{name}_std", unit, f"standard uncertainty of {name}", default=default)
+    return _number(name, unit, meaning, default=default), std
 
 
 # Quantities with a verdict on the model.
@@ -154,16 +148,20 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     "ellipse": (
         *_with_std("semi_major_mm", "mm", "semi-major axis of the contact ellipse"),
         *_with_std("semi_minor_mm", "mm", "semi-minor axis of the contact ellipse"),
-        _number("semi_major_mm_noise_std", "mm", "the same of semi_major_mm without edge and scale"),
-        _number("semi_minor_mm_noise_std", "mm", "the same of semi_minor_mm without edge and scale"),
+        _number(
+            "semi_major_mm_noise_std", "mm", "the same of semi_major_mm without edge and scale", default=False
+        ),
+        _number(
+            "semi_minor_mm_noise_std", "mm", "the same of semi_minor_mm without edge and scale", default=False
+        ),
         _number(
             "edge_offset_mm_std",
             "mm",
             "standard uncertainty of the place of the contact's edge, which displaces both semi-axes alike; "
             "rows of one scale share it",
         ),
-        _number("automatic_semi_major_mm", "mm", "semi-major axis as measured automatically"),
-        _number("automatic_semi_minor_mm", "mm", "semi-minor axis as measured automatically"),
+        _number("automatic_semi_major_mm", "mm", "semi-major axis as measured automatically", default=False),
+        _number("automatic_semi_minor_mm", "mm", "semi-minor axis as measured automatically", default=False),
         _number("aspect_ratio", "1", "semi-major over semi-minor axis"),
         _text("long_axis", "along or across the finger"),
         _number("predicted_aspect_ratio", "1", "of elliptical Hertz theory for the undeformed pad"),
@@ -172,20 +170,26 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     ),
     "region": (
         *_with_std("gross_area_mm2", "mm2", "area inside the outline of the contact"),
-        _number("gross_area_mm2_noise_std", "mm2", "the same from errors that no other image shares"),
-        _number("gross_area_mm2_edge_std", "mm2", "the same from the place of the edge alone"),
+        _number(
+            "gross_area_mm2_noise_std",
+            "mm2",
+            "the same from errors that no other image shares",
+            default=False,
+        ),
+        _number("gross_area_mm2_edge_std", "mm2", "the same from the place of the edge alone", default=False),
         _number(
             "gross_area_mm2_repeatability_std",
             "mm2",
             "standard deviation of other impressions under the same load, from the study's repeats, beyond "
             "noise; not part of gross_area_mm2_std",
+            default=False,
         ),
         *_with_std("ridge_area_mm2", "mm2", "area of the ridges in contact, with sweat or ink beside them"),
         _number("ridge_border_mm", "mm", "length of the borders of these ridges"),
         _number("ridge_period_mm", "mm", "median distance between ridges"),
         _number("ellipse_iou", "1", "intersection over union of ellipse and contact region"),
-        _number("centroid_row_px", "px", "row of the contact's centroid"),
-        _number("centroid_column_px", "px", "column of the contact's centroid"),
+        _number("centroid_row_px", "px", "row of the contact's centroid", default=False),
+        _number("centroid_column_px", "px", "column of the contact's centroid", default=False),
     ),
     "pad": (
         _number("u_deg", "deg", "parametric angle u of the place of contact"),
@@ -201,26 +205,43 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     "radius": (
         *_with_std("radius_from_indentation_mm", "mm", "R_0g F2^-3, R_g^corr of Dzidek et al. (2017)"),
         _number("radius_from_indentation_mm_fixed_geometry_std", "mm", "the same with R_0g exact"),
-        _number("radius_from_indentation_mm_edge_std", "mm", "the same from the contact's edge alone"),
-        _number("radius_from_indentation_mm_repeatability_std", "mm", "the same from repeatability alone"),
-        *_with_std("radius_from_area_mm", "mm", "sphere of the same area, R_0g F1^3"),
+        _number(
+            "radius_from_indentation_mm_edge_std",
+            "mm",
+            "the same from the contact's edge alone",
+            default=False,
+        ),
+        _number(
+            "radius_from_indentation_mm_repeatability_std",
+            "mm",
+            "the same from repeatability alone",
+            default=False,
+        ),
+        *_with_std("radius_from_area_mm", "mm", "sphere of the same area, R_0g F1^3", default=False),
         *_with_std(
             "radius_from_compliance_mm", "mm", "sphere of the same A/(pi xi), R_0g F1^2/F2: compare with R_g"
         ),
-        *_with_std("geometric_radius_from_indentation_mm", "mm", "R_e F2^-3"),
-        *_with_std("geometric_radius_from_area_mm", "mm", "R_e F1^3"),
+        *_with_std("geometric_radius_from_indentation_mm", "mm", "R_e F2^-3", default=False),
+        *_with_std("geometric_radius_from_area_mm", "mm", "R_e F1^3", default=False),
         *_with_std("geometric_radius_from_compliance_mm", "mm", "R_e F1^2/F2"),
     ),
     "hertz": (
         *_with_std("indentation_mm", "mm", "xi of elliptical Hertz theory from the observed ellipse"),
-        _number("indentation_mm_repeatability_std", "mm", "the same from repeatability alone"),
+        _number("indentation_mm_repeatability_std", "mm", "the same from repeatability alone", default=False),
         *_with_std("reduced_modulus_kpa", "kPa", "E* of elliptical Hertz theory from load and ellipse"),
         *_with_std("youngs_modulus_kpa", "kPa", "E = E*(1 - nu^2)"),
-        _number("youngs_modulus_kpa_edge_std", "kPa", "the same from the contact's edge alone"),
         _number(
-            "youngs_modulus_kpa_noise_std", "kPa", "the same from the ellipse's noise and the load alone"
+            "youngs_modulus_kpa_edge_std", "kPa", "the same from the contact's edge alone", default=False
         ),
-        _number("youngs_modulus_kpa_repeatability_std", "kPa", "the same from repeatability alone"),
+        _number(
+            "youngs_modulus_kpa_noise_std",
+            "kPa",
+            "the same from the ellipse's noise and the load alone",
+            default=False,
+        ),
+        _number(
+            "youngs_modulus_kpa_repeatability_std", "kPa", "the same from repeatability alone", default=False
+        ),
         *_with_std("mean_pressure_kpa", "kPa", "W over the area of the ellipse"),
     ),
     "layer": (
@@ -257,6 +278,16 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     ),
     "output": (_text("overlay", "image of the measurement"),),
 }
-COLUMNS: Final[Mapping[str, Column]] = {
+# What a contact comes to stands first.
+_FIRST: Final = (
+    *("observation", "finger", "wedge_angle_deg", "load_N"),
+    *("gross_area_mm2", "gross_area_mm2_std"),
+    *("semi_major_mm", "semi_major_mm_std", "semi_minor_mm", "semi_minor_mm_std"),
+    *("radius_from_indentation_mm", "radius_from_indentation_mm_total_std"),
+    *("youngs_modulus_kpa", "youngs_modulus_kpa_total_std", "model_verdict"),
+)
+_BY_GROUP: Final = {
     column.name: replace(column, group=group) for group, columns in _GROUPS.items() for column in columns
 }
+COLUMNS: Final[Mapping[str, Column]] = {name: _BY_GROUP[name] for name in (*_FIRST, *_BY_GROUP)}
+DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if column.default)

@@ -6,10 +6,10 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from pydantic import BaseModel
 
 from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.table import ResultsTable
 
 
 def digest_of_values(*values: object) -> str:
@@ -47,8 +47,8 @@ def _parts(value: Any) -> Iterator[bytes]:
 
 def _inside(value: Any) -> Sequence[Any] | None:
     """Return what a value is made of, in an order of its own; None for a plain one."""
-    if isinstance(value, ResultsTable):
-        return [value.column(name) for name in COLUMNS]
+    if isinstance(value, pd.DataFrame):
+        return [value[name].to_numpy() for name in COLUMNS]
     if is_dataclass(value):
         return [getattr(value, field.name) for field in fields(value)]
     if isinstance(value, Mapping):

@@ -4,11 +4,12 @@ import math
 from typing import Final, NamedTuple, Self
 
 import numpy as np
+import pandas as pd
 from numpy.polynomial import legendre
 from scipy import special
 
-from fingerpad._arrays import FloatArray
-from fingerpad.study.results.table import Places, ResultsTable, numbered
+from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.study.results.table import Places, numbered
 
 # A press of fewer frames shows no bends.
 _LEAST_FRAMES: Final = 4
@@ -97,16 +98,16 @@ class PressSlope(NamedTuple):
         )
 
 
-def area_exponent(rows: ResultsTable) -> Exponent:
+def area_exponent(rows: pd.DataFrame) -> Exponent:
     """Return the exponent of A ∝ W^n over the pooled of some rows: contacts, or frames of sequences.
 
     Of contacts two loads give a slope and three its uncertainty, from the scatter about it and the edge. Of
     presses it is from their bends, the difference between them and the edge, and no less than from the stated
     uncertainty of their areas.
     """
-    sound = rows.at(rows.column("pooled") & (rows.column("load_N") > 0))
-    major, minor = sound.column("semi_major_mm"), sound.column("semi_minor_mm")
-    x, y = np.log(sound.column("load_N")), np.log(np.pi * major * minor)
+    sound = rows[rows["pooled"] & (rows["load_N"] > 0)]
+    major, minor = sound["semi_major_mm"].to_numpy(), sound["semi_minor_mm"].to_numpy()
+    x, y = np.log(sound["load_N"].to_numpy()), np.log(np.pi * major * minor)
     if np.unique(x).size < 2:
         return Exponent(math.nan, math.nan)
     presses = PressSlope.of(x, y, area_noise(sound), items_of(sound))
@@ -122,23 +123,23 @@ def area_exponent(rows: ResultsTable) -> Exponent:
     return Exponent(float(value), math.hypot(std, *tilts))
 
 
-def items_of(rows: ResultsTable) -> Places:
+def items_of(rows: pd.DataFrame) -> Places:
     """Return a number for the contact, or the sequence, that each row is of."""
-    return numbered(np.where(rows.known("sequence"), rows.column("sequence"), rows.column("observation")))
+    return numbered(rows["sequence"].where(rows["sequence"].notna(), rows["observation"]))
 
 
-def edges_of(rows: ResultsTable) -> list[FloatArray]:
+def edges_of(rows: pd.DataFrame) -> list[FloatArray]:
     """Return what the edge of each device adds to the logarithm of each area."""
-    curvature = 1 / rows.column("semi_major_mm") + 1 / rows.column("semi_minor_mm")
-    added, device = rows.column("edge_offset_mm_std") * curvature, numbered(rows.column("scale"))
+    curvature = 1 / rows["semi_major_mm"].to_numpy() + 1 / rows["semi_minor_mm"].to_numpy()
+    added, device = rows["edge_offset_mm_std"].to_numpy() * curvature, numbered(rows["scale"])
     return [added * (device == each) for each in np.unique(device)]
 
 
-def area_noise(rows: ResultsTable) -> FloatArray:
+def area_noise(rows: pd.DataFrame) -> FloatArray:
     """Return the relative standard uncertainty of the ellipse's area from errors of its own image."""
     major, minor = (
-        rows.column(f"{axis}_mm_noise_std") / rows.column(f"{axis}_mm")
+        rows[f"{axis}_mm_noise_std"].to_numpy() / rows[f"{axis}_mm"].to_numpy()
         for axis in ("semi_major", "semi_minor")
     )
-    noise = rows.column("gross_area_mm2_noise_std") / rows.column("gross_area_mm2")
-    return np.where(np.isfinite(noise), noise, np.hypot(major, minor))
+    noise = rows["gross_area_mm2_noise_std"].to_numpy() / rows["gross_area_mm2"].to_numpy()
+    return as_float_array(np.where(np.isfinite(noise), noise, np.hypot(major, minor)))

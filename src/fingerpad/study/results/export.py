@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import pandas as pd
 from scipy import io
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import COLUMNS, Column, ColumnArray
+from fingerpad.study.results.load import read_batches, read_header, read_table
 from fingerpad.study.results.result_set import require_result_set
-from fingerpad.study.results.results_reader import read_batches, read_table
 from fingerpad.study.results.summary_file import SummaryFile
 
 _ROW_GROUP: Final = 5000
@@ -61,6 +62,7 @@ def _write_parquet(folder: Path, study: dict[str, str], file: Path) -> None:
         from pyarrow import parquet
     except ImportError:
         raise FingerpadError("Parquet needs the package pyarrow: pip install 'fingerpad[parquet]'") from None
+    columns = [COLUMNS[name] for name in read_header(folder)]
     types = {"text": pa.string(), "bool": pa.bool_(), "int": pa.int64(), "float": pa.float64()}
     schema = pa.schema(
         [
@@ -69,15 +71,15 @@ def _write_parquet(folder: Path, study: dict[str, str], file: Path) -> None:
                 types[column.dtype],
                 metadata={"unit": column.unit, "meaning": column.meaning, "group": column.group},
             )
-            for column in COLUMNS.values()
+            for column in columns
         ],
         metadata=study,
     )
     with parquet.ParquetWriter(file, schema, compression="zstd") as writer:
         for batch in read_batches(folder, _ROW_GROUP):
             arrays = [
-                pa.array(batch[column.name], type=types[column.dtype], mask=~column.known(batch[column.name]))
-                for column in COLUMNS.values()
+                pa.Array.from_pandas(column.series(batch[column.name]), type=types[column.dtype])
+                for column in columns
             ]
             writer.write_table(pa.table(arrays, schema=schema))
 
@@ -86,25 +88,24 @@ def _write_mat(folder: Path, study: dict[str, str], file: Path) -> None:
     """Write structs `results`, `units`, `meanings` and `study`, with one field for each column."""
     table = read_table(folder)
     content = {
-        "results": {name: _matlab_column(column, table.column(name)) for name, column in COLUMNS.items()},
-        "units": {name: column.unit for name, column in COLUMNS.items()},
-        "meanings": {name: column.meaning for name, column in COLUMNS.items()},
+        "results": {name: _matlab_column(COLUMNS[name], table[name]) for name in table},
+        "units": {name: COLUMNS[name].unit for name in table},
+        "meanings": {name: COLUMNS[name].meaning for name in table},
         "study": study,
     }
     with file.open("wb") as target:
         io.savemat(target, content, long_field_names=True, oned_as="column", do_compression=True)
 
 
-def _matlab_column(column: Column, array: ColumnArray) -> ColumnArray:
+def _matlab_column(column: Column, values: pd.Series) -> ColumnArray:
     """Return a column as MATLAB has it: doubles, logicals, or a character matrix with one line for each row.
 
     A cell array would take a hundred times as long to write and read; ``cellstr`` makes one.
     """
     if column.dtype == "text":
-        return np.array([word or " " for word in array], dtype=np.str_)
-    if column.dtype == "int":
-        array = np.where(column.known(array), array, np.nan)
-    return array.reshape(-1, 1)
+        return np.array([word or " " for word in values], dtype=np.str_)
+    numbers = values.to_numpy(bool if column.dtype == "bool" else float, na_value=np.nan)
+    return np.asarray(numbers).reshape(-1, 1)
 
 
 _FORMATS: Final[Mapping[str, Callable[[Path, dict[str, str], Path], None]]] = {

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Final, Self
 
 import numpy as np
+import pandas as pd
 
 from fingerpad.study.results.layer import (
     HERTZ_OF,
@@ -17,7 +18,7 @@ from fingerpad.study.results.layer import (
 from fingerpad.study.results.model import OF_THE_DEVICE, OF_THE_PLACEMENT
 from fingerpad.study.results.pooling import mean_within, shared_errors
 from fingerpad.study.results.rows import HighestLoad, Rows
-from fingerpad.study.results.table import Places, ResultsTable, numbered
+from fingerpad.study.results.table import Places, numbered
 from fingerpad.uncertainty import (
     LAYER_SOURCES,
     Propagated,
@@ -62,33 +63,36 @@ class PooledOnLayer(LayerQuantity):
     count: int
 
     @classmethod
-    def of(cls, rows: Rows, pooled: ResultsTable, estimate: Places, output: str) -> Self | None:
+    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Places, output: str) -> Self | None:
         """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is.
 
         Parameters
         ----------
         rows : Rows
             All rows.
-        pooled : ResultsTable
+        pooled : DataFrame
             Those of them to pool; all must count.
         estimate : ndarray of int
             Which estimate each belongs to: one for a single contact, one for all frames of a sequence.
         output : str
             The quantity.
         """
-        parts = rows.layer_parts[np.searchsorted(rows.pooled, pooled.places)]
+        parts = rows.layer_parts[np.searchsorted(rows.pooled, pooled.index.to_numpy())]
         known = np.asarray(np.isfinite(parts).all(axis=(-2, -1)))  # the same contacts for all outputs
         if not known.any():
             return None
         unit, factor = unit_of(output)
-        pooled, estimate = pooled.at(known), numbered(estimate[known])
+        pooled, estimate = pooled[known], numbered(estimate[known])
         parts = factor * parts[known, POOLED_ON_LAYER.index(output)]
         own_std = np.sqrt(np.sum(parts[:, _OWN] ** 2, axis=-1))
         mean = mean_within(estimate, own_std)
-        value, parts = mean(pooled.column(f"{output}_{unit}")), np.stack(list(map(mean, parts.T)), axis=-1)
+        value, parts = (
+            mean(pooled[f"{output}_{unit}"].to_numpy()),
+            np.stack(list(map(mean, parts.T)), axis=-1),
+        )
         first = np.unique(estimate, return_index=True)[1]
         sources = LAYER_PART_SOURCES[~_OWN].tolist()
-        shared = shared_errors(parts[:, ~_OWN], sources, pooled.column("scale")[first])
+        shared = shared_errors(parts[:, ~_OWN], sources, pooled["scale"].iloc[first])
         found = pool(value, proportional_stds(value, mean(own_std)), shared)
         variance = dict.fromkeys(LAYER_SOURCES, 0.0) | shared.variances(found.weights)
         for source in np.unique(LAYER_PART_SOURCES[_OWN]).tolist():
@@ -134,10 +138,11 @@ class LayerSummary:
     pooled: dict[str, PooledOnLayer | None]
 
     @classmethod
-    def of(cls, rows: Rows, pooled: ResultsTable, estimate: Places, highest: HighestLoad) -> Self | None:
+    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Places, highest: HighestLoad) -> Self | None:
         """Summarise the rows that count at one placement; None where the finger has no thickness."""
         thickness, std = (
-            float(pooled.column(name)[0]) for name in ("effective_thickness_mm", "effective_thickness_mm_std")
+            float(pooled[name].to_numpy()[0])
+            for name in ("effective_thickness_mm", "effective_thickness_mm_std")
         )
         if math.isnan(thickness):
             return None

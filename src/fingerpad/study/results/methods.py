@@ -79,7 +79,7 @@ def _contacts(result: StudyResult) -> Iterator[str]:
     )
     counts = {"single contact": len(study.observations), "sequence": len(study.sequences)}
     contacts = _joined([counted(count, noun) for noun, count in counts.items() if count])
-    load = result.rows.column("load_N")
+    load = result.rows["load_N"].to_numpy()
     loads = f" of {_range(load)} N" if np.isfinite(load).any() else ""
     sensor = f", measured by {of.force_sensor}" if of.force_sensor else ""
     yield (
@@ -100,7 +100,7 @@ def _velocity(result: StudyResult) -> str:
 
 
 def _images(result: StudyResult) -> Iterator[str]:
-    of, edge = result.study.apparatus, result.rows.column("edge_offset_mm_std")
+    of, edge = result.study.apparatus, result.rows["edge_offset_mm_std"].to_numpy()
     if not _has_images(result):
         return
     if of.imaging:
@@ -130,16 +130,16 @@ def _edge(stds: FloatArray) -> str:
 
 def _reviewed(result: StudyResult) -> Iterator[str]:
     corrected = result.corrected
-    if corrected:
-        counts = Counter(corrected.column("reviewed"))
-        people = sorted(set(corrected.column("reviewed_by")) - {None})
+    if len(corrected):
+        counts = Counter(corrected["reviewed"])
+        people = sorted(set(corrected["reviewed_by"]) - {None})
         listed = _joined([f"{count} {verdict}" for verdict, count in counts.items()])
         yield f"All was measured automatically, then {listed} manually by {_joined(people)}."
     else:
         yield "All was measured automatically, without manual review."
-    measured = result.rows.at(result.rows.column("status") == "measured")
-    single = measured.at(~measured.known("frame"))
-    if left_out := int((~single.column("pooled")).sum()):
+    measured = result.rows[result.rows["status"] == "measured"]
+    single = measured[measured["frame"].isna()]
+    if left_out := int((~single["pooled"].to_numpy()).sum()):
         yield f"Because of flags {left_out} of {counted(len(single), 'single contact')} were not pooled."
 
 
@@ -194,7 +194,7 @@ def _missing(result: StudyResult) -> Iterator[str]:
     study, of = result.study, result.study.apparatus
     images = _has_images(result)
     thickness = any(finger.effective_thickness_mm for finger in study.fingers)
-    kinds = set(result.rows.column("synthetic").tolist())
+    kinds = set(result.rows["synthetic"].tolist())
     repeated = all(result.repeatability[kind].known for kind in kinds)
     asked = (
         (True, repeated, "repeats, which tell by how much a second impression would differ"),

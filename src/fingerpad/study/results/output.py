@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from fingerpad._csv import csv_cell, write_csv
 from fingerpad.exceptions import FingerpadError
@@ -17,7 +18,7 @@ from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.answers import Answer, answers
 from fingerpad.study.results.by_load import AtLoad, LoadMean
-from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.columns import COLUMNS, DEFAULT_COLUMNS
 from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.layer import unit_of
 from fingerpad.study.results.layer_curve import CurveOnLayer
@@ -60,12 +61,12 @@ from fingerpad.study.results.summary_file import (
     UncertaintyCheckRecord,
     ValidityRecord,
 )
-from fingerpad.study.results.table import ResultsTable
+from fingerpad.study.results.table import batches, items
 from fingerpad.study.results.validity import RADIUS, Validity
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 
-def write_tables(result: StudyResult, out: Path) -> None:
+def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -> None:
     """Write the tables of a run into `out`.
 
     They are ``results.csv``, ``results_columns.csv``, ``results.json``, ``by_load.csv``,
@@ -78,10 +79,10 @@ def write_tables(result: StudyResult, out: Path) -> None:
         If a file cannot be written.
     """
     try:
-        write_rows(result.rows, out / "results.csv", out / "results.json")
-        dictionary = (
-            (each.name, each.dtype, each.unit, each.group, each.meaning) for each in COLUMNS.values()
-        )
+        rows = result.rows if all_columns else result.rows[list(DEFAULT_COLUMNS)]
+        write_rows(rows, out / "results.csv", out / "results.json")
+        columns = [COLUMNS[name] for name in rows]
+        dictionary = ((each.name, each.dtype, each.unit, each.group, each.meaning) for each in columns)
         write_csv(out / "results_columns.csv", [("column", "type", "unit", "group", "meaning"), *dictionary])
         summary = summary_of(result)
         _write_records(out / "by_load.csv", [dict(one) for one in summary.by_load])
@@ -99,34 +100,33 @@ def _write_records(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
     write_csv(path, [tuple(records[0]), *(record.values() for record in records)] if records else [])
 
 
-def write_rows(rows: ResultsTable, table: Path, records: Path) -> None:
+def write_rows(rows: pd.DataFrame, table: Path, records: Path) -> None:
     """Write rows as a CSV table and as a JSON array of objects, batch by batch."""
     with (
         table.open("w", newline="", encoding="utf-8") as file,
         records.open("w", encoding="utf-8") as array,
     ):
         lines = csv.writer(file)
-        lines.writerow(COLUMNS)
+        lines.writerow(rows)
         array.write("[")
         between = "\n"
-        for batch in rows.batches():
+        for batch in batches(rows):
             # To write a float in decimals costs more than all else: once for both files.
-            cells = {name: list(map(csv_cell, batch.items(name))) for name in COLUMNS}
+            cells = {name: list(map(csv_cell, items(batch[name]))) for name in rows}
             lines.writerows(zip(*cells.values(), strict=True))
             keyed = (
-                [f'  "{name}": {literal}' for literal in _literals(batch, name, cells[name])]
-                for name in COLUMNS
+                [f'  "{name}": {literal}' for literal in _literals(batch, name, cells[name])] for name in rows
             )
             objects = (" {\n" + ",\n".join(items) + "\n }" for items in zip(*keyed, strict=True))
             array.write(between + ",\n".join(objects))
             between = ",\n"
-        array.write("\n]\n" if rows else "]\n")
+        array.write("\n]\n" if len(rows) else "]\n")
 
 
-def _literals(rows: ResultsTable, name: str, cells: Sequence[str]) -> list[str]:
+def _literals(rows: pd.DataFrame, name: str, cells: Sequence[str]) -> list[str]:
     """Return a column as JSON literals, which are its CSV cells but for text and what is not known."""
     if COLUMNS[name].dtype == "text":
-        return ["null" if item is None else encode_basestring(item) for item in rows.items(name)]
+        return ["null" if item is None else encode_basestring(item) for item in items(rows[name])]
     return [cell or "null" for cell in cells]
 
 
@@ -140,7 +140,7 @@ def summary_of(result: StudyResult) -> SummaryFile:
             contact=[
                 _contact_repeatability(one, synthetic=synthetic)
                 for synthetic, one in result.repeatability.items()
-                if (result.rows.column("synthetic") == synthetic).any()
+                if (result.rows["synthetic"].to_numpy() == synthetic).any()
             ],
             scatter=[scatter_record(one) for one in result.scatter],
         ),
@@ -239,7 +239,7 @@ def _placement(
     validity: Validity,
     loading: LoadingRadius | None,
 ) -> PlacementRecord:
-    first, contacts, radius = summary.rows[0], summary.contacts, validity.headlines[RADIUS]
+    first, contacts, radius = summary.rows.iloc[0], summary.contacts, validity.headlines[RADIUS]
     return PlacementRecord(
         finger=summary.finger,
         wedge_angle_deg=summary.wedge_angle_deg,
@@ -256,7 +256,7 @@ def _placement(
         on_layer=_on_layer(summary.layer) if summary.layer else None,
         loading_radius_mm=loading.value if loading else math.nan,
         loading_radius_mm_std=loading.std if loading else math.nan,
-        **_exponent(contacts or summary.rows),
+        **_exponent(summary.contacts_or_frames),
         uncertainty_check=check,
         radius_from_indentation_mm_model_std=radius.model_std,
         radius_from_indentation_mm_total_std=radius.total_std,
@@ -453,7 +453,7 @@ def _mean(name: str, mean: LoadMean | None) -> dict[str, Any]:
     }
 
 
-def _sequence(sequence: SequenceResult, frames: ResultsTable) -> SequenceRecord:
+def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> SequenceRecord:
     of, summary, phases = sequence.manifest, sequence.summary, sequence.phases
     counts: dict[str, Any] = {}
     if summary is not None:
@@ -478,14 +478,14 @@ def _sequence(sequence: SequenceResult, frames: ResultsTable) -> SequenceRecord:
         phases_reason=phases and phases.correction.why,
         phase_starts_s=phases and [(one.phase, one.start_s) for one in phases.correction.starts],
         rows=len(frames),
-        pooled=int(frames.column("pooled").sum()),
+        pooled=int(frames["pooled"].sum()),
         **_exponent(frames),
         overlays=[OverlayRecord.model_validate(one) for one in sequence.overlays],
         reason=sequence.reason,
     )
 
 
-def _exponent(rows: ResultsTable) -> dict[str, Any]:
+def _exponent(rows: pd.DataFrame) -> dict[str, Any]:
     exponent = area_exponent(rows)
     return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
 

@@ -1,13 +1,13 @@
 """One radius from the contacts of a finger at one angle, with their shared errors."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Self
 
 import numpy as np
+import pandas as pd
 
 from fingerpad._arrays import FloatArray, as_float_array
-from fingerpad.study.results.columns import ColumnArray
 from fingerpad.study.results.model import (
     GEOMETRY,
     OF_THE_DEVICE,
@@ -16,7 +16,7 @@ from fingerpad.study.results.model import (
     POOLED_OUTPUTS,
 )
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.table import Places, ResultsTable, numbered
+from fingerpad.study.results.table import Places, numbered
 from fingerpad.uncertainty import (
     PAD_SOURCES,
     NestedScatter,
@@ -84,7 +84,7 @@ class PooledRadius:
         return float(1 / np.sum(self.random.weights**2))
 
     @classmethod
-    def of(cls, rows: Rows, pooled: ResultsTable, estimate: Places, output: str) -> Self:
+    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Places, output: str) -> Self:
         """Pool one of `POOLED_OUTPUTS`.
 
         A radius changes with the square of its contact's elongation, and its stated uncertainty with the
@@ -97,7 +97,7 @@ class PooledRadius:
         ----------
         rows : Rows
             All rows.
-        pooled : ResultsTable
+        pooled : DataFrame
             Those of them to pool; all must count.
         estimate : ndarray of int
             Which estimate each belongs to, counted from 0: one for a single contact, one for all frames of
@@ -106,18 +106,20 @@ class PooledRadius:
         output : str
             The radius.
         """
-        places = np.searchsorted(rows.pooled, pooled.places)
+        places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
         parts = rows.parts[places, POOLED_OUTPUTS.index(output)]
         bias = np.sum(parts[:, _OWN & _SECOND], axis=-1) / np.sqrt(2)
         own_std = _own_std(parts, rows.elongation_std[places])
         mean = mean_within(estimate, own_std)
-        value, own = mean(pooled.column(f"{output}_mm")), mean(own_std)
+        value, own = mean(pooled[f"{output}_mm"].to_numpy()), mean(own_std)
         own = np.maximum(own, np.spacing(value))
         value -= (1 - pool_random_effects(value, own).weights) * mean(bias)
         parts = np.stack([mean(part) for part in parts.T], axis=-1)
         first = np.unique(estimate, return_index=True)[1]
         last = estimate.size - 1 - np.unique(estimate[::-1], return_index=True)[1]
-        shared = shared_errors(parts[:, ~_OWN], PART_SOURCES[~_OWN].tolist(), pooled.column("scale")[first])
+        shared = shared_errors(
+            parts[:, ~_OWN], PART_SOURCES[~_OWN].tolist(), pooled["scale"].to_numpy()[first]
+        )
         random = pool_random_effects(value, own, shared)
         variances = shared.variances(random.weights)
         exact = sum(variance for source, variance in variances.items() if source not in GEOMETRY)
@@ -125,7 +127,7 @@ class PooledRadius:
             random=random,
             fixed_geometry=float(np.hypot(random.std, np.sqrt(exact))),
             fixed=pool(value, own, shared),
-            scatter=nested_scatter(value, {"load": pooled.column("load_N")[last]}, least_freedom=(1, 1)),
+            scatter=nested_scatter(value, {"load": pooled["load_N"].to_numpy()[last]}, least_freedom=(1, 1)),
             budget=_budget(random, variances, parts[:, _OWN], own),
         )
 
@@ -144,7 +146,7 @@ def mean_within(estimate: Places, own_std: FloatArray) -> Callable[[FloatArray],
     return lambda of: as_float_array(np.bincount(estimate, weights * of))
 
 
-def shared_errors(parts: FloatArray, sources: Sequence[str], scales: ColumnArray) -> SharedErrors:
+def shared_errors(parts: FloatArray, sources: Sequence[str], scales: Iterable[str | None]) -> SharedErrors:
     """Return the errors that estimates share: of the placement all, of scale and edge those of one scale.
 
     Images that name no scale have one each, but are taken to be of one device, whose edge they share.
@@ -155,9 +157,10 @@ def shared_errors(parts: FloatArray, sources: Sequence[str], scales: ColumnArray
         Signed contributions to the uncertainty of each.
     sources : sequence of str
         Source of each part.
-    scales : ndarray
+    scales : iterable of str or None
         Name of the scale of each estimate, None where it has its own.
     """
+    scales = list(scales)
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
     groups = {"image scale": scale, "contact edge": numbered(scales)}
     everything = np.zeros(len(parts), dtype=np.intp)

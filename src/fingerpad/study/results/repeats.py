@@ -6,6 +6,7 @@ from itertools import takewhile
 from typing import Any, Final, Self
 
 import numpy as np
+import pandas as pd
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.image import implausible_size
@@ -15,7 +16,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.exclusions import RIDGES_MERGE, excluding_flags, is_pooled
 from fingerpad.study.results.model import contact_inputs
-from fingerpad.study.results.table import Places, ResultsTable, numbered
+from fingerpad.study.results.table import Places, groups, items, numbered
 from fingerpad.uncertainty import (
     NestedScatter,
     ScatterComponent,
@@ -234,7 +235,7 @@ class StudyScatter:
     missing: dict[str, str]
 
 
-def study_scatter(study: Study, table: ResultsTable) -> list[StudyScatter]:
+def study_scatter(study: Study, table: pd.DataFrame) -> list[StudyScatter]:
     """Return the scatter of each quantity over the contacts that count, real and synthetic ones apart.
 
     The frames of a sequence show one impression: they repeat nothing, and are left out.
@@ -243,32 +244,32 @@ def study_scatter(study: Study, table: ResultsTable) -> list[StudyScatter]:
     ----------
     study : Study
         The manifest, which names persons.
-    table : ResultsTable
+    table : DataFrame
         All rows.
     """
-    rows = table.at(table.column("pooled") & ~table.known("frame"))
+    rows = table[table["pooled"] & table["frame"].isna()]
     persons = {finger.name: finger.person for finger in study.fingers}
     return [
         _scatter(name, synthetic, some, persons)
-        for (synthetic,), some in sorted(rows.by("synthetic").items())
+        for (synthetic,), some in sorted(groups(rows, "synthetic").items())
         for name in SCATTER_OF
     ]
 
 
 def _scatter(
-    quantity: str, synthetic: bool, rows: ResultsTable, persons: Mapping[str, str | None]
+    quantity: str, synthetic: bool, rows: pd.DataFrame, persons: Mapping[str, str | None]
 ) -> StudyScatter:
     values = contact_quantity(rows, quantity)
     usable = np.isfinite(values) & (values > 0)
-    rows, values = rows.at(usable), values[usable]
-    fingers, sessions = rows.items("finger"), rows.items("session")
+    rows, values = rows[usable], values[usable]
+    fingers, sessions = items(rows["finger"]), items(rows["session"])
     levels = {
         "person": numbered(("", name) if persons[name] is None else (persons[name],) for name in fingers),
         "finger": numbered(fingers),
         "session": numbered(zip(fingers, sessions, strict=True)),
     }
-    placed = zip(*map(rows.items, _PLACED), strict=True)
-    condition = conditions_of(placed, rows.column("load_N"))
+    placed = zip(*(items(rows[name]) for name in _PLACED), strict=True)
+    condition = conditions_of(placed, rows["load_N"].to_numpy())
     scatter = nested_scatter(np.log(values), levels, condition, _BETWEEN)
     named = {"person": any(persons[name] for name in fingers), "session": any(sessions), "finger": True}
     missing = {
@@ -279,24 +280,24 @@ def _scatter(
     return StudyScatter(quantity=quantity, synthetic=synthetic, scatter=scatter, missing=missing)
 
 
-def contact_quantity(rows: ResultsTable, quantity: str) -> FloatArray:
+def contact_quantity(rows: pd.DataFrame, quantity: str) -> FloatArray:
     """Return one of `SCATTER_OF` for some rows; the area is the ellipse's where no image has given it.
 
     A ridge area that is an upper bound is left out.
     """
     if quantity == "contact_area":
-        gross = rows.column("gross_area_mm2")
-        ellipse = np.pi * rows.column("semi_major_mm") * rows.column("semi_minor_mm")
-        return np.where(np.isfinite(gross), gross, ellipse)
+        gross = rows["gross_area_mm2"].to_numpy()
+        ellipse = np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()
+        return as_float_array(np.where(np.isfinite(gross), gross, ellipse))
     if quantity == "ridge_area":
-        merged = [RIDGES_MERGE in (flags or "").split() for flags in rows.items("flags")]
-        return np.where(merged, np.nan, rows.column("ridge_area_mm2"))
+        merged = [RIDGES_MERGE in (flags or "").split() for flags in items(rows["flags"])]
+        return np.where(merged, np.nan, rows["ridge_area_mm2"].to_numpy())
     names = {
         "youngs_modulus": "youngs_modulus_kpa",
         "aspect_ratio": "aspect_ratio",
         "radius_from_indentation": "radius_from_indentation_mm",
     }
-    return as_float_array(rows.column(names[quantity]))
+    return as_float_array(rows[names[quantity]].to_numpy())
 
 
 def _why_missing(level: str, one: ScatterComponent, *, named: bool, scatter: NestedScatter) -> str:

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
+import pandas as pd
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
@@ -20,7 +21,7 @@ from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.repeats import ContactRepeatability
-from fingerpad.study.results.table import GrowingArray, Places, ResultsTable, TableBuilder
+from fingerpad.study.results.table import Places, table_of
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.units import KPA_PER_MPA
 
@@ -65,7 +66,7 @@ class Rows:
 
     Attributes
     ----------
-    table : ResultsTable
+    table : DataFrame
         One row per observation and frame, in the manifest's order.
     pooled : ndarray of int
         Places in `table` of the rows that count in pooled radii, ascending.
@@ -82,7 +83,7 @@ class Rows:
         The same among contacts on a layer, in the range of its laws.
     """
 
-    table: ResultsTable
+    table: pd.DataFrame
     pooled: Places
     parts: FloatArray
     elongation_std: FloatArray
@@ -111,30 +112,34 @@ def model_contacts(
     repeatability : mapping of bool to ContactRepeatability, optional
         That of the study, from `contact_repeatability`: what one impression is uncertain by beyond its noise.
     """
-    table, stream = TableBuilder(), iter(seen)
-    pooled = GrowingArray(np.empty(0, dtype=np.intp))
-    parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
-    elongation_std = GrowingArray(np.empty(0))
-    layer_parts = GrowingArray(np.empty((0, len(POOLED_ON_LAYER), len(LAYER_PART_SOURCES))))
+    stream = iter(seen)
+    pooled = _GrowingArray(np.empty(0, dtype=np.intp))
+    parts = _GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
+    elongation_std = _GrowingArray(np.empty(0))
+    layer_parts = _GrowingArray(np.empty((0, len(POOLED_ON_LAYER), len(LAYER_PART_SOURCES))))
     layered = any(finger.effective_thickness is not None for finger in fingers.values())
     highest_load: dict[PlacementKey, HighestLoad] = {}
     highest_on_layer: dict[PlacementKey, HighestLoad] = {}
-    start = 0
-    while batch := list(islice(stream, _AT_ONCE)):
-        done = _Batch.of(study, fingers, batch, repeatability)
-        table.add(done.columns)
-        counts = done.columns["pooled"][done.good]
-        pooled.add(start + done.good[counts])
-        parts.add(done.modelled.parts[counts])
-        elongation = done.inputs.places(["elongation", "elongation_deviation"])
-        elongation_std.add(np.hypot(*done.inputs.std[counts][:, elongation].T))
-        if layered:
-            layer_parts.add(done.layer_parts[counts])
-        done.weigh(highest_load, counts)
-        done.weigh(highest_on_layer, counts & done.on_layer)
-        start += len(batch)
+
+    def modelled() -> Iterator[dict[str, ColumnArray]]:
+        """Yield batches of rows, and keep what else is needed of them."""
+        start = 0
+        while batch := list(islice(stream, _AT_ONCE)):
+            done = _Batch.of(study, fingers, batch, repeatability)
+            yield done.columns
+            counts = done.columns["pooled"][done.good]
+            pooled.add(start + done.good[counts])
+            parts.add(done.modelled.parts[counts])
+            elongation = done.inputs.places(["elongation", "elongation_deviation"])
+            elongation_std.add(np.hypot(*done.inputs.std[counts][:, elongation].T))
+            if layered:
+                layer_parts.add(done.layer_parts[counts])
+            done.weigh(highest_load, counts)
+            done.weigh(highest_on_layer, counts & done.on_layer)
+            start += len(batch)
+
     return Rows(
-        table=table.table(),
+        table=table_of(modelled()),
         pooled=pooled.array,
         parts=parts.array,
         elongation_std=elongation_std.array,
@@ -209,6 +214,28 @@ class _Batch:
             if key not in highest_load or loads[place] >= highest_load[key].load:
                 name = self.columns["observation"][self.good[place]]
                 highest_load[key] = HighestLoad(name, loads[place], self.inputs.at(place))
+
+
+class _GrowingArray:
+    """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
+
+    def __init__(self, empty: ColumnArray) -> None:
+        self._array, self._size = empty, 0
+
+    def add(self, more: ColumnArray) -> None:
+        """Add items."""
+        size = self._size + len(more)
+        if size > len(self._array):
+            grown = np.empty((max(size, len(self._array) * 5 // 4), *more.shape[1:]), dtype=self._array.dtype)
+            grown[: self._size] = self._array[: self._size]
+            self._array = grown
+        self._array[self._size : size] = more
+        self._size = size
+
+    @property
+    def array(self) -> ColumnArray:
+        """All items."""
+        return self._array[: self._size]
 
 
 def _described(

@@ -7,6 +7,8 @@ from itertools import compress
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from fingerpad._display import Displayed
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
@@ -33,8 +35,8 @@ from fingerpad.study.results.repeats import (
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary import Summary, pool_contacts
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import ResultsTable
-from fingerpad.study.results.validity import Validity, fill_columns, validity_of
+from fingerpad.study.results.table import groups, records
+from fingerpad.study.results.validity import Validity, validity_of, with_verdicts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -49,7 +51,7 @@ class StudyResult(Displayed):
         The study folder.
     fingers : dict of str to FingerResult
         Semi-axes by finger.
-    rows : ResultsTable
+    rows : DataFrame
         One per observation, and one per frame in contact of a sequence.
     sequences : list of SequenceResult
         One per sequence.
@@ -81,7 +83,7 @@ class StudyResult(Displayed):
     study: Study
     folder: Path
     fingers: dict[str, FingerResult]
-    rows: ResultsTable
+    rows: pd.DataFrame
     sequences: list[SequenceResult]
     scales: dict[str, FoundScale | str]
     summaries: list[Summary]
@@ -113,23 +115,25 @@ class StudyResult(Displayed):
     @property
     def failed_contacts(self) -> list[tuple[str, str]]:
         """Names of contacts that failed, with the reason; the frames of a sequence in one line."""
-        failed = self.rows.at(self.rows.column("status") == "failed")
-        frames = failed.known("frame")
-        lines = [(row["observation"], row["reason"]) for row in failed.at(~frames)]
-        for (name,), rows in failed.at(frames).by("sequence").items():
-            first = rows[0]
+        failed = self.rows[self.rows["status"] == "failed"]
+        frames = failed["frame"].notna()
+        lines = [
+            (row["observation"], row["reason"]) for row in records(failed[~frames], "observation", "reason")
+        ]
+        for (name,), rows in groups(failed[frames], "sequence").items():
+            first = rows.iloc[0]
             many = "1 frame" if len(rows) == 1 else f"{len(rows)} frames; the first:"
             lines.append((name, f"{many} {first['frame']}: {first['reason']}"))
         return lines
 
     @property
-    def corrected(self) -> ResultsTable:
+    def corrected(self) -> pd.DataFrame:
         """Rows that were corrected or reviewed manually."""
-        return self.rows.at(self.rows.known("reviewed") | self.rows.known("pooling_corrected_by"))
+        return self.rows[self.rows["reviewed"].notna() | self.rows["pooling_corrected_by"].notna()]
 
-    def frames(self) -> list[ResultsTable]:
+    def frames(self) -> list[pd.DataFrame]:
         """Return the rows of frames of each of `sequences`."""
-        rows = self.rows.at(self.rows.known("frame")).by("sequence")
+        rows = groups(self.rows[self.rows["frame"].notna()], "sequence")
         return [rows.get((sequence.manifest.name,), self.rows[:0]) for sequence in self.sequences]
 
     def curves_on_layer(self) -> list[CurveOnLayer | None]:
@@ -159,7 +163,7 @@ class StudyResult(Displayed):
             self,
             study=study,
             fingers={name: self.fingers[name]},
-            rows=self.rows.at(self.rows.column("finger") == name),
+            rows=self.rows[self.rows["finger"] == name],
             sequences=[sequence for sequence in self.sequences if sequence.manifest.finger == name],
             scales={key: found for key, found in self.scales.items() if key in scales},
             summaries=list(compress(self.summaries, own)),
@@ -207,12 +211,13 @@ def result_of(
     scatter = study_scatter(study, rows.table)
     found = pool_contacts(rows)
     validities = validity_of(study, measured.fingers, rows, found, measured.curves)
-    fill_columns(found, validities)
+    table = with_verdicts(rows.table, found, validities)
+    found = [replace(summary, rows=table.loc[summary.rows.index]) for summary in found]
     return StudyResult(
         study=study,
         folder=folder,
         fingers=measured.fingers,
-        rows=rows.table,
+        rows=table,
         sequences=measured.sequences,
         scales={name: measured.context.scale(name) for name in study.scales},
         summaries=found,

@@ -2,14 +2,15 @@
 
 from dataclasses import dataclass
 
-import numpy as np
+import pandas as pd
 
 from fingerpad.study.error_text import counted
+from fingerpad.study.results.exponent import items_of
 from fingerpad.study.results.layer_summary import LayerSummary
 from fingerpad.study.results.model import POOLED_OUTPUTS
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.rows import PLACEMENT, HighestLoad, PlacementKey, Rows
-from fingerpad.study.results.table import ResultsTable, numbered
+from fingerpad.study.results.table import groups
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -20,7 +21,7 @@ class Summary:
     ----------
     finger, wedge_angle_deg, roll_angle_deg, synthetic
         What the rows have in common.
-    rows : ResultsTable
+    rows : DataFrame
         The rows, by load: single contacts and frames of sequences.
     corrected_radius : PooledRadius or None
         Pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a
@@ -35,7 +36,7 @@ class Summary:
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    rows: ResultsTable
+    rows: pd.DataFrame
     corrected_radius: PooledRadius | None
     compliance_radius: PooledRadius | None
     layer: LayerSummary | None
@@ -51,16 +52,22 @@ class Summary:
         return self.finger, self.wedge_angle_deg, self.synthetic
 
     @property
-    def contacts(self) -> ResultsTable:
+    def contacts(self) -> pd.DataFrame:
         """Rows of single contacts, without frames."""
-        return self.rows.at(~self.rows.known("frame"))
+        return self.rows[self.rows["frame"].isna()]
+
+    @property
+    def contacts_or_frames(self) -> pd.DataFrame:
+        """Rows of single contacts, or those of frames where there are none."""
+        contacts = self.contacts
+        return self.rows if contacts.empty else contacts
 
     @property
     def pooled_from(self) -> str:
         """What the pooled radii come from, in words, and of how many observations."""
-        pooled = self.rows.at(self.rows.column("pooled"))
-        frames = int(pooled.known("frame").sum())
-        sequences = len(set(pooled.column("sequence")) - {None})
+        pooled = self.rows[self.rows["pooled"]]
+        frames = int(pooled["frame"].notna().sum())
+        sequences = len(set(pooled["sequence"]) - {None})
         contacts, seen = len(pooled) - frames, len(self.contacts)
         singles = counted(contacts, "observation")
         if contacts < seen:
@@ -73,14 +80,13 @@ class Summary:
 
 def pool_contacts(rows: Rows) -> list[Summary]:
     """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
-    good = rows.table.at(rows.table.column("status") == "measured")
-    return [_summary(key, rows, group) for key, group in good.by(*PLACEMENT).items()]
+    good = rows.table[rows.table["status"] == "measured"]
+    return [_summary(key, rows, group) for key, group in groups(good, *PLACEMENT).items()]
 
 
-def _summary(key: PlacementKey, rows: Rows, group: ResultsTable) -> Summary:
-    pooled = group.at(group.column("pooled"))
-    framed = pooled.known("sequence")
-    estimate = numbered(np.where(framed, pooled.column("sequence"), pooled.column("observation")))
+def _summary(key: PlacementKey, rows: Rows, group: pd.DataFrame) -> Summary:
+    pooled = group[group["pooled"]]
+    estimate = items_of(pooled)
     corrected, compliance = (
         PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None for name in POOLED_OUTPUTS
     )
@@ -90,7 +96,7 @@ def _summary(key: PlacementKey, rows: Rows, group: ResultsTable) -> Summary:
         wedge_angle_deg=wedge,
         roll_angle_deg=roll,
         synthetic=synthetic,
-        rows=group.sorted_by("load_N"),
+        rows=group.sort_values("load_N", kind="stable"),
         corrected_radius=corrected,
         compliance_radius=compliance,
         layer=LayerSummary.of(rows, pooled, estimate, _highest(rows, key)) if len(pooled) else None,

@@ -1,12 +1,16 @@
-"""Rows of results kept by column: a study may have a hundred thousand."""
+"""The table of results: a pandas DataFrame of `COLUMNS`, with one row per contact or frame.
 
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from typing import Any, Final, TypeAlias, overload
+Text is of dtype object, with None where nothing is known; the number of a frame is Int64; the rest is bool
+and float64. Some rows of a table keep their index, which is their place in the whole.
+"""
+
+from collections.abc import Hashable, Iterable, Iterator, Mapping
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 
-from fingerpad._arrays import BoolArray
 from fingerpad.study.results.columns import COLUMNS, ColumnArray
 
 Row: TypeAlias = dict[str, Any]
@@ -15,154 +19,68 @@ Places: TypeAlias = npt.NDArray[np.intp]
 _AT_ONCE: Final = 1000
 
 
-class ResultsTable(Sequence[Row]):
-    """Rows of `COLUMNS`, each column one array; a row is a dict made when it is asked for.
-
-    In a row what is not known is None; in a column it is what `Column.dtype` says. Some rows of a table
-    (`at`, a slice, `by`, `sorted_by`) are a table that shares the columns.
+def table_of(batches: Iterable[Mapping[str, ColumnArray]], names: Iterable[str] = COLUMNS) -> pd.DataFrame:
+    """Return a table of batches of rows, given by column; a column that is not given is not known.
 
     Examples
     --------
-    >>> builder = TableBuilder()
-    >>> builder.add({name: COLUMNS[name].array(["a", None]) for name in ("observation", "reason")})
-    >>> builder.add({"observation": COLUMNS["observation"].array(["b"]), "load_N": np.array([2.0])})
-    >>> table = builder.table()
-    >>> table[2]["observation"], table[2]["load_N"], table[2]["frame"]
-    ('b', 2.0, None)
-    >>> table.column("load_N")
-    array([nan, nan,  2.])
+    >>> names = COLUMNS["observation"].array(["a", "b"])
+    >>> table = table_of([{"observation": names}, {"observation": names, "load_N": np.array([1.0, 2.0])}])
+    >>> table[["observation", "load_N", "frame"]]
+      observation  load_N  frame
+    0           a     NaN   <NA>
+    1           b     NaN   <NA>
+    2           a     1.0   <NA>
+    3           b     2.0   <NA>
     """
-
-    __slots__ = ("_columns", "_places")
-
-    def __init__(self, columns: Mapping[str, ColumnArray], places: Places) -> None:
-        self._columns = columns
-        self._places = places
-
-    def __len__(self) -> int:
-        return self._places.size
-
-    @overload
-    def __getitem__(self, place: int) -> Row: ...
-    @overload
-    def __getitem__(self, place: slice) -> "ResultsTable": ...
-    def __getitem__(self, place: int | slice) -> "Row | ResultsTable":
-        if isinstance(place, slice):
-            return self.at(np.arange(len(self))[place])
-        index = self._places[place]
-        return {name: COLUMNS[name].items(array[index, None])[0] for name, array in self._columns.items()}
-
-    def __iter__(self) -> Iterator[Row]:
-        return self.records(*self._columns)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, ResultsTable):
-            return NotImplemented
-        return len(self) == len(other) and all(self.items(name) == other.items(name) for name in COLUMNS)
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Let some rows travel to another process without the others whose columns they share."""
-        return ResultsTable, ({name: self.column(name) for name in self._columns}, np.arange(len(self)))
-
-    def __repr__(self) -> str:
-        return f"<ResultsTable of {len(self)} rows>"
-
-    @property
-    def places(self) -> Places:
-        """Where the rows stand in the table that they are of."""
-        return self._places
-
-    def column(self, name: str) -> ColumnArray:
-        """Return one column as an array."""
-        return self._columns[name][self._places]
-
-    def items(self, name: str) -> list[Any]:
-        """Return one column as it stands in rows."""
-        return COLUMNS[name].items(self.column(name))
-
-    def known(self, name: str) -> BoolArray:
-        """Return where a column is known."""
-        return COLUMNS[name].known(self.column(name))
-
-    def records(self, *names: str) -> Iterator[Row]:
-        """Yield rows of some columns only."""
-        for batch in self.batches():
-            for values in zip(*map(batch.items, names), strict=True):
-                yield dict(zip(names, values, strict=True))
-
-    def at(self, places: Places | BoolArray) -> "ResultsTable":
-        """Return some rows, by their places or by truths."""
-        return ResultsTable(self._columns, self._places[places])
-
-    def fill(self, name: str, values: Any) -> None:
-        """Fill a column of these rows, in every table that shares it."""
-        self._columns[name][self._places] = values
-
-    def by(self, *names: str) -> dict[tuple[Any, ...], "ResultsTable"]:
-        """Return the rows with the same values in some columns, in the order in which they first come."""
-        groups: dict[tuple[Any, ...], list[int]] = {}
-        for place, values in enumerate(zip(*map(self.items, names), strict=True)):
-            groups.setdefault(values, []).append(place)
-        return {values: self.at(np.array(places)) for values, places in groups.items()}
-
-    def sorted_by(self, name: str, *, descending: bool = False) -> "ResultsTable":
-        """Return the rows by one column, those where it is not known last; equal ones keep their order."""
-        items, known = self.items(name), self.known(name)
-        places = sorted(np.flatnonzero(known).tolist(), key=items.__getitem__, reverse=descending)
-        return self.at(np.array([*places, *np.flatnonzero(~known)], dtype=np.intp))
-
-    def batches(self) -> Iterator["ResultsTable"]:
-        """Yield all rows, some at a time."""
-        for start in range(0, len(self), _AT_ONCE):
-            yield self[start : start + _AT_ONCE]
-
-
-class GrowingArray:
-    """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
-
-    def __init__(self, empty: ColumnArray) -> None:
-        self._array, self._size = empty, 0
-
-    def add(self, more: ColumnArray) -> None:
-        """Add items."""
-        size = self._size + len(more)
-        if size > len(self._array):
-            grown = np.empty((max(size, len(self._array) * 5 // 4), *more.shape[1:]), dtype=self._array.dtype)
-            grown[: self._size] = self._array[: self._size]
-            self._array = grown
-        self._array[self._size : size] = more
-        self._size = size
-
-    @property
-    def array(self) -> ColumnArray:
-        """All items."""
-        return self._array[: self._size]
-
-
-class TableBuilder:
-    """Gathers a table from batches of rows."""
-
-    def __init__(self) -> None:
-        self._columns = {name: GrowingArray(column.unknown(0)) for name, column in COLUMNS.items()}
-        self._words: dict[str | None, str | None] = {}
-
-    def add(self, batch: Mapping[str, ColumnArray]) -> None:
-        """Add rows, given by column; a column that is not named is not known."""
+    parts: dict[str, list[ColumnArray]] = {name: [COLUMNS[name].unknown(0)] for name in names}
+    words: dict[str | None, str | None] = {}
+    for batch in batches:
         size = len(next(iter(batch.values())))
-        for name, grown in self._columns.items():
+        for name, some in parts.items():
             column, array = COLUMNS[name], batch.get(name)
             if array is None:
                 array = column.unknown(size)
             elif column.dtype == "text":  # each word is kept once
-                array = column.array(self._words.setdefault(word, word) for word in array)
-            grown.add(array)
+                array = column.array(words.setdefault(word, word) for word in array)
+            some.append(array)
+    # Parts are let go column by column, so that only one column is held twice.
+    return pd.DataFrame(
+        {name: COLUMNS[name].series(np.concatenate(parts.pop(name))) for name in list(parts)}, copy=False
+    )
 
-    def table(self) -> ResultsTable:
-        """Return all rows."""
-        columns = {name: grown.array for name, grown in self._columns.items()}
-        return ResultsTable(columns, np.arange(len(columns["observation"])))
+
+def items(column: pd.Series) -> list[Any]:
+    """Return a column as plain values, None for what is not known."""
+    values: list[Any] = column.astype(object).where(column.notna(), None).tolist()
+    return values
+
+
+def records(table: pd.DataFrame, *names: str) -> Iterator[Row]:
+    """Yield rows as dicts, of some columns or of all."""
+    chosen = names or tuple(table)
+    for batch in batches(table):
+        for values in zip(*(items(batch[name]) for name in chosen), strict=True):
+            yield dict(zip(chosen, values, strict=True))
+
+
+def batches(table: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    """Yield all rows, some at a time."""
+    for start in range(0, len(table), _AT_ONCE):
+        yield table.iloc[start : start + _AT_ONCE]
+
+
+def first_record(table: pd.DataFrame) -> Row | None:
+    """Return the first row as a dict, None of an empty table."""
+    return next(records(table.iloc[:1]), None)
+
+
+def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], pd.DataFrame]:
+    """Return the rows with the same values in some columns, in the order in which they first come."""
+    places: dict[tuple[Any, ...], list[int]] = {}
+    for place, values in enumerate(zip(*(items(table[name]) for name in names), strict=True)):
+        places.setdefault(values, []).append(place)
+    return {values: table.iloc[some] for values, some in places.items()}
 
 
 def numbered(items: Iterable[Hashable]) -> Places:

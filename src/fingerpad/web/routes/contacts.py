@@ -32,11 +32,12 @@ from fingerpad.study.measuring.measure import Measurement, doubts_of, from_conta
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags, is_pooled
 from fingerpad.study.results.rows import PLACEMENT, model_contacts
+from fingerpad.study.results.table import records
 from fingerpad.study.results.validity import HEADLINES
 from fingerpad.web.answers import measurements as answers
 from fingerpad.web.endpoints import Item, Params, endpoint
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import last_headlines, last_results
+from fingerpad.web.last_results import item_row, last_headlines, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.routes.corrections import pooling_correction
 from fingerpad.web.routes.photographs import measured_finger
@@ -274,7 +275,7 @@ def _model(
         return None
     seen = from_contact_image(contact_image, contact, found)
     measured = replace(seen, observation=item, load_N=load)
-    row = model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table[0]
+    (row,) = records(model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table)
     headlines = last_headlines(opened, tuple(row[name] for name in PLACEMENT))
     for name in HEADLINES:
         if (std := row[f"{name}_std"]) is not None:
@@ -303,5 +304,5 @@ def _pooling(
 
 def _load_of_frame(opened: StudySession, item: str) -> float | None:
     found = last_results(opened)
-    row = found and found.row(item)
+    row = found and item_row(found.table, item)
     return row["load_N"] if row else None

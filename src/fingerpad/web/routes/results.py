@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Annotated, Any, Final
 
 import numpy as np
+import pandas as pd
 from pydantic import Field
 
 from fingerpad._arrays import BoolArray
@@ -15,14 +16,15 @@ from fingerpad.report.plots import group_name
 from fingerpad.report.text import pooling_words
 from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.results.columns import COLUMNS, Column
+from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT
 from fingerpad.study.results.summary_file import PlacementRecord
-from fingerpad.study.results.table import ResultsTable
+from fingerpad.study.results.table import items, records
 from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import Results, last_results, results_faults
+from fingerpad.web.last_results import last_results, results_faults
 from fingerpad.web.routes.corrections import pooling_correction
 from fingerpad.web.workspace import Workspace
 
@@ -65,13 +67,13 @@ class RowsParams(Params):
 def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
     """Return some rows of the results."""
     found = require_results(workspace)
-    chosen = found.table.at(_chosen(found.table, params))
+    chosen = found.table[_chosen(found.table, params)]
     if params.sort:
         key = params.sort.lstrip("-")
-        if key not in COLUMNS:
+        if key not in found.table:
             raise RequestError.impossible(f"no column is named {key!r}")
-        chosen = chosen.sorted_by(key, descending=params.sort.startswith("-"))
-    columns = [name for name in params.columns.split(",") if name in COLUMNS] or list(COLUMNS)
+        chosen = chosen.sort_values(key, ascending=not params.sort.startswith("-"), kind="stable")
+    columns = [name for name in params.columns.split(",") if name in found.table] or list(found.table)
     shown = chosen[params.offset : params.offset + params.limit]
     return {
         "total": len(found.table),
@@ -79,22 +81,22 @@ def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
         "columns": [_column(COLUMNS[name]) for name in columns],
         "rows": [
             {"item": item, **row}
-            for item, row in zip(shown.items("observation"), shown.records(*columns), strict=True)
+            for item, row in zip(items(shown["observation"]), records(shown, *columns), strict=True)
         ],
     }
 
 
-def _chosen(table: ResultsTable, params: RowsParams) -> BoolArray:
+def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
     """Return which rows are asked for."""
     chosen = np.ones(len(table), dtype=bool)
     for name in ("finger", "status", "sequence", "wedge_angle_deg"):
         if (wanted := getattr(params, name)) is not None:
-            chosen &= table.column(name) == wanted
+            chosen &= table[name].to_numpy() == wanted
     if params.flag is not None:
-        flagged = [params.flag in (flags or "").split() for flags in table.items("flags")]
+        flagged = [params.flag in (flags or "").split() for flags in items(table["flags"])]
         chosen &= np.array(flagged, dtype=bool)
     if text := params.text.casefold():
-        words = zip(*map(table.items, ("observation", "finger", "reason")), strict=True)
+        words = zip(*(items(table[name]) for name in ("observation", "finger", "reason")), strict=True)
         found = [text in " ".join(filter(None, each)).casefold() for each in words]
         chosen &= np.array(found, dtype=bool)
     return chosen
@@ -134,13 +136,13 @@ def _placed(of: PlacementRecord) -> dict[str, Any]:
 
 
 def _group(
-    of: PlacementRecord, table: ResultsTable, active_corrections: Mapping[str, ActiveCorrection]
+    of: PlacementRecord, table: pd.DataFrame, active_corrections: Mapping[str, ActiveCorrection]
 ) -> dict[str, Any]:
     placement = zip(PLACEMENT, of.key, strict=True)
-    placed = np.logical_and.reduce([table.column(name) == value for name, value in placement])
-    rows = table.at(placed & table.known("radius_from_indentation_mm"))
-    rejected = placed & (table.column("status") == "rejected") & ~table.known("frame")
-    codes = Counter(code for notes in rows.items("range_notes") for code in (notes or "").split())
+    placed = np.logical_and.reduce([table[name].to_numpy() == value for name, value in placement])
+    rows = table[placed & table["radius_from_indentation_mm"].notna()]
+    rejected = placed & (table["status"].to_numpy() == "rejected") & table["frame"].isna()
+    codes = Counter(code for notes in items(rows["range_notes"]) for code in (notes or "").split())
     return {
         **_placed(of),
         "radius_from_indentation_mm": of.radius_from_indentation_mm,
@@ -150,7 +152,7 @@ def _group(
         "loading_radius_mm_std": of.loading_radius_mm_std,
         "pooling": _pooling(rows, int(rejected.sum()), active_corrections),
         "rows": {
-            name: rows.items("observation" if name == "item" else name)
+            name: items(rows["observation" if name == "item" else name])
             for name in answers.PlottedRows.model_fields
         },
         "range_notes": [
@@ -163,13 +165,13 @@ def _group(
 
 
 def _pooling(
-    rows: ResultsTable, rejected: int, active_corrections: Mapping[str, ActiveCorrection]
+    rows: pd.DataFrame, rejected: int, active_corrections: Mapping[str, ActiveCorrection]
 ) -> dict[str, Any]:
     """Return how many rows are pooled, and the contacts that are not or about which there is a say.
 
     Parameters
     ----------
-    rows : ResultsTable
+    rows : DataFrame
         The measured rows of a group.
     rejected : int
         The number of its contacts that a person rejected.
@@ -177,23 +179,23 @@ def _pooling(
         What people corrected, by item.
     """
     corrected = {name for name, one in active_corrections.items() if pooling_correction(one)}
-    framed = rows.known("frame")
-    contacts, frames = rows.at(~framed), rows.at(framed)
-    asked = contacts.at(
+    framed = rows["frame"].notna()
+    contacts, frames = rows[~framed], rows[framed]
+    asked = contacts[
         np.array(
             [
                 not row["pooled"] or bool(row["excluding_flags"]) or row["observation"] in corrected
-                for row in contacts.records("observation", "pooled", "excluding_flags")
+                for row in records(contacts, "observation", "pooled", "excluding_flags")
             ],
             dtype=bool,
         )
-    )
+    ]
     return {
         "contacts": len(contacts) + rejected,
-        "contacts_pooled": int(contacts.column("pooled").sum()),
+        "contacts_pooled": int(contacts["pooled"].sum()),
         "contacts_rejected": rejected,
         "frames": len(frames),
-        "frames_pooled": int(frames.column("pooled").sum()),
+        "frames_pooled": int(frames["pooled"].sum()),
         "in_question": [
             {
                 "item": row["observation"],
@@ -202,7 +204,7 @@ def _pooling(
                 "why": pooling_words(row),
                 "correction": pooling_correction(active_corrections.get(row["observation"])),
             }
-            for row in asked[:_MOST_IN_QUESTION]
+            for row in records(asked[:_MOST_IN_QUESTION])
         ],
     }
 

@@ -16,7 +16,7 @@ from fingerpad.study.manifest import ContactSequence
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import last_results
+from fingerpad.web.last_results import frame_rows, last_results
 from fingerpad.web.workspace import Workspace
 
 _STEPS: Final = 1000
@@ -45,7 +45,7 @@ def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]
     except FingerpadError as error:
         raise RequestError.impossible(in_study(error, opened.folder)) from error
     found = last_results(opened)
-    rows = list(found.frames(sequence.name).items()) if found else []
+    rows = list(frame_rows(found.table, sequence.name).items()) if found else []
     timed = [(frame, row) for frame, row in rows if row["time_s"] is not None]
     drawn, found_phases = _extremes(force), phase_intervals(force.time, force.load)
     return {

@@ -33,11 +33,19 @@ from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.items import StudyItems
 from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.load import Results
 from fingerpad.study.results.summary_file import FingerRecord
 from fingerpad.study.status import item_states, semi_axes_state
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint
-from fingerpad.web.last_results import FRAME_COLUMNS, Results, known_finger, last_results, results_faults
+from fingerpad.web.last_results import (
+    FRAME_COLUMNS,
+    contact_rows,
+    frame_rows,
+    known_finger,
+    last_results,
+    results_faults,
+)
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.study_session import StudySession, table_content
 from fingerpad.web.workspace import Workspace
@@ -59,7 +67,7 @@ def document(opened: StudySession) -> dict[str, Any]:
     active_corrections = opened.corrections.active_corrections()
     states = _item_states(study, opened, active_corrections)
     found = last_results(opened)
-    seen = found.contacts() if found else {}
+    seen = contact_rows(found.table) if found else {}
     fingers = {one.name: one for one in study.fingers}
     counts = Counter(states.values())
     return {
@@ -290,7 +298,7 @@ def _sequence(
     active_corrections: Mapping[str, ActiveCorrection],
 ) -> dict[str, Any]:
     found = last_results(opened)
-    rows = found.frames(name).values() if found else ()
+    rows = frame_rows(found.table, name).values() if found else ()
     of_frames = frames_of(active_corrections, name).values()
     return {
         "name": name,
@@ -374,7 +382,7 @@ def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]
     opened = workspace.study
     name, found = params.sequence, last_results(opened)
     total = opened.count_frames(opened.sequence_file(name)) or 0
-    rows = found.frames(name) if found else {}
+    rows = frame_rows(found.table, name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
     active = frame_corrections(opened.corrections.active_corrections(), name, shown)
     return {

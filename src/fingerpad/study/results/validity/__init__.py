@@ -1,7 +1,7 @@
 """Whether Hertz theory holds for a finger at an angle, and what the model adds to the uncertainty."""
 
 from fingerpad.study.results.validity.place import HEADLINES, INDENTATION, MODULUS, RADIUS
-from fingerpad.study.results.validity.verdict import Headline, Validity, fill_columns, validity_of
+from fingerpad.study.results.validity.verdict import Headline, Validity, validity_of, with_verdicts
 
 __all__ = [
     "HEADLINES",
@@ -10,6 +10,6 @@ __all__ = [
     "RADIUS",
     "Headline",
     "Validity",
-    "fill_columns",
     "validity_of",
+    "with_verdicts",
 ]

@@ -64,12 +64,12 @@ def area_checks(place: Place) -> Iterator[ValidityCheck]:
 
 
 def _areas_of(place: Place) -> _Areas:
-    rows = place.loaded.sorted_by("load_N")
+    rows = place.loaded.sort_values("load_N", kind="stable")
     # An error of the load is one of the area that belongs to it.
     load_std = HERTZ_EXPONENT * place.study.uncertainty.load_relative_std
     return _Areas(
-        load=np.log(rows.column("load_N")),
-        area=np.log(np.pi * rows.column("semi_major_mm") * rows.column("semi_minor_mm")),
+        load=np.log(rows["load_N"].to_numpy()),
+        area=np.log(np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()),
         own=np.maximum(np.hypot(area_noise(rows), load_std), _LEAST_STD),
         edges=edges_of(rows),
         item=items_of(rows),

@@ -9,13 +9,13 @@ from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from fingerpad._arrays import FloatArray
 from fingerpad.loading import LoadingFit
-from fingerpad.study.results.exponent import area_noise
+from fingerpad.study.results.exponent import area_noise, items_of
 from fingerpad.study.results.loading import LoadingRadius
 from fingerpad.study.results.model_checks import ValidityCheck, compare_ratio
-from fingerpad.study.results.table import ResultsTable, numbered
 from fingerpad.study.results.validity.place import (
     INDENTATION,
     MODULUS,
@@ -70,7 +70,7 @@ def _radius_check(place: Place) -> ValidityCheck:
     if loading is None or pooled is None:
         return _missing(RADIUS, NO_CURVE if loading is None else NOTHING_COUNTS)
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
-    first = place.summary.rows[0]
+    first = place.summary.rows.iloc[0]
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
     reference, note = without_misfit(loading)
     return compare_ratio(
@@ -112,20 +112,21 @@ def _from_loading_radius(place: Place) -> Iterator[ValidityCheck]:
 
 def _curve_checks(place: Place) -> Iterator[ValidityCheck]:
     """Compare E and ξ with those of the loading curves, at the highest load of both."""
-    rows = place.summary.rows.at(place.summary.rows.column("pooled"))
-    load, top = rows.column("load_N"), min(fit.modulus_load for fit in place.fits)
-    inside = rows.at((load <= _LARGEST_LOAD * top) & (load >= _SMALLEST_LOAD * top))
-    if not inside:
+    rows = place.summary.rows[place.summary.rows["pooled"]]
+    load, top = rows["load_N"].to_numpy(), min(fit.modulus_load for fit in place.fits)
+    inside = rows[(load <= _LARGEST_LOAD * top) & (load >= _SMALLEST_LOAD * top)]
+    if inside.empty:
         yield from (
             _missing(name, "no contact under a load of the curves") for name in (MODULUS, INDENTATION)
         )
         return
-    repeats = _one_of_each(inside.at(inside.column("load_N") >= SAME_LOAD * inside.column("load_N").max()))
-    common = math.exp(np.log(repeats.column("load_N")).mean())
+    repeats = _one_of_each(inside[inside["load_N"] >= SAME_LOAD * inside["load_N"].max()])
+    common = math.exp(np.log(repeats["load_N"].to_numpy()).mean())
     factor = 1 - place.study.poisson_ratio**2  # the same in both moduli, so without its uncertainty
     # The fit takes the contact for that of a sphere of radius R_g, which makes E too large by 1/(F1 F2).
-    of_ellipse = repeats.column("geometric_radius_from_area_mm") / repeats.column(
-        "geometric_radius_from_compliance_mm"
+    of_ellipse = (
+        repeats["geometric_radius_from_area_mm"].to_numpy()
+        / repeats["geometric_radius_from_compliance_mm"].to_numpy()
     )
     reference = _at_load(place.fits, common, factor * float(of_ellipse.mean()))
     load_std = place.study.uncertainty.load_relative_std
@@ -157,19 +158,18 @@ def _curve_checks(place: Place) -> Iterator[ValidityCheck]:
         )
 
 
-def _one_of_each(rows: ResultsTable) -> ResultsTable:
+def _one_of_each(rows: pd.DataFrame) -> pd.DataFrame:
     """Return single contacts, and of each sequence the frame at the highest load."""
-    rows = rows.sorted_by("load_N", descending=True)
-    of = np.where(rows.known("sequence"), rows.column("sequence"), rows.column("observation"))
-    return rows.at(np.unique(numbered(of), return_index=True)[1])
+    rows = rows.sort_values("load_N", ascending=False, kind="stable")
+    return rows.iloc[np.unique(items_of(rows), return_index=True)[1]]
 
 
-def _mean_of_repeats(rows: ResultsTable, column: str, own: FloatArray) -> tuple[float, float]:
+def _mean_of_repeats(rows: pd.DataFrame, column: str, own: FloatArray) -> tuple[float, float]:
     """Return the mean of a column over repeats, with what they share and how they scatter."""
-    relative = rows.column(f"{column}_std") / rows.column(column)
+    relative = rows[f"{column}_std"].to_numpy() / rows[column].to_numpy()
     own = np.minimum(relative, own)
     shared = np.sqrt(relative**2 - own**2)
-    pooled = pool(np.log(rows.column(column)), own, np.outer(shared, shared))
+    pooled = pool(np.log(rows[column].to_numpy()), own, np.outer(shared, shared))
     return math.exp(pooled.value), math.exp(pooled.value) * pooled.total_std
 
 

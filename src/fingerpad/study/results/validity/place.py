@@ -4,6 +4,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final, NamedTuple, Self
 
+import pandas as pd
+
 from fingerpad.loading import LoadingFit
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
@@ -12,7 +14,7 @@ from fingerpad.study.results.loading import LoadingRadius, loading_radius
 from fingerpad.study.results.model_checks import ValidityCheck
 from fingerpad.study.results.rows import HighestLoad, Rows
 from fingerpad.study.results.summary import Summary
-from fingerpad.study.results.table import ResultsTable, Row
+from fingerpad.study.results.table import Row, first_record
 
 # Results with a verdict, by the column that holds them.
 RADIUS: Final = "radius_from_indentation_mm"
@@ -62,16 +64,16 @@ class Place(NamedTuple):
             pad=fingers[summary.finger],
             summary=summary,
             highest=highest,
-            highest_row=highest and of.at(of.column("observation") == highest.observation)[0],
+            highest_row=highest and first_record(of[of["observation"] == highest.observation]),
             loading=loading_radius(curves, summary.place),
             fits=tuple(_fits(curves, summary)),
         )
 
     @property
-    def loaded(self) -> ResultsTable:
+    def loaded(self) -> pd.DataFrame:
         """Rows whose areas are compared over loads: contacts, or frames where there are none."""
-        rows = self.summary.contacts or self.summary.rows
-        return rows.at(rows.column("pooled") & (rows.column("load_N") > 0))
+        rows = self.summary.contacts_or_frames
+        return rows[rows["pooled"] & (rows["load_N"] > 0)]
 
 
 def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:

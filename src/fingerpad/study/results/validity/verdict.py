@@ -5,11 +5,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 
 from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.model_checks import ValidityCheck, judge_together, overall_verdict
 from fingerpad.study.results.model_discrepancy import ModelDiscrepancy, model_discrepancy
 from fingerpad.study.results.rows import Rows
@@ -204,15 +206,22 @@ def _change_over_loads(place: Place, checks: Iterable[ValidityCheck]) -> float:
     if math.isnan(growth.value):
         return math.nan
     excess = growth.difference**2 - growth.value_std**2
-    return 1.5 * math.sqrt(max(excess, 0.0)) * float(np.log(place.loaded.column("load_N")).std())
+    return 1.5 * math.sqrt(max(excess, 0.0)) * float(np.log(place.loaded["load_N"].to_numpy()).std())
 
 
-def fill_columns(summaries: Iterable[Summary], validities: Iterable[Validity]) -> None:
-    """Fill the columns of the verdict, what the model adds, and the total, in the rows of each summary."""
+def with_verdicts(
+    table: pd.DataFrame, summaries: Iterable[Summary], validities: Iterable[Validity]
+) -> pd.DataFrame:
+    """Return the table with the columns of the verdict, of what the model adds, and of the total."""
+    stds = [f"{name}_{part}_std" for name in HEADLINES for part in ("model", "total")]
+    columns = {name: table[name].to_numpy(copy=True) for name in ("model_verdict", *stds)}
     for summary, validity in zip(summaries, validities, strict=True):
-        rows = summary.rows
-        rows.fill("model_verdict", validity.verdict)
+        places = summary.rows.index.to_numpy()
+        columns["model_verdict"][places] = validity.verdict
         for name in HEADLINES:
-            model_std = validity.relative_stds[name] * rows.column(name)
-            rows.fill(f"{name}_model_std", model_std)
-            rows.fill(f"{name}_total_std", np.hypot(rows.column(f"{name}_std"), np.nan_to_num(model_std)))
+            model_std = validity.relative_stds[name] * summary.rows[name].to_numpy()
+            columns[f"{name}_model_std"][places] = model_std
+            columns[f"{name}_total_std"][places] = np.hypot(
+                summary.rows[f"{name}_std"], np.nan_to_num(model_std)
+            )
+    return table.assign(**{name: COLUMNS[name].series(array) for name, array in columns.items()})
