@@ -112,6 +112,11 @@ class FaceArc:
         ratios = self.step_ratio[self.used]
         return ratios[np.isfinite(ratios)]
 
+    def about(self, ellipse: PlaneEllipse, angle: float) -> tuple[FloatArray, FloatArray]:
+        """Return the outline, and of it what can be pad, about an ellipse's centre, x turned by an angle."""
+        shift, turn = ellipse.parameters[:2], rotation(angle)
+        return (self.outline - shift) @ turn, (self.points[self.pad_found] - shift) @ turn
+
     def in_picture(self, points: FloatArray) -> FloatArray:
         """Return points of the face's frame as (row, column), px."""
         axes, place = self.frame
@@ -243,11 +248,9 @@ def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage | None:
     half, hidden = math.nan, 0.0
     # A side face shows the nail's side too, whose distance is no semi-axis.
     if arc.face in ("palmar", "distal") and len(arc.outline):
-        upright = rotation(arc.tilt[0])
-        outline, pad = (
-            (part - fit.ellipse.parameters[:2]) @ upright for part in (arc.outline, arc.points[arc.pad_found])
+        width = half_width(
+            *arc.about(fit.ellipse, arc.tilt[0]), fit.ellipse.semi_x, fit.ellipse.semi_y, arc.face
         )
-        width = half_width(outline, pad, fit.ellipse.semi_x, fit.ellipse.semi_y, arc.face)
         half, hidden = width.value, width.hidden
     return average_over_shapes(
         arc.points[arc.searched & (arc.used | core)],
@@ -269,10 +272,7 @@ def _contradicted(
     Where the ellipse is tilted otherwise than the finger, another curve was taken for a turned ellipse: its
     axis is uncertain by that turn, and its semi-axes by about as many radians.
     """
-    outline, pad = (
-        (part - ellipse.parameters[:2]) @ rotation(ellipse.angle)
-        for part in (arc.outline, arc.points[arc.pad_found])
-    )
+    outline, pad = arc.about(ellipse, ellipse.angle)
     semi_axes = ellipse.semi_axes
     lengths = contradicted_by_lengths(arc.face, outline, semi_axes, pad=pad, tilt_std=tilt_std, ellipse=share)
     if arc.face == "distal":

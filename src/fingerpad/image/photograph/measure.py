@@ -110,13 +110,11 @@ def measure_photograph(
             errors.append(error)
     if not tried:
         raise errors[0]
-    return replace(max(tried, key=_merit), _picture=np.asarray(pixels))
-
-
-def _merit(found: PhotographFit) -> float:
-    """Return how well an arc determines its ellipse, to distinguish the pad from the dorsal side."""
-    relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
-    return -float(np.linalg.norm(relative))
+    # The arc of the pad determines its ellipse better than one of the dorsal side does.
+    best = min(
+        tried, key=lambda one: np.linalg.norm(np.sqrt(np.diagonal(one.edge_covariance)) / one.semi_axes)
+    )
+    return replace(best, _picture=np.asarray(pixels))
 
 
 def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> SubpixelOutline:
@@ -146,12 +144,7 @@ def _pad_arc(
     (face, axes), place = face_and_axes, edges.points.mean(axis=0)
     local = (edges.points - place) @ axes.T
     tilt, pad = finger_tilt(local, face), candidate_points(local, face)
-    if marks is not None:
-        order = edges.between(marks)
-    elif window is not None:
-        order = edges.within(window)
-    else:
-        order = pad
+    order = edges.between(marks) if marks is not None else edges.within(window) if window is not None else pad
     if edges.found[order].sum() < _MIN_POINTS:
         raise FitError(
             f"only {edges.found[order].sum()} points of the finger's outline lie on the {face} face's arc: "
@@ -229,11 +222,7 @@ def _check_marks(points: ArrayLike, size: tuple[int, int]) -> FloatArray:
         raise ImageError(
             f"points must be two or more different marks (row, column), found shape {marks.shape}"
         )
-    inside = (
-        np.isfinite(marks).all(axis=1)
-        & (marks >= 0).all(axis=1)
-        & (marks <= as_float_array(size) - 1).all(axis=1)
-    )
+    inside = ((marks >= 0) & (marks <= as_float_array(size) - 1)).all(axis=1)
     if not inside.all():
         row, column = marks[int(np.argmin(inside))]
         raise ImageError(
