@@ -55,6 +55,13 @@ def test_the_table_holds_what_the_file_says(folder: str) -> None:
     assert len(repr(results)) < 100
 
 
+def test_a_notebook_shows_the_answers(folder: str) -> None:
+    shown = fp.load_results(folder)._repr_html_()
+    assert shown.startswith("<strong>Two presses</strong><ul><li>index, 30°: modulus 67.1 ± ")
+    assert shown.count("<li>") == shown.count(" mm.</li>") == 2
+    assert "&lt;Results of &#x27;Two presses&#x27;: 2 rows" in shown
+
+
 def test_what_a_contact_comes_to_stands_first_and_what_few_ask_for_is_asked_for(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     fp.run_study(tmp_path)

@@ -1,6 +1,7 @@
 """The results of a finished run, read back."""
 
 import csv
+import html
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import pandas as pd
 
 from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import FingerpadError
+from fingerpad.study.results.answers import answers
 from fingerpad.study.results.columns import COLUMNS, DEFAULT_COLUMNS, Column, ColumnArray, DType
 from fingerpad.study.results.result_set import RERUN, require_result_set
 from fingerpad.study.results.summary_file import SummaryFile, no_finished_run
@@ -55,6 +57,12 @@ class Results:
         rows, columns = self.table.shape
         return f"<Results of {self.title!r}: {rows} rows, {columns} columns>"
 
+    def _repr_html_(self) -> str:
+        """Return what was found, for a notebook: the sentences with which the report begins."""
+        found = answers(self.summary.summaries, self.summary.by_load)
+        lines = "".join(f"<li>{html.escape(one.sentence)}</li>" for one in found)
+        return f"<strong>{html.escape(self.title)}</strong><ul>{lines}</ul>{html.escape(repr(self))}"
+
     @classmethod
     def read(cls, folder: Path) -> "Results":
         """Read the tables of an output folder, whose files are known to belong together.
@@ -78,7 +86,8 @@ def load_results(folder: str | PathLike[str]) -> Results:
     Returns
     -------
     Results
-        Its ``table`` is a pandas DataFrame with one row per contact; ``summary`` holds what was pooled.
+        Its ``table`` is a pandas DataFrame with one row per contact; ``summary`` holds what was pooled. A
+        notebook shows one sentence for each finger and wedge.
 
     Raises
     ------
