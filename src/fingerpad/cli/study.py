@@ -8,7 +8,6 @@ import typer
 
 from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
-from fingerpad.study.results.table import records
 
 if TYPE_CHECKING:
     from fingerpad.study.results.study_result import StudyResult
@@ -171,6 +170,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     )
     from fingerpad.study.results.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
     from fingerpad.study.results.output import answers_of
+    from fingerpad.study.results.table import records
 
     for summary, answer in zip(result.summaries, answers_of(result), strict=True):
         typer.echo(answer.sentence)

@@ -46,6 +46,10 @@ def solve_pressure(
     for _ in range(_STEPS):
         if search is None:  # cells came or went: what follows holds for these
             touching = pressure > 0
+            if not touching.any():
+                raise ConvergenceError(
+                    "the pressure vanished everywhere: check the gap, thickness and indentation"
+                )
             displacement = convolution.apply(pressure)
             uniform = _inverse_on(touching, touching.astype(float), convolution)
             before = 1.0

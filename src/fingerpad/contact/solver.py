@@ -235,6 +235,8 @@ def solve_gap(
     if np.shape(half_widths) != (2,) or not (as_float_array(half_widths, "half_widths") > 0).all():
         raise GeometryError(f"half_widths must be two positive lengths, found {half_widths}")
     angle = finite_angle("angle", angle)
+    if name == "area":  # on a layer far too thin no pressure might be found
+        _check_thickness(float(tissue.thickness), value)
     problem = _Problem(gap, tissue, name, value / float(tissue.reduced_modulus) if name == "load" else value)
     levels = [points >> shift for shift in range(3, 0, -1) if points >> shift >= _COARSEST]
     found = [problem.first(half_widths, angle, levels[0])]
@@ -351,20 +353,25 @@ def _at_area(solved: Callable[[float], _Pressed], indentation: float, area: floa
     return found
 
 
-def _solution(tissue: Tissue, coarser: _Pressed, finest: _Pressed) -> SolvedContact:
-    """Return the finest grid's results, with the error estimated from the coarser one."""
-    outline, thickness = finest.outline, float(tissue.thickness)
-    mean_radius = math.sqrt(outline.area / math.pi)
-    if not finest.indentation < thickness:
-        raise GeometryError(
-            f"an indentation of {finest.indentation:g} would press through the layer's thickness of "
-            f"{thickness:g}: check load, modulus and thickness"
-        )
+def _check_thickness(thickness: float, area: float) -> None:
+    """Raise a GeometryError if a layer is so thin that the grid cannot resolve it."""
+    mean_radius = math.sqrt(area / math.pi)
     if not thickness >= _THINNEST * mean_radius:
         raise GeometryError(
             f"thickness must be at least a tenth of the contact's mean radius {mean_radius:g}, "
             f"found {thickness:g}"
         )
+
+
+def _solution(tissue: Tissue, coarser: _Pressed, finest: _Pressed) -> SolvedContact:
+    """Return the finest grid's results, with the error estimated from the coarser one."""
+    outline, thickness = finest.outline, float(tissue.thickness)
+    if not finest.indentation < thickness:
+        raise GeometryError(
+            f"an indentation of {finest.indentation:g} would press through the layer's thickness of "
+            f"{thickness:g}: check load, modulus and thickness"
+        )
+    _check_thickness(thickness, outline.area)
     change = float(np.abs(coarser.values / finest.values - 1).max())
     cells = FILLED * finest.grid.points / 2
     displacement = finest.indentation - finest.gap
