@@ -215,7 +215,7 @@ def test_invalid_arguments(given: dict[str, float], error: type[FingerpadError],
 
 
 def test_too_thin_layer_refused() -> None:
-    with pytest.raises(GeometryError, match="at least a tenth of the contact's mean radius 1\..*, found 0.1"):
+    with pytest.raises(GeometryError, match=r"a tenth of the contact's mean radius 1\..*, found 0.1"):
         on_layer(0.1, 0.3, indentation=0.06, points=64)
 
 

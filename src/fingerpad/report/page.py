@@ -52,7 +52,6 @@ from fingerpad.report.text import (
     phase_words,
     photograph_flags,
     pooling_words,
-    probability,
     to_do,
 )
 from fingerpad.study.results.answers import Answer
@@ -112,7 +111,6 @@ def write_page(
         "advice": advice,
         "noted_flags": lambda codes, notes: flags_in(codes, "curve", notes=notes),
         "face_differences": face_differences,
-        "probability": probability,
         "percent": percent,
         "phases": phase_words,
         # Read as the page is written: all together they would take more memory than all rows.

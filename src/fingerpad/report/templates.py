@@ -14,7 +14,7 @@ from fingerpad._rounding import (
     uncertainty_of_positive,
     value_with_uncertainty,
 )
-from fingerpad.report.text import VERDICT_SYMBOLS
+from fingerpad.report.text import VERDICT_SYMBOLS, probability
 
 
 class _Compiled(BytecodeCache):
@@ -82,7 +82,7 @@ def templates() -> Environment:
         bytecode_cache=_COMPILED,
     )
     style = files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")
-    environment.filters["typeset"] = typeset
+    environment.filters |= {"typeset": typeset, "probability": probability}
     environment.globals |= {
         "pm": signed_with_uncertainty,
         "positive": positive_with_uncertainty,

@@ -190,10 +190,10 @@ def pool_by_load(
     """
     between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
     table = rows.table[rows.table["pooled"] & rows.table["frame"].isna()]
-    table = table[(table["load_N"] > 0) & (contact_quantity(table, "youngs_modulus") > 0)]
+    table = table[(table["load_N"] > 0) & (table["youngs_modulus_kpa"] > 0)]
     found = []
-    for key, unsorted in groups(table, *PLACEMENT).items():
-        group = unsorted.sort_values("load_N", kind="stable")
+    for key, places in groups(table, *PLACEMENT).items():
+        group = table.iloc[places].sort_values("load_N", kind="stable")
         load = nominal_loads(group["load_N"].to_numpy())
         found += [
             _at_load(

@@ -79,9 +79,9 @@ def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -
         If a file cannot be written.
     """
     try:
-        rows = result.rows if all_columns else result.rows[list(DEFAULT_COLUMNS)]
-        write_rows(rows, out / "results.csv", out / "results.json")
-        columns = [COLUMNS[name] for name in rows]
+        names = tuple(COLUMNS) if all_columns else DEFAULT_COLUMNS
+        write_rows(result.rows, names, out / "results.csv", out / "results.json")
+        columns = [COLUMNS[name] for name in names]
         dictionary = ((each.name, each.dtype, each.unit, each.group, each.meaning) for each in columns)
         write_csv(out / "results_columns.csv", [("column", "type", "unit", "group", "meaning"), *dictionary])
         summary = summary_of(result)
@@ -100,22 +100,23 @@ def _write_records(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
     write_csv(path, [tuple(records[0]), *(record.values() for record in records)] if records else [])
 
 
-def write_rows(rows: pd.DataFrame, table: Path, records: Path) -> None:
-    """Write rows as a CSV table and as a JSON array of objects, batch by batch."""
+def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: Path) -> None:
+    """Write some columns of rows as a CSV table and as a JSON array of objects, batch by batch."""
     with (
         table.open("w", newline="", encoding="utf-8") as file,
         records.open("w", encoding="utf-8") as array,
     ):
         lines = csv.writer(file)
-        lines.writerow(rows)
+        lines.writerow(names)
         array.write("[")
         between = "\n"
         for batch in batches(rows):
             # To write a float in decimals costs more than all else: once for both files.
-            cells = {name: list(map(csv_cell, items(batch[name]))) for name in rows}
+            cells = {name: list(map(csv_cell, items(batch[name]))) for name in names}
             lines.writerows(zip(*cells.values(), strict=True))
             keyed = (
-                [f'  "{name}": {literal}' for literal in _literals(batch, name, cells[name])] for name in rows
+                [f'  "{name}": {literal}' for literal in _literals(batch, name, cells[name])]
+                for name in names
             )
             objects = (" {\n" + ",\n".join(items) + "\n }" for items in zip(*keyed, strict=True))
             array.write(between + ",\n".join(objects))

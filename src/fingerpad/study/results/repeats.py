@@ -250,8 +250,8 @@ def study_scatter(study: Study, table: pd.DataFrame) -> list[StudyScatter]:
     rows = table[table["pooled"] & table["frame"].isna()]
     persons = {finger.name: finger.person for finger in study.fingers}
     return [
-        _scatter(name, synthetic, some, persons)
-        for (synthetic,), some in sorted(groups(rows, "synthetic").items())
+        _scatter(name, synthetic, rows.iloc[places], persons)
+        for (synthetic,), places in sorted(groups(rows, "synthetic").items())
         for name in SCATTER_OF
     ]
 

@@ -1,12 +1,13 @@
 """Everything that a run found, once all is measured."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import compress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from fingerpad._display import Displayed
@@ -120,9 +121,10 @@ class StudyResult(Displayed):
         lines = [
             (row["observation"], row["reason"]) for row in records(failed[~frames], "observation", "reason")
         ]
-        for (name,), rows in groups(failed[frames], "sequence").items():
-            first = rows.iloc[0]
-            many = "1 frame" if len(rows) == 1 else f"{len(rows)} frames; the first:"
+        framed = failed[frames]
+        for (name,), places in groups(framed, "sequence").items():
+            first = framed.iloc[places[0]]
+            many = "1 frame" if len(places) == 1 else f"{len(places)} frames; the first:"
             lines.append((name, f"{many} {first['frame']}: {first['reason']}"))
         return lines
 
@@ -131,10 +133,12 @@ class StudyResult(Displayed):
         """Rows that were corrected or reviewed manually."""
         return self.rows[self.rows["reviewed"].notna() | self.rows["pooling_corrected_by"].notna()]
 
-    def frames(self) -> list[pd.DataFrame]:
-        """Return the rows of frames of each of `sequences`."""
-        rows = groups(self.rows[self.rows["frame"].notna()], "sequence")
-        return [rows.get((sequence.manifest.name,), self.rows[:0]) for sequence in self.sequences]
+    def frames(self) -> Iterator[pd.DataFrame]:
+        """Yield the rows of frames of each of `sequences`."""
+        places, none = groups(self.rows[["sequence"]], "sequence"), np.empty(0, dtype=np.intp)
+        for sequence in self.sequences:
+            rows = self.rows.iloc[places.get((sequence.manifest.name,), none)]
+            yield rows[rows["frame"].notna()]
 
     def curves_on_layer(self) -> list[CurveOnLayer | None]:
         """Return each of `curves` on its finger's layer of tissue; None without a thickness."""
@@ -212,7 +216,7 @@ def result_of(
     found = pool_contacts(rows)
     validities = validity_of(study, measured.fingers, rows, found, measured.curves)
     table = with_verdicts(rows.table, found, validities)
-    found = [replace(summary, rows=table.loc[summary.rows.index]) for summary in found]
+    found = [replace(summary, table=table) for summary in found]
     return StudyResult(
         study=study,
         folder=folder,

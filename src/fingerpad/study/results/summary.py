@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
 
 from fingerpad.study.error_text import counted
@@ -10,7 +11,7 @@ from fingerpad.study.results.layer_summary import LayerSummary
 from fingerpad.study.results.model import POOLED_OUTPUTS
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.rows import PLACEMENT, HighestLoad, PlacementKey, Rows
-from fingerpad.study.results.table import groups
+from fingerpad.study.results.table import Places, groups
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -21,8 +22,10 @@ class Summary:
     ----------
     finger, wedge_angle_deg, roll_angle_deg, synthetic
         What the rows have in common.
-    rows : DataFrame
-        The rows, by load: single contacts and frames of sequences.
+    table : DataFrame
+        All rows of the study, of which `rows` are some.
+    places : ndarray of int
+        Where `rows` are in it.
     corrected_radius : PooledRadius or None
         Pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a
         sound row.
@@ -36,7 +39,8 @@ class Summary:
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    rows: pd.DataFrame
+    table: pd.DataFrame
+    places: Places
     corrected_radius: PooledRadius | None
     compliance_radius: PooledRadius | None
     layer: LayerSummary | None
@@ -52,23 +56,31 @@ class Summary:
         return self.finger, self.wedge_angle_deg, self.synthetic
 
     @property
+    def rows(self) -> pd.DataFrame:
+        """The rows, by load: single contacts and frames of sequences."""
+        return self.table.iloc[self.places]
+
+    @property
     def contacts(self) -> pd.DataFrame:
         """Rows of single contacts, without frames."""
-        return self.rows[self.rows["frame"].isna()]
+        rows = self.rows
+        return rows[rows["frame"].isna()]
 
     @property
     def contacts_or_frames(self) -> pd.DataFrame:
         """Rows of single contacts, or those of frames where there are none."""
-        contacts = self.contacts
-        return self.rows if contacts.empty else contacts
+        rows = self.rows
+        contacts = rows[rows["frame"].isna()]
+        return rows if contacts.empty else contacts
 
     @property
     def pooled_from(self) -> str:
         """What the pooled radii come from, in words, and of how many observations."""
-        pooled = self.rows[self.rows["pooled"]]
+        rows = self.rows
+        pooled = rows[rows["pooled"]]
         frames = int(pooled["frame"].notna().sum())
         sequences = len(set(pooled["sequence"]) - {None})
-        contacts, seen = len(pooled) - frames, len(self.contacts)
+        contacts, seen = len(pooled) - frames, int(rows["frame"].isna().sum())
         singles = counted(contacts, "observation")
         if contacts < seen:
             singles = f"{contacts} of {counted(seen, 'observation')}"
@@ -80,12 +92,15 @@ class Summary:
 
 def pool_contacts(rows: Rows) -> list[Summary]:
     """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
-    good = rows.table[rows.table["status"] == "measured"]
-    return [_summary(key, rows, group) for key, group in groups(good, *PLACEMENT).items()]
+    good = np.flatnonzero(rows.table["status"] == "measured")
+    found = groups(rows.table[[*PLACEMENT]].iloc[good], *PLACEMENT)
+    return [_summary(key, rows, good[places]) for key, places in found.items()]
 
 
-def _summary(key: PlacementKey, rows: Rows, group: pd.DataFrame) -> Summary:
-    pooled = group[group["pooled"]]
+def _summary(key: PlacementKey, rows: Rows, places: Places) -> Summary:
+    table = rows.table
+    pooled = table.iloc[places[table["pooled"].to_numpy()[places]]]
+    by_load = table["load_N"].iloc[places].sort_values(kind="stable")
     estimate = items_of(pooled)
     corrected, compliance = (
         PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None for name in POOLED_OUTPUTS
@@ -96,7 +111,8 @@ def _summary(key: PlacementKey, rows: Rows, group: pd.DataFrame) -> Summary:
         wedge_angle_deg=wedge,
         roll_angle_deg=roll,
         synthetic=synthetic,
-        rows=group.sort_values("load_N", kind="stable"),
+        table=table,
+        places=by_load.index.to_numpy(),
         corrected_radius=corrected,
         compliance_radius=compliance,
         layer=LayerSummary.of(rows, pooled, estimate, _highest(rows, key)) if len(pooled) else None,

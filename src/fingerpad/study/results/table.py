@@ -52,8 +52,10 @@ def table_of(batches: Iterable[Mapping[str, ColumnArray]], names: Iterable[str] 
 
 def items(column: pd.Series) -> list[Any]:
     """Return a column as plain values, None for what is not known."""
-    values: list[Any] = column.astype(object).where(column.notna(), None).tolist()
-    return values
+    values: list[Any] = column.tolist()
+    if column.dtype in (bool, object):
+        return values
+    return [None if missing else item for item, missing in zip(values, column.isna().tolist(), strict=True)]
 
 
 def records(table: pd.DataFrame, *names: str) -> Iterator[Row]:
@@ -75,12 +77,12 @@ def first_record(table: pd.DataFrame) -> Row | None:
     return next(records(table.iloc[:1]), None)
 
 
-def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], pd.DataFrame]:
-    """Return the rows with the same values in some columns, in the order in which they first come."""
+def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], Places]:
+    """Return the places of rows with the same values in some columns, in the order of coming."""
     places: dict[tuple[Any, ...], list[int]] = {}
     for place, values in enumerate(zip(*(items(table[name]) for name in names), strict=True)):
         places.setdefault(values, []).append(place)
-    return {values: table.iloc[some] for values, some in places.items()}
+    return {values: np.array(some) for values, some in places.items()}
 
 
 def numbered(items: Iterable[Hashable]) -> Places:
