@@ -163,14 +163,18 @@ class StudyResult(Displayed):
         files = {file for _, file in study.files()}
         hashes = self.provenance["inputs_sha256"]
         own = [summary.finger == name for summary in self.summaries]
+        rows = self.rows[self.rows["finger"] == name]
         return replace(
             self,
             study=study,
             fingers={name: self.fingers[name]},
-            rows=self.rows[self.rows["finger"] == name],
+            rows=rows,
             sequences=[sequence for sequence in self.sequences if sequence.manifest.finger == name],
             scales={key: found for key, found in self.scales.items() if key in scales},
-            summaries=list(compress(self.summaries, own)),
+            summaries=[
+                replace(one, table=rows, places=rows.index.get_indexer(one.places))
+                for one in compress(self.summaries, own)
+            ],
             checks=list(compress(self.checks, own)),
             scatter=[],
             by_load=[one for one in self.by_load if one.finger == name],
