@@ -21,7 +21,7 @@ from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.repeats import ContactRepeatability
-from fingerpad.study.results.table import Places, table_of
+from fingerpad.study.results.table import GrowingArray, Places, table_of
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.units import KPA_PER_MPA
 
@@ -113,10 +113,10 @@ def model_contacts(
         That of the study, from `contact_repeatability`: what one impression is uncertain by beyond its noise.
     """
     stream = iter(seen)
-    pooled = _GrowingArray(np.empty(0, dtype=np.intp))
-    parts = _GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
-    elongation_std = _GrowingArray(np.empty(0))
-    layer_parts = _GrowingArray(np.empty((0, len(POOLED_ON_LAYER), len(LAYER_PART_SOURCES))))
+    pooled = GrowingArray(np.empty(0, dtype=np.intp))
+    parts = GrowingArray(np.empty((0, len(POOLED_OUTPUTS), len(PART_SOURCES))))
+    elongation_std = GrowingArray(np.empty(0))
+    layer_parts = GrowingArray(np.empty((0, len(POOLED_ON_LAYER), len(LAYER_PART_SOURCES))))
     layered = any(finger.effective_thickness is not None for finger in fingers.values())
     highest_load: dict[PlacementKey, HighestLoad] = {}
     highest_on_layer: dict[PlacementKey, HighestLoad] = {}
@@ -214,28 +214,6 @@ class _Batch:
             if key not in highest_load or loads[place] >= highest_load[key].load:
                 name = self.columns["observation"][self.good[place]]
                 highest_load[key] = HighestLoad(name, loads[place], self.inputs.at(place))
-
-
-class _GrowingArray:
-    """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
-
-    def __init__(self, empty: ColumnArray) -> None:
-        self._array, self._size = empty, 0
-
-    def add(self, more: ColumnArray) -> None:
-        """Add items."""
-        size = self._size + len(more)
-        if size > len(self._array):
-            grown = np.empty((max(size, len(self._array) * 5 // 4), *more.shape[1:]), dtype=self._array.dtype)
-            grown[: self._size] = self._array[: self._size]
-            self._array = grown
-        self._array[self._size : size] = more
-        self._size = size
-
-    @property
-    def array(self) -> ColumnArray:
-        """All items."""
-        return self._array[: self._size]
 
 
 def _described(

@@ -33,21 +33,42 @@ def table_of(batches: Iterable[Mapping[str, ColumnArray]], names: Iterable[str] 
     2           a     1.0   <NA>
     3           b     2.0   <NA>
     """
-    parts: dict[str, list[ColumnArray]] = {name: [COLUMNS[name].unknown(0)] for name in names}
+    columns = {name: GrowingArray(COLUMNS[name].unknown(0)) for name in names}
     words: dict[str | None, str | None] = {}
     for batch in batches:
         size = len(next(iter(batch.values())))
-        for name, some in parts.items():
+        for name, grown in columns.items():
             column, array = COLUMNS[name], batch.get(name)
             if array is None:
                 array = column.unknown(size)
             elif column.dtype == "text":  # each word is kept once
                 array = column.array(words.setdefault(word, word) for word in array)
-            some.append(array)
-    # Parts are let go column by column, so that only one column is held twice.
+            grown.add(array)
     return pd.DataFrame(
-        {name: COLUMNS[name].series(np.concatenate(parts.pop(name))) for name in list(parts)}, copy=False
+        {name: COLUMNS[name].series(grown.array) for name, grown in columns.items()}, copy=False
     )
+
+
+class GrowingArray:
+    """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
+
+    def __init__(self, empty: ColumnArray) -> None:
+        self._array, self._size = empty, 0
+
+    def add(self, more: ColumnArray) -> None:
+        """Add items."""
+        size = self._size + len(more)
+        if size > len(self._array):
+            grown = np.empty((max(size, len(self._array) * 5 // 4), *more.shape[1:]), dtype=self._array.dtype)
+            grown[: self._size] = self._array[: self._size]
+            self._array = grown
+        self._array[self._size : size] = more
+        self._size = size
+
+    @property
+    def array(self) -> ColumnArray:
+        """All items."""
+        return self._array[: self._size]
 
 
 def items(column: pd.Series) -> list[Any]:
