@@ -20,7 +20,7 @@ from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.export import export_results
-from fingerpad.study.results.load import read_table
+from fingerpad.study.results.load import read_rows
 
 STUDY = """
 title = "Two presses, é"
@@ -147,7 +147,7 @@ def test_words_of_people_are_no_formulas_and_come_back(tmp_path: Path) -> None:
     with (tmp_path / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
         row = next(csv.DictReader(file))
     assert (row["reason"], row["reviewed_by"]) == (f"'{reason}", "'@anna")
-    read = read_table(tmp_path / "out").iloc[0]
+    read = read_rows(tmp_path / "out").iloc[0]
     assert (read["reason"], read["reviewed_by"]) == (reason, "@anna")
 
 

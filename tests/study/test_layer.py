@@ -16,7 +16,7 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.layer import POOLED_ON_LAYER
 from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
-from fingerpad.study.results.load import load_results, read_table
+from fingerpad.study.results.load import load_results, read_rows
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import items, records
 from fingerpad.uncertainty import LAYER_SOURCES
@@ -196,7 +196,7 @@ def test_contacts_that_scatter_widen_the_mean(tmp_path: Path) -> None:
 
 def test_tables_are_read_back(tmp_path: Path) -> None:
     result = study(tmp_path, contacts=[(1, 6.0), (2, 7.4), (2, 14.0)])
-    read = read_table(tmp_path / "out")
+    read = read_rows(tmp_path / "out")
     assert all(items(read[name]) == items(result.rows[name]) for name in LAYER)
     assert items(read["layer_flag"]) == [None, None, "contact_too_wide"]
     assert load_results(tmp_path / "out") is not None

@@ -9,7 +9,7 @@ import pytest
 
 import fingerpad as fp
 from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.load import read_table
+from fingerpad.study.results.load import read_rows
 
 STUDY = """
 title = "Two presses"
@@ -81,7 +81,7 @@ def test_what_a_contact_comes_to_stands_first_and_what_few_ask_for_is_asked_for(
     table = tmp_path / "results" / "results.csv"
     table.write_text(table.read_text().replace("load_N", "load", 1))
     with pytest.raises(fp.FingerpadError, match=r"results\.csv"):
-        read_table(tmp_path / "results")
+        read_rows(tmp_path / "results")
 
 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:

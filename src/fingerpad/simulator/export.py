@@ -249,7 +249,8 @@ def _readme(
     bone = (
         "`finger.inp` (mm, N, MPa) is the tissue around the place of contact, ten-node tetrahedra between "
         f"SKIN and BONE, with ν = {inside:g}. Its sides are free and its layer curved: it "
-        "carries less load than the law, which has a flat layer without end."
+        "carries less load than the law, which has a flat layer without end; how much of that is due to "
+        "the mesh is not known."
     )
     turned = [math.degrees(float(angle)) for angle in (placement.wedge_angle, placement.roll_angle)]
     twice = _numbers(*mujoco.solref_at_twice_the_mass)

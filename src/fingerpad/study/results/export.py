@@ -12,7 +12,7 @@ from scipy import io
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.columns import COLUMNS, Column, ColumnArray
-from fingerpad.study.results.load import read_batches, read_header, read_table
+from fingerpad.study.results.load import read_batches, read_header, read_rows
 from fingerpad.study.results.result_set import require_result_set
 from fingerpad.study.results.summary_file import SummaryFile
 
@@ -86,7 +86,7 @@ def _write_parquet(folder: Path, study: dict[str, str], file: Path) -> None:
 
 def _write_mat(folder: Path, study: dict[str, str], file: Path) -> None:
     """Write structs `results`, `units`, `meanings` and `study`, with one field for each column."""
-    table = read_table(folder)
+    table = read_rows(folder)
     content = {
         "results": {name: _matlab_column(COLUMNS[name], table[name]) for name in table},
         "units": {name: COLUMNS[name].unit for name in table},

@@ -72,7 +72,7 @@ class Results:
         FingerpadError
             If there is none, or a table is not as a run writes it.
         """
-        return cls(table=read_table(folder), summary=SummaryFile.read(folder))
+        return cls(table=read_rows(folder), summary=SummaryFile.read(folder))
 
 
 def load_results(folder: str | PathLike[str]) -> Results:
@@ -104,7 +104,7 @@ def load_results(folder: str | PathLike[str]) -> Results:
     return Results.read(Path(folder))
 
 
-def read_table(folder: Path) -> pd.DataFrame:
+def read_rows(folder: Path) -> pd.DataFrame:
     """Return all rows of a finished run, with the columns' units in ``attrs``.
 
     Raises
