@@ -209,7 +209,7 @@ def _line(result: StudyResult, summary: Summary, found: Answer) -> dict[str, Any
     contacts = summary.contacts
     return {
         "summary": summary,
-        "row": first_record(summary.rows),
+        "row": first_record(summary.table.iloc[summary.places[:1]]),
         "answer": found,
         "contacts": len(contacts),
         "pooled": int(np.count_nonzero(contacts["pooled"])),

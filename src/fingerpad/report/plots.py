@@ -43,7 +43,7 @@ from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import Row, records
+from fingerpad.study.results.table import Places, Row, records
 from fingerpad.study.results.validity import RADIUS, Headline
 
 # More than these only make a page heavy.
@@ -334,16 +334,20 @@ def area_indentation_plot(sequence: SequenceResult, frames: pd.DataFrame) -> Ite
 
 def shown_rows(summary: Summary) -> pd.DataFrame:
     """Return the rows to show one by one, by load: single contacts, or where there are none frames."""
-    pooled = summary.rows[summary.rows["pooled"]]
-    shown = next((rows for rows in (summary.contacts, pooled) if len(rows)), summary.rows)
-    return thinned(shown, MOST_POINTS)
+    table, places = summary.table, summary.places
+    single, pooled = summary.column("frame").isna(), summary.column("pooled")
+    shown = next((some for some in (places[single], places[pooled]) if some.size), places)
+    # Of all columns only what is shown is copied.
+    return table.iloc[shown[_evenly(shown.size, MOST_POINTS)]]
 
 
 def thinned(rows: pd.DataFrame, most: int) -> pd.DataFrame:
     """Return at most so many rows, evenly spaced, with the first and the last."""
-    if len(rows) <= most:
-        return rows
-    return rows.iloc[np.linspace(0, len(rows) - 1, most).round().astype(int)]
+    return rows.iloc[_evenly(len(rows), most)]
+
+
+def _evenly(count: int, most: int) -> Places:
+    return np.linspace(0, count - 1, min(count, most)).round().astype(np.intp)
 
 
 def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:

@@ -119,7 +119,7 @@ def placement_words(summary: Summary) -> str:
 def note_counts(summary: Summary) -> Counter[str]:
     """Return how many rows of a summary have each range note."""
     counts: Counter[str] = Counter()
-    for codes, count in Counter(summary.rows["range_notes"]).items():
+    for codes, count in Counter(summary.column("range_notes")).items():
         counts.update(dict.fromkeys((codes or "").split(), count))
     return counts
 
@@ -127,8 +127,8 @@ def note_counts(summary: Summary) -> Counter[str]:
 def implausible_values(result: StudyResult) -> Iterator[str]:
     """Yield what no finger has, for each finger and placement: a wrong scale, load or unit."""
     for summary in result.summaries:
-        counts, total = note_counts(summary), len(summary.rows)
-        frames = " and frames" if total > len(summary.contacts) else ""
+        counts, total = note_counts(summary), len(summary.places)
+        frames = " and frames" if summary.column("frame").notna().any() else ""
         for code in IMPLAUSIBLE:
             if counts[code]:
                 yield (
@@ -139,8 +139,8 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
 
 def why_not_pooled(summary: Summary) -> str:
     """Return why nothing at a placement is pooled, each reason with the number of contacts or frames."""
-    contacts = len(summary.contacts)
-    counts = {"contact": contacts, "frame": len(summary.rows) - contacts}
+    contacts = int(summary.column("frame").isna().sum())
+    counts = {"contact": contacts, "frame": len(summary.places) - contacts}
     seen = " and ".join(counted(count, noun) for noun, count in counts.items() if count)
     fields = ("excluding_flags", "pooling_corrected_by", "pooling_reason", "pooled")
     reasons = Counter(pooling_words(row) or _NOT_LOADING for row in records(summary.rows, *fields))

@@ -60,27 +60,28 @@ class Summary:
         """The rows, by load: single contacts and frames of sequences."""
         return self.table.iloc[self.places]
 
+    def column(self, name: str) -> pd.Series:
+        """Return one column of `rows`, without a copy of the others."""
+        return self.table[name].iloc[self.places]
+
     @property
     def contacts(self) -> pd.DataFrame:
         """Rows of single contacts, without frames."""
-        rows = self.rows
-        return rows[rows["frame"].isna()]
+        return self.table.iloc[self.places[self.column("frame").isna()]]
 
     @property
     def contacts_or_frames(self) -> pd.DataFrame:
         """Rows of single contacts, or those of frames where there are none."""
-        rows = self.rows
-        contacts = rows[rows["frame"].isna()]
-        return rows if contacts.empty else contacts
+        contacts = self.contacts
+        return self.rows if contacts.empty else contacts
 
     @property
     def pooled_from(self) -> str:
         """What the pooled radii come from, in words, and of how many observations."""
-        rows = self.rows
-        pooled = rows[rows["pooled"]]
-        frames = int(pooled["frame"].notna().sum())
-        sequences = len(set(pooled["sequence"]) - {None})
-        contacts, seen = len(pooled) - frames, int(rows["frame"].isna().sum())
+        pooled, framed = self.column("pooled"), self.column("frame").notna()
+        frames = int((pooled & framed).sum())
+        sequences = len(set(self.column("sequence")[pooled]) - {None})
+        contacts, seen = int(pooled.sum()) - frames, int((~framed).sum())
         singles = counted(contacts, "observation")
         if contacts < seen:
             singles = f"{contacts} of {counted(seen, 'observation')}"
