@@ -186,11 +186,12 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     for finger in result.fingers.values():
         for words in finger_doubts(finger):
             typer.echo(f"doubtful: {finger.name}: {words}")
-    for row in records(result.rows[result.rows["frame"].isna()]):
+    contacts = result.rows[result.rows["frame"].isna()]
+    for row in records(contacts, "observation", "flags"):
         if row["flags"]:
             words = ", ".join(flag.words for flag in contact_flags(row["flags"]))
             typer.echo(f"doubtful: {row['observation']}: {words}")
-    for words in to_do(result.rows[result.rows["frame"].isna()]):
+    for words in to_do(contacts):
         typer.echo(f"to do: {words}")
     for name, count, flag in doubtful_frames(result):
         typer.echo(f"doubtful: {name}: {flag.words} in {count} of its frames; to do: {flag.to_do}")

@@ -63,7 +63,7 @@ def group_name(key: PlacementKey) -> str:
 def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> Iterator[Plot]:
     """Draw area, modulus and corrected radius of all fingers and angles against load."""
     colours = colours_of([one.label for one in found])
-    pairs = list(zip(result.summaries, found, strict=True))
+    pairs = [(shown_rows(summary), one) for summary, one in zip(result.summaries, found, strict=True)]
     if not pairs:
         return
     on_bone = any(one.on_bone for one in found)
@@ -102,9 +102,9 @@ def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> I
                 if values is _radii
                 else (),
                 synthetic=one.of.synthetic,
-                **values(shown_rows(summary), one),
+                **values(rows, one),
             )
-            for summary, one in pairs
+            for rows, one in pairs
         ]
         figure, (axes,) = new_panels(height_mm=78)
         plot_over_load(axes, lines, label=label, beside=_BESIDE if values is _radii else ())
