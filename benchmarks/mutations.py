@@ -44,11 +44,13 @@ ODD: Final[tuple[Any, ...]] = (
     [], [[]], [1, 2], [None], {}, {"name": 3},
     {"ppi": 500}, ["a", "a"], None,
 )  # fmt: skip
+NAME: Final = "demo"
+STUDY: Final = "/api/studies/{study}"
 # What to ask of routes that need to be asked something.
 QUERIES: Final[dict[str, tuple[dict[str, Any], ...]]] = {
-    "/api/study/frames": ({"sequence": "synthetic_press_30deg"},),
+    f"{STUDY}/frames": ({"sequence": "synthetic_press_30deg"},),
     **{
-        f"/api/picture/{kind}": tuple(
+        f"{STUDY}/picture/{kind}": tuple(
             {"item": item, **more}
             for item in (
                 "waiting",
@@ -59,13 +61,13 @@ QUERIES: Final[dict[str, tuple[dict[str, Any], ...]]] = {
         )
         for kind, more in (("info", {}), ("preview", {"longest_px": 64}), ("thumbnail", {}))
     },
-    "/api/corrections": ({"item": "synthetic_30deg_2N"}, {"item": "synthetic_press_30deg#3"}),
-    "/api/results/rows": ({}, {"sort": "load_N", "status": "measured"}, {"sort": "-reason", "text": "a"}),
-    "/api/results/plot": ({}, {"finger": "synthetic_pad"}),
-    "/api/download/{path}": ({"path": "results.csv"}, {"path": "study.zip"}, {"path": "figures/x.svg"}),
+    f"{STUDY}/corrections": ({"item": "synthetic_30deg_2N"}, {"item": "synthetic_press_30deg#3"}),
+    f"{STUDY}/results/rows": ({}, {"sort": "load_N", "status": "measured"}, {"sort": "-reason", "text": "a"}),
+    f"{STUDY}/results/plot": ({}, {"finger": "synthetic_pad"}),
+    f"{STUDY}/download/{{path}}": ({"path": "results.csv"}, {"path": "study.zip"}, {"path": "figures/x.svg"}),
 }
 # They cost much, whatever the study says: asked of some studies only.
-SLOW: Final = frozenset(("/api/published", "/api/download/study.zip"))
+SLOW: Final = frozenset(("/api/published", f"/api/studies/{NAME}/download/study.zip"))
 
 
 def make_study(folder: Path) -> None:
@@ -271,7 +273,7 @@ async def ask(app: Any, path: str, query: dict[str, Any]) -> tuple[int, bytes]:
             status = message.get("status", status)
             body += message.get("body", b"")
             if message["type"] == "http.response.body" and (
-                not message.get("more_body") or path == "/api/events"
+                not message.get("more_body") or path.endswith("/events")
             ):
                 break
     finally:
@@ -287,8 +289,8 @@ def routes() -> Iterator[tuple[str, dict[str, Any]]]:
     for operation in ENDPOINTS:
         if operation.method == "GET":
             for query in QUERIES.get(operation.plain_path, ({},)):
-                path, rest = operation.plain_path, dict(query)
-                yield (path.replace("{path}", rest.pop("path")) if "{path}" in path else path), rest
+                rest = dict(query)
+                yield operation.plain_path.format(study=NAME, path=rest.pop("path", "")), rest
 
 
 async def ask_all(workspace: Workspace, answers: Answers, label: str, *, slow: bool) -> None:
@@ -360,7 +362,7 @@ def _put(path: Path, content: bytes | None) -> None:
 def report(count: int = 5000) -> Answers:
     """Print and return the answers about many mutated studies."""
     with TemporaryDirectory() as folder:
-        study = Path(folder) / "study"
+        study = Path(folder) / NAME
         make_study(study)
         began = time.perf_counter()
         answers = ask_mutated(study, count)

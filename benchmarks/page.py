@@ -95,17 +95,21 @@ def report() -> None:
             print(f"\nThe page: {PICTURES:,} pictures, dragging at {SIDE} × {SIDE}; round trips, ms")
             print(f"  {'':<44}{'first':>8}{'median':>8}{'worst':>8}  asked")
             _row("open the study", lambda: ask("POST", "/api/session/open", {"name": "large"}), 1, 2000)
-            _row("state of the study", lambda: ask("GET", "/api/study", None), 5)
+            _row("state of the study", lambda: ask("GET", "/api/studies/large/state", None), 5)
             _report_contacts(ask)
             _report_photographs(ask)
 
 
 def _report_contacts(ask: Ask) -> None:
     step = count(1)
-    _row("a thumbnail", lambda: ask("GET", f"/api/picture/thumbnail?item=f{next(step)}", None), 40)
+    _row(
+        "a thumbnail",
+        lambda: ask("GET", f"/api/studies/large/picture/thumbnail?item=f{next(step)}", None),
+        40,
+    )
 
     def contact(**change: Any) -> Any:
-        return ask("POST", "/api/measure/contact", {"item": "one", "change": change})
+        return ask("POST", "/api/studies/large/measure/contact", {"item": "one", "change": change})
 
     _row("contact: measured", contact, 1)
     ellipse = contact()["ellipse_px"]
@@ -131,7 +135,7 @@ def _report_photographs(ask: Ask) -> None:
     asked = {"item": "b/palmar.png", "with_finger": True}
 
     def photograph(**more: Any) -> Any:
-        return ask("POST", "/api/measure/photograph", asked | more)
+        return ask("POST", "/api/studies/large/measure/photograph", asked | more)
 
     _row("photograph and its finger: measured", photograph, 1)
     found = photograph()

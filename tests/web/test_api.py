@@ -21,8 +21,8 @@ FRAME = "synthetic_press_30deg#12"
 PHOTO = "synthetic_pad/synthetic/photograph_palmar.jpg"
 
 
-def measured(client, item=PRINT, kind="contact", **params):
-    answer = client.post(f"/api/measure/{kind}", json={"item": item, **params})
+def measured(client, item=PRINT, kind="contact", study="demo", **params):
+    answer = client.post(f"/api/studies/{study}/measure/{kind}", json={"item": item, **params})
     assert answer.status_code == 200, answer.text
     return answer.json()
 
@@ -35,7 +35,7 @@ def test_the_session_names_what_is_open(standing):
 
 
 def test_the_state_lists_each_item_once(standing):
-    state = standing.get("/api/study").json()
+    state = standing.get("/api/studies/demo/state").json()
     items = {one["item"]: one for one in state["observations"]}
     assert (
         items[PRINT]
@@ -67,26 +67,26 @@ def test_the_state_lists_each_item_once(standing):
 
 
 def test_frames_are_paged(standing):
-    whole = standing.get("/api/study/frames", params={"sequence": "synthetic_press_30deg"}).json()
+    whole = standing.get("/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg"}).json()
     part = standing.get(
-        "/api/study/frames", params={"sequence": "synthetic_press_30deg", "offset": 20, "limit": 10}
+        "/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg", "offset": 20, "limit": 10}
     ).json()
     assert whole["total"] == part["total"] == 24
     assert part["frames"] == whole["frames"][20:]
 
 
 def test_previews_show_the_picture_as_it_is(standing):
-    answer = standing.get("/api/picture/preview", params={"item": PRINT})
+    answer = standing.get("/api/studies/demo/picture/preview", params={"item": PRINT})
     assert answer.headers["content-type"] == "image/png"
     shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_UNCHANGED)
     file = cv2.imread(str(DEMO / "synthetic" / f"{PRINT}.png"), cv2.IMREAD_UNCHANGED)
     np.testing.assert_array_equal(shown, file)
-    small = standing.get("/api/picture/thumbnail", params={"item": PRINT}).content
+    small = standing.get("/api/studies/demo/picture/thumbnail", params={"item": PRINT}).content
     assert max(cv2.imdecode(np.frombuffer(small, np.uint8), cv2.IMREAD_UNCHANGED).shape[:2]) == 192
 
 
 def test_a_photograph_keeps_its_colours(standing):
-    answer = standing.get("/api/picture/preview", params={"item": PHOTO})
+    answer = standing.get("/api/studies/demo/picture/preview", params={"item": PHOTO})
     assert answer.headers["content-type"] == "image/jpeg"
     shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_COLOR).astype(float)
     file = cv2.imread(str(DEMO / PHOTO.partition("/")[2])).astype(float)
@@ -97,29 +97,36 @@ def test_a_photograph_keeps_its_colours(standing):
 
 def test_frames_are_shown_one_by_one(standing):
     shown = [
-        standing.get("/api/picture/preview", params={"item": f"synthetic_press_30deg#{k}"}).content
+        standing.get(
+            "/api/studies/demo/picture/preview", params={"item": f"synthetic_press_30deg#{k}"}
+        ).content
         for k in (3, 12)
     ]
     assert shown[0] != shown[1]
 
 
 def test_images_with_a_version_are_cached_and_others_are_revalidated(standing):
-    info = standing.get("/api/picture/info", params={"item": PRINT}).json()
+    info = standing.get("/api/studies/demo/picture/info", params={"item": PRINT}).json()
     assert "immutable" in standing.get(info["thumbnail"]).headers["cache-control"]
     assert (
-        "no-cache" in standing.get("/api/picture/thumbnail", params={"item": PRINT}).headers["cache-control"]
+        "no-cache"
+        in standing.get("/api/studies/demo/picture/thumbnail", params={"item": PRINT}).headers[
+            "cache-control"
+        ]
     )
 
 
 def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
     deep = (np.linspace(300, 900, 64 * 64).reshape(64, 64)).astype(np.uint16)
     file = client.post(
-        "/api/files", params={"name": "deep.png"}, content=cv2.imencode(".png", deep)[1].tobytes()
+        "/api/studies/demo/files",
+        params={"name": "deep.png"},
+        content=cv2.imencode(".png", deep)[1].tobytes(),
     ).json()["file"]
-    info = client.get("/api/picture/info", params={"item": f"file:{file}"}).json()
+    info = client.get("/api/studies/demo/picture/info", params={"item": f"file:{file}"}).json()
     assert info["bits"] == 16
     # An observation shows its levels; a file of which nothing is known is shown as a photograph is.
-    state = client.get("/api/study").json()
+    state = client.get("/api/studies/demo/state").json()
     table = {
         "finger": "synthetic_pad",
         "wedge_angle_deg": 30,
@@ -128,7 +135,7 @@ def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
         "scale": "reader",
     }
     edit(client, state, {"kind": "observation", "key": "deep", "set": table})
-    shown = client.get("/api/picture/preview", params={"item": "deep"}).content
+    shown = client.get("/api/studies/demo/picture/preview", params={"item": "deep"}).content
     levels = cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)
     assert (levels.min(), levels.max()) == (0, 255)
 
@@ -161,12 +168,12 @@ def test_a_contact_without_finger_angle_and_load_has_no_radius(client, studies_f
         "[[sequences]]\nname = 'film'\nfile = 'synthetic/synthetic_press_30deg.tif'\nscale = { ppi = 500 }\n"
     )
     for item in ("draft", "film#12"):
-        answer = client.post("/api/measure/contact", json={"item": item})
+        answer = client.post("/api/studies/demo/measure/contact", json={"item": item})
         assert answer.status_code == 200, answer.text
         assert answer.json()["numbers"]["gross_area_mm2"] > 10
         assert answer.json()["model"] is None
         assert answer.json()["pooling"] is None
-    signal = client.get("/api/study/signal", params={"sequence": "film"})
+    signal = client.get("/api/studies/demo/signal", params={"sequence": "film"})
     assert (signal.status_code, signal.json()["error"]) == (422, "state the force of the sequence")
 
 
@@ -188,23 +195,27 @@ def test_a_brush_changes_the_region_and_the_automatic_result_is_kept(standing):
 
 
 def test_a_step_of_a_drag_checks_no_result_file(done, monkeypatch):
-    assert done.get("/api/study").json()["results"]["there"]  # checked once for each result set
+    assert done.get("/api/studies/demo/state").json()["results"]["there"]  # checked once for each result set
     checks = []
     monkeypatch.setattr(last_results, "quick_faults", lambda *_: checks.append(1) or [])
-    answer = done.post("/api/measure/contact", json={"item": PRINT, "change": {"threshold": 100}}).json()
+    answer = done.post(
+        "/api/studies/demo/measure/contact", json={"item": PRINT, "change": {"threshold": 100}}
+    ).json()
     assert answer["model"]["verdicts"]
     assert not checks
 
 
 def test_the_wrong_polarity_is_refused_with_a_hint(standing):
-    answer = standing.post("/api/measure/contact", json={"item": PRINT, "change": {"seed_px": [1, 1]}})
+    answer = standing.post(
+        "/api/studies/demo/measure/contact", json={"item": PRINT, "change": {"seed_px": [1, 1]}}
+    )
     assert answer.status_code == 422
     assert "no contact found at seed" in answer.json()["error"]
 
 
 def test_an_unused_file_is_measured_with_a_scale(standing):
     item = "file:synthetic/synthetic_30deg_2N.png"
-    assert standing.post("/api/measure/contact", json={"item": item}).status_code == 422
+    assert standing.post("/api/studies/demo/measure/contact", json={"item": item}).status_code == 422
     one = measured(standing, item, scale={"ppi": 500})
     assert one["numbers"] == measured(standing)["numbers"]
 
@@ -240,7 +251,7 @@ def test_erased_points_are_left_out(standing):
 
 
 def test_scales_of_all_types(standing):
-    ask = lambda table: standing.post("/api/measure/scale", json={"table": table})  # noqa: E731
+    ask = lambda table: standing.post("/api/studies/demo/measure/scale", json={"table": table})  # noqa: E731
     assert ask({"ppi": 254}).json()["mm_per_px"] == pytest.approx(0.1)
     assert ask("reader").json()["resolution_ppi"] == pytest.approx(500)
     line = ask({"line": [[0, 0], [300, 400]], "length_mm": 50, "ends_px_std": 1}).json()
@@ -254,8 +265,10 @@ def test_scales_of_all_types(standing):
 def test_a_coin_is_a_scale(client):
     coin = render_coin(radius=120, seed=3)
     content = cv2.imencode(".png", coin.pixels)[1].tobytes()
-    file = client.post("/api/files", params={"name": "coin.png"}, content=content).json()["file"]
-    found = client.post("/api/measure/scale", json={"table": {"coin": file, "diameter_mm": 24.0}})
+    file = client.post("/api/studies/demo/files", params={"name": "coin.png"}, content=content).json()["file"]
+    found = client.post(
+        "/api/studies/demo/measure/scale", json={"table": {"coin": file, "diameter_mm": 24.0}}
+    )
     assert found.status_code == 200, found.text
     assert found.json()["coin"]["radius_px"] == pytest.approx(120, rel=0.01)
     outline = np.array(found.json()["coin"]["outline_px"])
@@ -265,7 +278,7 @@ def test_a_coin_is_a_scale(client):
 
 def test_a_length_has_its_uncertainty(standing):
     params = {"scale": "camera", "line_px": [[0, 0], [0, 200]], "ends_px_std": 0}
-    found = standing.post("/api/measure/length", json=params).json()
+    found = standing.post("/api/studies/demo/measure/length", json=params).json()
     assert found == {"length_mm": pytest.approx(10), "length_mm_std": pytest.approx(0.02)}
 
 
@@ -277,7 +290,7 @@ def test_geometry_is_that_of_the_library(standing):
         "wedge_angle_deg": 30,
         "detail": 8,
     }
-    found = standing.post("/api/geometry", json=params).json()
+    found = standing.post("/api/studies/demo/geometry", json=params).json()
     pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     placement = Placement(pad, wedge_angle=np.radians(30))
     assert found["u_deg"] == pytest.approx(np.degrees(placement.u))
@@ -288,7 +301,7 @@ def test_geometry_is_that_of_the_library(standing):
     corners = np.array(found["platen"]["corners_mm"]) - found["contact_point_mm"]
     np.testing.assert_allclose(corners @ found["normal"], 0, atol=1e-9)
     by_name = standing.post(
-        "/api/geometry", json={"finger": "left_index_ellipse", "wedge_angle_deg": 30}
+        "/api/studies/demo/geometry", json={"finger": "left_index_ellipse", "wedge_angle_deg": 30}
     ).json()
     assert by_name["u_deg"] == pytest.approx(found["u_deg"])
     assert by_name["mean_curvature_radius_mm_std"] > 0
@@ -299,7 +312,7 @@ def test_geometry_is_that_of_the_library(standing):
 
 
 def test_signal_without_a_run_or_a_readable_force(client, studies_folder):
-    signal = client.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"})
+    signal = client.get("/api/studies/demo/signal", params={"sequence": "synthetic_press_30deg"})
     assert signal.json()["start_s"] is None
     # The sequence is pressed from 0 s, held between 0.55 and 0.75 s, and let go until 1.05 s or so.
     phases = {one["phase"]: one["start_s"] for one in signal.json()["phases"]}
@@ -313,7 +326,7 @@ def test_signal_without_a_run_or_a_readable_force(client, studies_folder):
         ("Time (s),F (mN)\n0,1\n", 'or say which they are: force_columns = { force = "F (mN):mN" }'),
     ):
         (studies_folder / "demo" / "synthetic" / "synthetic_press_30deg_force.csv").write_text(text)
-        answer = client.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"})
+        answer = client.get("/api/studies/demo/signal", params={"sequence": "synthetic_press_30deg"})
         assert answer.status_code == 422
         assert "synthetic_press_30deg_force.csv" in answer.json()["error"]
         assert message in answer.json()["error"]
@@ -334,76 +347,83 @@ def test_a_grid_gives_a_scale_and_rectifies_pictures(client, studies_folder):
     board = scene.picture((7, 9), 4.0, "checkerboard")
     Image.fromarray(board).save(folder / "board.png")
     table = {"grid": "board.png", "points": [7, 9], "spacing_mm": 4.0, "spacing_mm_std": 0.004}
-    found = client.post("/api/measure/scale", json={"table": table}).json()
+    found = client.post("/api/studies/demo/measure/scale", json={"table": table}).json()
     assert found["flags"] == ["grid_tilted"]
     assert found["relative_std"] > 0.02 > found["grid"]["rectified_relative_std"] > 0.001
     assert len(found["grid"]["points_px"]) == 63
-    made = client.post("/api/scale/rectify", json={"table": table, "files": ["board.png"]}).json()
+    made = client.post(
+        "/api/studies/demo/scale/rectify", json={"table": table, "files": ["board.png"]}
+    ).json()
     assert made["files"] == {"board.png": "rectified/board.png"}
     again = {**table, "grid": "rectified/board.png"}
-    straight = client.post("/api/measure/scale", json={"table": again}).json()
+    straight = client.post("/api/studies/demo/measure/scale", json={"table": again}).json()
     assert straight["flags"] == []
     assert straight["mm_per_px"] == pytest.approx(made["mm_per_px"], rel=2e-3)
-    wrong = client.post("/api/measure/scale", json={"table": {**table, "points": [6, 9]}})
+    wrong = client.post("/api/studies/demo/measure/scale", json={"table": {**table, "points": [6, 9]}})
     assert wrong.status_code == 422
     assert "board.png: no grid of 6 × 9 inner corners found" in wrong.json()["error"]
 
 
 BAD = [
-    ("POST", "/api/scale/rectify", {"table": {"ppi": 500}, "files": ["x.png"]}, 400),
+    ("POST", "/api/studies/demo/scale/rectify", {"table": {"ppi": 500}, "files": ["x.png"]}, 400),
     ("GET", "/api/nothing", None, 404),
-    ("POST", "/api/study", {}, 405),
-    ("GET", "/api/study/frames", None, 400),
-    ("GET", "/api/study/frames?sequence=no", None, 404),
-    ("GET", "/api/study/signal?sequence=no", None, 404),
-    ("GET", "/api/picture/preview?item=synthetic_30deg_2N&longest_px=99999", None, 400),
-    ("GET", "/api/picture/preview?item=table3_30deg_ellipse", None, 404),
-    ("GET", "/api/picture/preview?item=synthetic_press_30deg%2399", None, 422),
-    ("GET", "/api/picture/info?item=synthetic_30deg_2N&extra=1", None, 400),
-    ("POST", "/api/measure/contact", {"item": "no"}, 404),
-    ("POST", "/api/measure/contact", {"item": "table3_30deg_ellipse"}, 404),
-    ("POST", "/api/measure/contact", {"item": PRINT, "change": {"threshold": -1}}, 400),
-    ("POST", "/api/measure/contact", {"item": PRINT, "change": {"unknown": 1}}, 400),
-    ("POST", "/api/measure/contact", {"item": PRINT, "change": {"seed_px": [1e300, 0]}}, 400),
-    ("POST", "/api/measure/contact", {"item": PRINT, "change": {"seed_px": [9999, 0]}}, 422),
-    ("POST", "/api/geometry", {"palmar_mm": 1e-300, "distal_mm": 14, "radial_ulnar_mm": 12}, 400),
-    ("POST", "/api/measure/contact", {"item": PRINT, "scale": "no"}, 404),
-    ("POST", "/api/measure/contact", {"item": PRINT, "scale": {"ppi": 0}}, 400),
-    ("POST", "/api/measure/photograph", {"item": PRINT}, 404),
-    ("POST", "/api/measure/photograph", {"item": PHOTO, "face": "dorsal"}, 400),
+    ("POST", "/api/studies/demo/state", {}, 405),
+    ("GET", "/api/studies/demo/frames", None, 400),
+    ("GET", "/api/studies/demo/frames?sequence=no", None, 404),
+    ("GET", "/api/studies/demo/signal?sequence=no", None, 404),
+    ("GET", "/api/studies/demo/picture/preview?item=synthetic_30deg_2N&longest_px=99999", None, 400),
+    ("GET", "/api/studies/demo/picture/preview?item=table3_30deg_ellipse", None, 404),
+    ("GET", "/api/studies/demo/picture/preview?item=synthetic_press_30deg%2399", None, 422),
+    ("GET", "/api/studies/demo/picture/info?item=synthetic_30deg_2N&extra=1", None, 400),
+    ("POST", "/api/studies/demo/measure/contact", {"item": "no"}, 404),
+    ("POST", "/api/studies/demo/measure/contact", {"item": "table3_30deg_ellipse"}, 404),
+    ("POST", "/api/studies/demo/measure/contact", {"item": PRINT, "change": {"threshold": -1}}, 400),
+    ("POST", "/api/studies/demo/measure/contact", {"item": PRINT, "change": {"unknown": 1}}, 400),
+    ("POST", "/api/studies/demo/measure/contact", {"item": PRINT, "change": {"seed_px": [1e300, 0]}}, 400),
+    ("POST", "/api/studies/demo/measure/contact", {"item": PRINT, "change": {"seed_px": [9999, 0]}}, 422),
     (
         "POST",
-        "/api/measure/photograph",
+        "/api/studies/demo/geometry",
+        {"palmar_mm": 1e-300, "distal_mm": 14, "radial_ulnar_mm": 12},
+        400,
+    ),
+    ("POST", "/api/studies/demo/measure/contact", {"item": PRINT, "scale": "no"}, 404),
+    ("POST", "/api/studies/demo/measure/contact", {"item": PRINT, "scale": {"ppi": 0}}, 400),
+    ("POST", "/api/studies/demo/measure/photograph", {"item": PRINT}, 404),
+    ("POST", "/api/studies/demo/measure/photograph", {"item": PHOTO, "face": "dorsal"}, 400),
+    (
+        "POST",
+        "/api/studies/demo/measure/photograph",
         {"item": PHOTO, "change": {"region_of_interest_px": [5, 5, 6, 6]}},
         422,
     ),
-    ("POST", "/api/measure/length", {"scale": "camera", "line_px": [[0, 0]]}, 400),
-    ("POST", "/api/geometry", {}, 400),
-    ("POST", "/api/geometry", {"finger": "unknown"}, 422),
-    ("POST", "/api/geometry", {"finger": "left_index_ellipse", "wedge_angle_deg": 91}, 400),
-    ("POST", "/api/geometry", {"palmar_mm": 1, "distal_mm": 1, "radial_ulnar_mm": 0}, 400),
-    ("GET", "/api/results/rows", None, 404),
-    ("GET", "/api/results/plot", None, 404),
-    ("GET", "/api/download/report.html", None, 404),
-    ("GET", "/api/corrections?item=no", None, 422),
-    ("POST", "/api/corrections", {"item": PRINT, "expected": 0, "who": "", "change": {}}, 422),
+    ("POST", "/api/studies/demo/measure/length", {"scale": "camera", "line_px": [[0, 0]]}, 400),
+    ("POST", "/api/studies/demo/geometry", {}, 400),
+    ("POST", "/api/studies/demo/geometry", {"finger": "unknown"}, 422),
+    ("POST", "/api/studies/demo/geometry", {"finger": "left_index_ellipse", "wedge_angle_deg": 91}, 400),
+    ("POST", "/api/studies/demo/geometry", {"palmar_mm": 1, "distal_mm": 1, "radial_ulnar_mm": 0}, 400),
+    ("GET", "/api/studies/demo/results/rows", None, 404),
+    ("GET", "/api/studies/demo/results/plot", None, 404),
+    ("GET", "/api/studies/demo/download/report.html", None, 404),
+    ("GET", "/api/studies/demo/corrections?item=no", None, 422),
+    ("POST", "/api/studies/demo/corrections", {"item": PRINT, "expected": 0, "who": "", "change": {}}, 422),
     (
         "POST",
-        "/api/corrections",
+        "/api/studies/demo/corrections",
         {"item": PRINT, "expected": 0, "who": "ada", "change": {"seed_px": [9999, 0]}},
         422,
     ),
-    ("POST", "/api/corrections/undo", {"item": PRINT, "expected": 0, "who": "ada"}, 422),
+    ("POST", "/api/studies/demo/corrections/undo", {"item": PRINT, "expected": 0, "who": "ada"}, 422),
     (
         "POST",
-        "/api/study/edits",
+        "/api/studies/demo/edits",
         {"expected": "old", "edits": [{"kind": "study", "key": "", "set": {"title": "x"}}]},
         409,
     ),
-    ("POST", "/api/study/edits", {"expected": "", "edits": []}, 400),
+    ("POST", "/api/studies/demo/edits", {"expected": "", "edits": []}, 400),
     ("POST", "/api/session/open", {"name": "nothing"}, 404),
     ("POST", "/api/session/new", {"name": "demo"}, 409),
-    ("POST", "/api/run", {"workers": 0}, 400),
+    ("POST", "/api/studies/demo/run", {"workers": 0}, 400),
 ]
 
 
@@ -420,13 +440,15 @@ def test_bad_requests_get_messages(standing, method, path, body, status):
     [b"", b"{", b"[]", b"null", b"\xff\xfe", b'{"item": NaN}', b'{"item": "a", "item": ' + b"[" * 5000],
 )
 def test_malformed_bodies_get_messages(standing, content):
-    answer = standing.post("/api/measure/contact", content=content)
+    answer = standing.post("/api/studies/demo/measure/contact", content=content)
     assert answer.status_code == 400
     assert answer.json()["error"]
 
 
 def edit(client, state, *edits):
-    answer = client.post("/api/study/edits", json={"expected": state["digest"], "edits": list(edits)})
+    answer = client.post(
+        f"/api/studies/{state['name']}/edits", json={"expected": state["digest"], "edits": list(edits)}
+    )
     assert answer.status_code == 200, answer.text
     return answer.json()
 
@@ -436,8 +458,8 @@ def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_
     assert (state["title"], state["ready"]) == ("Mine", False)
     assert state["missing"]
     content = (studies_folder / "demo/synthetic/synthetic_30deg_2N.png").read_bytes()
-    file = client.post("/api/files", params={"name": "a.png"}, content=content).json()["file"]
-    state = client.get("/api/study").json()
+    file = client.post("/api/studies/mine/files", params={"name": "a.png"}, content=content).json()["file"]
+    state = client.get("/api/studies/mine/state").json()
     assert next(one for one in state["missing"] if one["kind"] == "file")["key"] == file
     state = edit(client, state, {"kind": "observation", "key": "a", "set": {"file": file, "load_N": 2.0}})
     assert (
@@ -445,7 +467,9 @@ def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_
         == state["observations"][0]
     )
     assert any(one["key"] == "a" and "finger" in one["words"] for one in state["missing"])
-    assert client.get("/api/picture/thumbnail", params={"item": "a"}).status_code == 200  # already to be seen
+    assert (
+        client.get("/api/studies/mine/picture/thumbnail", params={"item": "a"}).status_code == 200
+    )  # already to be seen
     axes = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
     std = dict.fromkeys(axes, 0.1)
     state = edit(
@@ -462,11 +486,11 @@ def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_
     assert state["ready"]
     assert state["observations"][0]["complete"]
     assert state["missing"] == []
-    one = measured(client, "a")
+    one = measured(client, "a", study="mine")
     assert one["model"]["radius_from_indentation_mm"] == pytest.approx(13.8, rel=0.1)
     assert one["model"]["radius_from_indentation_mm_total_std"] > 0
     answer = client.post(
-        "/api/study/edits",
+        "/api/studies/mine/edits",
         json={
             "expected": state["digest"],
             "edits": [{"kind": "observation", "key": "a", "set": {"load_N": -1}}],
@@ -474,21 +498,19 @@ def test_a_new_study_lists_missing_entries_until_it_is_complete(client, studies_
     )
     assert answer.status_code == 422
     assert "load_N" in answer.json()["error"]
-    assert client.get("/api/study").json()["digest"] == state["digest"]
+    assert client.get("/api/studies/mine/state").json()["digest"] == state["digest"]
 
 
 def test_without_a_study_one_can_be_opened(studies_folder):
     with serving(Workspace(studies_folder)) as client:
         assert client.get("/api/session").json()["study"] is None
-        assert client.get("/api/study").status_code == 404
-        assert client.post("/api/run", json={}).status_code == 404
         assert client.post("/api/session/open", json={"name": "demo"}).json()["name"] == "demo"
 
 
 def test_an_invalid_manifest_opens_and_names_the_error(client, studies_folder):
     manifest = studies_folder / "demo/study.toml"
     manifest.write_text(manifest.read_text().replace("poisson_ratio = 0.5", "poisson_ratio = 5"))
-    state = client.get("/api/study").json()
+    state = client.get("/api/studies/demo/state").json()
     assert not state["ready"]
     assert any("poisson_ratio" in one["words"] for one in state["missing"])
 
@@ -497,21 +519,20 @@ def test_an_invalid_manifest_opens_and_names_the_error(client, studies_folder):
 def test_several_studies_are_open_at_once(client, studies_folder, name: str):
     shutil.copytree(studies_folder / "demo", studies_folder / name)
     before = (studies_folder / "demo" / "study.toml").read_bytes()
-    of = f"/of/{quote(name)}"
-    digest = client.get(f"{of}/api/study").json()["digest"]
+    of = f"/api/studies/{quote(name)}"
+    digest = client.get(f"{of}/state").json()["digest"]
     edits = [{"kind": "study", "key": "", "set": {"title": "x"}}]
-    changed = client.post(f"{of}/api/study/edits", json={"expected": digest, "edits": edits}).json()
+    changed = client.post(f"{of}/edits", json={"expected": digest, "edits": edits}).json()
     assert (changed["name"], changed["title"]) == (name, "x")
-    info = client.get(f"{of}/api/picture/info", params={"item": "synthetic_30deg_1N"}).json()
-    assert info["preview"].startswith(f"{of}/api/picture/preview")
+    info = client.get(f"{of}/picture/info", params={"item": "synthetic_30deg_1N"}).json()
+    assert info["preview"].startswith(f"{of}/picture/preview")
     assert client.get(info["preview"]).headers["content-type"] == "image/png"
-    # Without a name, requests are about the study that was opened last.
-    assert client.get("/api/study").json()["name"] == "demo"
+    assert client.get("/api/studies/demo/state").json()["name"] == "demo"
     assert (studies_folder / "demo" / "study.toml").read_bytes() == before
-    assert client.get(f"{of}/api/study").json()["title"] == "x"
-    assert client.get("/of/nowhere/api/study").status_code == 404
-    assert client.get("/of/nowhere").status_code == 404
-    assert client.get(f"{of}/api/study", headers={"authorization": ""}).status_code == 403
+    assert client.get(f"{of}/state").json()["title"] == "x"
+    assert client.get("/api/studies/nowhere/state").status_code == 404
+    assert client.get("/api/studies/nowhere").status_code == 404
+    assert client.get(f"{of}/state", headers={"authorization": ""}).status_code == 403
 
 
 def test_an_example_study_is_made_and_another(client):
@@ -559,7 +580,9 @@ def test_a_frame_is_measured_with_settings_of_the_frames_as_they_are(studies_fol
         workspace = Workspace(study.parent)
         workspace.open_folder(study)
         with serving(workspace) as client:
-            answer = client.post("/api/measure/contact", json={"item": "synthetic_press_30deg#12"})
+            answer = client.post(
+                "/api/studies/demo/measure/contact", json={"item": "synthetic_press_30deg#12"}
+            )
         assert answer.status_code == 200, answer.text
         return answer.json()["numbers"]
 

@@ -19,12 +19,12 @@ def test_the_bundle_lists_files_left_out_and_is_imported(tmp_path):
         workspace = Workspace(tmp_path)
         workspace.open_folder(folder)
         with serving(workspace) as client:
-            reported = client.get("/api/study/bundle").json()
+            reported = client.get("/api/studies/study/bundle").json()
             left = {one["file"]: one["why"] for one in reported["left_out"]}
             assert {".data/", "socket", "a:b.png", "empty: folder/"} <= set(left)
             assert "=1+1" not in left
             assert len({"a.png", "A.png"} & set(left)) == 1
-            archive = client.get("/api/download/study.zip")
+            archive = client.get("/api/studies/study/download/study.zip")
             assert archive.status_code == 200
             back = client.post("/api/session/import", params={"name": "back"}, content=archive.content)
             assert back.status_code == 201, back.text

@@ -23,11 +23,11 @@ PHASES = {"phases": {"starts": [{"phase": "loading", "start_s": 0.1}], "why": "s
 
 def correct(client, item, expected, change, who="ada"):
     body = {"item": item, "expected": expected, "who": who, "change": change}
-    return client.post("/api/corrections", json=body)
+    return client.post("/api/studies/demo/corrections", json=body)
 
 
 def now(client, item):
-    return client.get("/api/corrections", params={"item": item}).json()
+    return client.get("/api/studies/demo/corrections", params={"item": item}).json()
 
 
 @pytest.mark.parametrize(
@@ -49,13 +49,20 @@ def test_a_correction_is_saved_with_author_and_time_undone_and_redone(client, it
     assert found["history"][-1]["who"] == "ada"
     assert found["history"][-1]["when"].startswith("20")
     step = {"item": item, "who": "bob"}
-    undone = client.post("/api/corrections/undo", json=step | {"expected": found["last_id"]}).json()
+    undone = client.post(
+        "/api/studies/demo/corrections/undo", json=step | {"expected": found["last_id"]}
+    ).json()
     assert (undone["change"], undone["can_undo"], undone["can_redo"]) == ({}, False, True)
-    redone = client.post("/api/corrections/redo", json=step | {"expected": undone["last_id"]}).json()
+    redone = client.post(
+        "/api/studies/demo/corrections/redo", json=step | {"expected": undone["last_id"]}
+    ).json()
     assert redone["change"] == change
     assert [record["who"] for record in redone["history"]] == ["ada", "bob", "bob"]
     assert (
-        client.post("/api/corrections/redo", json=step | {"expected": redone["last_id"]}).status_code == 422
+        client.post(
+            "/api/studies/demo/corrections/redo", json=step | {"expected": redone["last_id"]}
+        ).status_code
+        == 422
     )
 
 
@@ -74,13 +81,15 @@ def test_the_state_shows_reviews(client):
     correct(client, PRINT, 0, {"accepted": True})
     correct(client, FRAME, 0, {"rejected": "smeared"})
     correct(client, PHOTO, 0, {"tip": "up", "rejected": "nail in view"})
-    state = client.get("/api/study").json()
+    state = client.get("/api/studies/demo/state").json()
     one = next(one for one in state["observations"] if one["item"] == PRINT)
     assert (one["accepted"], one["corrected"], one["rejected"], one["who"]) == (True, False, None, "ada")
     assert (state["sequences"][0]["rejected"], state["sequences"][0]["reviewed"]) == (1, 1)
     photograph = state["fingers"][2]["photographs"][0]
     assert (photograph["rejected"], photograph["corrected"]) == ("nail in view", True)
-    frames = client.get("/api/study/frames", params={"sequence": "synthetic_press_30deg"}).json()["frames"]
+    frames = client.get("/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg"}).json()[
+        "frames"
+    ]
     assert [frame["frame"] for frame in frames if frame["rejected"]] == [12]
 
 
@@ -145,7 +154,7 @@ def test_corrections_are_sent_to_other_pages(client):
     heard = []
 
     def listen():
-        with client.stream("GET", "/api/events") as answer:
+        with client.stream("GET", "/api/studies/demo/events") as answer:
             for line in answer.iter_lines():
                 heard.append(line)
                 if line.startswith("data"):
@@ -210,43 +219,43 @@ def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
 def test_settings_apply_to_other_images_of_the_finger_and_device(client):
     change = {"threshold": 60.0, "seed_px": [150.0, 150.0], "accepted": True}
     correct(client, PRINT, 0, change)
-    state = client.get("/api/study").json()
+    state = client.get("/api/studies/demo/state").json()
     one = next(each for each in state["observations"] if each["item"] == PRINT)
     expected = {
         each["item"]
         for each in state["observations"]
         if each["file"] and (each["finger"], each["scale"]) == (one["finger"], one["scale"])
     } - {PRINT}
-    found = client.get("/api/corrections/similar", params={"item": PRINT}).json()
+    found = client.get("/api/studies/demo/corrections/similar", params={"item": PRINT}).json()
     assert found["settings"] == {"threshold": 60.0}
     assert {image["item"] for image in found["images"]} == expected
     first = found["images"][0]
     kept = correct(client, first["item"], first["last_id"], first["proposed"] | {"accepted": True}, "bob")
     assert kept.json()["change"] == {"threshold": 60.0, "accepted": True}
     assert kept.json()["history"][-1]["who"] == "bob"
-    again = client.get("/api/corrections/similar", params={"item": PRINT}).json()["images"]
+    again = client.get("/api/studies/demo/corrections/similar", params={"item": PRINT}).json()["images"]
     assert [image["differs"] for image in again] == [False, *[True] * (len(again) - 1)]
     # What is there stays, but for the verdict.
     correct(client, again[1]["item"], 0, {"ellipse_px": None, "rejected": "smeared", "dark_on_light": True})
-    now = client.get("/api/corrections/similar", params={"item": PRINT}).json()["images"][1]
+    now = client.get("/api/studies/demo/corrections/similar", params={"item": PRINT}).json()["images"][1]
     assert now["proposed"] == {"dark_on_light": True, "threshold": 60.0}
 
 
 def test_the_second_operator_has_corrections_of_their_own(client, studies_folder):
-    assert client.get("/api/study/second-operator").json()["images"] == []
+    assert client.get("/api/studies/demo/second-operator").json()["images"] == []
     correct(client, PRINT, 0, {"accepted": True}, "ada")
     body = {"item": PRINT, "operator": "second", "expected": 0, "who": "bob", "change": {"threshold": 60.0}}
-    assert client.post("/api/corrections", json=body).json()["change"] == {"threshold": 60.0}
+    assert client.post("/api/studies/demo/corrections", json=body).json()["change"] == {"threshold": 60.0}
     assert now(client, PRINT)["change"] == {"accepted": True}
-    asked = client.get("/api/corrections", params={"item": PRINT, "operator": "second"}).json()
+    asked = client.get("/api/studies/demo/corrections", params={"item": PRINT, "operator": "second"}).json()
     assert [record["who"] for record in asked["history"]] == ["bob"]
-    found = client.get("/api/study/second-operator").json()
+    found = client.get("/api/studies/demo/second-operator").json()
     assert (found["first_operators"], found["agreement"]) == (["ada"], [])
     ((image,), unseen) = found["images"], found["unseen"]
     assert (image["item"], image["corrected"], image["who"]) == (PRINT, True, "bob")
-    state = client.get("/api/study").json()
+    state = client.get("/api/studies/demo/state").json()
     assert unseen == sum(one["file"] is not None for one in state["observations"]) - 1
     step = {"item": PRINT, "operator": "second", "who": "bob", "expected": asked["last_id"]}
-    assert client.post("/api/corrections/undo", json=step).json()["change"] == {}
+    assert client.post("/api/studies/demo/corrections/undo", json=step).json()["change"] == {}
     assert (studies_folder / "demo" / "second_operator.jsonl").read_text().count("\n") == 2
     assert "second_operator.jsonl" not in {one["file"] for one in state["files"]}

@@ -29,7 +29,7 @@ def client(folder):
 def require_words(client, *, slow=False):
     """Ask every GET route; what it refuses, it refuses in words."""
     for path, query in routes():
-        if path == "/api/events" or (path in SLOW and not slow):
+        if path == "/api/studies/demo/events" or (path in SLOW and not slow):
             continue
         answer = client.get(path, params=query)
         assert answer.status_code < 500, (path, query, answer.text)
@@ -40,7 +40,7 @@ def require_words(client, *, slow=False):
 def test_a_finger_without_a_name_is_reported_and_every_route_answers(client, folder):
     manifest = folder / "study.toml"
     manifest.write_text(manifest.read_text().replace('name = "left_index_direct"\n', ""))
-    state = client.get("/api/study").json()
+    state = client.get("/api/studies/demo/state").json()
     assert not state["ready"]
     assert any(
         "study.toml: fingers[1].name: required, but missing" in one["words"] for one in state["missing"]
@@ -79,11 +79,11 @@ DAMAGED = {
 
 def require_told(client, folder, words):
     write_sums(folder / "results")
-    found = client.get("/api/study").json()["results"]
+    found = client.get("/api/studies/demo/state").json()["results"]
     assert not found["there"]
     (fault,) = found["faults"]
     assert words in fault
-    answer = client.get("/api/results/rows")
+    answer = client.get("/api/studies/demo/results/rows")
     assert answer.status_code == 409
     way_out = "run the study again: nothing that was measured is measured again"
     assert answer.json()["error"] == f"{fault}: {way_out}"
@@ -122,8 +122,8 @@ def test_damaged_rows_are_told_and_every_route_answers(client, folder, old, new,
 def test_results_that_are_something_else_are_told(client, folder, name, content):
     (folder / "results" / name).write_text(content)
     write_sums(folder / "results")
-    assert name in client.get("/api/study").json()["results"]["faults"][0]
-    assert client.get("/api/results/plot").status_code == 409
+    assert name in client.get("/api/studies/demo/state").json()["results"]["faults"][0]
+    assert client.get("/api/studies/demo/results/plot").status_code == 409
 
 
 INCOMPLETE = {
@@ -137,7 +137,7 @@ INCOMPLETE = {
 def test_an_odd_incomplete_table_is_reported_and_every_route_answers(client, folder, kind):
     manifest = folder / "study.toml"
     manifest.write_text(f"{manifest.read_text()}\n{INCOMPLETE[kind]}")
-    state = client.get("/api/study").json()
+    state = client.get("/api/studies/demo/state").json()
     assert state["missing"]
     assert not state["ready"]
     require_words(client)
@@ -146,7 +146,7 @@ def test_an_odd_incomplete_table_is_reported_and_every_route_answers(client, fol
 def test_an_odd_correction_is_reported_and_every_route_answers(client, folder):
     record = {"id": 1, "item": "a", "when": "", "who": "", "action": ["change"], "change": {}, "picture": ""}
     (folder / "corrections.jsonl").write_text(json.dumps(record) + "\n")
-    assert "line 1 is no correction" in client.get("/api/study").json()["error"]
+    assert "line 1 is no correction" in client.get("/api/studies/demo/state").json()["error"]
     require_words(client)
 
 
@@ -156,7 +156,7 @@ def test_a_study_that_cannot_be_opened_leaves_the_current_one_open(client, folde
     answer = client.post("/api/session/open", json={"name": "other"})
     assert answer.status_code == 422
     assert "corrections.jsonl: line 1" in answer.json()["error"]
-    assert client.get("/api/study").json()["name"] == "demo"
+    assert client.get("/api/studies/demo/state").json()["name"] == "demo"
 
 
 def test_odd_files_in_the_folder_do_no_harm(client, folder):
@@ -165,7 +165,7 @@ def test_odd_files_in_the_folder_do_no_harm(client, folder):
     (folder / "self").symlink_to(folder)
     (folder / "lost.png").symlink_to("nowhere.png")
     (folder / os.fsdecode(b"\xff.png")).write_bytes(b"x")
-    assert client.get("/api/study").json()["ready"]
+    assert client.get("/api/studies/demo/state").json()["ready"]
     require_words(client, slow=True)
 
 

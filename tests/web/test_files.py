@@ -33,7 +33,7 @@ def huge_png(rows, columns):
 
 
 def upload(client, name, content, **query):
-    return client.post("/api/files", params={"name": name, **query}, content=content)
+    return client.post("/api/studies/demo/files", params={"name": name, **query}, content=content)
 
 
 def test_an_uploaded_image_is_stored_and_described(client, studies_folder):
@@ -47,7 +47,7 @@ def test_an_uploaded_image_is_stored_and_described(client, studies_folder):
         60,
     )
     assert (studies_folder / "demo" / record["file"]).read_bytes() == png()
-    listed = {file["file"]: file for file in client.get("/api/study").json()["files"]}
+    listed = {file["file"]: file for file in client.get("/api/studies/demo/state").json()["files"]}
     assert listed["uploads/a1.png"]["used"] is False
     assert listed["synthetic/synthetic_30deg_2N.png"]["used"] is True
 
@@ -151,7 +151,7 @@ def test_columns_of_a_table_are_listed(client):
 
 def test_only_unused_uploads_are_removed(client, studies_folder):
     file = upload(client, "a.png", png()).json()["file"]
-    remove = lambda name: client.request("DELETE", "/api/files", json={"file": name})  # noqa: E731
+    remove = lambda name: client.request("DELETE", "/api/studies/demo/files", json={"file": name})  # noqa: E731
     assert remove("synthetic/synthetic_30deg_2N.png").status_code == 409
     assert remove("synthetic/truth.csv").status_code == 409
     assert remove("../demo/study.toml").status_code == 404
@@ -162,8 +162,8 @@ def test_only_unused_uploads_are_removed(client, studies_folder):
 
 def test_a_removed_file_is_restored(client, studies_folder):
     folder = studies_folder / "demo/uploads"
-    remove = lambda name: client.request("DELETE", "/api/files", json={"file": name})  # noqa: E731
-    restore = lambda number: client.post("/api/files/restore", json={"removed": number})  # noqa: E731
+    remove = lambda name: client.request("DELETE", "/api/studies/demo/files", json={"file": name})  # noqa: E731
+    restore = lambda number: client.post("/api/studies/demo/files/restore", json={"removed": number})  # noqa: E731
     removed = []
     for level in (1, 2, 3):  # of one name each time
         assert upload(client, "a.png", png(level=level)).json()["file"] == "uploads/a.png"
@@ -186,9 +186,11 @@ def test_files_are_kept_and_restored_where_there_are_no_hard_links(client, studi
     monkeypatch.setattr(os, "link", refuse)
     names = [upload(client, "a.png", png(level=level)).json()["file"] for level in (1, 2, 1)]
     assert names == ["uploads/a.png", "uploads/a-2.png", "uploads/a.png"]
-    removed = client.request("DELETE", "/api/files", json={"file": "uploads/a.png"}).json()["removed"]
+    removed = client.request("DELETE", "/api/studies/demo/files", json={"file": "uploads/a.png"}).json()[
+        "removed"
+    ]
     assert upload(client, "a.png", png(level=3)).json()["file"] == "uploads/a.png"
-    restored = client.post("/api/files/restore", json={"removed": removed}).json()["restored"]
+    restored = client.post("/api/studies/demo/files/restore", json={"removed": removed}).json()["restored"]
     assert restored not in {"uploads/a.png", "uploads/a-2.png"}
     for name, level in (("uploads/a.png", 3), ("uploads/a-2.png", 2), (restored, 1)):
         assert (studies_folder / "demo" / name).read_bytes() == png(level=level)
@@ -197,9 +199,12 @@ def test_files_are_kept_and_restored_where_there_are_no_hard_links(client, studi
 def test_a_removed_frame_is_restored_to_its_sequence(client, studies_folder):
     upload(client, "1.png", png(), folder="press1")
     file = {"file": "uploads/press1/1.png"}
-    number = client.request("DELETE", "/api/files", json=file).json()["removed"]
+    number = client.request("DELETE", "/api/studies/demo/files", json=file).json()["removed"]
     (studies_folder / "demo/uploads/press1").rmdir()
-    assert client.post("/api/files/restore", json={"removed": number}).json()["restored"] == file["file"]
+    assert (
+        client.post("/api/studies/demo/files/restore", json={"removed": number}).json()["restored"]
+        == file["file"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -215,16 +220,18 @@ def test_a_file_in_use_is_not_removed_by_another_name(client, studies_folder, na
         {"kind": "observation", "key": "y", "set": {**known, "file": "link.png"}},
         {"kind": "observation", "key": "z", "set": {"file": "uploads/draft.png"}},
     ]
-    state = client.get("/api/study").json()
-    client.post("/api/study/edits", json={"expected": state["digest"], "edits": edits}).raise_for_status()
-    assert client.request("DELETE", "/api/files", json={"file": name}).status_code == 409
+    state = client.get("/api/studies/demo/state").json()
+    client.post(
+        "/api/studies/demo/edits", json={"expected": state["digest"], "edits": edits}
+    ).raise_for_status()
+    assert client.request("DELETE", "/api/studies/demo/files", json={"file": name}).status_code == 409
 
 
 @pytest.mark.parametrize("number", ["..", "../..", "", "20240101T000000-00000000", "x", "a/b"])
 def test_nothing_else_is_restored(client, studies_folder, number):
     (studies_folder / "demo/.removed").mkdir()
     (studies_folder / "demo/.removed/x").write_bytes(b"x")
-    answer = client.post("/api/files/restore", json={"removed": number})
+    answer = client.post("/api/studies/demo/files/restore", json={"removed": number})
     assert answer.status_code in {400, 404}
     assert (studies_folder / "demo/.removed/x").exists()
 

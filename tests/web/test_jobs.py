@@ -33,7 +33,7 @@ MADE = re.compile(r"\d{4}-\d\d-\d\d(T\d\d:\d\d:\d\d(\+00:00|Z)| at \d\d:\d\d UTC
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     """Return a study of a few observations that runs in seconds."""
-    folder = tmp_path_factory.mktemp("small") / "small"
+    folder = tmp_path_factory.mktemp("small") / "demo"
     (folder / "synthetic").mkdir(parents=True)
     for load in ("1N", "2N", "4N"):
         shutil.copy(DEMO / "synthetic" / f"synthetic_30deg_{load}.png", folder / "synthetic")
@@ -54,20 +54,20 @@ def small(tmp_path_factory):
 @pytest.fixture(scope="module")
 def run_small(small, tmp_path_factory):
     """Return the same study with the results of a run, which no test may change."""
-    folder = shutil.copytree(small, tmp_path_factory.mktemp("run-small") / "small")
+    folder = shutil.copytree(small, tmp_path_factory.mktemp("run-small") / "demo")
     run_study(folder / "study.toml", folder / "results", write_report=write_report)
     return folder
 
 
 @pytest.fixture
 def study(small, tmp_path):
-    return shutil.copytree(small, tmp_path / "small")
+    return shutil.copytree(small, tmp_path / "demo")
 
 
 @pytest.fixture
 def finished(run_small, tmp_path):
     """Return the folder of a study that was run."""
-    return shutil.copytree(run_small, tmp_path / "small")
+    return shutil.copytree(run_small, tmp_path / "demo")
 
 
 def client_of(folder):
@@ -89,22 +89,23 @@ def finished_client(finished):
 
 
 def run_of(client, **params):
-    answer = client.post("/api/run", json=params)
+    answer = client.post("/api/studies/demo/run", json=params)
     assert answer.status_code == 202, answer.text
     return ended(client)
 
 
 def ended(client, timeout_s=120):
     assert wait_until(
-        lambda: client.get("/api/run").json()["state"] not in {"running", "cancelling"}, timeout_s
+        lambda: client.get("/api/studies/demo/run").json()["state"] not in {"running", "cancelling"},
+        timeout_s,
     )
-    return client.get("/api/run").json()
+    return client.get("/api/studies/demo/run").json()
 
 
 def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
     run = run_of(client)
     assert (run["state"], run["done"], run["failed"], run["error"]) == ("done", 3, 0, None)
-    other = tmp_path / "cli" / "small"
+    other = tmp_path / "cli" / "demo"
     shutil.copytree(study, other, ignore=shutil.ignore_patterns("results"))
     done = CliRunner().invoke(app, ["run", str(other / "study.toml"), "--out", str(other / "results")])
     assert done.exit_code == 0, done.output
@@ -122,15 +123,18 @@ def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
             ours, theirs = (MADE.sub("", text.decode()) for text in (ours, theirs))
         assert ours == theirs, name
         if "overlays" not in name:
-            assert client.get(f"/api/download/{name}").content == (study / "results" / name).read_bytes()
+            assert (
+                client.get(f"/api/studies/demo/download/{name}").content
+                == (study / "results" / name).read_bytes()
+            )
 
 
 def test_an_imported_study_gives_the_same_results_without_measuring(finished_client, finished, tmp_path):
     correction = {"item": "o2", "expected": 0, "who": "ada", "change": {"accepted": True}}
-    assert finished_client.post("/api/corrections", json=correction).status_code == 201
+    assert finished_client.post("/api/studies/demo/corrections", json=correction).status_code == 201
     run_of(finished_client)
     before = (finished / "results/results.csv").read_bytes()
-    archive = finished_client.get("/api/download/study.zip")
+    archive = finished_client.get("/api/studies/demo/download/study.zip")
     assert archive.headers["content-type"] == "application/zip"
     names = zipfile.ZipFile(io.BytesIO(archive.content)).namelist()
     assert {"study.toml", "corrections.jsonl", "results/store.sqlite", "results/report.html"} <= set(names)
@@ -138,7 +142,7 @@ def test_an_imported_study_gives_the_same_results_without_measuring(finished_cli
     elsewhere = Workspace(tmp_path / "elsewhere")
     (tmp_path / "elsewhere").mkdir()
     with serving(elsewhere) as other:
-        answer = other.post("/api/session/import", params={"name": "brought"}, content=archive.content)
+        answer = other.post("/api/session/import", params={"name": "demo"}, content=archive.content)
         assert answer.status_code == 201, answer.text
         state = answer.json()
         assert state["results"]["fresh"]
@@ -149,19 +153,23 @@ def test_an_imported_study_gives_the_same_results_without_measuring(finished_cli
             "o4": False,
         }
         assert run_of(other)["state"] == "done"
-        assert other.get("/api/download/results.csv").content == before
-    assert (tmp_path / "elsewhere/brought/results/results.csv").read_bytes() == before
+        assert other.get("/api/studies/demo/download/results.csv").content == before
+    assert (tmp_path / "elsewhere/demo/results/results.csv").read_bytes() == before
 
 
 def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(finished_client):
-    before = {row["item"]: row for row in finished_client.get("/api/results/rows").json()["rows"]}
-    assert {one["status"] for one in finished_client.get("/api/study").json()["observations"]} == {"done"}
-    one = finished_client.post("/api/measure/contact", json={"item": "o2"}).json()
+    before = {
+        row["item"]: row for row in finished_client.get("/api/studies/demo/results/rows").json()["rows"]
+    }
+    assert {
+        one["status"] for one in finished_client.get("/api/studies/demo/state").json()["observations"]
+    } == {"done"}
+    one = finished_client.post("/api/studies/demo/measure/contact", json={"item": "o2"}).json()
     row, column = one["ellipse_px"]["centre"]
     stroke = {"action": "remove", "points_px": [[row - 110, column]], "radius_px": 40}
     body = {"item": "o2", "expected": 0, "who": "ada", "change": {"strokes": [stroke]}}
-    assert finished_client.post("/api/corrections", json=body).status_code == 201
-    state = finished_client.get("/api/study").json()
+    assert finished_client.post("/api/studies/demo/corrections", json=body).status_code == 201
+    state = finished_client.get("/api/studies/demo/state").json()
     assert {one["item"]: one["status"] for one in state["observations"]} == {
         "o1": "done",
         "o2": "stale",
@@ -169,39 +177,40 @@ def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(finished_cl
     }
     assert not state["results"]["fresh"]
     assert (
-        finished_client.get("/api/results/rows").json()["rows"][1]["gross_area_mm2"]
+        finished_client.get("/api/studies/demo/results/rows").json()["rows"][1]["gross_area_mm2"]
         == before["o2"]["gross_area_mm2"]
     )
-    seen = finished_client.post("/api/measure/contact", json={"item": "o2"}).json()["numbers"]
+    seen = finished_client.post("/api/studies/demo/measure/contact", json={"item": "o2"}).json()["numbers"]
     run_of(finished_client)
-    after = {row["item"]: row for row in finished_client.get("/api/results/rows").json()["rows"]}
+    after = {row["item"]: row for row in finished_client.get("/api/studies/demo/results/rows").json()["rows"]}
     assert after["o2"]["gross_area_mm2"] == pytest.approx(seen["gross_area_mm2"])
     assert after["o2"]["gross_area_mm2"] < before["o2"]["gross_area_mm2"]
     assert after["o1"] == before["o1"]
     assert (after["o2"]["reviewed_by"], after["o2"]["measured_by"]) == ("ada", "corrected")
-    assert finished_client.get("/api/study").json()["results"]["fresh"]
+    assert finished_client.get("/api/studies/demo/state").json()["results"]["fresh"]
 
 
 def test_results_change_without_new_measurements(finished_client):
     """A load or a rejection leaves each item done, and yet the results are no longer those of the study."""
-    state = finished_client.get("/api/study").json()
+    state = finished_client.get("/api/studies/demo/state").json()
     assert state["results"]["fresh"]
     edits = [{"kind": "observation", "key": "o2", "set": {"load_N": 2.5}}]
     state = finished_client.post(
-        "/api/study/edits", json={"expected": state["digest"], "edits": edits}
+        "/api/studies/demo/edits", json={"expected": state["digest"], "edits": edits}
     ).json()
     assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
     run_of(finished_client)
-    assert finished_client.get("/api/study").json()["results"]["fresh"]
+    assert finished_client.get("/api/studies/demo/state").json()["results"]["fresh"]
     finished_client.post(
-        "/api/corrections", json={"item": "o4", "expected": 0, "who": "ada", "change": {"rejected": "no"}}
+        "/api/studies/demo/corrections",
+        json={"item": "o4", "expected": 0, "who": "ada", "change": {"rejected": "no"}},
     )
-    state = finished_client.get("/api/study").json()
+    state = finished_client.get("/api/studies/demo/state").json()
     assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
     run_of(finished_client)
-    rows = {row["item"]: row for row in finished_client.get("/api/results/rows").json()["rows"]}
+    rows = {row["item"]: row for row in finished_client.get("/api/studies/demo/results/rows").json()["rows"]}
     assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
-    pooling = finished_client.get("/api/results/plot").json()["groups"][0]["pooling"]
+    pooling = finished_client.get("/api/studies/demo/results/plot").json()["groups"][0]["pooling"]
     assert [pooling[name] for name in ("contacts", "contacts_pooled", "contacts_rejected")] == [3, 2, 1]
 
 
@@ -209,13 +218,13 @@ def test_results_of_another_picture_are_not_up_to_date(finished_client, finished
     picture = finished / "synthetic" / "synthetic_30deg_2N.png"
     before = picture.read_bytes()
     picture.write_bytes((finished / "synthetic" / "synthetic_30deg_4N.png").read_bytes())
-    state = finished_client.get("/api/study").json()
+    state = finished_client.get("/api/studies/demo/state").json()
     assert (state["counts"]["stale"], state["counts"]["done"], state["results"]["fresh"]) == (1, 2, False)
     picture.write_bytes(before)
-    assert finished_client.get("/api/study").json()["results"]["fresh"]
+    assert finished_client.get("/api/studies/demo/state").json()["results"]["fresh"]
     with sqlite3.connect(finished / "results" / "store.sqlite") as store:
         store.execute("DELETE FROM result WHERE task = 'o2'")
-    state = finished_client.get("/api/study").json()
+    state = finished_client.get("/api/studies/demo/state").json()
     assert (state["counts"]["left"], state["results"]["fresh"]) == (1, False)
 
 
@@ -233,18 +242,18 @@ def test_the_time_left_is_that_of_the_pictures_left(monkeypatch):
 
 
 def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study):
-    state = client.get("/api/study").json()
+    state = client.get("/api/studies/demo/state").json()
     edits = [
         {"kind": "observation", "key": "half", "set": {"file": "synthetic/synthetic_30deg_1N.png"}},
         {"kind": "scale", "key": "camera", "set": {"mm_per_px": 7}},
     ]
-    answer = client.post("/api/study/edits", json={"expected": state["digest"], "edits": edits})
+    answer = client.post("/api/studies/demo/edits", json={"expected": state["digest"], "edits": edits})
     answer.raise_for_status()
     assert 'name = "half"' in (study / "study.toml").read_text()
-    opened = client.get("/api/study").json()
+    opened = client.get("/api/studies/demo/state").json()
     assert [one["item"] for one in opened["observations"] if not one["complete"]] == ["half"]
     words = [one["words"] for one in opened["missing"]]
-    refused = client.post("/api/run", json={})
+    refused = client.post("/api/studies/demo/run", json={})
     assert refused.status_code == 422
     assert [one["words"] for one in refused.json()["faults"]] == words
     assert {"the load is missing", "the wedge angle is missing", "which finger it is is missing"} <= {*words}
@@ -257,9 +266,9 @@ def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study
 
 
 def test_live_results_equal_those_of_the_run(client):
-    live = client.post("/api/measure/contact", json={"item": "o2"}).json()
+    live = client.post("/api/studies/demo/measure/contact", json={"item": "o2"}).json()
     run_of(client)
-    row = client.get("/api/results/rows", params={"text": "o2"}).json()["rows"][0]
+    row = client.get("/api/studies/demo/results/rows", params={"text": "o2"}).json()["rows"][0]
     for key in ("semi_major_mm", "semi_minor_mm_std", "gross_area_mm2", "ridge_period_mm"):
         assert live["numbers"][key] == pytest.approx(row[key])
     for key in (
@@ -275,7 +284,7 @@ def test_one_run_at_a_time_with_events(client):
     heard = []
 
     def listen():
-        with client.stream("GET", "/api/events") as answer:
+        with client.stream("GET", "/api/studies/demo/events") as answer:
             assert answer.headers["content-type"].startswith("text/event-stream")
             for line in answer.iter_lines():
                 heard.append(line)
@@ -285,8 +294,8 @@ def test_one_run_at_a_time_with_events(client):
     listener = threading.Thread(target=listen)
     listener.start()
     assert wait_until(lambda: heard)
-    assert client.post("/api/run", json={}).status_code == 202
-    second = client.post("/api/run", json={})
+    assert client.post("/api/studies/demo/run", json={}).status_code == 202
+    second = client.post("/api/studies/demo/run", json={})
     assert second.status_code == 409, second.text
     assert ended(client)["state"] == "done"
     listener.join(20)
@@ -295,7 +304,7 @@ def test_one_run_at_a_time_with_events(client):
     assert runs[0]["state"] == "running"
     assert runs[-1]["state"] == "done"
     versions = [run["version"] for run in runs]
-    assert versions[-1] == max(versions) == client.get("/api/run").json()["version"]
+    assert versions[-1] == max(versions) == client.get("/api/studies/demo/run").json()["version"]
     assert {run["phase"] for run in runs} >= {"measuring", "tables", "report"}
 
 
@@ -307,23 +316,23 @@ def test_a_cancelled_run_keeps_its_measurements_and_resumes(study):
     workspace = Workspace(study.parent)
     workspace.open_folder(study)
     with serving(workspace) as client:
-        client.post("/api/run", json={})
-        assert wait_until(lambda: client.get("/api/run").json()["done"])
-        assert client.post("/api/run/cancel").status_code == 202
+        client.post("/api/studies/demo/run", json={})
+        assert wait_until(lambda: client.get("/api/studies/demo/run").json()["done"])
+        assert client.post("/api/studies/demo/run/cancel").status_code == 202
         run = ended(client)
         assert run["state"] == "cancelled"
         assert 0 < run["done"] < run["total"]
-        counts = client.get("/api/study").json()["counts"]
+        counts = client.get("/api/studies/demo/state").json()["counts"]
         assert counts["done"] > 0
         assert counts["left"] > 0
         assert run["error"] is None
-        client.post("/api/run", json={})
+        client.post("/api/studies/demo/run", json={})
         again = ended(client)
         assert (again["state"], again["done"]) == ("done", again["total"])
 
 
 def drawing(client):
-    run = client.get("/api/run").json()
+    run = client.get("/api/studies/demo/run").json()
     assert run["state"] == "running"
     return run["phase"] == "report" and run["current"]
 
@@ -334,16 +343,16 @@ def test_a_run_can_be_stopped_while_its_report_is_drawn(finished):
     (finished / "results").mkdir()
     (finished / "results" / "store.sqlite").write_bytes(store)
     with client_of(finished) as client:
-        client.post("/api/run", json={"workers": 2})
+        client.post("/api/studies/demo/run", json={"workers": 2})
         assert wait_until(lambda: drawing(client), 120)
-        client.post("/api/run/cancel")
+        client.post("/api/studies/demo/run/cancel")
         assert ended(client)["state"] == "cancelled"
-        results = client.get("/api/study").json()["results"]
+        results = client.get("/api/studies/demo/state").json()["results"]
         assert (results["there"], results["report"], results["fresh"]) == (False, False, False)
-        assert client.get("/api/download/report.html").status_code == 404
-        client.post("/api/run", json={})
+        assert client.get("/api/studies/demo/download/report.html").status_code == 404
+        client.post("/api/studies/demo/run", json={})
         assert ended(client)["state"] == "done"
-        results = client.get("/api/study").json()["results"]
+        results = client.get("/api/studies/demo/state").json()["results"]
         assert (results["report"], results["fresh"]) == (True, True)
 
 
@@ -351,7 +360,7 @@ def test_closing_the_workspace_stops_its_runs(studies_folder):
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
-        client.post("/api/run", json={})
+        client.post("/api/studies/demo/run", json={})
         study = workspace.study
         workspace.close()
         assert study.run_job.describe()["state"] in {"cancelled", "done"}
@@ -361,8 +370,8 @@ def test_the_page_responds_during_a_run(studies_folder):
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
-        client.post("/api/run", json={})
-        states = [client.get("/api/run").json()["state"] for _ in range(40)]
+        client.post("/api/studies/demo/run", json={})
+        states = [client.get("/api/studies/demo/run").json()["state"] for _ in range(40)]
     assert states[0] == "running"
 
 
@@ -386,7 +395,7 @@ def test_a_bug_in_a_run_is_reported(client, monkeypatch):
 
 
 def rows(client, **params):
-    answer = client.get("/api/results/rows", params=params)
+    answer = client.get("/api/studies/demo/results/rows", params=params)
     assert answer.status_code == 200, answer.text
     return answer.json()
 
@@ -427,7 +436,7 @@ def test_rows_are_filtered_sorted_and_paged(done):
         None,
         None,
     ]
-    assert done.get("/api/results/rows", params={"sort": "nothing"}).status_code == 422
+    assert done.get("/api/studies/demo/results/rows", params={"sort": "nothing"}).status_code == 422
 
 
 @pytest.mark.parametrize("key", ["orientation_deg", "sequence"])
@@ -440,7 +449,7 @@ def test_rows_without_the_value_come_last_whichever_way_they_are_sorted(done, ke
 
 
 def test_plots_hold_each_row_once_and_their_lines(done):
-    groups = done.get("/api/results/plot").json()["groups"]
+    groups = done.get("/api/studies/demo/results/plot").json()["groups"]
     every = rows(done, limit=2000)["rows"]
     placed = [row for row in every if row["radius_from_indentation_mm"] is not None]
     assert sorted(item for group in groups for item in group["rows"]["item"]) == sorted(
@@ -455,13 +464,13 @@ def test_plots_hold_each_row_once_and_their_lines(done):
 
 
 def test_the_budget_adds_up(done):
-    for group in done.get("/api/results/budget").json()["groups"]:
+    for group in done.get("/api/studies/demo/results/budget").json()["groups"]:
         assert sum(group["check"]["shares"].values()) == pytest.approx(1, abs=0.02)
         assert sum(group["pooled"].values()) == pytest.approx(1)
 
 
 def test_figures_are_listed_with_captions_and_can_be_fetched(done):
-    listed = done.get("/api/results/figures").json()["figures"]
+    listed = done.get("/api/studies/demo/results/figures").json()["figures"]
     assert listed
     for figure in listed:
         assert figure["caption"] != figure["name"]
@@ -475,9 +484,9 @@ def test_figures_are_listed_with_captions_and_can_be_fetched(done):
 
 
 def test_figures_are_drawn_for_publication(done):
-    names = [figure["name"] for figure in done.get("/api/results/figures").json()["figures"]]
+    names = [figure["name"] for figure in done.get("/api/studies/demo/results/figures").json()["figures"]]
     name = next(name for name in names if name.endswith("corrected_radius"))
-    details = done.get("/api/results/figure", params={"name": name}).json()
+    details = done.get("/api/studies/demo/results/figure", params={"name": name}).json()
     assert details["width_mm"] == 85
     assert [axis["name"] for axis in details["axes"]] == [
         "normal load W (N)",
@@ -485,7 +494,9 @@ def test_figures_are_drawn_for_publication(done):
     ]
 
     def file(kind, **settings):
-        return done.get("/api/results/figure/file", params={"name": name, "kind": kind, **settings})
+        return done.get(
+            "/api/studies/demo/results/figure/file", params={"name": name, "kind": kind, **settings}
+        )
 
     picture = file("png", width_mm=90, dpi=100, colours="#000000", x_low=0.1, x_scale="log", attachment=True)
     assert picture.headers["content-disposition"] == f'attachment; filename="{name}.png"'
@@ -498,11 +509,11 @@ def test_figures_are_drawn_for_publication(done):
     refused = file("svg", width_mm=2000)
     assert refused.status_code == 422
     assert refused.json()["error"] == "width_mm: a figure is 20 to 500 mm wide and high, found 2000"
-    assert done.get("/api/results/figure", params={"name": "../results"}).status_code == 404
+    assert done.get("/api/studies/demo/results/figure", params={"name": "../results"}).status_code == 404
 
 
 def test_a_download_can_be_saved_under_its_name(done):
-    answer = done.get("/api/download/results.csv", params={"attachment": True})
+    answer = done.get("/api/studies/demo/download/results.csv", params={"attachment": True})
     assert answer.headers["content-disposition"] == 'attachment; filename="results.csv"'
 
 
@@ -513,32 +524,36 @@ def test_pages_of_fingers_stand_beside_the_report(studies_folder):
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
-        answer = client.get("/api/download/report/left_index.html")
+        answer = client.get("/api/studies/demo/download/report/left_index.html")
     assert answer.text == "<!doctype html>"
     assert "default-src 'none'" in answer.headers["content-security-policy"]
 
 
 def test_the_fingers_are_known_after_a_run(done):
-    finger = done.get("/api/study").json()["fingers"][2]
+    finger = done.get("/api/studies/demo/state").json()["fingers"][2]
     assert finger["semi_axes_mm"]["palmar"] == pytest.approx(7.9, rel=0.02)
-    found = done.post("/api/geometry", json={"finger": "synthetic_pad"}).json()
+    found = done.post("/api/studies/demo/geometry", json={"finger": "synthetic_pad"}).json()
     assert found["mean_curvature_radius_mm_std"] > 0
-    frame = done.post("/api/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
+    frame = done.post("/api/studies/demo/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
     assert frame["model"]["load_N"] > 0
 
 
 def test_frames_know_their_rows_after_a_run(done):
-    frames = done.get("/api/study/frames", params={"sequence": "synthetic_press_30deg"}).json()["frames"]
+    frames = done.get("/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg"}).json()[
+        "frames"
+    ]
     assert {"none", "measured"} == {frame["status"] for frame in frames}
     assert any(frame["pooled"] for frame in frames)
-    live = done.post("/api/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
+    live = done.post("/api/studies/demo/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
     row = next(row for row in rows(done, limit=2000)["rows"] if row["item"] == "synthetic_press_30deg#12")
     assert live["numbers"]["gross_area_mm2"] == pytest.approx(row["gross_area_mm2"])
 
 
 def test_signal_of_a_sequence_agrees_with_its_frames(done):
-    signal = done.get("/api/study/signal", params={"sequence": "synthetic_press_30deg"}).json()
-    frames = done.get("/api/study/frames", params={"sequence": "synthetic_press_30deg"}).json()["frames"]
+    signal = done.get("/api/studies/demo/signal", params={"sequence": "synthetic_press_30deg"}).json()
+    frames = done.get("/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg"}).json()[
+        "frames"
+    ]
     timed = [(frame["frame"], frame["time_s"]) for frame in frames if frame["time_s"] is not None]
     assert signal["start_s"] == pytest.approx(timed[0][1] - timed[0][0] / 20)
     assert max(signal["load_N"]) == pytest.approx(2, rel=0.02)
@@ -549,21 +564,21 @@ def test_signal_of_a_sequence_agrees_with_its_frames(done):
 def test_inconsistent_results_are_named(finished_client, finished):
     other = (finished / "results" / "results.csv").read_bytes()
     (finished / "results" / "results.csv").write_bytes(other[: len(other) // 2])
-    results = finished_client.get("/api/study").json()["results"]
+    results = finished_client.get("/api/studies/demo/state").json()["results"]
     assert results["faults"] == ["results.csv: is not the file that the last run wrote"]
     assert not results["there"]
     for route in ("rows", "plot", "figures"):
-        answer = finished_client.get(f"/api/results/{route}")
+        answer = finished_client.get(f"/api/studies/demo/results/{route}")
         assert answer.status_code == 409
         assert "results.csv: is not the file" in answer.json()["error"]
     run_of(finished_client)
-    results = finished_client.get("/api/study").json()["results"]
+    results = finished_client.get("/api/studies/demo/state").json()["results"]
     assert (results["faults"], results["there"]) == ([], True)
 
 
 def test_the_state_does_not_check_the_results_again(done, monkeypatch):
     """Whatever the number of fingers and sequences, whose state is from them."""
-    before = done.get("/api/study").json()
+    before = done.get("/api/studies/demo/state").json()
     connect, connected = sqlite3.connect, []
 
     def counted(*args, **options):
@@ -571,17 +586,17 @@ def test_the_state_does_not_check_the_results_again(done, monkeypatch):
         return connect(*args, **options)
 
     monkeypatch.setattr(sqlite3, "connect", counted)
-    assert done.get("/api/study").json() == before
+    assert done.get("/api/studies/demo/state").json() == before
     assert before["results"]["there"]
     assert len(connected) == 1  # for the state of each item
 
 
 def test_a_file_that_was_changed_after_the_run_is_not_handed_out(finished_client, finished):
     report = finished / "results" / "report.html"
-    assert finished_client.get("/api/download/report.html").status_code == 200
+    assert finished_client.get("/api/studies/demo/download/report.html").status_code == 200
     with report.open("a") as file:
         file.write("<p>other</p>")
-    answer = finished_client.get("/api/download/report.html")
+    answer = finished_client.get("/api/studies/demo/download/report.html")
     assert answer.status_code == 409
     assert answer.json()["error"].startswith(
         "report.html: is not the file that the last run wrote: run the study"
@@ -589,9 +604,9 @@ def test_a_file_that_was_changed_after_the_run_is_not_handed_out(finished_client
 
 
 def test_a_lost_result_is_named_at_once(finished_client, finished):
-    assert finished_client.get("/api/study").json()["results"]["faults"] == []
+    assert finished_client.get("/api/studies/demo/state").json()["results"]["faults"] == []
     (finished / "results" / "summary.json").unlink()
-    assert finished_client.get("/api/study").json()["results"]["faults"] == [
+    assert finished_client.get("/api/studies/demo/state").json()["results"]["faults"] == [
         "summary.json: is missing or cannot be read"
     ]
 
@@ -602,6 +617,6 @@ def test_results_without_a_row_can_be_searched(study):
     run_study(manifest, study / "results")
     with client_of(study) as client:
         for query in ({"text": "a"}, {"flag": "low_contrast"}):
-            answer = client.get("/api/results/rows", params=query)
+            answer = client.get("/api/studies/demo/results/rows", params=query)
             assert answer.status_code == 200, answer.text
             assert answer.json()["rows"] == []

@@ -41,7 +41,7 @@ def large(tmp_path_factory):
 
 def test_a_study_of_two_thousand_pictures_opens_without_reading_them(large):
     assert large.post("/api/session/open", json={"name": "large"}).status_code == 200
-    state = large.get("/api/study")
+    state = large.get("/api/studies/large/state")
     found = state.json()
     assert len(found["observations"]) == found["counts"]["left"] == COUNT
     assert found["missing"] == []

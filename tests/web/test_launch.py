@@ -95,11 +95,11 @@ def test_two_launches_stand_side_by_side_until_each_is_stopped(studies_folder):
                 assert "<html" in page.text
             # The second has not taken the first one's cookie.
             first_at, second_at = (address.partition("/start")[0] for address in addresses)
-            assert client.get(f"{first_at}/api/study").json()["name"] == "demo"
+            assert client.get(f"{first_at}/api/studies/demo/state").json()["name"] == "demo"
             session = client.get(f"{second_at}/api/session").json()
             assert session["study"] is None
             assert [study["name"] for study in session["studies"]] == ["demo"]
-            with client.stream("GET", f"{first_at}/api/events") as events:
+            with client.stream("GET", f"{first_at}/api/studies/demo/events") as events:
                 assert events.status_code == 200
                 ended(first)  # a page that listens does not hold it up
             ended(second)

@@ -9,24 +9,28 @@ from tests.workbooks import workbook
 
 def test_identity_of_a_file(client) -> None:
     upload(client, "IMG_1.csv", b"time_s,force_N,displacement_mm\n0,0,0\n")
-    found = client.get("/api/files/identity", params={"file": "uploads/IMG_1.csv"}).json()
+    found = client.get("/api/studies/demo/files/identity", params={"file": "uploads/IMG_1.csv"}).json()
     assert (found["contents"][0], found["sure"]) == ("loading curve", True)
     record = upload(client, "IMG_2.mat", mat(time_s=[0, 1], force_N=[0, 2])).json()
     assert (record["kind"], record["columns"]) == ("table", ["time_s", "force_N"])
-    found = client.get("/api/files/identity", params={"file": record["file"]}).json()
+    found = client.get("/api/studies/demo/files/identity", params={"file": record["file"]}).json()
     assert (found["contents"][0], found["sure"]) == ("force table", True)
-    found = client.get("/api/files/identity", params={"file": "synthetic/photograph_radial.jpg"}).json()
+    found = client.get(
+        "/api/studies/demo/files/identity", params={"file": "synthetic/photograph_radial.jpg"}
+    ).json()
     assert (found["contents"][0], found["faces"][0], found["face_sure"]) == ("photograph", "radial", True)
-    assert client.get("/api/files/identity", params={"file": "../../etc/passwd"}).status_code == 404
+    assert (
+        client.get("/api/studies/demo/files/identity", params={"file": "../../etc/passwd"}).status_code == 404
+    )
 
 
 def test_a_workbook_is_kept_and_joined(client) -> None:
     record = upload(client, "details.xlsx", workbook(SHEET, SHARED)).json()
     assert (record["kind"], record["columns"]) == ("table", ["File", "Load N", "", "theta (deg)"])
-    listed = {file["file"]: file for file in client.get("/api/study").json()["files"]}
+    listed = {file["file"]: file for file in client.get("/api/studies/demo/state").json()["files"]}
     assert listed["uploads/details.xlsx"]["used"] is False
     files = ["uploads/IMG_1.png", "uploads/IMG_2.png"]
-    answer = client.post("/api/files/table", json={"file": record["file"], "files": files})
+    answer = client.post("/api/studies/demo/files/table", json={"file": record["file"], "files": files})
     assert answer.status_code == 200, answer.text
     joined = answer.json()
     assert [one["file"] for one in joined["files"]] == files[:1]
@@ -50,7 +54,7 @@ def test_a_damaged_workbook_is_refused_and_not_kept(client, studies_folder) -> N
     ],
 )
 def test_refusals_say_why(client, path: str, body: dict, words: str) -> None:
-    answer = client.post(f"/api/files/{path}", json=body)
+    answer = client.post(f"/api/studies/demo/files/{path}", json=body)
     assert answer.status_code == 422
     assert words in answer.json()["error"]
 
@@ -59,6 +63,6 @@ def test_pattern(client) -> None:
     upload(client, "S1_LI_30deg_500mN.png", png())
     files = ["uploads/S1_LI_30deg_500mN.png", "uploads/x.png"]
     body = {"pattern": "S{person}_{finger}_{wedge}deg_{load}mN", "files": files}
-    fit, other = client.post("/api/files/pattern", json=body).json()["files"]
+    fit, other = client.post("/api/studies/demo/files/pattern", json=body).json()["files"]
     assert (fit["values"]["person"], fit["values"]["load_N"], fit["problem"]) == ("1", 0.5, "")
     assert other["problem"] == "does not fit the pattern"

@@ -20,7 +20,8 @@ from fingerpad.web.routes import ENDPOINTS
 from fingerpad.web.workspace import Workspace
 
 # They change the open study, start a run, or do not end.
-STATEFUL = ("/api/session/", "/api/run", "/api/events")
+STUDY = "/api/studies/{study}"
+STATEFUL = ("/api/session/", f"{STUDY}/run", f"{STUDY}/events")
 KNOWN = {(one.method, one.plain_path) for one in ENDPOINTS}
 # The nightly profile draws more, and others each time.
 EXAMPLES = 100 if os.environ.get("HYPOTHESIS_PROFILE") == "nightly" else 5
@@ -73,8 +74,9 @@ def use_known_names(case):
         "finger": "left_index_ellipse",
         "scale": "reader",
         "workers": 2,
+        "study": "demo",
     }
-    for stated in (case.body, case.query):
+    for stated in (case.body, case.query, case.path_parameters):
         if isinstance(stated, dict):
             stated |= {key: value for key, value in known.items() if key in stated}
 
@@ -112,7 +114,7 @@ def test_no_request_causes_a_server_error(fuzzed, method, path, mode):
 def test_no_order_of_opening_running_and_closing_causes_a_server_error(tmp_path_factory, mode):
     with serving(make_workspace(tmp_path_factory)) as client:
         for operation in described().values():
-            if operation.path.startswith(STATEFUL) and operation.path != "/api/events":
+            if operation.path.startswith(STATEFUL) and operation.path != f"{STUDY}/events":
                 fuzz(client, operation, mode)
         assert client.get("/api/session").status_code == 200
 
@@ -160,6 +162,6 @@ def test_every_key_that_the_scripts_use_is_declared():
 def test_undocumented_methods_are_not_allowed(fuzzed):
     for method, path in KNOWN:
         for other in {"GET", "POST", "PUT", "DELETE", "PATCH"} - {m for m, p in KNOWN if p == path}:
-            answer = fuzzed.request(other, path.replace("{path}", "x"))
+            answer = fuzzed.request(other, path.format(study="demo", path="x"))
             assert answer.status_code == 405, (other, path)
         assert method != "PATCH"

@@ -45,7 +45,8 @@ def test_the_loopback_answers_by_each_of_its_names(standing, name):
 
 
 @pytest.mark.parametrize(
-    "path", ["/", "/api/session", "/api/study", "/static/index.html", "/nowhere", "/api/openapi.json"]
+    "path",
+    ["/", "/api/session", "/api/studies/demo/state", "/static/index.html", "/nowhere", "/api/openapi.json"],
 )
 @pytest.mark.parametrize(
     "headers", [{}, {"authorization": "Bearer no"}, {"authorization": "Basic eDp5"}, {"cookie": "x=y"}]
@@ -141,7 +142,8 @@ def test_the_cookie_of_one_launch_does_not_serve_another():
     ],
 )
 @pytest.mark.parametrize(
-    ("method", "path"), [("GET", "/api/study"), ("POST", "/api/run"), ("POST", "/api/session/example")]
+    ("method", "path"),
+    [("GET", "/api/studies/demo/state"), ("POST", "/api/studies/demo/run"), ("POST", "/api/session/example")],
 )
 def test_other_pages_are_refused_even_with_the_token(standing, method, path, headers):
     assert (
@@ -171,7 +173,7 @@ def test_every_response_has_the_security_headers(standing, path):
 
 
 def test_the_report_may_stand_in_the_page_and_runs_no_script(done):
-    policy = done.get("/api/download/report.html").headers["content-security-policy"]
+    policy = done.get("/api/studies/demo/download/report.html").headers["content-security-policy"]
     assert "default-src 'none'" in policy
     assert "script-src" not in policy
     assert "frame-ancestors 'self'" in policy
@@ -200,7 +202,7 @@ OUTSIDE = [
 
 @pytest.mark.parametrize("path", OUTSIDE)
 def test_downloads_reach_only_what_the_run_wrote(done, path):
-    answer = done.get(httpx.URL(f"{done.base_url}/api/download/{path}"))
+    answer = done.get(httpx.URL(f"{done.base_url}/api/studies/demo/download/{path}"))
     assert answer.status_code in {403, 404}, answer.text
 
 
@@ -230,7 +232,7 @@ def test_downloads_reach_only_what_the_run_wrote(done, path):
 )
 @pytest.mark.parametrize("kind", ["info", "preview", "thumbnail", "overlay"])
 def test_items_are_names_and_never_paths(done, item, kind):
-    answer = done.get(f"/api/picture/{kind}", params={"item": item})
+    answer = done.get(f"/api/studies/demo/picture/{kind}", params={"item": item})
     assert answer.status_code == 404, answer.text
 
 
@@ -241,11 +243,11 @@ def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, studies_fo
     shutil.copy(studies_folder / "demo/synthetic/synthetic_30deg_1N.png", studies_folder / "outside.png")
     (frames / "f1.png").symlink_to(studies_folder / "outside.png")
     edits = {
-        "expected": client.get("/api/study").json()["digest"],
+        "expected": client.get("/api/studies/demo/state").json()["digest"],
         "edits": [{"kind": "sequence", "key": "draft", "set": {"file": "frames"}}],
     }
-    client.post("/api/study/edits", json=edits).raise_for_status()
-    answer = client.get(f"/api/picture/{kind}", params={"item": "draft#0"})
+    client.post("/api/studies/demo/edits", json=edits).raise_for_status()
+    answer = client.get(f"/api/studies/demo/picture/{kind}", params={"item": "draft#0"})
     assert answer.status_code == 422
     assert "'frames/f1.png' is a link that leaves the study folder" in answer.json()["error"]
 
@@ -259,7 +261,7 @@ def test_a_coin_is_a_picture_of_the_study(done, coin, path):
         "length": {"scale": scale, "line_px": [[0, 0], [0, 10]]},
         "contact": {"item": "synthetic_30deg_2N", "scale": scale},
     }[path]
-    answer = done.post(f"/api/measure/{path}", json=params)
+    answer = done.post(f"/api/studies/demo/measure/{path}", json=params)
     assert answer.status_code == 404, answer.text
     assert "root:" not in answer.text
 
@@ -284,7 +286,7 @@ def test_static_files_stay_in_their_folder(standing):
 
 
 def test_a_body_that_is_too_large_is_refused(standing):
-    answer = standing.post("/api/corrections", content=b" " * 9_000_000)
+    answer = standing.post("/api/studies/demo/corrections", content=b" " * 9_000_000)
     assert answer.status_code == 413
 
 

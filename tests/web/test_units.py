@@ -105,22 +105,22 @@ def unit_of(key: str) -> str | None:
 
 def answers(client: Any) -> Iterator[tuple[str, Any]]:
     for path in (
-        "/api/study",
-        "/api/study/frames?sequence=synthetic_press_30deg",
-        "/api/results/rows",
-        "/api/results/plot",
-        "/api/results/budget",
+        "/api/studies/demo/state",
+        "/api/studies/demo/frames?sequence=synthetic_press_30deg",
+        "/api/studies/demo/results/rows",
+        "/api/studies/demo/results/plot",
+        "/api/studies/demo/results/budget",
         "/api/published",
-        f"/api/picture/info?item={CONTACT}",
-        f"/api/corrections?item={CONTACT}",
+        f"/api/studies/demo/picture/info?item={CONTACT}",
+        f"/api/studies/demo/corrections?item={CONTACT}",
     ):
         yield path, client.get(path).raise_for_status().json()
     for path, body in (
-        ("/api/measure/contact", {"item": CONTACT, "change": {"threshold": 100}}),
-        ("/api/measure/photograph", {"item": PHOTOGRAPH, "with_finger": True}),
-        ("/api/measure/scale", {"table": {"ppi": 500}}),
-        ("/api/measure/length", {"scale": {"ppi": 500}, "line_px": [[0, 0], [0, 100]]}),
-        ("/api/geometry", {"finger": "synthetic_pad"}),
+        ("/api/studies/demo/measure/contact", {"item": CONTACT, "change": {"threshold": 100}}),
+        ("/api/studies/demo/measure/photograph", {"item": PHOTOGRAPH, "with_finger": True}),
+        ("/api/studies/demo/measure/scale", {"table": {"ppi": 500}}),
+        ("/api/studies/demo/measure/length", {"scale": {"ppi": 500}, "line_px": [[0, 0], [0, 100]]}),
+        ("/api/studies/demo/geometry", {"finger": "synthetic_pad"}),
     ):
         yield path, client.post(path, json=body).raise_for_status().json()
 
@@ -145,14 +145,14 @@ def test_every_number_has_the_unit_of_its_column(done):
 
 def test_numbers_are_those_of_the_tables(done):
     """A quantity that has a column is the column's value, in its unit."""
-    rows = {row["item"]: row for row in done.get("/api/results/rows?limit=2000").json()["rows"]}
-    for group in done.get("/api/results/plot").json()["groups"]:
+    rows = {row["item"]: row for row in done.get("/api/studies/demo/results/rows?limit=2000").json()["rows"]}
+    for group in done.get("/api/studies/demo/results/plot").json()["groups"]:
         shown = group["rows"]
         for place, item in enumerate(shown["item"]):
             assert {key: shown[key][place] for key in shown if key != "item"} == {
                 key: rows[item][key] for key in shown if key != "item"
             }
-    model = done.post("/api/measure/contact", json={"item": CONTACT}).json()
+    model = done.post("/api/studies/demo/measure/contact", json={"item": CONTACT}).json()
     found = {**model["numbers"], **model["model"]}
     shared = [key for key in found if key in COLUMNS and isinstance(found[key], float)]
     assert len(shared) > 20

@@ -22,15 +22,14 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Scope
 
 import fingerpad
 from fingerpad.exceptions import FingerpadError
 from fingerpad.web.endpoints import IMMUTABLE, openapi
 from fingerpad.web.routes import ENDPOINTS
 from fingerpad.web.security import START, Access, Guard, closed_page, cookie_name
-from fingerpad.web.study_session import OF_STUDY
-from fingerpad.web.workspace import PLOTLY_ADDRESS, REQUESTED, Workspace
+from fingerpad.web.workspace import PLOTLY_ADDRESS, Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
 
@@ -74,22 +73,7 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
         ],
         exception_handlers={HTTPException: _not_there},
     )
-    return _OfStudy(Guard(starlette, access))
-
-
-class _OfStudy:
-    """ASGI middleware that takes the name of a study from the start of an address."""
-
-    def __init__(self, app: ASGIApp) -> None:
-        self._app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http" and scope["path"].startswith(OF_STUDY):
-            name, _, path = scope["path"].removeprefix(OF_STUDY).partition("/")
-            if path.startswith("api/"):
-                REQUESTED.set(name)
-                scope = {**scope, "path": f"/{path}", "raw_path": None}
-        await self._app(scope, receive, send)
+    return Guard(starlette, access)
 
 
 class _Static(StaticFiles):

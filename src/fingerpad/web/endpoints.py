@@ -23,7 +23,7 @@ from fingerpad.study.manifest.models import Pixel
 from fingerpad.web.answers.base import Answer, Refusal
 from fingerpad.web.answers.study import EVENTS
 from fingerpad.web.errors import RequestError
-from fingerpad.web.workspace import Workspace
+from fingerpad.web.workspace import REQUESTED, Workspace
 
 BODY_LIMIT: Final = 8_000_000
 # Headers of what has another address once it changes.
@@ -94,7 +94,9 @@ class Endpoint:
 
         async def respond(request: Request) -> Response:
             try:
-                params = validated_query(self.query, {**request.query_params, **request.path_params})
+                place = dict(request.path_params)
+                REQUESTED.set(place.pop("study", None))
+                params = validated_query(self.query, {**request.query_params, **place})
                 if self.streamed:
                     with plain_errors():
                         return self._response(await self.answer(workspace, params, request))
@@ -252,8 +254,7 @@ def openapi(operations: Sequence[Endpoint], version: str) -> dict[str, Any]:
         "info": {
             "title": "fingerpad",
             "version": version,
-            "description": "The API under the page of fingerpad app. A request is about the study that was "
-            "opened last; with /of/NAME before its path it is about the study NAME of the workspace.",
+            "description": "The API under the page of fingerpad app.",
         },
         "components": {
             "securitySchemes": {"token": {"type": "http", "scheme": "bearer"}},
@@ -276,6 +277,8 @@ def _described(operation: Endpoint) -> dict[str, Any]:
         }
         for name, what in schema.get("properties", {}).items()
     ]
+    if "study" in in_path:
+        parameters.append({"name": "study", "in": "path", "required": True, "schema": {"type": "string"}})
     content: dict[str, Any] = (
         {operation.media: {"schema": {"type": "string"}}}
         if operation.model is None

@@ -2,10 +2,13 @@
 import type { components, paths } from "api";
 
 type Method = "get" | "post" | "delete";
-type Operation<P extends keyof paths, M extends Method> = paths[P][M];
+/** The scripts write the addresses of a study without what all of them begin with. */
+type Short<P> = P extends `/api/studies/{study}${infer Rest}` ? Rest : P;
+type Operations = { [P in keyof paths as Short<P>]: paths[P] };
+type Operation<P extends keyof Operations, M extends Method> = Operations[P][M];
 type PathsWith<M extends Method> = {
-  [P in keyof paths]: [Exclude<paths[P][M], undefined>] extends [never] ? never : P;
-}[keyof paths];
+  [P in keyof Operations]: [Exclude<Operations[P][M], undefined>] extends [never] ? never : P;
+}[keyof Operations];
 type Json<T> = T extends { content: { "application/json": infer Content } } ? Content : never;
 type Success<R> = Json<R[Extract<keyof R, 200 | 201 | 202>]>;
 
@@ -14,11 +17,11 @@ declare global {
   type GetPath = PathsWith<"get">;
   type PostPath = PathsWith<"post">;
   type DeletePath = PathsWith<"delete">;
-  type AnswerTo<P extends keyof paths, M extends Method> =
+  type AnswerTo<P extends keyof Operations, M extends Method> =
     Operation<P, M> extends { responses: infer R } ? Success<R> : never;
-  type QueryOf<P extends keyof paths, M extends Method> =
+  type QueryOf<P extends keyof Operations, M extends Method> =
     Operation<P, M> extends { parameters: { query?: infer Q } } ? Q : never;
-  type BodyOf<P extends keyof paths, M extends Method> =
+  type BodyOf<P extends keyof Operations, M extends Method> =
     Operation<P, M> extends { requestBody: infer B } ? Json<B> : Record<string, never>;
 
   /** (row, column) in pixels of the full image. */
@@ -33,12 +36,12 @@ declare global {
   type ContactMeasurement = Answers["ContactMeasurement"];
   type PhotographMeasurement = Answers["PhotographMeasurement"];
   type ScaleMeasurement = Answers["ScaleMeasurement"];
-  type AnyScale = Exclude<BodyOf<"/api/measure/scale", "post">["table"], string>;
+  type AnyScale = Exclude<BodyOf<"/measure/scale", "post">["table"], string>;
   /** A scale's table as the manifest states it; it may not be complete. */
   type ScaleTable = { [K in AnyScale extends infer T ? (T extends T ? keyof T : never) : never]?: any };
-  type Edit = BodyOf<"/api/study/edits", "post">["edits"][number];
-  type ContactChange = NonNullable<BodyOf<"/api/measure/contact", "post">["change"]>;
-  type PhotographChange = NonNullable<BodyOf<"/api/measure/photograph", "post">["change"]>;
+  type Edit = BodyOf<"/edits", "post">["edits"][number];
+  type ContactChange = NonNullable<BodyOf<"/measure/contact", "post">["change"]>;
+  type PhotographChange = NonNullable<BodyOf<"/measure/photograph", "post">["change"]>;
   type Change = ContactChange & PhotographChange;
 
   /** A view of one step; `navigate` returns whether it can show the rest of an address. */

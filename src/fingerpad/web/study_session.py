@@ -36,8 +36,6 @@ from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures
 from fingerpad.web.run_job import RunJob
 
-# Before the name of a study at the start of an address.
-OF_STUDY: Final = "/of/"
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
 # Where an incomplete contact is measured: no model may use them.
@@ -85,8 +83,8 @@ class StudySession:
         return self.folder.name
 
     def address(self, path: str) -> str:
-        """Return the address of a request that is about this study, whichever was opened last."""
-        return f"{OF_STUDY}{quote(self.name, safe='')}{path}"
+        """Return the address of a request about this study."""
+        return f"/api/studies/{quote(self.name, safe='')}{path}"
 
     def close(self) -> None:
         """Cancel the run, and wait until it has stopped; disconnect the listeners."""

@@ -126,7 +126,7 @@ def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
     manifest = empty_tab.folder / "index-finger" / "study.toml"
     for entered, kept in [("0.5", True), ("", False)]:
         wedge.fill(entered)
-        with page.expect_response("**/api/study/edits"):
+        with page.expect_response("**/api/studies/*/edits"):
             wedge.press("Enter")
         settle(page)
         assert ("wedge_angle_deg_std" in manifest.read_text()) is kept

@@ -165,7 +165,7 @@ def test_each_window_has_its_own_study(tab: Tab, demo) -> None:
     two.goto(f"{tab.server.host}/#/photographs")
     two.reload()
     two.wait_for_function(
-        "() => document.querySelector('.stage .picture')?.src.includes('/of/other/api/picture/preview')"
+        "() => document.querySelector('.stage .picture')?.src.includes('/api/studies/other/picture/preview')"
     )
     one.get_by_role("heading", name="Left index finger pad").wait_for()
     said = [tomllib.loads((demo.parent / name / "study.toml").read_text()) for name in ("demo", "other")]
@@ -174,7 +174,7 @@ def test_each_window_has_its_own_study(tab: Tab, demo) -> None:
 
 def test_a_study_that_was_left_is_not_opened_again_by_a_late_state(tab: Tab) -> None:
     page = tab.open("study")
-    late = Late(page, "**/api/study")
+    late = Late(page, "**/api/studies/*/state")
     own = "import(document.querySelector('[type=module]').src.replace('app.js', 'core/workspace.js'))"
     page.evaluate(f"() => {{ {own}.then(({{ workspace }}) => workspace.reload()) }}")
     late.wait()
@@ -196,7 +196,7 @@ def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) ->
     one.mouse.down()
     one.mouse.move(x - 25, y, steps=5)
     moving(one, before)
-    with one.expect_response("**/api/corrections?*"):
+    with one.expect_response("**/api/studies/*/corrections?*"):
         two.get_by_label("Threshold, grey levels").fill("70")
         two.get_by_label("Threshold, grey levels").press("Enter")
     one.wait_for_timeout(1000)  # in which a measurement under their correction would move it
@@ -210,7 +210,7 @@ def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) ->
 
 def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None:
     tab.expected.append("409")
-    tab.context.route("**/api/events", lambda route: route.abort())
+    tab.context.route("**/api/studies/*/events", lambda route: route.abort())
     tab.expected.append("ERR_FAILED")
     one = tab.open(f"contacts/images/{PRINT}")
     two = tab.context.new_page()
@@ -283,14 +283,14 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
 
 def test_late_state_does_not_replace_a_newer_one(tab: Tab, demo) -> None:
     page = tab.open("study")
-    late = Late(page, "**/api/study")
+    late = Late(page, "**/api/studies/*/state")
     page.locator("input[type=file]").set_input_files([demo / "observations.csv"])
     late.wait()
     title = page.get_by_label("Title", exact=True)
     title.fill("Kept since")
     title.press("Enter")
     page.get_by_role("heading", name="Kept since").wait_for()
-    with page.expect_response("**/api/study"):
+    with page.expect_response("**/api/studies/*/state"):
         late.let_go()
     settle(page)
     expect(page.get_by_role("heading", name="Kept since")).to_be_visible()
@@ -299,7 +299,7 @@ def test_late_state_does_not_replace_a_newer_one(tab: Tab, demo) -> None:
 def first_edit_on_its_way(tab: Tab) -> tuple[Page, Late]:
     """Type an uncertainty and go to the next, while the answer to the first is held back."""
     page = tab.open("study")
-    late = Late(page, "**/api/study/edits")
+    late = Late(page, "**/api/studies/*/edits")
     page.get_by_label("Wedge angle ±").fill("0.6")
     page.keyboard.press("Tab")
     return page, late
@@ -316,11 +316,11 @@ def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:
     late.let_go()
     page.keyboard.type("25")
     expect(page.get_by_label("Roll angle ±")).to_have_value("0.25")
-    with page.expect_response("**/api/study/edits"):
+    with page.expect_response("**/api/studies/*/edits"):
         page.keyboard.press("Tab")
     settle(page)
     page.keyboard.type("0.02")
-    with page.expect_response("**/api/study/edits"):
+    with page.expect_response("**/api/studies/*/edits"):
         page.keyboard.press("Enter")
     settle(page)
     expect(page.get_by_label("Load, relative ±")).to_have_value("0.02")

@@ -444,7 +444,7 @@ def test_limits_of_phases_are_moved_manually(tab: Tab, demo) -> None:
     )
     assert {one["phase"]: one["start_s"] for one in record["change"]["phases"]["starts"]}["hold"] == moved
     # By keys, no further than the next limit, while the answer to the move before is still to come.
-    late = Late(page, "**/api/corrections", lambda asked: asked.method == "POST")
+    late = Late(page, "**/api/studies/*/corrections", lambda asked: asked.method == "POST")
     hold.focus()
     hold.press("ArrowLeft")
     hold.press("ArrowLeft")

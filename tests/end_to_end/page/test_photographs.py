@@ -127,7 +127,9 @@ def test_a_late_answer_does_not_replace_a_newer_one(tab: Tab) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")
     handle = focus(page, "End of the semi-axis across")
-    late = Late(page, "**/api/measure/photograph", lambda asked: "handles" not in asked.post_data_json)
+    late = Late(
+        page, "**/api/studies/*/measure/photograph", lambda asked: "handles" not in asked.post_data_json
+    )
     handle.press("Shift+ArrowRight")
     late.wait()
     page.keyboard.press("u")

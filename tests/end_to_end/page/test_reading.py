@@ -41,7 +41,7 @@ def test_a_run_with_nothing_to_measure_does_not_say_that_nothing_is_measured(tab
         found = route.fetch().json()
         route.fulfill(json={**found, "version": found["version"] + 1000, **state})
 
-    tab.page.route("**/api/run", answer)
+    tab.page.route("**/api/studies/*/run", answer)
     for total, done, words in (
         (0, 0, "reading files and scales"),
         (1000, 400, "400 of 1000 measured"),
@@ -147,7 +147,7 @@ def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
 @pytest.mark.parametrize(("left", "then"), [("plot", "table"), ("rows", "plot"), ("budget", "audit")])
 def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: str) -> None:
     page = tab.go("pad")
-    late = Late(page, f"**/api/results/{left}*")
+    late = Late(page, f"**/api/studies/*/results/{left}*")
     tab.go("results/table" if left == "rows" else f"results/{left}")
     late.wait()
     tab.go(f"results/{then}")

@@ -47,7 +47,7 @@ def test_a_decimal_comma_is_a_decimal_point_or_is_refused(example_tab: Tab, exam
         return load.evaluate("field => field.validationMessage")
 
     for typed in ("0,5", "0.25", ",75", "1,5e-1"):
-        with page.expect_response("**/api/study/edits"):
+        with page.expect_response("**/api/studies/*/edits"):
             assert enter(typed) == ""
         expect(load).to_have_value(str(float(typed.replace(",", "."))))
         (saved,) = [one for one in manifest(example)["observations"] if one["name"] == "contact_1N"]

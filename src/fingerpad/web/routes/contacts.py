@@ -61,7 +61,7 @@ class ContactParams(Params):
 
 @endpoint(
     "POST",
-    "/api/measure/contact",
+    "/api/studies/{study}/measure/contact",
     "Measure a contact image under a correction, without storing it",
     answers.ContactMeasurement,
 )
@@ -107,7 +107,7 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
 
 @endpoint(
     "POST",
-    "/api/measure/levels",
+    "/api/studies/{study}/measure/levels",
     "Histogram of an image's levels, to choose a threshold by",
     answers.ContactLevels,
 )

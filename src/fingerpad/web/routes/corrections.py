@@ -85,7 +85,7 @@ def pooling_correction(active_correction: ActiveCorrection | None) -> dict[str, 
     }
 
 
-@endpoint("GET", "/api/corrections", "Corrections of an item", Corrections)
+@endpoint("GET", "/api/studies/{study}/corrections", "Corrections of an item", Corrections)
 def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     """Return the corrections of an item."""
     opened = workspace.study
@@ -93,7 +93,9 @@ def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
     return _document(opened, params)
 
 
-@endpoint("POST", "/api/corrections", "Correct an item", Corrections, status=HTTPStatus.CREATED)
+@endpoint(
+    "POST", "/api/studies/{study}/corrections", "Correct an item", Corrections, status=HTTPStatus.CREATED
+)
 def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
     """Save a correction; it is on the disk before the response."""
     opened = workspace.study
@@ -116,7 +118,7 @@ def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
 
 @endpoint(
     "POST",
-    "/api/corrections/undo",
+    "/api/studies/{study}/corrections/undo",
     "Undo the last correction",
     Corrections,
     status=HTTPStatus.CREATED,
@@ -127,7 +129,13 @@ def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     return _save(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
 
 
-@endpoint("POST", "/api/corrections/redo", "Redo what was undone", Corrections, status=HTTPStatus.CREATED)
+@endpoint(
+    "POST",
+    "/api/studies/{study}/corrections/redo",
+    "Redo what was undone",
+    Corrections,
+    status=HTTPStatus.CREATED,
+)
 def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
     """Redo the correction that was undone last."""
     log = _log(workspace.study, params)
@@ -136,7 +144,7 @@ def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
 
 @endpoint(
     "GET",
-    "/api/corrections/similar",
+    "/api/studies/{study}/corrections/similar",
     "Images of the same finger and device, with what their corrections would become",
     SimilarImages,
 )
@@ -179,7 +187,7 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
 
 @endpoint(
     "GET",
-    "/api/study/second-operator",
+    "/api/studies/{study}/second-operator",
     "Images for a second operator in random order, and the agreement with the first",
     SecondOperator,
 )

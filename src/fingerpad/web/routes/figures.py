@@ -61,7 +61,7 @@ class FigureFileParams(FigureParams):
     attachment: bool = False
 
 
-@endpoint("GET", "/api/results/figures", "The report's figures", answers.Figures)
+@endpoint("GET", "/api/studies/{study}/results/figures", "The report's figures", answers.Figures)
 def figures(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the report's figures with their captions."""
     require_results(workspace)
@@ -80,13 +80,13 @@ def _listed(workspace: Workspace, names: list[str]) -> Iterator[dict[str, Any]]:
         yield {
             "name": stem,
             "caption": words.replace("&quot;", '"').replace("&lt;", "<").replace("&amp;", "&"),
-            "svg": opened.address(f"/api/download/{drawing}"),
-            "png": opened.address(f"/api/download/{drawn_too}") if drawn_too in every else None,
+            "svg": opened.address(f"/download/{drawing}"),
+            "png": opened.address(f"/download/{drawn_too}") if drawn_too in every else None,
             "settable": f"figures/{stem}.json" in every,
         }
 
 
-@endpoint("GET", "/api/results/figure", "What can be set of a figure", answers.FigureDetails)
+@endpoint("GET", "/api/studies/{study}/results/figure", "What can be set of a figure", answers.FigureDetails)
 def figure(workspace: Workspace, params: FigureParams, _: Any) -> dict[str, Any]:
     """Return what can be set of a figure, as it is in the report."""
     found = _read(workspace, params.name)
@@ -108,7 +108,9 @@ def figure(workspace: Workspace, params: FigureParams, _: Any) -> dict[str, Any]
 
 
 @endpoint(
-    "GET", "/api/results/figure/file", "A figure as SVG, PDF or PNG for publication, or its data as CSV"
+    "GET",
+    "/api/studies/{study}/results/figure/file",
+    "A figure as SVG, PDF or PNG for publication, or its data as CSV",
 )
 def figure_download(workspace: Workspace, params: FigureFileParams, _: Any) -> Response:
     """Return a figure as a file."""

@@ -82,7 +82,9 @@ class RestoreParams(Params):
     removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
-@endpoint("POST", "/api/files", "Add a file to the study", UploadedFile, status=HTTPStatus.CREATED)
+@endpoint(
+    "POST", "/api/studies/{study}/files", "Add a file to the study", UploadedFile, status=HTTPStatus.CREATED
+)
 async def upload(
     workspace: Workspace, params: UploadParams, request: Request
 ) -> tuple[dict[str, Any], HTTPStatus]:
@@ -130,7 +132,7 @@ async def import_study(workspace: Workspace, params: ImportParams, request: Requ
     return await run_in_threadpool(open_it)
 
 
-@endpoint("GET", "/api/events", "Server-sent events", media="text/event-stream")
+@endpoint("GET", "/api/studies/{study}/events", "Server-sent events", media="text/event-stream")
 async def listen(workspace: Workspace, _: Any, __: Request) -> Response:
     """Stream events."""
     return StreamingResponse(workspace.study.events.listen(), media_type="text/event-stream")
@@ -138,7 +140,7 @@ async def listen(workspace: Workspace, _: Any, __: Request) -> Response:
 
 @endpoint(
     "DELETE",
-    "/api/files",
+    "/api/studies/{study}/files",
     "Remove an uploaded file that is not used; it can be restored",
     StateAfterRemoval,
 )
@@ -161,7 +163,7 @@ def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]
     return {**document(opened), "removed": number}
 
 
-@endpoint("POST", "/api/files/restore", "Restore a removed file", StateAfterRestore)
+@endpoint("POST", "/api/studies/{study}/files/restore", "Restore a removed file", StateAfterRestore)
 def restore(workspace: Workspace, _: Any, params: RestoreParams) -> dict[str, Any]:
     """Restore a removed file, under another name if its own is taken."""
     opened = workspace.study
@@ -183,7 +185,11 @@ class DownloadParams(Params):
     attachment: bool = False
 
 
-@endpoint("GET", "/api/download/{path:path}", "A file of the results, or the whole study as study.zip")
+@endpoint(
+    "GET",
+    "/api/studies/{study}/download/{path:path}",
+    "A file of the results, or the whole study as study.zip",
+)
 def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
     """Return a file of the results."""
     opened = workspace.study
@@ -201,7 +207,9 @@ def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
     return FileResponse(path, media_type=_TYPES.get(path.suffix, "application/octet-stream"), headers=headers)
 
 
-@endpoint("GET", "/api/study/bundle", "Contents of the study's ZIP, and files left out", BundleContents)
+@endpoint(
+    "GET", "/api/studies/{study}/bundle", "Contents of the study's ZIP, and files left out", BundleContents
+)
 def bundle(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the contents of the study's ZIP, and the files left out."""
     found = _bundle(workspace.study)

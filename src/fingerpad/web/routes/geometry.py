@@ -46,7 +46,7 @@ class GeometryParams(PadParams):
 
 @endpoint(
     "POST",
-    "/api/geometry",
+    "/api/studies/{study}/geometry",
     "A pad on its wedge: point of contact, curvature, and drawing",
     answers.PadGeometry,
 )

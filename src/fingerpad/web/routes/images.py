@@ -28,7 +28,7 @@ class PreviewParams(PictureParams):
     longest_px: Annotated[int, Field(ge=16, le=8192)] = PREVIEW_PX
 
 
-@endpoint("GET", "/api/picture/info", "Size of an image", answers.PictureInfo)
+@endpoint("GET", "/api/studies/{study}/picture/info", "Size of an image", answers.PictureInfo)
 def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
     """Return the size of an image and the addresses of its previews."""
     opened = workspace.study
@@ -43,8 +43,8 @@ def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
         "columns_px": columns,
         "bits": 8 * picture.pixels.itemsize,
         "resolution_ppi": picture.dots_per_inch,
-        "preview": opened.address(f"/api/picture/preview?{query}"),
-        "thumbnail": opened.address(f"/api/picture/thumbnail?{query}"),
+        "preview": opened.address(f"/picture/preview?{query}"),
+        "thumbnail": opened.address(f"/picture/thumbnail?{query}"),
     }
 
 
@@ -53,7 +53,7 @@ def version(place: ImageLocation) -> str:
     return hashlib.sha256(repr(place.stamp).encode()).hexdigest()[:16]
 
 
-@endpoint("GET", "/api/picture/preview", "An image in 8 bits", media="image/png")
+@endpoint("GET", "/api/studies/{study}/picture/preview", "An image in 8 bits", media="image/png")
 def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
     """Return a preview of an image."""
     place = workspace.study.image_location(params.item)
@@ -61,7 +61,7 @@ def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
     return Response(drawn, media_type=kind, headers=IMMUTABLE if params.v else _NO_CACHE)
 
 
-@endpoint("GET", "/api/picture/thumbnail", "A thumbnail", media="image/webp")
+@endpoint("GET", "/api/studies/{study}/picture/thumbnail", "A thumbnail", media="image/webp")
 def thumbnail(workspace: Workspace, params: PictureParams, _: Any) -> Response:
     """Return a thumbnail."""
     drawn = workspace.study.pictures.thumbnail(workspace.study.image_location(params.item))

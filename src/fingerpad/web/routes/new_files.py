@@ -45,7 +45,12 @@ class PatternParams(Params):
     files: Annotated[list[FileName], Field(max_length=20_000)]
 
 
-@endpoint("GET", "/api/files/identity", "What a file may be, by its content and its name", answers.FileGuess)
+@endpoint(
+    "GET",
+    "/api/studies/{study}/files/identity",
+    "What a file may be, by its content and its name",
+    answers.FileGuess,
+)
 def identity(workspace: Workspace, params: FileParams, _: Any) -> dict[str, Any]:
     """Guess what a file is."""
     opened = workspace.study
@@ -61,7 +66,12 @@ def identity(workspace: Workspace, params: FileParams, _: Any) -> dict[str, Any]
     }
 
 
-@endpoint("POST", "/api/files/table", "Join a spreadsheet to new files by their names", answers.JoinedTable)
+@endpoint(
+    "POST",
+    "/api/studies/{study}/files/table",
+    "Join a spreadsheet to new files by their names",
+    answers.JoinedTable,
+)
 def join(workspace: Workspace, _: Any, params: TableParams) -> dict[str, Any]:
     """Join a spreadsheet to new files."""
     if params.file is not None:
@@ -80,7 +90,12 @@ def join(workspace: Workspace, _: Any, params: TableParams) -> dict[str, Any]:
     }
 
 
-@endpoint("POST", "/api/files/pattern", "Read names of new files by a pattern", answers.PatternMatches)
+@endpoint(
+    "POST",
+    "/api/studies/{study}/files/pattern",
+    "Read names of new files by a pattern",
+    answers.PatternMatches,
+)
 def match(_: Workspace, __: Any, params: PatternParams) -> dict[str, Any]:
     """Read the names of new files by a pattern."""
     found = match_file_names(params.pattern, params.files)

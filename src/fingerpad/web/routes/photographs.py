@@ -65,7 +65,7 @@ class PhotographParams(Params):
 
 @endpoint(
     "POST",
-    "/api/measure/photograph",
+    "/api/studies/{study}/measure/photograph",
     "Measure a photograph under a correction, without storing it",
     answers.PhotographMeasurement,
 )

@@ -63,7 +63,7 @@ class RowsParams(Params):
     columns: Annotated[str, Field(max_length=4000)] = ""
 
 
-@endpoint("GET", "/api/results/rows", "Rows of the results", answers.Rows)
+@endpoint("GET", "/api/studies/{study}/results/rows", "Rows of the results", answers.Rows)
 def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
     """Return some rows of the results."""
     found = require_results(workspace)
@@ -118,7 +118,7 @@ class PlotParams(Params):
     finger: str | None = None
 
 
-@endpoint("GET", "/api/results/plot", "Data to plot", answers.Plot)
+@endpoint("GET", "/api/studies/{study}/results/plot", "Data to plot", answers.Plot)
 def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
     """Return the data to plot for each finger and placement."""
     found = require_results(workspace)
@@ -209,7 +209,7 @@ def _pooling(
     }
 
 
-@endpoint("GET", "/api/results/budget", "Uncertainty budgets", answers.Budget)
+@endpoint("GET", "/api/studies/{study}/results/budget", "Uncertainty budgets", answers.Budget)
 def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
     return {

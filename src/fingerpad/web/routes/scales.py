@@ -56,7 +56,10 @@ class ScaleParams(Params):
 
 
 @endpoint(
-    "POST", "/api/measure/scale", "The scale that a table means, without storing it", answers.ScaleMeasurement
+    "POST",
+    "/api/studies/{study}/measure/scale",
+    "The scale that a table means, without storing it",
+    answers.ScaleMeasurement,
 )
 def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
     """Return the scale that a table means."""
@@ -136,7 +139,7 @@ class RectifyParams(Params):
 
 @endpoint(
     "POST",
-    "/api/scale/rectify",
+    "/api/studies/{study}/scale/rectify",
     "Write pictures as if seen straight on, by a grid in their plane",
     answers.RectifiedPictures,
 )
@@ -170,7 +173,7 @@ class LengthParams(Params):
     ends_px_std: Annotated[float, Field(ge=0, le=1000)] = 1.0
 
 
-@endpoint("POST", "/api/measure/length", "The length of a line", answers.LengthMeasurement)
+@endpoint("POST", "/api/studies/{study}/measure/length", "The length of a line", answers.LengthMeasurement)
 def length(workspace: Workspace, _: Any, params: LengthParams) -> dict[str, Any]:
     """Return the length of a line."""
     start, end = ((row, column) for row, column in params.line_px)

@@ -31,7 +31,7 @@ class SignalParams(Params):
     sequence: Annotated[str, Field(max_length=100)]
 
 
-@endpoint("GET", "/api/study/signal", "Force of a sequence", answers.SequenceSignal)
+@endpoint("GET", "/api/studies/{study}/signal", "Force of a sequence", answers.SequenceSignal)
 def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]:
     """Return the force of a sequence over time, and how well its frames agree with it."""
     opened = workspace.study

@@ -362,7 +362,7 @@ def _files(opened: StudySession) -> list[dict[str, Any]]:
     return [described(name, status.st_size) for name, status in opened.files().items()]
 
 
-@endpoint("GET", "/api/study", "State of the study", answers.State)
+@endpoint("GET", "/api/studies/{study}/state", "State of the study", answers.State)
 def state(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the state of the open study."""
     return document(workspace.study)
@@ -376,7 +376,7 @@ class FramesParams(Params):
     limit: Annotated[int, Field(ge=1, le=5000)] = 2000
 
 
-@endpoint("GET", "/api/study/frames", "Frames of a sequence", answers.Frames)
+@endpoint("GET", "/api/studies/{study}/frames", "Frames of a sequence", answers.Frames)
 def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]:
     """Return frames of a sequence, with the results of the last run."""
     opened = workspace.study

@@ -91,7 +91,7 @@ class EditsParams(Params):
     edits: Annotated[list[EditParams], Field(min_length=1, max_length=10_000)]
 
 
-@endpoint("POST", "/api/study/edits", "Change the manifest: all edits or none", answers.State)
+@endpoint("POST", "/api/studies/{study}/edits", "Change the manifest: all edits or none", answers.State)
 def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     """Apply all edits to the manifest, or none."""
     opened = workspace.study
@@ -105,7 +105,7 @@ def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
     return found
 
 
-@endpoint("POST", "/api/run", "Run the study", answers.RunStatus, status=HTTPStatus.ACCEPTED)
+@endpoint("POST", "/api/studies/{study}/run", "Run the study", answers.RunStatus, status=HTTPStatus.ACCEPTED)
 def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
     """Start a run of the study."""
     opened = workspace.study
@@ -120,7 +120,7 @@ def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
     )
 
 
-@endpoint("GET", "/api/run", "Status of the run", answers.RunStatus)
+@endpoint("GET", "/api/studies/{study}/run", "Status of the run", answers.RunStatus)
 def progress(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
     """Return the status of the run."""
     return workspace.study.run_job.describe()
@@ -128,7 +128,7 @@ def progress(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
 
 @endpoint(
     "POST",
-    "/api/run/cancel",
+    "/api/studies/{study}/run/cancel",
     "Stop the run; finished measurements are kept",
     answers.RunStatus,
     status=HTTPStatus.ACCEPTED,

@@ -26,14 +26,12 @@ export class ApiError extends Error {
 export const context = { study: /** @type {string | null} */ (null) };
 
 /**
- * The address of a request about this window's study.
+ * The address of a request: about this window's study, or, with `/api/`, about the workspace.
  *
  * @param {string} path
  */
 export const addressOf = (path) =>
-  context.study === null || path.startsWith("/api/session")
-    ? path
-    : `/of/${encodeURIComponent(context.study)}${path}`;
+  path.startsWith("/api/") ? path : `/api/studies/${encodeURIComponent(context.study)}${path}`;
 
 /**
  * @param {string} method
@@ -96,10 +94,10 @@ export const remove = (path, body) => request("DELETE", path, { body });
  * @param {"preview" | "thumbnail"} kind
  * @param {string} item
  */
-export const picture = (kind, item) => addressOf(`/api/picture/${kind}?${new URLSearchParams({ item })}`);
+export const picture = (kind, item) => addressOf(`/picture/${kind}?${new URLSearchParams({ item })}`);
 
 /** Address of a file of the results, or of the study folder as a ZIP. */
-export const download = (file) => addressOf(`/api/download/${file}`);
+export const download = (file) => addressOf(`/download/${file}`);
 
 /**
  * Send a file; `progress` is called with the fraction sent.
@@ -112,7 +110,7 @@ export function upload(file, { folder, progress } = {}) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
     const query = new URLSearchParams(withoutEmpty({ name: file.name, folder }));
-    request.open("POST", addressOf(`/api/files?${query}`));
+    request.open("POST", addressOf(`/files?${query}`));
     request.responseType = "json";
     request.upload.onprogress = (event) => event.lengthComputable && progress?.(event.loaded / event.total);
     request.onload = () =>

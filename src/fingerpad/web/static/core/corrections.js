@@ -53,7 +53,7 @@ export class Corrections {
   }
 
   async #read() {
-    return this.#take(await get("/api/corrections", { item: this.item, operator: this.operator }));
+    return this.#take(await get("/corrections", { item: this.item, operator: this.operator }));
   }
 
   /** @returns {Partial<Change>} */
@@ -73,16 +73,16 @@ export class Corrections {
    */
   keep(edit) {
     return this.#next(() =>
-      this.#send("/api/corrections", async () => ({ change: await edit(structuredClone(this.change)) })),
+      this.#send("/corrections", async () => ({ change: await edit(structuredClone(this.change)) })),
     );
   }
 
   undo() {
-    return this.#next(() => this.document.can_undo && this.#send("/api/corrections/undo", () => ({})));
+    return this.#next(() => this.document.can_undo && this.#send("/corrections/undo", () => ({})));
   }
 
   redo() {
-    return this.#next(() => this.document.can_redo && this.#send("/api/corrections/redo", () => ({})));
+    return this.#next(() => this.document.can_redo && this.#send("/corrections/redo", () => ({})));
   }
 
   #next(send) {

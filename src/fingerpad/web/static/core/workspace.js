@@ -77,7 +77,7 @@ class Workspace extends EventTarget {
     let document, known;
     do {
       known = this.#version;
-      document = await get("/api/study");
+      document = await get("/state");
       if (context.study === null) return null; // left meanwhile
     } while (known !== this.#version);
     return this.#update(document);
@@ -120,7 +120,7 @@ class Workspace extends EventTarget {
   /** Listen to other windows and to the run. */
   #listen() {
     this.#stream?.close();
-    this.#stream = new EventSource(addressOf("/api/events"));
+    this.#stream = new EventSource(addressOf("/events"));
     const on = (kind, then) => this.#stream.addEventListener(kind, (event) => then(JSON.parse(event.data)));
     on("study", ({ digest }) => digest !== this.study?.digest && this.reload().catch(() => {}));
     on("run", (run) => this.takeRun(run));
@@ -218,8 +218,7 @@ class Workspace extends EventTarget {
 
   /** @param {Edit[]} edits */
   async #edit(edits) {
-    const send = async () =>
-      this.#update(await post("/api/study/edits", { expected: this.study.digest, edits }));
+    const send = async () => this.#update(await post("/edits", { expected: this.study.digest, edits }));
     const before = edits.map((edit) => tableOf(this.study, edit));
     try {
       return await send();
@@ -246,7 +245,8 @@ class Workspace extends EventTarget {
  * @param {Edit} edit
  */
 function tableOf(study, { kind, key }) {
-  if (kind === "study") return JSON.stringify([study.title, study.description, study.poisson_ratio, study.surface]);
+  if (kind === "study")
+    return JSON.stringify([study.title, study.description, study.poisson_ratio, study.surface]);
   if (kind === "uncertainty" || kind === "apparatus") return JSON.stringify(study[kind]);
   if (kind === "photograph")
     return JSON.stringify(

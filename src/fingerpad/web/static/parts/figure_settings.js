@@ -27,7 +27,7 @@ const PAUSE_MS = 250;
  * @param {Answers["Figures"]["figures"][number]} figure
  */
 async function openFigureSettings({ name, caption }) {
-  const details = await get("/api/results/figure", { name });
+  const details = await get("/results/figure", { name });
   /** @type {Record<string, any>} */
   const settings = { colours: [...details.colours] };
   const preview = h("img.preview", { alt: caption || name.replaceAll("_", " ") });
@@ -40,7 +40,7 @@ async function openFigureSettings({ name, caption }) {
     const changed = settings.colours.some((colour, place) => colour !== details.colours[place]);
     const all = { ...settings, ...more, name, kind, colours: changed ? settings.colours.join(",") : null };
     const known = Object.entries(all).filter(([, value]) => value !== null && value !== "");
-    return addressOf(`/api/results/figure/file?${new URLSearchParams(Object.fromEntries(known))}`);
+    return addressOf(`/results/figure/file?${new URLSearchParams(Object.fromEntries(known))}`);
   };
   const draw = async () => {
     const mine = ++newest;

@@ -168,7 +168,11 @@ export class ContactInspector extends Inspector {
       h(
         "div.headline",
         h("h2", entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
-        h("span", this.#isSmooth() && chip("smooth surface"), synthetic(entry.synthetic ?? this.view.sequence?.synthetic)),
+        h(
+          "span",
+          this.#isSmooth() && chip("smooth surface"),
+          synthetic(entry.synthetic ?? this.view.sequence?.synthetic),
+        ),
       ),
       h("p.context", lines.join(" · ")),
     );
@@ -336,15 +340,16 @@ export class ContactInspector extends Inspector {
             }),
           ),
         // A threshold tells ridges from valleys; one that was set can be seen and taken back.
-        (!smooth || typeof change.threshold === "number") && field(
-          "Threshold, grey levels",
-          number({
-            value: change.threshold ?? null,
-            min: 0,
-            placeholder: used?.threshold == null ? "automatic" : `automatic: ${plain(used.threshold)}`,
-            onset: (value) => this.view.set("threshold", value),
-          }),
-        ),
+        (!smooth || typeof change.threshold === "number") &&
+          field(
+            "Threshold, grey levels",
+            number({
+              value: change.threshold ?? null,
+              min: 0,
+              placeholder: used?.threshold == null ? "automatic" : `automatic: ${plain(used.threshold)}`,
+              onset: (value) => this.view.set("threshold", value),
+            }),
+          ),
       ),
       this.view.sequence &&
         answer &&

@@ -140,7 +140,7 @@ class Contacts extends Review {
       axes: ["semi-major axis", "semi-minor axis"],
       tools: TOOLS,
       radius: 14,
-      measureDragged: (change) => post("/api/measure/contact", { item: this.entry.item, change }),
+      measureDragged: (change) => post("/measure/contact", { item: this.entry.item, change }),
       describe: (entry) => describe(entry, { named: !this.fingers.hidden }),
       inspector: new ContactInspector(this),
       bar: [
@@ -185,7 +185,7 @@ class Contacts extends Review {
     if (this.source === "images") {
       this.all = workspace.study.observations.filter(({ file }) => file).map((entry) => ({ ...entry }));
     } else if (this.blind) {
-      this.agreement = await get("/api/study/second-operator");
+      this.agreement = await get("/second-operator");
       if (this.closed) return;
       const known = new Map(workspace.study.observations.map((entry) => [entry.item, entry]));
       this.all = this.agreement.images.map((image) => ({
@@ -199,7 +199,7 @@ class Contacts extends Review {
       this.sequence = workspace.study.sequences.find((entry) => entry.name === name);
       this.all = [];
       for (let total = 1; this.all.length < total; ) {
-        const page = await get("/api/study/frames", { sequence: name, offset: this.all.length, limit: 2000 });
+        const page = await get("/frames", { sequence: name, offset: this.all.length, limit: 2000 });
         if (this.closed) return;
         total = page.total;
         this.all.push(...page.frames);
@@ -218,14 +218,14 @@ class Contacts extends Review {
   async #figure() {
     const name = `sequence_${this.sequence?.name}`;
     const there = this.sequence && workspace.study.results.there;
-    const { figures } = there ? await get("/api/results/figures") : { figures: [] };
+    const { figures } = there ? await get("/results/figures") : { figures: [] };
     const figure = figures.find((each) => [name, `${name}_synthetic`].includes(each.name));
     if (name === `sequence_${this.sequence?.name}`) render(this.traces.figure, figureButton(figure));
   }
 
   /** The force of the sequence; without it the frames are shown alone. */
   async #signal() {
-    return get("/api/study/signal", { sequence: this.sequence.name }).catch((error) => {
+    return get("/signal", { sequence: this.sequence.name }).catch((error) => {
       showError(error);
       return null;
     });
@@ -327,7 +327,7 @@ class Contacts extends Review {
     clearTimeout(this.soon);
     this.soon = setTimeout(
       () =>
-        get("/api/picture/info", { item: next.item })
+        get("/picture/info", { item: next.item })
           .then((info) => (new Image().src = info.preview))
           .catch(() => {}),
       300,
@@ -343,7 +343,7 @@ class Contacts extends Review {
       this.area?.dry();
       this.inspector.blind();
     } else {
-      const answer = await post("/api/measure/contact", { item, change });
+      const answer = await post("/measure/contact", { item, change });
       if (!newest()) return;
       this.show(answer);
     }
@@ -356,7 +356,7 @@ class Contacts extends Review {
     const change = withoutDefaults({ dark_on_light, seed_px, mask_px, region_of_interest_px });
     const key = JSON.stringify([item, change]);
     if (key !== this.levelsKey) {
-      const levels = await post("/api/measure/levels", { item, change }).catch(() => null);
+      const levels = await post("/measure/levels", { item, change }).catch(() => null);
       if (!newest()) return;
       [this.levels, this.levelsKey] = [levels, key];
     }
@@ -482,7 +482,7 @@ class Contacts extends Review {
   /** Read again which frames around this one are interpolated. */
   async #refreshFrames() {
     const offset = Math.max(0, this.entry.frame - 1000);
-    const { frames } = await get("/api/study/frames", { sequence: this.sequence.name, offset, limit: 2000 });
+    const { frames } = await get("/frames", { sequence: this.sequence.name, offset, limit: 2000 });
     frames.forEach((frame, k) => {
       Object.assign(this.all[offset + k] ?? {}, frame);
     });

@@ -167,7 +167,7 @@ export class NewFiles {
     this.lookedAt.add(file);
     this.fresh.push(file);
     const look = async () => {
-      const guess = await get("/api/files/identity", { file }).catch(() => null);
+      const guess = await get("/files/identity", { file }).catch(() => null);
       const draft = this.drafts.get(file);
       this.toLookAt -= 1;
       if (guess && draft) {
@@ -267,7 +267,7 @@ export class NewFiles {
 
   async #loadInfo(file) {
     this.info.set(file, {});
-    const info = await get("/api/picture/info", { item: `file:${file}` }).catch(() => null);
+    const info = await get("/picture/info", { item: `file:${file}` }).catch(() => null);
     if (info === null) return;
     this.info.set(file, info);
     const select = this.root.querySelector(`[data-field="${CSS.escape(`${file}:scale`)}"]`);
@@ -357,7 +357,7 @@ export class NewFiles {
   async forget(file) {
     const draft = this.drafts.get(file);
     try {
-      const { removed } = await remove("/api/files", { file });
+      const { removed } = await remove("/files", { file });
       toast(`${base(file)} was removed.`, {
         kind: "good",
         action: { words: "Undo", do: () => this.#restore(removed, draft) },
@@ -371,7 +371,7 @@ export class NewFiles {
 
   async #restore(removed, draft) {
     try {
-      const { restored } = await post("/api/files/restore", { removed });
+      const { restored } = await post("/files/restore", { removed });
       if (draft) this.drafts.set(restored, draft);
       toast(`${base(restored)} was restored.`, { kind: "good" });
     } catch (error) {

@@ -96,7 +96,7 @@ export class NewFileTools {
     if (!files.length) return;
     if (source.text !== undefined && !source.text.trim()) return;
     try {
-      const found = await post("/api/files/table", { ...source, files });
+      const found = await post("/files/table", { ...source, files });
       if (quiet && !found.files.length) return;
       const problems = [
         ...found.files
@@ -140,7 +140,7 @@ export class NewFileTools {
     this.matches = [];
     if (!pattern.includes("{")) return render(this.preview);
     try {
-      const { files } = await post("/api/files/pattern", { pattern, files: this.files() });
+      const { files } = await post("/files/pattern", { pattern, files: this.files() });
       if (wanted !== this.wanted) return undefined;
       this.matches = files;
       const keys = SHOWN.filter(([key]) => files.some(({ values }) => values[key] !== null));

@@ -33,7 +33,7 @@ class PadView {
     this.scene = new PadScene({ forceSvg: new URLSearchParams(location.search).has("svg") });
     this.numbers = h("section");
     this.live = new LatestRequest(
-      (asked) => post("/api/geometry", asked),
+      (asked) => post("/geometry", asked),
       (answer) => this.#show(answer),
       (error) => render(this.numbers, h("p.note.bad", { role: "alert" }, error.message)),
       this.numbers,

@@ -76,14 +76,14 @@ class Photographs extends Review {
       tools: TOOLS,
       radius: 12,
       measureDragged: (asked) =>
-        post("/api/measure/photograph", { item: this.entry.item, with_finger: true, ...asked }),
+        post("/measure/photograph", { item: this.entry.item, with_finger: true, ...asked }),
       describe,
       inspector: new PhotographInspector(this),
     });
     this.stage.root.classList.add("face");
     this.line = new Line(this.stage, (ends) => this.lengths.request(ends));
     this.lengths = new LatestRequest(
-      (ends) => post("/api/measure/length", { scale: this.entry.scale, line_px: ends, ends_px_std: 1 }),
+      (ends) => post("/measure/length", { scale: this.entry.scale, line_px: ends, ends_px_std: 1 }),
       (answer) => this.#length(answer),
       (error) => this.stage.setMessage(error.message, "bad"),
       this.inspector.parts.tool,
@@ -133,10 +133,10 @@ class Photographs extends Review {
 
   async measure(item, newest) {
     // Show this face first: the other faces may take longer.
-    const face = await post("/api/measure/photograph", { item });
+    const face = await post("/measure/photograph", { item });
     if (!newest()) return;
     this.show(face);
-    const whole = await post("/api/measure/photograph", { item, with_finger: true });
+    const whole = await post("/measure/photograph", { item, with_finger: true });
     if (newest()) this.show(whole, { live: true });
   }
 
@@ -216,7 +216,7 @@ class Photographs extends Review {
     this.line.layer.style.display = this.tool === "length" ? "" : "none";
   }
 
-  /** @returns {NonNullable<BodyOf<"/api/measure/photograph", "post">["handles"]>} */
+  /** @returns {NonNullable<BodyOf<"/measure/photograph", "post">["handles"]>} */
   #handles() {
     return {
       centre_px: this.editor.shape.centre,
@@ -234,7 +234,7 @@ class Photographs extends Review {
     const { item } = this.corrections;
     const handles = this.#handles();
     this.keep(async (change) => {
-      const { ellipse_px: ellipse } = await post("/api/measure/photograph", { item, change, handles });
+      const { ellipse_px: ellipse } = await post("/measure/photograph", { item, change, handles });
       return { ...change, ellipse_px: ellipse };
     });
   }

@@ -16,10 +16,7 @@ export class Budget {
   }
 
   async load() {
-    const [{ groups }, { figures }] = await Promise.all([
-      get("/api/results/budget"),
-      get("/api/results/figures"),
-    ]);
+    const [{ groups }, { figures }] = await Promise.all([get("/results/budget"), get("/results/figures")]);
     this.figures = figures;
     render(
       this.root,

@@ -11,7 +11,7 @@ export class Figures {
   }
 
   async load() {
-    const { figures } = await get("/api/results/figures");
+    const { figures } = await get("/results/figures");
     const kinds = [
       ["", "all figures"],
       ["corrected_radius", "corrected radius"],

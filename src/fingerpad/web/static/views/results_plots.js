@@ -60,10 +60,7 @@ export class Plots {
   }
 
   async load() {
-    const [{ groups }, { figures }] = await Promise.all([
-      get("/api/results/plot"),
-      get("/api/results/figures"),
-    ]);
+    const [{ groups }, { figures }] = await Promise.all([get("/results/plot"), get("/results/figures")]);
     this.groups = groups;
     this.figures = figures;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];

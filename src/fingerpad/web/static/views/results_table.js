@@ -157,7 +157,7 @@ export class Table {
     const number = (this.number = (this.number ?? 0) + 1);
     this.table.classList.add("waiting");
     const { wedge_angle_deg: wedge, ...asked } = this.asked;
-    const answer = await get("/api/results/rows", {
+    const answer = await get("/results/rows", {
       ...asked,
       wedge_angle_deg: wedge === "" ? null : Number(wedge),
     });

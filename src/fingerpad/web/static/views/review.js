@@ -187,7 +187,7 @@ export class Review {
     loaded.catch(() => {}); // awaited below
     try {
       // The picture shows whatever else is missing.
-      const info = await get("/api/picture/info", { item });
+      const info = await get("/picture/info", { item });
       if (this.corrections !== mine) return;
       this.showInfo(info);
       this.stage.show(info.preview ?? picture("preview", item), info.rows_px, info.columns_px, this.title());

@@ -86,7 +86,7 @@ class Run {
     if (this.busy || !workspace.study.ready) return;
     render(this.problem);
     try {
-      await post("/api/run", { workers: this.workers, force: this.fresh });
+      await post("/run", { workers: this.workers, force: this.fresh });
       await this.#poll();
     } catch (error) {
       render(this.problem, faultList(error));
@@ -95,14 +95,14 @@ class Run {
 
   async #cancel() {
     if (workspace.run?.state !== "running") return;
-    await post("/api/run/cancel");
+    await post("/run/cancel");
     await this.#poll();
   }
 
   /** Poll the status until the run has ended, as events may be lost. */
   async #poll() {
     clearTimeout(this.again);
-    workspace.takeRun(await get("/api/run"));
+    workspace.takeRun(await get("/run"));
     if (this.busy) this.again = setTimeout(() => this.#poll().catch(() => {}), 1000);
   }
 
@@ -243,7 +243,7 @@ class Run {
 
   /** Show the contents of the ZIP and the files left out. */
   async #listBundle() {
-    const { files, bytes: size, left_out: left } = await get("/api/study/bundle");
+    const { files, bytes: size, left_out: left } = await get("/bundle");
     render(
       this.leftOut,
       h("p.soft.number", `${files} files, ${bytes(size)}`),

@@ -41,7 +41,7 @@ class Scales {
     this.footer = h("div.footer");
     this.list = h("div.scale-list");
     this.live = new LatestRequest(
-      (table) => post("/api/measure/scale", { table }),
+      (table) => post("/measure/scale", { table }),
       (answer) => this.#showResult(answer),
       (error) => this.#failed(error),
       this.result,
@@ -269,7 +269,7 @@ class Scales {
         "Drop an image of a ruler or a coin on the Study page, or enter the resolution.",
       );
     try {
-      const info = await get("/api/picture/info", { item: `file:${file}` });
+      const info = await get("/picture/info", { item: `file:${file}` });
       if (file === this.file) this.stage.show(info.preview, info.rows_px, info.columns_px, file);
     } catch (error) {
       if (file === this.file) this.stage.setMessage(error.message, "bad");

@@ -39,7 +39,7 @@ export function rectification(scale, definition, done, failed) {
   const rectify = async () => {
     const name = `${scale}_rectified`;
     try {
-      const { files, mm_per_px, relative_std } = await post("/api/scale/rectify", {
+      const { files, mm_per_px, relative_std } = await post("/scale/rectify", {
         table: /** @type {any} */ (definition()),
         files: [...new Set(images.map(({ file }) => file))],
       });

@@ -36,11 +36,11 @@ class Card {
   async load() {
     const { item, change, proposed } = this.image;
     try {
-      const info = await get("/api/picture/info", { item });
+      const info = await get("/picture/info", { item });
       this.#draw(info, null, null);
       const [now, then] = await Promise.all([
-        post("/api/measure/contact", { item, change }).catch(() => null),
-        post("/api/measure/contact", { item, change: proposed }),
+        post("/measure/contact", { item, change }).catch(() => null),
+        post("/measure/contact", { item, change: proposed }),
       ]);
       this.#draw(info, now, then);
       this.#describe(now, then);
@@ -81,7 +81,7 @@ class Card {
     const { item, last_id: expected, proposed } = this.image;
     const change = withoutDefaults({ ...proposed, accepted: true, rejected: null });
     try {
-      await post("/api/corrections", { item, expected, who: who(), change });
+      await post("/corrections", { item, expected, who: who(), change });
       this.#decide("accepted");
     } catch (error) {
       showError(error);
@@ -103,7 +103,7 @@ class Card {
  * @param {string} item
  */
 export async function applyToSimilar(item) {
-  const { settings, images } = await get("/api/corrections/similar", { item });
+  const { settings, images } = await get("/corrections/similar", { item });
   const cards = images.filter(({ differs }) => differs).map((image) => new Card(image, reviewed));
   const status = h("p.soft", { role: "status" });
   const dialog = h("dialog.similar", { "aria-label": "Apply to similar images" });
