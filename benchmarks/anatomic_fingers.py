@@ -25,7 +25,7 @@ from benchmarks.finger_shapes import SIDES
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Face, PhotographFit, Scale, combine_faces, measure_photograph
 from fingerpad.image.photograph.faces import SEMI_AXES
-from fingerpad.study.measuring.pad_shape import ELLIPSOID_STD, radius_deviation
+from fingerpad.study.measuring.fingers import ELLIPSOID_STD, radius_deviation
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 
 Array = npt.NDArray[np.float64]

@@ -16,10 +16,10 @@ from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import ContactImageResult, measure_contact_image
 from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.study.results.summary import pool_contacts
 from fingerpad.uncertainty import pool
 
 PAD = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}

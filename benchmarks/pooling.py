@@ -16,12 +16,12 @@ from fingerpad.contact import equivalent_radius_from_compliance, equivalent_radi
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, SEMI_AXES, Face, FaceSemiAxes, combine_faces
 from fingerpad.study.compare import Person, Value
-from fingerpad.study.compare.means import means_of
+from fingerpad.study.compare.comparison import means_of
 from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.study.results.summary import pool_contacts
 from fingerpad.uncertainty import pool, pool_random_effects, proportional_stds
 
 PAD = np.array([7.9, 13.8, 11.8])

@@ -13,8 +13,8 @@ import numpy as np
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results.by_load import AtLoad, pool_by_load
 from fingerpad.study.results.repeats import contact_repeatability, study_scatter
 from fingerpad.study.results.rows import model_contacts

@@ -23,14 +23,13 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task, TaskResult, perform
 from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest import Contact, ContactSequence, Study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.items import StudyItems
-from fingerpad.study.measuring.measure import Measurement
-from fingerpad.study.measuring.run import Measured
+from fingerpad.study.measuring.run import Measured, StudyItems
 from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.methods import provenance
 from fingerpad.study.results.output import write_tables
-from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.study_result import StudyResult, result_of
 
 FRAMES, FINGERS, WEDGES = 2000, 5, (15.0, 45.0)

@@ -32,7 +32,7 @@ from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.result_set import result_set_faults
 from fingerpad.study.results.table import records
-from fingerpad.study.verify import verify_study
+from fingerpad.study.status import verify_study
 
 PICTURES, FRAMES = 4, 60
 _IN_BETWEEN: Final = "put its results in place"

@@ -9,10 +9,10 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation, size_factor
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.study.results.summary import pool_contacts
 
 LOADS = (0.25, 0.5, 1.0, 2.0, 4.0)
 AXES_STD, WEDGE_STD, LOAD_STD, SCALE_STD, EDGE_STD = 0.1, 0.5, 0.02, 0.01, 0.05

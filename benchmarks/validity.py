@@ -18,11 +18,11 @@ from scipy.special import ellipe, ellipk
 from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid
 from fingerpad.study.manifest import Curve, Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
+from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.study.results.summary import pool_contacts
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS, Validity, validity_of
 
 LOADS: Final = (0.125, 0.25, 0.5, 1.0)

@@ -10,7 +10,7 @@ import pytest
 import fingerpad
 from fingerpad.contact.contact import FLAGS as CONTACT_CODES
 from fingerpad.flags import FLAGS, flags_in
-from fingerpad.study.results.exclusions import NEVER_POOLED, POOLED_IF_REVIEWED
+from fingerpad.study.measuring.contacts import NEVER_POOLED, POOLED_IF_REVIEWED
 
 SRC = Path(fingerpad.__file__).parent
 CODE = re.compile(r"[a-z]+(_[a-z]+)*")
@@ -22,7 +22,7 @@ PLACES = {
     "frame": ("image/sequence/measure.py", "study/corrections/apply.py"),
     "photograph": ("image/photograph",),
     "curve": ("loading",),
-    "layer": ("contact", "study/results/layer.py", "study/results/layer_curve.py"),
+    "layer": ("contact", "study/results/layer.py"),
     "row": ("study/results/rows.py",),
 }
 

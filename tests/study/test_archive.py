@@ -16,10 +16,9 @@ from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.loading import read_loading_curve
-from fingerpad.study.archive import pack, unpack
-from fingerpad.study.bundle import Bundle
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import load_study, read_study
+from fingerpad.study.share import Bundle, pack, unpack
 
 ROOM = 10**9
 HEAD = {

@@ -19,7 +19,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.panels import PanelFigure
 from fingerpad.report.compare import forest_plot, write_comparison_page
 from fingerpad.study.compare import FinishedStudy, Person, Value, compare_studies, write_comparison
-from fingerpad.study.compare.means import means_of
+from fingerpad.study.compare.comparison import means_of
 from fingerpad.study.compare.values import values_of, verdicts_of
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.summary_file import (

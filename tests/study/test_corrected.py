@@ -19,9 +19,9 @@ from fingerpad.study.corrections.apply import (
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import measure_observation, reviewed
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import finger_result, photograph_item, photograph_items
-from fingerpad.study.measuring.measure import measure_observation, reviewed
 from fingerpad.study.measuring.scales import scale_key
 
 TRUTH = render_contact_image(semi_major=8.0, semi_minor=6.0, margin=4.0, seed=5)

@@ -11,12 +11,11 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.items import StudyItems
+from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.output import summary_of
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import records
+from fingerpad.study.results.table import COLUMNS, records
 from fingerpad.study.status import item_states, semi_axes_state, study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")

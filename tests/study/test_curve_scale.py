@@ -7,9 +7,8 @@ import pytest
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import simulate_loading_curve
-from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.loading import loading_radius
 
 STUDY = """
 title = "T"

@@ -15,12 +15,10 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report import write_report
 from fingerpad.simulate import outline_points, simulate_loading_curve
 from fingerpad.study.engine.runner import Progress
-from fingerpad.study.measuring.curves import placed_pad
+from fingerpad.study.measuring.curves import loading_radius, placed_pad
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.digest import digest_of_values
-from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.output import summary_of
-from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.study_result import StudyResult, digest_of_values
 from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 

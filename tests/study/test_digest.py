@@ -9,9 +9,8 @@ from fingerpad import Estimate
 from fingerpad.loading import fit_loading_curve
 from fingerpad.simulate import simulate_loading_curve
 from fingerpad.study.manifest import Uncertainty
-from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.digest import digest_of_values
-from fingerpad.study.results.table import table_of
+from fingerpad.study.results.study_result import digest_of_values
+from fingerpad.study.results.table import COLUMNS, table_of
 
 ESTIMATE = Estimate.symmetric(1.0, 0.1)
 

@@ -12,10 +12,9 @@ import pytest
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.checklist import missing
 from fingerpad.study.editing.documents import title_of
-from fingerpad.study.editing.edit import change_study, create_study
+from fingerpad.study.editing.edit import Edit, change_study, create_study
 from fingerpad.study.editing.template import write_template
 from fingerpad.study.journal import JOURNAL_NAME
 from fingerpad.study.manifest import load_study, read_study

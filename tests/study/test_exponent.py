@@ -10,8 +10,8 @@ from tests.study.test_repeats import PADS, STUDY, contact
 from fingerpad._arrays import FloatArray
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.results.exponent import Exponent, PressSlope, area_exponent
+from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import Rows, model_contacts
-from fingerpad.study.results.summary import pool_contacts
 from fingerpad.study.results.validity import MODULUS, Validity, validity_of
 
 LOG_LOAD = np.log(np.linspace(0.1, 2, 200))

@@ -18,9 +18,8 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.export import export_results
-from fingerpad.study.results.load import read_rows
+from fingerpad.study.results.load import export_results, read_rows
+from fingerpad.study.results.table import COLUMNS
 
 STUDY = """
 title = "Two presses, é"

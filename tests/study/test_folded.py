@@ -7,9 +7,8 @@ import tomlkit
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.editing import documents, edit
-from fingerpad.study.editing.apply_edit import Edit
-from fingerpad.study.editing.edit import change_study
-from fingerpad.study.editing.folded import folded, unfolded
+from fingerpad.study.editing.documents import folded, unfolded
+from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.manifest import load_study
 from fingerpad.study.manifest.load import STUDY_NAME
 

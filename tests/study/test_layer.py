@@ -13,12 +13,10 @@ from scipy.interpolate import PchipInterpolator
 from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.layer import POOLED_ON_LAYER
-from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
+from fingerpad.study.results.layer import POOLED_ON_LAYER, CurveOnLayer, curve_on_layer
 from fingerpad.study.results.load import load_results, read_rows
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import items, records
+from fingerpad.study.results.table import COLUMNS, items, records
 from fingerpad.uncertainty import LAYER_SOURCES
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 
 import fingerpad as fp
-from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.load import read_rows
+from fingerpad.study.results.table import COLUMNS
 
 STUDY = """
 title = "Two presses"

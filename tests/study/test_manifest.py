@@ -8,8 +8,7 @@ import pytest
 from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.editing.example import write_example
-from fingerpad.study.editing.template import write_template
+from fingerpad.study.editing.template import write_example, write_template
 from fingerpad.study.manifest import ResolutionScale, read_study
 
 FINGER = """

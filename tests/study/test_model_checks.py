@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.study.results.model_checks import (
+from fingerpad.study.results.validity.model_checks import (
     FAILS,
     HOLDS,
     NOT_TESTED,
@@ -18,12 +18,12 @@ from fingerpad.study.results.model_checks import (
     compare_ratio,
     judge_together,
     known_error,
+    model_discrepancy,
     overall_verdict,
     p_value_of,
     verdict_of,
     verdict_of_error,
 )
-from fingerpad.study.results.model_discrepancy import model_discrepancy
 
 
 def ratio(value: float, std: float, reference: float, reference_std: float) -> ValidityCheck:

@@ -15,7 +15,7 @@ from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
-from fingerpad.study.verify import verify_study
+from fingerpad.study.status import verify_study
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
 MM = 25.4 / PPI

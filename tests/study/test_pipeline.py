@@ -14,11 +14,10 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.report import write_report
 from fingerpad.report.text import implausible_values
 from fingerpad.simulate import render_contact_image
+from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.columns import DEFAULT_COLUMNS
-from fingerpad.study.results.loading import loading_radius
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.table import first_record, records
+from fingerpad.study.results.table import DEFAULT_COLUMNS, first_record, records
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
 

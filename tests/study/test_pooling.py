@@ -14,16 +14,14 @@ from fingerpad.image import SEMI_AXES
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement, reviewed
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.check import check_uncertainty
-from fingerpad.study.results.exclusions import excluding_flags
 from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius
 from fingerpad.study.results.rows import Rows, model_contacts
-from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.study_result import StudyResult, check_uncertainty
 from fingerpad.study.results.table import first_record, records
 from fingerpad.uncertainty import PAD_SOURCES
 

@@ -15,11 +15,12 @@ from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import ContactSequence, Observation, Study, read_study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.by_load import pool_by_load
 from fingerpad.study.results.output import scatter_record
+from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.repeats import (
     ContactRepeatability,
     contact_repeatability,
@@ -27,7 +28,6 @@ from fingerpad.study.results.repeats import (
     study_scatter,
 )
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.study.results.summary import pool_contacts
 from fingerpad.study.results.table import records
 
 AXES = np.array([7.9, 13.8, 11.8])

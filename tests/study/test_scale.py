@@ -10,12 +10,12 @@ from numpy.testing import assert_allclose
 
 from fingerpad.report import write_report
 from fingerpad.study.manifest import Contact, Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
 from fingerpad.study.results import rows as rows_module
-from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.study.results.summary import pool_contacts
+from fingerpad.study.results.table import COLUMNS
 
 
 def test_cost_grows_with_the_rows() -> None:

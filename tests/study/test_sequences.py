@@ -24,7 +24,7 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.manifest import read_study
 from fingerpad.study.measuring.context import RunContext
-from fingerpad.study.measuring.items import StudyItems
+from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.output import summary_of

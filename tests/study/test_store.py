@@ -27,8 +27,7 @@ from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
-from fingerpad.study.status import study_status
-from fingerpad.study.verify import verify_study
+from fingerpad.study.status import study_status, verify_study
 
 # Angles known so well that few random draws check the uncertainty.
 MANIFEST = """

@@ -8,9 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fingerpad.study.results.columns import COLUMNS
 from fingerpad.study.results.output import write_rows
-from fingerpad.study.results.table import Row, first_record, groups, records, table_of
+from fingerpad.study.results.table import COLUMNS, Row, first_record, groups, records, table_of
 
 ROWS = [
     {"observation": "a", "finger": "f", "load_N": 1.5, "frame": None, "pooled": True, "sequence": None},

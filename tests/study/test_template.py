@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fingerpad.study.editing.example import write_example
-from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_template
+from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_example, write_template
 from fingerpad.study.manifest import Study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records

@@ -1,6 +1,6 @@
 """Numbers that each measurement version stands for.
 
-A change that alters one of them must raise its version in `fingerpad.study.engine.versions`, so that stored
+A change that alters one of them must raise its version in `fingerpad.study.engine.task`, so that stored
 results are measured again. Record the new numbers with ``python -m tests.study.test_versions``.
 """
 
@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import fingerpad.study.engine.versions as versions
 from fingerpad.simulate import render_coin
 from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.engine import task as versions
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status

@@ -13,7 +13,7 @@ from schemathesis import GenerationMode
 from tests.web.conftest import DEMO, serving, shorten
 
 import fingerpad
-from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.results.table import COLUMNS
 from fingerpad.web.app import STATIC
 from fingerpad.web.endpoints import openapi
 from fingerpad.web.routes import ENDPOINTS

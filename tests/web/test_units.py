@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.glossary import GLOSSARY
+from fingerpad.study.results.table import COLUMNS, GLOSSARY
 from fingerpad.web.app import STATIC
 
 CONTACT = "synthetic_30deg_2N"

@@ -20,7 +20,7 @@ def export(
 
     Every column keeps its type, unit and meaning. Parquet needs the package pyarrow.
     """
-    from fingerpad.study.results.export import export_results
+    from fingerpad.study.results.load import export_results
 
     failed = 0
     for file in files:

@@ -94,7 +94,7 @@ def simulator(
         if "thickness" in stds and thickness_mm is None:
             raise typer.BadParameter("--thickness-mm-std is that of --thickness-mm: give both")
     else:
-        from fingerpad.study.results.measured_pad import measured_pad
+        from fingerpad.study.results.load import measured_pad
 
         given = {"--semi-axes-mm": semi_axes_mm, "--youngs-modulus-kpa": youngs_modulus_kpa}
         if wrong := [flag for flag, value in given.items() if value is not None]:

@@ -29,7 +29,7 @@ def init(
     from fingerpad.study.editing.template import write_template
 
     if example:
-        from fingerpad.study.editing.example import write_example
+        from fingerpad.study.editing.template import write_example
 
         typer.echo(f"Wrote a synthetic study. Run it: fingerpad run {write_example(folder)}")
         return
@@ -142,7 +142,7 @@ def verify(
     Nothing is written. The exit code is 3 where something is damaged.
     """
     from fingerpad.study.results.result_set import results_folder
-    from fingerpad.study.verify import verify_study
+    from fingerpad.study.status import verify_study
 
     found = verify_study(study, out or results_folder(study))
     if as_json:
@@ -168,9 +168,9 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         to_do,
         why_not_pooled,
     )
-    from fingerpad.study.results.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
     from fingerpad.study.results.output import answers_of
     from fingerpad.study.results.table import records
+    from fingerpad.study.results.validity.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
     for summary, answer in zip(result.summaries, answers_of(result), strict=True):
         typer.echo(answer.sentence)

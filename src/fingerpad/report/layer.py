@@ -18,11 +18,9 @@ from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report.plot import Plot
 from fingerpad.report.plots import group_name
-from fingerpad.study.results.layer import HERTZ_OF
-from fingerpad.study.results.layer_curve import curve_on_layer
-from fingerpad.study.results.layer_summary import LayerQuantity
+from fingerpad.study.results.layer import HERTZ_OF, LayerQuantity, curve_on_layer
+from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary import Summary
 from fingerpad.units import KPA_PER_MPA
 
 _IF_THICKNESS: Final = (4.0, 8.0, 12.0)

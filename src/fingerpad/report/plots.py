@@ -34,14 +34,13 @@ from fingerpad.figures.panels import PanelFigure, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
-from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.answers import Answer
 from fingerpad.study.results.exponent import Exponent, area_exponent
-from fingerpad.study.results.loading import LoadingRadius, loading_radius
+from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import Places, Row, records
 from fingerpad.study.results.validity import RADIUS, Headline

@@ -13,14 +13,14 @@ from fingerpad.flags import FLAGS, Flag, flags_in
 from fingerpad.image import PadSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.error_text import counted
+from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.results.loading import loading_radius
-from fingerpad.study.results.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED
+from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.rows import IMPLAUSIBLE
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.table import items, records
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
+from fingerpad.study.results.validity.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED
 
 # Why a flag, or a range note, leaves a contact out.
 # They differ in shades of grey too.

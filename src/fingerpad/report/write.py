@@ -9,8 +9,7 @@ from typing import Final
 from fingerpad._files import file_stem
 from fingerpad.report.page import write_page
 from fingerpad.study.engine.task import Record, Task, code_digest
-from fingerpad.study.results.digest import digest_of_values
-from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.study_result import StudyResult, digest_of_values
 
 REPORT_NAME: Final = "report.html"
 

@@ -30,11 +30,10 @@ from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest import Study, manifest_in, read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
-from fingerpad.study.measuring.items import StudyItems, item_of
-from fingerpad.study.measuring.run import Measured, measure_study
+from fingerpad.study.measuring.run import Measured, StudyItems, item_of, measure_study
 from fingerpad.study.measuring.sequences import corrected_frames, frames_beyond
+from fingerpad.study.results.methods import provenance
 from fingerpad.study.results.output import write_tables
-from fingerpad.study.results.provenance import provenance
 from fingerpad.study.results.result_set import (
     OUTPUT_NAMES,
     NewResultSet,

@@ -13,9 +13,8 @@ from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
 from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, sequence_of_phases
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.editing.apply_edit import Edit
 from fingerpad.study.editing.checklist import Missing, missing
-from fingerpad.study.editing.edit import change_study
+from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
 from fingerpad.study.manifest import (

@@ -16,8 +16,8 @@ import fingerpad
 from fingerpad.image import MEMORY_LIMIT
 from fingerpad.study.editing.documents import title_of
 from fingerpad.study.manifest.load import STUDY_NAME
-from fingerpad.study.results.glossary import GLOSSARY
 from fingerpad.study.results.result_set import RESULTS_NAME
+from fingerpad.study.results.table import GLOSSARY
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Pictures

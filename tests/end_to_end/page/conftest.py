@@ -10,7 +10,7 @@ from benchmarks.browser import find_chromium
 from playwright.sync_api import Browser, sync_playwright
 from tests.end_to_end.page.browser import Tab, served
 
-from fingerpad.study.editing.example import write_example
+from fingerpad.study.editing.template import write_example
 
 
 @pytest.fixture(scope="session")

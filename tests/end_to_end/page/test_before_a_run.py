@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, middle, numbers, stroke, unexplained
 
-from fingerpad.study.results.glossary import GLOSSARY
+from fingerpad.study.results.table import GLOSSARY
 
 PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
   && !document.querySelector('.stage.waiting')"""

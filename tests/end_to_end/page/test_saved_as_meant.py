@@ -13,7 +13,7 @@ from tests.end_to_end.page.browser import Tab, changed, drag, focus, launched, n
 from tests.end_to_end.page.test_contacts import PRINT, corrections
 
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.study.editing.example import write_example
+from fingerpad.study.editing.template import write_example
 
 
 def manifest(folder) -> dict:

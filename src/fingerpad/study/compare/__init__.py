@@ -1,9 +1,7 @@
 """Finished studies side by side: each finger's values, and means with the scatter between people."""
 
-from fingerpad.study.compare.comparison import Comparison, compare_studies, write_comparison
-from fingerpad.study.compare.finished import FinishedStudy
-from fingerpad.study.compare.means import Mean
-from fingerpad.study.compare.values import QUANTITIES, Person, ValidityVerdict, Value
+from fingerpad.study.compare.comparison import Comparison, Mean, compare_studies, write_comparison
+from fingerpad.study.compare.values import QUANTITIES, FinishedStudy, Person, ValidityVerdict, Value
 
 __all__ = [
     "QUANTITIES",

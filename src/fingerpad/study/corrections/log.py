@@ -14,7 +14,6 @@ from threading import RLock
 from typing import Any, Final
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
-from fingerpad.study.atomic_files import locked, sync_folder
 from fingerpad.study.corrections.changes import Change
 from fingerpad.study.corrections.items import (
     CORRECTIONS_NAME,
@@ -30,6 +29,7 @@ from fingerpad.study.corrections.items import (
     picture_digest,
     record_of,
 )
+from fingerpad.study.journal import locked, sync_folder
 from fingerpad.study.manifest import Study
 
 _LOCK: Final = ".corrections.lock"

@@ -1,10 +1,18 @@
-"""A commented manifest to start from."""
+"""Studies to start from: a commented manifest, and a small synthetic study that runs as it is."""
 
 import json
 from importlib.resources import files
 from pathlib import Path
+from typing import Final
 
+import numpy as np
+from PIL import Image
+
+from fingerpad.contact import Tissue, equivalent_radius_from_compliance, hertz_contact
 from fingerpad.exceptions import ManifestError
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.image import FACE_AXES, Face
+from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
 from fingerpad.study.manifest import Study
 from fingerpad.study.manifest.load import STUDY_NAME
 
@@ -55,3 +63,94 @@ def manifest_schema() -> str:
     ['apparatus', 'curves', 'description']
     """
     return json.dumps(Study.model_json_schema(), indent=1, ensure_ascii=False) + "\n"
+
+
+_PAD: Final = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+_FACES: Final[tuple[Face, ...]] = ("palmar", "distal", "radial")
+_WEDGE_DEG: Final = 30
+_LOADS: Final = (0.5, 1.0, 2.0)
+_TISSUE: Final = Tissue.of_reduced_modulus(0.09)
+_MM_PER_PX: Final = 0.1
+_PPI: Final = 500.0
+_HEAD: Final = f"""\
+title = "Synthetic example"
+description = "Rendered and simulated from an ellipsoid with semi-axes 7.9, 13.8 and 11.8 mm."
+
+[uncertainty]
+# The angles of a rendered finger are exact; of a real one they are known to about 3 degrees.
+wedge_angle_deg_std = 0.5
+roll_angle_deg_std = 0.5
+load_relative_std = 0.01
+
+[scales.camera]
+mm_per_px = {_MM_PER_PX}
+relative_std = 0.002
+
+[scales.reader]
+ppi = {_PPI:g}
+
+[[fingers]]
+name = "synthetic_pad"
+synthetic = true
+photographs = [
+"""
+
+
+def write_example(folder: Path) -> Path:
+    """Write a small synthetic study into a new or empty folder and return its manifest's path.
+
+    Raises
+    ------
+    ManifestError
+        If the folder holds anything already, or cannot be written.
+    """
+    if folder.is_dir() and any(folder.iterdir()):
+        raise ManifestError(f"{folder}: the folder is not empty; name a new one, so that nothing is lost")
+    faces = "".join(
+        f'    {{ face = "{face}", file = "photograph_{face}.jpg", scale = "camera", synthetic = true }},\n'
+        for face in _FACES
+    )
+    place = f'finger = "synthetic_pad"\nwedge_angle_deg = {_WEDGE_DEG}\nsynthetic = true\n'
+    contacts = "".join(
+        f'\n[[observations]]\nname = "contact_{load:g}N"\n{place}load_N = {load:g}\n'
+        f'file = "contact_{load:g}N.png"\nscale = "reader"\n'
+        for load in _LOADS
+    )
+    curve = f'\n[[curves]]\n{place}file = "loading_curve.csv"\n'
+    manifest = write_manifest(folder, f"{_HEAD}{faces}]\n{contacts}{curve}")
+    for seed, face in enumerate(_FACES):
+        across, along = (float(getattr(_PAD, axis)) for axis in FACE_AXES[face])
+        photograph = render_finger(face, semi_axes=(across, along), mm_per_px=_MM_PER_PX, seed=seed)
+        Image.fromarray(photograph.pixels).save(folder / f"photograph_{face}.jpg", quality=92)
+    placement = Placement(_PAD, wedge_angle=np.radians(_WEDGE_DEG))
+    for seed, load in enumerate(_LOADS):
+        contact = hertz_contact(placement, _TISSUE, load=load)
+        image = render_contact_image(
+            semi_major=float(contact.semi_major),
+            semi_minor=float(contact.semi_minor),
+            orientation=0.0 if contact.along else np.pi / 2,
+            ppi=_PPI,
+            seed=seed,
+        )
+        Image.fromarray(image.pixels).save(folder / f"contact_{load:g}N.png")
+    loading = simulate_loading_curve(
+        loading_radius=float(
+            equivalent_radius_from_compliance(
+                placement.curvature.geometric_mean_radius, 1 / contact.aspect_ratio
+            )
+        ),
+        initial_modulus=0.07,
+        load_coefficient=0.005,
+        contact_offset=0.4,
+        force_std=0.005,
+        displacement_std=0.005,
+        area_std=1.0,
+        points=300,
+        seed=1,
+    )
+    columns = np.column_stack(
+        [np.asarray(column) for column in (loading.time, loading.load, loading.indentation, loading.area)]
+    )
+    header = "time_s,force_N,displacement_mm,area_mm2"
+    np.savetxt(folder / "loading_curve.csv", columns, fmt="%.6g", delimiter=",", header=header, comments="")
+    return manifest

@@ -10,7 +10,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 from time import perf_counter
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Any, Final, Literal, NamedTuple, TypeAlias
 
 from fingerpad.exceptions import StoreError, reason_of
 from fingerpad.study.error_text import in_study
@@ -147,7 +147,7 @@ def out_of_memory(file: str, limits: Limits) -> str:
 
 
 def _is_out_of_memory(error: BaseException | None) -> bool:
-    import cv2  # noqa: PLC0415 (the command line reads the limits, and need not wait for it)
+    import cv2
 
     while error is not None:
         if isinstance(error, MemoryError) or (
@@ -185,3 +185,42 @@ def code_digest(*parts: str) -> str:
     for part in parts:
         add(resources.files("fingerpad") / part)
     return digest.hexdigest()
+
+
+# Raise a version with every change that alters a number, or a name that is stored with it.
+# tests/study/test_versions.py pins the numbers of each version, so that a change of code without a change of
+# numbers measures nothing again.
+MEASUREMENT_VERSIONS: Final = {"image": 14, "loading": 12, "uncertainty": 7}
+
+
+def library_versions() -> dict[str, str]:
+    """Return the versions of the libraries that results are computed with, whatever distribution they are of.
+
+    Examples
+    --------
+    >>> sorted(library_versions())
+    ['imagecodecs', 'numpy', 'opencv', 'pillow', 'scipy', 'tifffile']
+    """
+    import cv2
+    import imagecodecs
+    import numpy
+    import PIL
+    import scipy
+    import tifffile
+
+    return {
+        "imagecodecs": imagecodecs.__version__,
+        "numpy": numpy.__version__,
+        "opencv": cv2.__version__,
+        "pillow": PIL.__version__,
+        "scipy": scipy.__version__,
+        "tifffile": tifffile.__version__,
+    }
+
+
+def versions_of(*measurements: Literal["image", "loading", "uncertainty"]) -> list[object]:
+    """Return what belongs into the cache key of results of some kinds of measurement."""
+    libraries = library_versions()
+    # It only unpacks TIFF without loss: what another release reads otherwise, it refuses.
+    libraries.pop("imagecodecs", None)
+    return [{kind: MEASUREMENT_VERSIONS[kind] for kind in measurements}, libraries]

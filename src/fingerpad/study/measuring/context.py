@@ -11,8 +11,7 @@ from typing import Any, Final, Self
 
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import CHANGED, Record, Task, Work
-from fingerpad.study.engine.versions import versions_of
+from fingerpad.study.engine.task import CHANGED, Record, Task, Work, versions_of
 from fingerpad.study.manifest import ScaleKey, Study
 from fingerpad.study.manifest.models import ManifestModel
 from fingerpad.study.measuring.scales import FoundScale, Scales, scale_key

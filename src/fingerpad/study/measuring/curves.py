@@ -2,11 +2,11 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -28,15 +28,14 @@ from fingerpad.loading import (
     read_loading_curve,
     sphere_ratio,
 )
-from fingerpad.study.engine.codec import fields_from, to_record
-from fingerpad.study.engine.task import Record, Task
-from fingerpad.study.engine.versions import versions_of
+from fingerpad.study.engine.store import fields_from, to_record
+from fingerpad.study.engine.task import Record, Task, versions_of
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import Curve, Finger, Study, Uncertainty
 from fingerpad.study.measuring.context import Item, cache_key
 from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_item
 from fingerpad.study.measuring.scales import FoundScale, require_scale
-from fingerpad.uncertainty import Inputs, placement_model, propagate
+from fingerpad.uncertainty import Inputs, placement_model, pool, propagate, proportional_stds
 
 # A curve can be damaged in unforeseen ways, which cost it alone.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, OSError, ValueError)
@@ -421,3 +420,36 @@ def _shape(pad: Ellipsoid | None, curve: Curve, fit: LoadingFit, poisson_ratio: 
     indentation, area = np.array([(one.indentation, one.area) for one in pressed]).T
     ratio = sphere_ratio(indentation, area, loading_radius=radius)
     return Shape(geometric_mean_radius=radius, load=loads, ratio=ratio)
+
+
+class LoadingRadius(NamedTuple):
+    """R_g of a finger at an angle, from all its curves there, mm, with flags of their fits.
+
+    What a wrong model and the scale of the areas leave uncertain is common to curves: pooling does not reduce
+    it. `misfit_std` is the former part of `std`.
+    """
+
+    value: float
+    std: float
+    synthetic: bool
+    flags: tuple[str, ...] = ()
+    misfit_std: float = 0.0
+
+
+def loading_radius(curves: Iterable[CurveResult], place: tuple[str, float, bool]) -> LoadingRadius | None:
+    """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any."""
+    fitting = [one for one in curves if one.manifest.place == place and math.isfinite(one.loading_radius)]
+    if not fitting:
+        return None
+    *_, synthetic = place
+    values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
+    misfits = np.array([each.fit.misfit_std["loading_radius"] if each.fit else 0.0 for each in fitting])
+    flags = tuple(sorted({flag for each in fitting if each.fit for flag in each.fit.notes}))
+    if not np.isfinite(stds).all():
+        return LoadingRadius(float(values.mean()), math.nan, synthetic, flags)
+    of_areas = values * [each.area_relative_std for each in fitting]
+    own = np.sqrt(np.maximum(stds**2 - misfits**2 - of_areas**2, 0.0))
+    pooled = pool(values, proportional_stds(values, own))
+    misfit = float(misfits.max())
+    std = math.hypot(pooled.total_std, misfit, float(of_areas.max()))
+    return LoadingRadius(pooled.value, std, synthetic, flags, misfit)

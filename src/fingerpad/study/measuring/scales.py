@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
-from fingerpad.study.engine.codec import from_record, to_record
+from fingerpad.study.engine.store import from_record, to_record
 from fingerpad.study.engine.task import Record
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import (

@@ -7,9 +7,9 @@ from typing import Final
 
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.study.error_text import counted
-from fingerpad.study.results.model_checks import FAILS, STRAINED
 from fingerpad.study.results.summary_file import AtLoadRecord, CheckRecord, PlacementRecord
 from fingerpad.study.results.validity import MODULUS
+from fingerpad.study.results.validity.model_checks import FAILS, STRAINED
 
 # What a check compares, by the first word of its name.
 _COMPARED: Final = {

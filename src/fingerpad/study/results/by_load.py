@@ -13,7 +13,6 @@ from scipy import special
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART
-from fingerpad.study.results.model_checks import NOT_TESTED
 from fingerpad.study.results.repeats import (
     ContactRepeatability,
     StudyScatter,
@@ -23,6 +22,7 @@ from fingerpad.study.results.repeats import (
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
 from fingerpad.study.results.table import groups, items
 from fingerpad.study.results.validity import MODULUS, Validity
+from fingerpad.study.results.validity.model_checks import NOT_TESTED
 from fingerpad.uncertainty import ScatterComponent
 from fingerpad.units import KPA_PER_MPA
 

@@ -1,7 +1,9 @@
-"""The results of a finished run, read back."""
+"""The results of a finished run, read back: as a table, as one pad, as a file for another program."""
 
 import csv
 import html
+import math
+import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,14 +14,17 @@ from typing import Any, Final, TextIO
 
 import numpy as np
 import pandas as pd
+from scipy import io
 
 from fingerpad._csv import unescape_formula
+from fingerpad.contact import Tissue, youngs_modulus
 from fingerpad.exceptions import FingerpadError
+from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.results.answers import answers
-from fingerpad.study.results.columns import COLUMNS, DEFAULT_COLUMNS, Column, ColumnArray, DType
 from fingerpad.study.results.result_set import RERUN, require_result_set
-from fingerpad.study.results.summary_file import SummaryFile, no_finished_run
-from fingerpad.study.results.table import table_of
+from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, no_finished_run
+from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, Column, ColumnArray, DType, table_of
+from fingerpad.units import KPA_PER_MPA
 
 # The cells of so many rows take some megabytes.
 _ROWS_AT_ONCE: Final = 1000
@@ -179,3 +184,224 @@ def _opened(path: Path) -> Iterator[TextIO]:
         raise no_finished_run(path) from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise FingerpadError(f"{path}: cannot be read ({error})") from error
+
+
+_CLOSE: Final = 1e-6  # degrees
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuredPad:
+    """A pad at its placement, its tissue, standard uncertainties by name, and where all that is from."""
+
+    placement: Placement
+    tissue: Tissue
+    stds: dict[str, float]
+    source: str
+
+
+def measured_pad(
+    folder: Path,
+    *,
+    finger: str | None,
+    wedge_deg: float,
+    thickness_mm: float | None = None,
+    poisson_ratio: float = 0.5,
+) -> MeasuredPad:
+    """Return a finger of a finished run at one angle of the wedge.
+
+    E and thickness are those that a loading curve gives; without one, or with a thickness stated, E is that
+    with which the whole pad has the contact area seen at the highest load.
+
+    Raises
+    ------
+    FingerpadError
+        If there is no finished run, no such finger or placement, or nothing that gives its modulus.
+    """
+    require_result_set(folder)
+    summary = SummaryFile.read(folder)
+    found = _placed(summary, folder, finger, wedge_deg)
+    axes = summary.finger(found.finger)
+    if axes is None or math.isnan(axes.palmar_mm):
+        raise FingerpadError(f"{folder}: the semi-axes of {found.finger} are not known there")
+    pad = Ellipsoid(palmar=axes.palmar_mm, distal=axes.distal_mm, radial_ulnar=axes.radial_ulnar_mm)
+    placement = Placement(
+        pad,
+        wedge_angle=math.radians(found.wedge_angle_deg),
+        roll_angle=math.radians(found.roll_angle_deg),
+    )
+    stds = dict(
+        zip(
+            ("palmar", "distal", "radial_ulnar"),
+            map(float, np.sqrt(np.diagonal(axes.covariance_mm2))),
+            strict=True,
+        )
+    )
+    layers = [
+        curve.layer
+        for curve in summary.curves
+        if curve.layer is not None
+        and (curve.finger, curve.wedge_angle_deg, curve.synthetic)
+        == (found.finger, found.wedge_angle_deg, found.synthetic)
+        and not math.isnan(curve.layer.thickness_mm + curve.layer.youngs_modulus_kpa)
+    ]
+    if layers and thickness_mm is None:
+        best = min(layers, key=lambda layer: layer.thickness_mm_std / layer.thickness_mm)
+        modulus, modulus_std = best.youngs_modulus_kpa, best.youngs_modulus_kpa_std
+        thickness, thickness_std = best.thickness_mm, best.thickness_mm_std
+        source = "E and thickness are those of its loading curve"
+    else:
+        stated = found.on_layer
+        thickness, thickness_std = math.inf, 0.0
+        if thickness_mm is not None:
+            thickness = thickness_mm
+        elif stated is not None:
+            thickness, thickness_std = stated.effective_thickness_mm, stated.effective_thickness_mm_std
+        modulus, modulus_std, load = _of_contacts(summary, found, placement, thickness, poisson_ratio)
+        deep = "deep tissue" if math.isinf(thickness) else f"{thickness:g} mm of tissue"
+        source = f"E is that of {deep} with the contact area seen at {load:g} N"
+    stds |= {"youngs_modulus": modulus_std / KPA_PER_MPA, "thickness": thickness_std}
+    return MeasuredPad(
+        placement=placement,
+        tissue=Tissue(modulus / KPA_PER_MPA, poisson_ratio, thickness),
+        stds={name: std for name, std in stds.items() if std > 0},
+        source=f"{found.finger} at {found.wedge_angle_deg:g}°: {source}",
+    )
+
+
+def _placed(summary: SummaryFile, folder: Path, finger: str | None, wedge_deg: float) -> PlacementRecord:
+    """Return the one record of a finger at an angle, or say which there are."""
+    known = sorted({one.finger for one in summary.summaries})
+    if finger is None and len(known) == 1:
+        finger = known[0]
+    if finger is None or finger not in known:
+        what = "name one" if finger is None else f"found no finger {finger!r}"
+        raise FingerpadError(f"{folder}: {what}; it has {', '.join(known) or 'none'}")
+    placed = [one for one in summary.summaries if one.finger == finger]
+    at = [one for one in placed if abs(one.wedge_angle_deg - wedge_deg) < _CLOSE]
+    if not at:
+        angles = ", ".join(f"{angle:g}°" for angle in sorted({one.wedge_angle_deg for one in placed}))
+        raise FingerpadError(f"{folder}: {finger} was not pressed at {wedge_deg:g}°; it was at {angles}")
+    return min(at, key=lambda one: (one.synthetic, abs(one.roll_angle_deg)))
+
+
+def _of_contacts(
+    summary: SummaryFile, found: PlacementRecord, placement: Placement, thickness: float, poisson_ratio: float
+) -> tuple[float, float, float]:
+    """Return E, kPa, its standard uncertainty, and the load of the contacts that give it."""
+    seen = [one for one in summary.by_load if one.key == found.key and not math.isnan(one.contact_area_mm2)]
+    for one in sorted(seen, key=lambda one: -one.load_N):
+        modulus = KPA_PER_MPA * float(
+            youngs_modulus(
+                placement,
+                load=one.load_N,
+                area=one.contact_area_mm2,
+                thickness=thickness,
+                poisson_ratio=poisson_ratio,
+            )
+        )
+        if not math.isnan(modulus):
+            relative = one.youngs_modulus_kpa_std / one.youngs_modulus_kpa
+            return modulus, 0.0 if math.isnan(relative) else relative * modulus, one.load_N
+    raise FingerpadError(
+        f"{found.finger} at {found.wedge_angle_deg:g}°: neither a loading curve nor a contact "
+        "within the range of the laws gives its modulus; give --semi-axes-mm and --youngs-modulus-kpa in "
+        "place of the folder"
+    )
+
+
+_ROW_GROUP: Final = 5000
+
+
+def export_results(folder: str | PathLike[str], file: str | PathLike[str]) -> None:
+    """Write the results of a finished run into one file, in the format that its suffix names.
+
+    Parameters
+    ----------
+    folder : path-like
+        Output folder of the run.
+    file : path-like
+        ``.parquet`` or ``.mat``; one that is there is replaced, once the new one is whole.
+
+    Raises
+    ------
+    FingerpadError
+        If the folder holds no finished run, the suffix is another, a package is missing, or the file cannot
+        be written.
+    """
+    folder, file = Path(folder), Path(file)
+    write = _FORMATS.get(file.suffix.lower())
+    if write is None:
+        raise FingerpadError(
+            f"{file}: no format is known by {file.suffix or 'a name without suffix'}; "
+            f"name the file with {' or '.join(_FORMATS)}; as CSV the table is {folder / 'results.csv'}"
+        )
+    require_result_set(folder)
+    summary = SummaryFile.read(folder)
+    study = {"title": summary.title, "fingerpad": summary.provenance.fingerpad}
+    part = file.with_name(f".{file.name}.part")
+    try:
+        write(folder, study, part)
+        os.replace(part, file)
+    except OSError as error:
+        raise FingerpadError(f"{file}: cannot be written ({error.strerror or error})") from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _write_parquet(folder: Path, study: dict[str, str], file: Path) -> None:
+    """Write one row group for each batch of rows: memory stays flat."""
+    try:
+        import pyarrow as pa
+        from pyarrow import parquet
+    except ImportError:
+        raise FingerpadError("Parquet needs the package pyarrow: pip install 'fingerpad[parquet]'") from None
+    columns = [COLUMNS[name] for name in read_header(folder)]
+    types = {"text": pa.string(), "bool": pa.bool_(), "int": pa.int64(), "float": pa.float64()}
+    schema = pa.schema(
+        [
+            pa.field(
+                column.name,
+                types[column.dtype],
+                metadata={"unit": column.unit, "meaning": column.meaning, "group": column.group},
+            )
+            for column in columns
+        ],
+        metadata=study,
+    )
+    with parquet.ParquetWriter(file, schema, compression="zstd") as writer:
+        for batch in read_batches(folder, _ROW_GROUP):
+            arrays = [
+                pa.Array.from_pandas(column.series(batch[column.name]), type=types[column.dtype])
+                for column in columns
+            ]
+            writer.write_table(pa.table(arrays, schema=schema))
+
+
+def _write_mat(folder: Path, study: dict[str, str], file: Path) -> None:
+    """Write structs `results`, `units`, `meanings` and `study`, with one field for each column."""
+    table = read_rows(folder)
+    content = {
+        "results": {name: _matlab_column(COLUMNS[name], table[name]) for name in table},
+        "units": {name: COLUMNS[name].unit for name in table},
+        "meanings": {name: COLUMNS[name].meaning for name in table},
+        "study": study,
+    }
+    with file.open("wb") as target:
+        io.savemat(target, content, long_field_names=True, oned_as="column", do_compression=True)
+
+
+def _matlab_column(column: Column, values: pd.Series) -> ColumnArray:
+    """Return a column as MATLAB has it: doubles, logicals, or a character matrix with one line for each row.
+
+    A cell array would take a hundred times as long to write and read; ``cellstr`` makes one.
+    """
+    if column.dtype == "text":
+        return np.array([word or " " for word in values], dtype=np.str_)
+    numbers = values.to_numpy(bool if column.dtype == "bool" else float, na_value=np.nan)
+    return np.asarray(numbers).reshape(-1, 1)
+
+
+_FORMATS: Final[Mapping[str, Callable[[Path, dict[str, str], Path], None]]] = {
+    ".parquet": _write_parquet,
+    ".mat": _write_mat,
+}

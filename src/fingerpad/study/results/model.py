@@ -15,8 +15,8 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest import Contact, Study
+from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
 from fingerpad.uncertainty import (
     PAD_SOURCES,
     Inputs,

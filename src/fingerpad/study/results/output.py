@@ -13,24 +13,18 @@ import pandas as pd
 from fingerpad._csv import csv_cell, write_csv
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import PadSemiAxes
-from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
+from fingerpad.study.measuring.operators import OperatorAgreement
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.answers import Answer, answers
 from fingerpad.study.results.by_load import AtLoad, LoadMean
-from fingerpad.study.results.columns import COLUMNS, DEFAULT_COLUMNS
 from fingerpad.study.results.exponent import area_exponent
-from fingerpad.study.results.layer import unit_of
-from fingerpad.study.results.layer_curve import CurveOnLayer
-from fingerpad.study.results.layer_summary import LayerQuantity, LayerSummary
-from fingerpad.study.results.loading import LoadingRadius, loading_radius
+from fingerpad.study.results.layer import CurveOnLayer, LayerQuantity, unit_of
 from fingerpad.study.results.methods import methods_section
-from fingerpad.study.results.model_checks import ValidityCheck
-from fingerpad.study.results.operators import OperatorAgreement
-from fingerpad.study.results.pooling import PooledRadius
+from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary
 from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.summary_file import (
     AgreementRecord,
     AtLoadRecord,
@@ -61,8 +55,9 @@ from fingerpad.study.results.summary_file import (
     UncertaintyCheckRecord,
     ValidityRecord,
 )
-from fingerpad.study.results.table import batches, items
+from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, items
 from fingerpad.study.results.validity import RADIUS, Validity
+from fingerpad.study.results.validity.model_checks import ValidityCheck
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 

@@ -1,5 +1,6 @@
-"""One radius from the contacts of a finger at one angle, with their shared errors."""
+"""Contacts of a finger at one placement pooled: its radii, and its quantities on the layer of tissue."""
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Self
@@ -8,6 +9,18 @@ import numpy as np
 import pandas as pd
 
 from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.study.error_text import counted
+from fingerpad.study.results.exponent import items_of
+from fingerpad.study.results.layer import (
+    HERTZ_OF,
+    LAYER_PART_SOURCES,
+    POOLED_ON_LAYER,
+    Layered,
+    LayerQuantity,
+    quantity_of,
+    unit_of,
+    with_thickness,
+)
 from fingerpad.study.results.model import (
     GEOMETRY,
     OF_THE_DEVICE,
@@ -15,9 +28,10 @@ from fingerpad.study.results.model import (
     PART_SOURCES,
     POOLED_OUTPUTS,
 )
-from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.table import Places, numbered
+from fingerpad.study.results.rows import PLACEMENT, HighestLoad, PlacementKey, Rows
+from fingerpad.study.results.table import Places, groups, numbered
 from fingerpad.uncertainty import (
+    LAYER_SOURCES,
     PAD_SOURCES,
     NestedScatter,
     Pooled,
@@ -26,6 +40,7 @@ from fingerpad.uncertainty import (
     nested_scatter,
     pool,
     pool_random_effects,
+    proportional_stds,
 )
 
 # Parts that a contact shares with no other, and parts of second order.
@@ -184,3 +199,232 @@ def _budget(
     variance["scatter"] = max(0.0, pooled.total_std**2 - sum(variance.values()))
     total = sum(variance.values())
     return {source: each / total if total > 0 else each for source, each in variance.items()}
+
+
+# Parts that a contact shares with no other.
+_OWN_ON_LAYER: Final = ~np.isin(LAYER_PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_DEVICE, "thickness"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PooledOnLayer(LayerQuantity):
+    """A quantity pooled over contacts, all of which are taken to have one value.
+
+    Attributes
+    ----------
+    birge_ratio : float
+        Of the scatter; the uncertainty is widened by it where it exceeds one.
+    count : int
+        Number of contacts, a sequence counting as one.
+    """
+
+    birge_ratio: float
+    count: int
+
+    @classmethod
+    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Places, output: str) -> Self | None:
+        """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is.
+
+        Parameters
+        ----------
+        rows : Rows
+            All rows.
+        pooled : DataFrame
+            Those of them to pool; all must count.
+        estimate : ndarray of int
+            Which estimate each belongs to: one for a single contact, one for all frames of a sequence.
+        output : str
+            The quantity.
+        """
+        parts = rows.layer_parts[np.searchsorted(rows.pooled, pooled.index.to_numpy())]
+        known = np.asarray(np.isfinite(parts).all(axis=(-2, -1)))  # the same contacts for all outputs
+        if not known.any():
+            return None
+        unit, factor = unit_of(output)
+        pooled, estimate = pooled[known], numbered(estimate[known])
+        parts = factor * parts[known, POOLED_ON_LAYER.index(output)]
+        own_std = np.sqrt(np.sum(parts[:, _OWN_ON_LAYER] ** 2, axis=-1))
+        mean = mean_within(estimate, own_std)
+        value, parts = (
+            mean(pooled[f"{output}_{unit}"].to_numpy()),
+            np.stack(list(map(mean, parts.T)), axis=-1),
+        )
+        first = np.unique(estimate, return_index=True)[1]
+        sources = LAYER_PART_SOURCES[~_OWN_ON_LAYER].tolist()
+        shared = shared_errors(parts[:, ~_OWN_ON_LAYER], sources, pooled["scale"].iloc[first])
+        found = pool(value, proportional_stds(value, mean(own_std)), shared)
+        variance = dict.fromkeys(LAYER_SOURCES, 0.0) | shared.variances(found.weights)
+        for source in np.unique(LAYER_PART_SOURCES[_OWN_ON_LAYER]).tolist():
+            own = parts[:, _OWN_ON_LAYER & (source == LAYER_PART_SOURCES)]
+            variance[source] = float(np.sum(found.weights**2 @ own**2))
+        variance["scatter"] = max(0.0, found.total_std**2 - sum(variance.values()))
+        total = sum(variance.values())
+        return cls(
+            value=found.value,
+            std=found.total_std,
+            budget={source: each / total if total else 0.0 for source, each in variance.items()},
+            birge_ratio=found.birge_ratio,
+            count=found.count,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LayerSummary:
+    """What the contacts of a finger at one angle tell of it on its layer of tissue.
+
+    Attributes
+    ----------
+    thickness, thickness_std : float
+        Effective thickness as stated, mm; the uncertainty is NaN where none is stated.
+    observation : str
+        The contact at the highest load that is in the range of the laws, if any is.
+    load : float
+        Its load, N.
+    flag : str
+        What takes it out of the range of the laws; empty where nothing does.
+    at_highest_load : dict of str to LayerQuantity
+        Its quantities on the layer, and those of Hertz theory.
+    pooled : dict of str to (PooledOnLayer or None)
+        `POOLED_ON_LAYER` over all contacts that count.
+    """
+
+    thickness: float
+    thickness_std: float
+    observation: str
+    load: float
+    flag: str
+    at_highest_load: dict[str, LayerQuantity]
+    pooled: dict[str, PooledOnLayer | None]
+
+    @classmethod
+    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Places, highest: HighestLoad) -> Self | None:
+        """Summarise the rows that count at one placement; None where the finger has no thickness."""
+        thickness, std = (
+            float(pooled[name].to_numpy()[0])
+            for name in ("effective_thickness_mm", "effective_thickness_mm_std")
+        )
+        if math.isnan(thickness):
+            return None
+        inputs = with_thickness(highest.inputs, [thickness], 0.0 if math.isnan(std) else std)
+        found = Layered.of(inputs, "first_order")
+        return cls(
+            thickness=thickness,
+            thickness_std=std,
+            observation=highest.observation,
+            load=highest.load,
+            flag=str(found.flag[0]),
+            at_highest_load={
+                name: quantity_of(found.propagated, name) for name in (*HERTZ_OF, *HERTZ_OF.values())
+            },
+            pooled={name: PooledOnLayer.of(rows, pooled, estimate, name) for name in POOLED_ON_LAYER},
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Summary:
+    """All good rows of one finger at one placement.
+
+    Attributes
+    ----------
+    finger, wedge_angle_deg, roll_angle_deg, synthetic
+        What the rows have in common.
+    table : DataFrame
+        All rows of the study, of which `rows` are some.
+    places : ndarray of int
+        Where `rows` are in it.
+    corrected_radius : PooledRadius or None
+        Pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a
+        sound row.
+    compliance_radius : PooledRadius or None
+        Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
+    layer : LayerSummary or None
+        The same contacts on the finger's layer of tissue; None without a thickness, or without a sound row.
+    """
+
+    finger: str
+    wedge_angle_deg: float
+    roll_angle_deg: float
+    synthetic: bool
+    table: pd.DataFrame
+    places: Places
+    corrected_radius: PooledRadius | None
+    compliance_radius: PooledRadius | None
+    layer: LayerSummary | None
+
+    @property
+    def key(self) -> PlacementKey:
+        """The values of `PLACEMENT`, which no other summary has."""
+        return self.finger, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
+
+    @property
+    def place(self) -> tuple[str, float, bool]:
+        """What the rows have in common with loading curves: all but the roll."""
+        return self.finger, self.wedge_angle_deg, self.synthetic
+
+    @property
+    def rows(self) -> pd.DataFrame:
+        """The rows, by load: single contacts and frames of sequences."""
+        return self.table.iloc[self.places]
+
+    def column(self, name: str) -> pd.Series:
+        """Return one column of `rows`, without a copy of the others."""
+        return self.table[name].iloc[self.places]
+
+    @property
+    def contacts(self) -> pd.DataFrame:
+        """Rows of single contacts, without frames."""
+        return self.table.iloc[self.places[self.column("frame").isna()]]
+
+    @property
+    def contacts_or_frames(self) -> pd.DataFrame:
+        """Rows of single contacts, or those of frames where there are none."""
+        contacts = self.contacts
+        return self.rows if contacts.empty else contacts
+
+    @property
+    def pooled_from(self) -> str:
+        """What the pooled radii come from, in words, and of how many observations."""
+        pooled, framed = self.column("pooled"), self.column("frame").notna()
+        frames = int((pooled & framed).sum())
+        sequences = len(set(self.column("sequence")[pooled]) - {None})
+        contacts, seen = int(pooled.sum()) - frames, int((~framed).sum())
+        singles = counted(contacts, "observation")
+        if contacts < seen:
+            singles = f"{contacts} of {counted(seen, 'observation')}"
+        parts = [singles] if seen or not sequences else []
+        if sequences:
+            parts.append(f"{counted(frames, 'frame')} of {counted(sequences, 'sequence')}")
+        return " and ".join(parts)
+
+
+def pool_contacts(rows: Rows) -> list[Summary]:
+    """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
+    good = np.flatnonzero(rows.table["status"] == "measured")
+    found = groups(rows.table[[*PLACEMENT]].iloc[good], *PLACEMENT)
+    return [_summary(key, rows, good[places]) for key, places in found.items()]
+
+
+def _summary(key: PlacementKey, rows: Rows, places: Places) -> Summary:
+    table = rows.table
+    pooled = table.iloc[places[table["pooled"].to_numpy()[places]]]
+    by_load = table["load_N"].iloc[places].sort_values(kind="stable")
+    estimate = items_of(pooled)
+    corrected, compliance = (
+        PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None for name in POOLED_OUTPUTS
+    )
+    finger, wedge, roll, synthetic = key
+    return Summary(
+        finger=finger,
+        wedge_angle_deg=wedge,
+        roll_angle_deg=roll,
+        synthetic=synthetic,
+        table=table,
+        places=by_load.index.to_numpy(),
+        corrected_radius=corrected,
+        compliance_radius=compliance,
+        layer=LayerSummary.of(rows, pooled, estimate, _highest(rows, key)) if len(pooled) else None,
+    )
+
+
+def _highest(rows: Rows, key: PlacementKey) -> HighestLoad:
+    """Return the contact at the highest load that is in the range of the layer's laws, if any is."""
+    return rows.highest_on_layer.get(key) or rows.highest_load[key]

@@ -12,9 +12,8 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.image import implausible_size
 from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import Contact, Observation, Study
+from fingerpad.study.measuring.contacts import RIDGES_MERGE, Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
-from fingerpad.study.results.exclusions import RIDGES_MERGE, excluding_flags, is_pooled
 from fingerpad.study.results.model import contact_inputs
 from fingerpad.study.results.table import Places, groups, items, numbered
 from fingerpad.uncertainty import (

@@ -14,14 +14,12 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import implausible_size
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
+from fingerpad.study.measuring.contacts import IMPLAUSIBLE_SIZE, Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.measure import Measurement
-from fingerpad.study.results.columns import COLUMNS, ColumnArray
-from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags, is_pooled
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.repeats import ContactRepeatability
-from fingerpad.study.results.table import GrowingArray, Places, table_of
+from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Places, table_of
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.units import KPA_PER_MPA
 

@@ -1,32 +1,32 @@
 """Everything that a run found, once all is measured."""
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+import hashlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import partial
 from itertools import compress
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
+from pydantic import BaseModel
 
+from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import Record, Task
-from fingerpad.study.engine.versions import versions_of
+from fingerpad.study.engine.task import Record, Task, versions_of
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.measuring.operators import OperatorPair
+from fingerpad.study.measuring.operators import OperatorAgreement, OperatorPair, operator_agreement
 from fingerpad.study.measuring.run import Measured
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.by_load import AtLoad, pool_by_load
-from fingerpad.study.results.check import check_uncertainty
-from fingerpad.study.results.digest import digest_of_values
-from fingerpad.study.results.layer_curve import CurveOnLayer, curve_on_layer
-from fingerpad.study.results.operators import OperatorAgreement, operator_agreement
+from fingerpad.study.results.layer import CurveOnLayer, curve_on_layer
+from fingerpad.study.results.pooling import Summary, pool_contacts
 from fingerpad.study.results.repeats import (
     ContactRepeatability,
     StudyScatter,
@@ -34,10 +34,100 @@ from fingerpad.study.results.repeats import (
     study_scatter,
 )
 from fingerpad.study.results.rows import HighestLoad, model_contacts
-from fingerpad.study.results.summary import Summary, pool_contacts
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import groups, records
+from fingerpad.study.results.table import COLUMNS, groups, records
 from fingerpad.study.results.validity import Validity, validity_of, with_verdicts
+from fingerpad.uncertainty import (
+    Inputs,
+    pad_model,
+    propagate,
+    run_monte_carlo,
+    sobol_indices,
+    validate_linear_approximation,
+)
+
+
+def digest_of_values(*values: object) -> str:
+    """Return the SHA-256 of some values: plain ones, arrays, tables, models, dataclasses and lists of them.
+
+    Examples
+    --------
+    >>> digest_of_values({"a": 1.0}, {"x", "y"}) == digest_of_values({"a": 1.0}, {"y", "x"})
+    True
+    >>> digest_of_values(1) == digest_of_values(1.0)
+    False
+    """
+    digest = hashlib.sha256()
+    for part in _parts(values):
+        digest.update(len(part).to_bytes(8, "big") + part)
+    return digest.hexdigest()
+
+
+def _parts(value: Any) -> Iterator[bytes]:
+    """Yield a value bit by bit, each with its kind."""
+    yield type(value).__name__.encode()
+    if isinstance(value, np.ndarray):
+        yield f"{value.dtype.str} {value.shape}".encode()
+        yield repr(value.tolist()).encode() if value.dtype == object else value.tobytes()
+    elif isinstance(value, BaseModel):
+        yield value.model_dump_json().encode()
+        yield value.model_dump_json(exclude_unset=True).encode()
+    elif (inner := _inside(value)) is not None:
+        yield repr(len(inner)).encode()
+        for item in inner:
+            yield from _parts(item)
+    else:
+        yield repr(value).encode()
+
+
+def _inside(value: Any) -> Sequence[Any] | None:
+    """Return what a value is made of, in an order of its own; None for a plain one."""
+    if isinstance(value, pd.DataFrame):
+        return [value[name].to_numpy() for name in COLUMNS]
+    if is_dataclass(value):
+        return [getattr(value, field.name) for field in fields(value)]
+    if isinstance(value, Mapping):
+        return list(value.items())
+    if isinstance(value, set | frozenset):
+        return sorted(map(repr, value))
+    return value if isinstance(value, list | tuple) else None
+
+
+_RADIUS: Final = "radius_from_indentation"
+
+
+def _corrected_radius(**inputs: FloatArray) -> dict[str, FloatArray]:
+    return {_RADIUS: pad_model(**inputs)[_RADIUS]}
+
+
+def check_uncertainty(observation: str, inputs: Inputs) -> UncertaintyCheckRecord:
+    """Propagate the inputs of one contact by first order and by Monte Carlo."""
+    inputs = _with_independent_groups(inputs)
+    first = propagate(_corrected_radius, inputs)
+    simulated = run_monte_carlo(_corrected_radius, inputs)
+    radius, drawn = first[_RADIUS], simulated[_RADIUS]
+    return UncertaintyCheckRecord(
+        observation=observation,
+        value=float(radius.value),
+        std=float(radius.std),
+        interval=(float(radius.lower), float(radius.upper)),
+        simulated_std=float(drawn.std),
+        simulated_interval=(float(drawn.lower), float(drawn.upper)),
+        draws=simulated.draws,
+        converged=simulated.converged[_RADIUS],
+        valid=validate_linear_approximation(first, simulated)[_RADIUS].valid,
+        shares={source: float(share) for source, share in first.budget(_RADIUS).items()},
+        total=sobol_indices(_corrected_radius, inputs)[_RADIUS].total,
+    )
+
+
+def _with_independent_groups(inputs: Inputs) -> Inputs:
+    """Return inputs with semi-axes and scale as one group where the same scale is in both."""
+    axes, scale = (inputs.groups[source] for source in ("semi-axes", "image scale"))
+    if not inputs.covariance[inputs.places(axes), inputs.places(scale)].any():
+        return inputs
+    rest = {source: names for source, names in inputs.groups.items() if names not in (axes, scale)}
+    return replace(inputs, groups={"semi-axes and scale": axes + scale, **rest})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -28,9 +28,16 @@ from fingerpad.study.corrections.apply import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
-from fingerpad.study.measuring.measure import Measurement, doubts_of, from_contact_image, reviewed
+from fingerpad.study.measuring.contacts import (
+    IMPLAUSIBLE_SIZE,
+    Measurement,
+    doubts_of,
+    excluding_flags,
+    from_contact_image,
+    is_pooled,
+    reviewed,
+)
 from fingerpad.study.measuring.scales import FoundScale
-from fingerpad.study.results.exclusions import IMPLAUSIBLE_SIZE, excluding_flags, is_pooled
 from fingerpad.study.results.rows import PLACEMENT, model_contacts
 from fingerpad.study.results.table import records
 from fingerpad.study.results.validity import HEADLINES

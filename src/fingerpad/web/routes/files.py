@@ -18,8 +18,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response, StreamingResponse
 
-from fingerpad.study.archive import pack, unpack
-from fingerpad.study.bundle import Bundle
+from fingerpad.study.share import Bundle, pack, unpack
 from fingerpad.web.answers.files import BundleContents, UploadedFile
 from fingerpad.web.answers.study import State, StateAfterRemoval, StateAfterRestore
 from fingerpad.web.endpoints import Params, endpoint

@@ -15,12 +15,11 @@ from fingerpad.published import audit
 from fingerpad.report.plots import group_name
 from fingerpad.report.text import pooling_words
 from fingerpad.study.corrections.items import ActiveCorrection
-from fingerpad.study.results.columns import COLUMNS, Column
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT
 from fingerpad.study.results.summary_file import PlacementRecord
-from fingerpad.study.results.table import items, records
+from fingerpad.study.results.table import COLUMNS, Column, items, records
 from fingerpad.web.answers import results as answers
 from fingerpad.web.endpoints import Params, endpoint
 from fingerpad.web.errors import RequestError

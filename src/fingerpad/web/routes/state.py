@@ -31,10 +31,10 @@ from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.models import Surface
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
-from fingerpad.study.measuring.items import StudyItems
-from fingerpad.study.results.columns import COLUMNS
+from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.summary_file import FingerRecord
+from fingerpad.study.results.table import COLUMNS
 from fingerpad.study.status import item_states, semi_axes_state
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint

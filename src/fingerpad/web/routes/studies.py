@@ -7,9 +7,8 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from fingerpad.exceptions import EditConflict
-from fingerpad.study.editing.apply_edit import Edit
-from fingerpad.study.editing.edit import create_study
-from fingerpad.study.editing.example import write_example
+from fingerpad.study.editing.edit import Edit, create_study
+from fingerpad.study.editing.template import write_example
 from fingerpad.study.manifest.load import STUDY_NAME, Kind
 from fingerpad.web.answers import study as answers
 from fingerpad.web.endpoints import Params, endpoint

@@ -11,16 +11,24 @@ from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.results.columns import COLUMNS
-from fingerpad.study.results.model_checks import ValidityCheck, judge_together, overall_verdict
-from fingerpad.study.results.model_discrepancy import ModelDiscrepancy, model_discrepancy
+from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.rows import Rows
-from fingerpad.study.results.summary import Summary
-from fingerpad.study.results.validity.area_checks import GROWTH, area_checks
-from fingerpad.study.results.validity.geometry_checks import contact_shape_check, size_checks
-from fingerpad.study.results.validity.layer_checks import layer_checks
-from fingerpad.study.results.validity.loading_checks import loading_checks
-from fingerpad.study.results.validity.place import HEADLINES, MODULUS, RADIUS, ROUTES, Place
+from fingerpad.study.results.table import COLUMNS
+from fingerpad.study.results.validity.contact_checks import (
+    GROWTH,
+    area_checks,
+    contact_shape_check,
+    size_checks,
+)
+from fingerpad.study.results.validity.finger_at_angle import HEADLINES, MODULUS, RADIUS, ROUTES, Place
+from fingerpad.study.results.validity.loading_checks import layer_checks, loading_checks
+from fingerpad.study.results.validity.model_checks import (
+    ModelDiscrepancy,
+    ValidityCheck,
+    judge_together,
+    model_discrepancy,
+    overall_verdict,
+)
 
 _NOT_ESTIMATED = "not estimated: there are no loading data"
 Discrepancies = Mapping[str, ModelDiscrepancy | None]

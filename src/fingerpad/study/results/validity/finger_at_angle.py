@@ -8,13 +8,12 @@ import pandas as pd
 
 from fingerpad.loading import LoadingFit
 from fingerpad.study.manifest import Study
-from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.results.loading import LoadingRadius, loading_radius
-from fingerpad.study.results.model_checks import ValidityCheck
+from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.rows import HighestLoad, Rows
-from fingerpad.study.results.summary import Summary
 from fingerpad.study.results.table import Row, first_record
+from fingerpad.study.results.validity.model_checks import ValidityCheck
 
 # Results with a verdict, by the column that holds them.
 RADIUS: Final = "radius_from_indentation_mm"

@@ -1,13 +1,16 @@
-"""Whether a model holds: comparisons of two ways to one quantity, and known errors."""
+"""Whether a model holds: comparisons of two ways to a quantity, known errors, and by how much it is wrong."""
 
 import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Self
 
-from scipy import special
+import numpy as np
+from scipy import optimize, special
 
+from fingerpad._arrays import ArrayLike, as_float_array, check_all
 from fingerpad._display import Displayed
+from fingerpad.exceptions import UncertaintyError
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 
 HOLDS: Final = "holds"
@@ -411,3 +414,79 @@ def _deviations(difference: float, spread: float) -> float:
     if spread > 0:
         return difference / spread
     return math.copysign(math.inf, difference) if difference else 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ModelDiscrepancy(Displayed):
+    """By how much a model is wrong, as two ways through it to one quantity show.
+
+    Attributes
+    ----------
+    relative_std : float
+        Standard deviation that each of the two ways needs beside its stated uncertainty, relative to its
+        value; zero where the stated uncertainties explain the differences.
+    between_std : float
+        Standard deviation s of the logarithm of their ratio, beyond chance.
+    count : int
+        Number of comparisons, which are the degrees of freedom.
+
+    Examples
+    --------
+    >>> found = model_discrepancy([-0.4], [0.02])
+    >>> print(f"{found.relative_std:.3f} of each, {found.between_std:.3f} between them")
+    0.326 of each, 0.399 between them
+    """
+
+    relative_std: float
+    between_std: float
+    count: int
+
+
+def model_discrepancy(log_ratios: ArrayLike, stds: ArrayLike) -> ModelDiscrepancy:
+    r"""Estimate the discrepancy of a model from pairs of values that would agree if it held.
+
+    s² solves :math:`\sum_i r_i^2/(u_i^2 + s^2) = n`, Paule and Mandel's equation about a mean that is known
+    to be zero: with s, the differences are as large as their uncertainties. Nothing tells which of the two
+    ways is wrong, so that each has s/√2 of the logarithm, which is up to exp(s/√2) − 1 of the value (Kennedy
+    and O'Hagan's discrepancy, as one number).
+
+    Parameters
+    ----------
+    log_ratios : array_like, shape (n,)
+        Logarithms of the ratio of both values.
+    stds : array_like, shape (n,)
+        Their standard uncertainties.
+
+    Returns
+    -------
+    ModelDiscrepancy
+
+    Raises
+    ------
+    UncertaintyError
+        If there is no pair, or an uncertainty is negative or NaN.
+
+    Examples
+    --------
+    >>> found = model_discrepancy(np.log([0.66, 0.7]), [0.02, 0.05])
+    >>> print(f"{found.relative_std:.2f} from {found.count}")
+    0.31 from 2
+    """
+    ratio, std = np.atleast_1d(as_float_array(log_ratios)), np.atleast_1d(as_float_array(stds))
+    check_all(np.isfinite(ratio), "log_ratios", ratio, "finite", UncertaintyError)
+    check_all(std >= 0, "standard uncertainty", std, "at least zero", UncertaintyError)
+    if not ratio.size or ratio.shape != std.shape:
+        raise UncertaintyError(
+            f"as many standard uncertainties as ratios are needed, and one at least; found {ratio.size} and "
+            f"{std.size}"
+        )
+
+    def excess(variance: float) -> float:
+        return float(np.sum(ratio**2 / (std**2 + variance))) - ratio.size
+
+    upper = float(np.sum(ratio**2))
+    smallest = 1e-12 * upper
+    between = optimize.brentq(excess, smallest, upper) if upper > 0 and excess(smallest) > 0 else 0.0
+    return ModelDiscrepancy(
+        relative_std=math.expm1(math.sqrt(between / 2)), between_std=math.sqrt(between), count=ratio.size
+    )
