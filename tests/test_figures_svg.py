@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import (
     new_figure,
     new_panels,
@@ -189,6 +190,13 @@ def test_data_survive_the_file(tmp_path) -> None:
     for name in ("radius.svg", "radius.json"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert ElementTree.parse(drawing).getroot().get("aria-label") == 'R < 2 & "more"'
+
+
+def test_a_full_disk_is_named_with_the_way_out(tmp_path) -> None:
+    (tmp_path / "drawn.svg").symlink_to("/dev/full")
+    figure, _ = new_panels()
+    with pytest.raises(FingerpadError, match=r"drawn: cannot be written \(No space left .* make room"):
+        save_panels(figure, tmp_path / "drawn")
 
 
 def test_ids_differ_between_figures() -> None:

@@ -215,6 +215,15 @@ def test_a_damaged_store(folder: Path) -> None:
         run(folder)
 
 
+def test_a_store_with_damaged_names(folder: Path) -> None:
+    path = folder / "out" / STORE_NAME
+    path.write_bytes(path.read_bytes().replace(b"CREATE TABLE result", b"CREATE T\xf4BLE result", 1))
+    with pytest.raises(StoreError, match="damaged or no store .* move it away and run again"):
+        run(folder)
+    (fault,) = verify_study(folder / "study.toml", folder / "out").faults
+    assert "damaged or no store" in fault
+
+
 def _retagged(path: Path, pragma: str) -> None:
     connection = sqlite3.connect(path)
     connection.execute(f"PRAGMA {pragma}")

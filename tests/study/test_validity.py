@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.cli import app
+from fingerpad.exceptions import FingerpadError
 from fingerpad.report.text import to_do
 from fingerpad.study.compare import compare_studies
 from fingerpad.study.pipeline import run_study
@@ -136,6 +137,14 @@ def run(folder: Path, *fingers: str) -> tuple[StudyResult, list[Validity]]:
     result = run_study(folder / "study.toml", folder / "out")
     write_tables(result, folder / "out")
     return result, result.validities
+
+
+def test_a_full_disk_is_named_with_the_way_out(tmp_path: Path) -> None:
+    result, _ = run(tmp_path, finger("f"))
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "results.csv").symlink_to("/dev/full")
+    with pytest.raises(FingerpadError, match=r"full: cannot be written \(No space left .* make room"):
+        write_tables(result, tmp_path / "full")
 
 
 def test_without_loading_data_no_term_is_made_up(tmp_path: Path) -> None:

@@ -224,7 +224,9 @@ def save_figure(
         drawing = figure_svg(figure, path.name, description=description)
         svg.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n{drawing}', encoding="utf-8", newline="\n")
     except OSError as error:
-        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+        raise FingerpadError(
+            f"{error.filename or path}: cannot be written ({error.strerror}): make room, or choose another"
+        ) from error
     finally:
         figure.set_layout_engine(layout)
     return svg, png

@@ -100,7 +100,9 @@ def save_panels(
         svg.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n{drawing}', encoding="utf-8", newline="\n")
         data.write_text(f"{figure.to_json()}\n", encoding="utf-8", newline="\n")
     except OSError as error:
-        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+        raise FingerpadError(
+            f"{error.filename or path}: cannot be written ({error.strerror}): make room, or choose another"
+        ) from error
     return svg, data
 
 

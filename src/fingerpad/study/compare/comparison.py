@@ -327,4 +327,6 @@ def write_comparison(comparison: Comparison, out: Path) -> None:
                 write_csv(out / f"{name}.csv", [records[0], *(record.values() for record in records)])
         (out / "compare.json").write_text(dumps(comparison.as_record(), indent=1) + "\n", encoding="utf-8")
     except OSError as error:
-        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+        raise FingerpadError(
+            f"{error.filename or out}: cannot be written ({error.strerror}): make room, or choose another"
+        ) from error

@@ -476,5 +476,5 @@ def _plain_errors(path: Path) -> Iterator[None]:
         else:
             way_out = f"cannot be used ({text}): {_AWAY}"
         raise StoreError(f"{path}: {way_out}") from error
-    except sqlite3.DatabaseError as error:
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:  # a message may quote damaged bytes
         raise StoreError(f"{path}: damaged or no store of fingerpad ({error}): {_AWAY}") from error

@@ -87,7 +87,10 @@ def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -
             _write_records(out / "second_operator.csv", [one.as_record() for one in result.operator_pairs])
         (out / "summary.json").write_text(summary.text(), encoding="utf-8")
     except OSError as error:
-        raise FingerpadError(f"{error.filename}: cannot be written ({error.strerror})") from error
+        raise FingerpadError(
+            f"{error.filename or out}: cannot be written ({error.strerror}): what was measured is kept; "
+            "make room, or choose another --out, and run again to go on"
+        ) from error
 
 
 def _write_records(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
