@@ -41,7 +41,7 @@ docs: setup ## Build the documentation into docs/_build
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 
 bench: setup ## Measure accuracy and speed and print the tables
-	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks all
 
 clean: ## Remove everything that the other targets made
 	rm -rf .venv node_modules build demo-report docs/_build docs/_static docs/gallery docs/tutorial/notebook docs/reference/_*.md docs/reference/_generated .pytest_cache .mypy_cache .ruff_cache .hypothesis dist

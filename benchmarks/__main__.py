@@ -1,139 +1,73 @@
-"""Accuracy and speed, measured here and now: ``make bench``.
-
-Ratios compare runs side by side in one process; seconds depend on the machine.
-"""
+"""Measure again what the documentation states, or list what there is."""
 
 import argparse
+import ast
+import importlib
+import inspect
+import os
+import signal
+import subprocess
+import sys
+from contextlib import redirect_stdout
+from datetime import date
+from io import StringIO
 
-import mpmath as mp
-import numpy as np
-from scipy.special import ellipe, ellipk
-
-from benchmarks import (
-    bone_width,
-    browser,
-    coins,
-    commands,
-    contact_edge,
-    contact_images,
-    contact_law_errors,
-    contact_solver,
-    elastic_ridges,
-    engine,
-    fields,
-    finger_shapes,
-    fingertips,
-    images,
-    layer_inverse,
-    loading,
-    loading_truth,
-    mutations,
-    non_prints,
-    page,
-    peers,
-    photographs,
-    picture_subjects,
-    pooling,
-    pressure_images,
-    repeatability,
-    scale,
-    sequences,
-    simulators,
-    soak,
-    stripe_images,
-    studies,
-    tissue_thickness,
-    uncertainty,
-    validity,
-)
-from benchmarks.exact import RATIOS, exact_contact
-from benchmarks.timing import best
-from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
-from fingerpad.geometry import Paraboloid
+from benchmarks import RESULTS, ROOT, modules
 
 
-def hertz_accuracy() -> None:
-    """Print the largest relative error of each quantity over all curvature ratios."""
-    worst = np.zeros(4)
-    for ratio in RATIOS:
-        contact = hertz_contact(Paraboloid(8.0, 8.0 * ratio), Tissue.of_reduced_modulus(0.1365), load=2.0)
-        found = (contact.semi_major, contact.semi_minor, contact.indentation, contact.peak_pressure)
-        exact = exact_contact(ratio, 8.0, 2.0, 0.1365)
-        error = [abs(float(mp.mpf(float(a)) / b - 1)) for a, b in zip(found, exact, strict=True)]
-        worst = np.maximum(worst, error)
-    print("Elliptical Hertz contact against 50 digits, curvature ratios 1, 1 + 1e-15 ... 1e7")
-    print("  largest relative error (asked: 4e-15)")
-    for name, largest in zip(
-        ("semi_major", "semi_minor", "indentation", "peak_pressure"), worst, strict=True
-    ):
-        print(f"    {name:<14} {largest:.1e}")
+class _Copied(StringIO):
+    """Text that is shown at once, and kept."""
+
+    def write(self, text: str) -> int:
+        sys.__stdout__.write(text)  # type: ignore[union-attr]
+        sys.__stdout__.flush()  # type: ignore[union-attr]
+        return super().write(text)
 
 
-def hertz_speed(count: int = 1_000_000) -> None:
-    """Print the time of distinct contacts as multiples of SciPy's two elliptic integrals."""
-    rng = np.random.default_rng(0)
-    first = rng.uniform(5, 20, count)
-    second = first * np.exp(rng.uniform(0, np.log(1e7), count))
-    load, modulus = rng.uniform(0.1, 4, count), rng.uniform(0.05, 0.2, count)
-    m = 1 - solve_contact_ellipse(first, second)[0] ** 2
-    bodies, tissue = Paraboloid(first, second), Tissue(modulus)
-    floor = best(lambda: (ellipk(m), ellipe(m)))
-    print(f"\n{count:,} contacts, one thread; floor: SciPy ellipk + ellipe, {1e3 * floor:.0f} ms")
-    for name, call in (
-        (
-            "hertz_contact, all distinct (asked: 3)",
-            lambda: hertz_contact(Paraboloid(first, second), Tissue(modulus), load=load),
-        ),
-        ("the same of known bodies and tissue", lambda: hertz_contact(bodies, tissue, load=load)),
-    ):
-        print(f"    {name:<40} {best(call) / floor:.2f} x floor")
+def measure(name: str, sample: dict[str, int | str | bool]) -> None:
+    """Run a benchmark, and store what it prints with its date, commit and sample."""
+    report = importlib.import_module(modules()[name]).report
+    drawn = inspect.signature(report).bind(**sample)
+    drawn.apply_defaults()
+    commit = subprocess.run(
+        ["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    with redirect_stdout(_Copied()) as shown:
+        report(**drawn.arguments)
+    drawn_of = [f"{key.replace('_', ' ')} {value}" for key, value in drawn.arguments.items() if value != ""]
+    head = f"`python -m benchmarks {name}`, {date.today()}, commit {commit.stdout.strip()}"
+    head = "; ".join([head, *drawn_of])
+    text = shown.getvalue().strip("\n")
+    # A table in Markdown stands as one; aligned columns keep their spaces.
+    body = text if text.startswith("|") else f"```text\n{text}\n```"
+    RESULTS.mkdir(exist_ok=True)
+    (RESULTS / f"{name}.md").write_text(f"{body}\n\n{head}.\n", encoding="utf-8")
+
+
+def main() -> None:
+    """Run what the command line asks for."""
+    known = modules()
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("name", nargs="?", choices=[*known, "all"], metavar="NAME")
+    parser.add_argument("sample", nargs="*", metavar="KEY=VALUE", help="arguments of its report, as seed=3")
+    given = parser.parse_args()
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background ignores it
+    if given.name is None:
+        for name, module in known.items():
+            print(f"{name:<20} {(importlib.import_module(module).__doc__ or '').splitlines()[0]}")
+        return
+    sample = {}
+    for text in given.sample:
+        key, _, value = text.partition("=")
+        try:
+            sample[key] = ast.literal_eval(value)
+        except (SyntaxError, ValueError):
+            sample[key] = value
+    for name in known if given.name == "all" else [given.name]:
+        print(f"\n{name}", file=sys.stderr)
+        measure(name, sample)
 
 
 if __name__ == "__main__":
-    argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__).parse_args()
-    hertz_accuracy()
-    hertz_speed()
-    contact_solver.report()
-    peers.report()
-    contact_law_errors.report()
-    fields.report()
-    simulators.report()
-    uncertainty.monte_carlo_speed()
-    uncertainty.first_order_against_simulation()
-    studies.study_coverage()
-    pooling.pooled_means()
-    repeatability.repeatability_coverage()
-    validity.report()
-    contact_images.accuracy_and_coverage(72)
-    contact_images.independent_accuracy(12)
-    pressure_images.report()
-    elastic_ridges.report()
-    stripe_images.report()
-    contact_edge.pooled_coverage()
-    contact_images.speed()
-    non_prints.report()
-    picture_subjects.confusion()
-    photographs.photograph_accuracy(marked=True)
-    photographs.photograph_accuracy(marked=False)
-    finger_shapes.print_accuracy(finger_shapes.measured(24, 5))
-    finger_shapes.print_accuracy(fingertips.measured(24, 5))
-    sequences.coin_accuracy()
-    coins.photographed_coins()
-    sequences.press_accuracy()
-    sequences.sequence_memory()
-    engine.engines()
-    engine.long_sequence()
-    engine.stored_study()
-    loading.loading_coverage(repeats=100)
-    loading_truth.print_table(repeats=10)
-    layer_inverse.print_table(repeats=20)
-    tissue_thickness.report()
-    bone_width.report(quick=True)
-    scale.rows_at_scale()
-    scale.report_of_many_fingers()
-    page.report()
-    browser.report()
-    mutations.report()
-    images.report()
-    soak.report()
-    commands.report()
+    main()

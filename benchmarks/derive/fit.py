@@ -71,7 +71,7 @@ class Fitted:
 def names() -> list[str]:
     """Return the names of what can be fitted again."""
     modules = (each.name for each in pkgutil.iter_modules([str(Path(__file__).parent)]))
-    return sorted(name for name in modules if name not in {"fit", "__main__"})
+    return sorted(name for name in modules if name not in {"fit", "solved_contacts", "__main__"})
 
 
 def meanings(model: Any) -> dict[str, str]:

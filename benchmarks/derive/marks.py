@@ -13,9 +13,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.claims.elastic_ridges import CONDITIONS, elastic_image
 from benchmarks.derive.fit import changed, meanings
-from benchmarks.elastic_ridges import CONDITIONS, elastic_image
-from benchmarks.independent_images import independent_images
+from benchmarks.truth.independent_images import independent_images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import ridges

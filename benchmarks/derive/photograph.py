@@ -1,7 +1,7 @@
 """What photographed fingers that are no ellipses add to the uncertainty of semi-axes and radii.
 
-Shape and lengths: the faces of `benchmarks.photograph_terms`, whose arcs are found once. Radii: side faces
-of `benchmarks.finger_shapes` and `benchmarks.fingertips`, at four wedges.
+Shape and lengths: the faces of `benchmarks.claims.photograph_terms`, whose arcs are found once. Radii: side
+faces of `benchmarks.claims.finger_shapes` and `benchmarks.claims.fingertips`, at four wedges.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks import finger_shapes, fingertips, photograph_terms
+from benchmarks.claims import finger_shapes, fingertips, photograph_terms
 from benchmarks.derive.fit import Compared, Problem
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError

@@ -8,7 +8,7 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.derive.fit import Compared, Problem
-from benchmarks.smooth_contacts import KINDS, pictures
+from benchmarks.truth.smooth_contacts import KINDS, pictures
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import smooth
 from fingerpad.image.contact_image.calibration import SMOOTH

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.contact_law_data import circular_contacts, layer_spectrum
+from benchmarks.derive.solved_contacts import circular_contacts, layer_spectrum
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -21,7 +21,7 @@ from fingerpad.geometry.placement import platen_normal
 from fingerpad.uncertainty import Inputs, propagate, run_monte_carlo
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-KEPT = Path(__file__).parents[2] / "benchmarks" / "contact_laws.npz"
+KEPT = Path(__file__).parents[2] / "benchmarks" / "derive" / "solved_contacts.npz"
 GRID_BIAS = 1.000545  # of the areas kept, solved on 128² cells
 GIVEN = ("load", "area", "indentation")
 

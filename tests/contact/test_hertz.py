@@ -5,7 +5,7 @@ from collections.abc import Callable
 import mpmath as mp
 import numpy as np
 import pytest
-from benchmarks.exact import RATIOS, exact_contact
+from benchmarks.truth.hertz import RATIOS, exact_contact
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal

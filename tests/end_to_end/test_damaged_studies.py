@@ -1,6 +1,6 @@
 """Damaged manifests and tables through the commands: no traceback, no hang, no refusal without a word."""
 
-from benchmarks.commands import try_commands
+from benchmarks.robustness.damaged_commands import try_commands
 
 
 def test_commands_answer_or_refuse(tmp_path):

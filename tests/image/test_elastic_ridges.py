@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from benchmarks.elastic_ridges import ElasticImage, compare, elastic_image
+from benchmarks.claims.elastic_ridges import ElasticImage, compare, elastic_image
 
 
 @cache

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks import pooling
+from benchmarks.claims import pooling
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.grid_scenes import Scene
+from benchmarks.truth.grids import Scene
 
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image import measure_coin, measure_grid

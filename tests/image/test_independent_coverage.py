@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from benchmarks.contact_edge import measured_images, scores_of, sets_of_one_device
-from benchmarks.contact_images import independent_errors
+from benchmarks.claims.contact_edge import measured_images, scores_of, sets_of_one_device
+from benchmarks.claims.contact_images import independent_errors
 
 
 @pytest.fixture(scope="module")

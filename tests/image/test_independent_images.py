@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks.independent_images import CONDITIONS, Condition, independent_images, render
-from benchmarks.independent_ridges import Outline, draw_contact
+from benchmarks.truth.independent_images import CONDITIONS, Condition, independent_images, render
+from benchmarks.truth.independent_ridges import Outline, draw_contact
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import ConvexHull
 

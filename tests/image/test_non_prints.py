@@ -1,10 +1,10 @@
-"""Pictures without finger ridges are flagged, and contact images are not; see benchmarks/non_prints.py."""
+"""Pictures without finger ridges are flagged, contact images are not; see benchmarks/claims/non_prints.py."""
 
 import numpy as np
 import pytest
-from benchmarks.contact_images import population
-from benchmarks.independent_images import CONDITIONS, independent_images
-from benchmarks.non_prints import FLAG, KINDS, answer, stripes
+from benchmarks.claims.contact_images import population
+from benchmarks.claims.non_prints import FLAG, KINDS, answer, stripes
+from benchmarks.truth.independent_images import CONDITIONS, independent_images
 
 from fingerpad.image import Scale
 from fingerpad.simulate import render_contact_image

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from benchmarks.pressed_pad import Press, Skin, boundary_of, press_pad
-from benchmarks.pressure_images import Comparison, compare, pressure_image
+from benchmarks.claims.pressure_images import Comparison, compare, pressure_image
+from benchmarks.truth.pressed_pad import Press, Skin, boundary_of, press_pad
 
 _RIDGES = {"kind": "whorl", "seed": 0, "growth_periods": 26, "period": 0.45}
 _CONDITIONS = ("prism, Hertz pressure", "prism, moist", "live-scan", "plate lit from the side")

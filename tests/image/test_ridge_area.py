@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.stripe_images import stripe_image
+from benchmarks.claims.stripe_images import stripe_image
 
 from fingerpad.image import ContactImageResult, measure_contact_image
 

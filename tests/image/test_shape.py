@@ -1,4 +1,4 @@
-"""Outlines that are no ellipses: what is stated of their semi-axes; see benchmarks/finger_shapes.py."""
+"""Outlines that are no ellipses: what is stated of them; see benchmarks/claims/finger_shapes.py."""
 
 import math
 import zlib
@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks import fingertips
-from benchmarks.finger_shapes import SHAPES, SIDES, render, tip_outline
+from benchmarks.claims import fingertips
+from benchmarks.claims.finger_shapes import SHAPES, SIDES, render, tip_outline
 
 from fingerpad.image import Scale, measure_photograph
 from fingerpad.image.photograph.arc_fit import fit_arc_ellipse

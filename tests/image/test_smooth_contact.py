@@ -5,7 +5,7 @@ import math
 import cv2
 import numpy as np
 import pytest
-from benchmarks.smooth_accuracy import accuracy, sequence_accuracy
+from benchmarks.claims.smooth_contacts import accuracy, sequence_accuracy
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import (

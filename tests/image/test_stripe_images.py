@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.stripe_images import compare, stripe_image
+from benchmarks.claims.stripe_images import compare, stripe_image
 
 
 @pytest.mark.parametrize("condition", ["prism", "prism, both fade over 0.6 mm", "scanner"])

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from benchmarks.adhesion import judged
-from benchmarks.adhesion_truth import Sphere, records
+from benchmarks.claims.adhesion import judged
+from benchmarks.truth.adhesion import Sphere, records
 from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
@@ -164,7 +164,7 @@ def test_without_a_pull_off_nothing_is_guessed() -> None:
         fp.fit_loading_curve(curve, law="jkr", thickness=8.0)
 
 
-# Records of others, in kind and number; `python -m benchmarks.adhesion` has more of them.
+# Records of others, in kind and number; `python -m benchmarks adhesion` has more of them.
 @pytest.mark.parametrize("kind", ["pad", "pad_compliant", "afm", "afm_stage"])
 def test_coverage_on_records_of_others(kind) -> None:
     found = [judged(record) for record in records(seed=3, count=5, kind=kind)]

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from benchmarks.loading import QUANTITIES, coverage_row
+from benchmarks.claims.loading import QUANTITIES, coverage_row
 from numpy.testing import assert_allclose
 
 from fingerpad import Estimate
@@ -31,7 +31,7 @@ def fit_of_curve() -> LoadingFit:
 
 @pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.0)])
 def test_coverage_and_bias(points: int, beta: float) -> None:
-    """On a few curves what `benchmarks.loading` measures on many."""
+    """On a few curves what `benchmarks.claims.loading` measures on many."""
     rows = np.array([coverage_row(points, beta, seed) for seed in range(12)])
     for k, name in enumerate(QUANTITIES):
         inside, error, std = rows[:, k].T

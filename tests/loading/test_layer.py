@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks.layer_inverse import CASES, PLACED, fit_once, whole_pad
-from benchmarks.loading_physics import Pad, hertz, layer
-from benchmarks.loading_truth import Condition, make_curve
+from benchmarks.claims.layer_inverse import CASES, PLACED, fit_once, whole_pad
+from benchmarks.claims.loading_truth import Condition, make_curve
+from benchmarks.truth.loading_physics import Pad, hertz, layer
 
 from fingerpad import Estimate
 from fingerpad.exceptions import LoadingError

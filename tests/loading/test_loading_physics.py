@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.loading_physics import (
+from benchmarks.truth.loading_physics import (
     Pad,
     coloured_noise,
     ellipsoid,

@@ -1,12 +1,12 @@
-"""Other explanations of a curve, on curves of `benchmarks.loading_physics`, which is none of them."""
+"""Other explanations of a curve, on curves of `benchmarks.truth.loading_physics`, which is none of them."""
 
 import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks.loading_physics import Pad, exact_sphere, layer
-from benchmarks.loading_truth import CONDITIONS, make_curve
+from benchmarks.claims.loading_truth import CONDITIONS, make_curve
+from benchmarks.truth.loading_physics import Pad, exact_sphere, layer
 
 from fingerpad import Estimate
 from fingerpad.exceptions import LoadingError

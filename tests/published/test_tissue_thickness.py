@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.tissue_thickness import READINGS, line, loading_of, placed
+from benchmarks.claims.tissue_thickness import READINGS, line, loading_of, placed
 from numpy.testing import assert_allclose
 from scipy.interpolate import CubicSpline
 

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
-from benchmarks import pooling
+from benchmarks.claims import pooling
 from numpy.testing import assert_allclose
 from tests.sums import write_sums
 from typer.testing import CliRunner

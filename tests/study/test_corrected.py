@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from benchmarks.engine import measured_scales
+from benchmarks.claims.engine import measured_scales
 
 from fingerpad.image import Scale, combine_faces, measure_contact_image, read_colour_image, read_image
 from fingerpad.simulate import render_contact_image, render_finger

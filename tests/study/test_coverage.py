@@ -1,6 +1,6 @@
 """Stated intervals of corrected and pooled radii hold the truth as often as they say."""
 
-from benchmarks.studies import study_coverage
+from benchmarks.claims.studies import study_coverage
 
 
 def test_intervals_cover_the_truth() -> None:

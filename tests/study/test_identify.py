@@ -6,9 +6,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from benchmarks.fingertips import render
-from benchmarks.photographs import random_finger
-from benchmarks.pressure_images import pressure_image
+from benchmarks.claims.fingertips import render
+from benchmarks.claims.photographs import random_finger
+from benchmarks.claims.pressure_images import pressure_image
 from PIL import Image
 from tests.image.ruler_scenes import KINDS, ruler_scene
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks import pooling
+from benchmarks.claims import pooling
 from PIL import Image
 
 from fingerpad.exceptions import ManifestError

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks import repeatability
+from benchmarks.claims import repeatability
 
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.report.repeatability import repeatability_section
@@ -356,7 +356,7 @@ def test_a_session_measures_nothing_again(tmp_path: Path) -> None:
 
 
 def test_coverage_of_means_at_each_load() -> None:
-    """On a few studies what `benchmarks.repeatability` measures on many."""
+    """On a few studies what `benchmarks.claims.repeatability` measures on many."""
     found = [repeatability.mean_coverage(of, design, 10) for _, of, design in repeatability.MEANS[1::2]]
     for name in ("area", "modulus"):
         hits, count = np.sum([one[name] for one in found], axis=0)

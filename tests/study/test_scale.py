@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.scale import cost_apart, measurements_of, sequences_of, study_result
+from benchmarks.claims.scale import cost_apart, measurements_of, sequences_of, study_result
 from numpy.testing import assert_allclose
 
 from fingerpad.report import write_report

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.validity import CASES, Truth, press, principal_radii, scores, simulated
+from benchmarks.claims.validity import CASES, Truth, press, principal_radii, scores, simulated
 from scipy.special import ellipe, ellipk
 from typer.testing import CliRunner
 

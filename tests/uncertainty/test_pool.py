@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from benchmarks import pooling
+from benchmarks.claims import pooling
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks import repeatability
+from benchmarks.claims import repeatability
 from numpy.testing import assert_allclose
 from scipy import stats
 
@@ -128,7 +128,7 @@ def test_values_without_a_group_are_refused() -> None:
 
 
 def test_coverage() -> None:
-    """On a few studies what `benchmarks.repeatability` measures on many: few groups, unbalanced, nested."""
+    """On a few studies what the benchmark measures on many: few groups, unbalanced, nested."""
     totals: dict[str, list[int]] = {}
     for place in (0, 2, 6):
         _, population, design = repeatability.CONDITIONS[place]

@@ -7,7 +7,7 @@ from urllib.parse import quote
 import cv2
 import numpy as np
 import pytest
-from benchmarks.grid_scenes import Scene
+from benchmarks.truth.grids import Scene
 from PIL import Image, ImageSequence
 from tests.web.conftest import DEMO, serving
 

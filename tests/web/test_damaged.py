@@ -5,7 +5,7 @@ import os
 import shutil
 
 import pytest
-from benchmarks.mutations import SLOW, add_corrections, ask_mutated, routes
+from benchmarks.robustness.damaged_studies import SLOW, add_corrections, ask_mutated, routes
 from tests.sums import write_sums
 from tests.web.conftest import serving
 

@@ -1,7 +1,7 @@
 """A study of thousands of images opens without decoding any of them."""
 
 import pytest
-from benchmarks import page
+from benchmarks.claims import page
 from tests.web.conftest import serving
 
 from fingerpad.study.manifest import read_study

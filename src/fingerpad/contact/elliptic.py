@@ -22,7 +22,7 @@ _STEPS = 4
 _STEPS_NEAR_LINE = 13
 
 # k ≈ P(t)/(Q(t) √(R'/R'')) with t = ln(R'/R''), within 2.4e-7 for R'/R'' ≤ 2e7.
-# Exact at the circle; benchmarks/axis_ratio_guess.py fits it. A root costs less than an exponential.
+# Exact at the circle; benchmarks/derive/axis_ratio.py fits it. A root costs less than an exponential.
 _GUESS_LIMIT = 2e7
 _GUESS_NUMERATOR = (1.0, 0.345461202, 0.0737191859, 0.0142863998, 0.000460487795)
 _GUESS_DENOMINATOR = (1.0, 0.512132084, 0.145163774, 0.0290864896, 0.0025719441, 1.70218463e-05)

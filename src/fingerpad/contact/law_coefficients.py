@@ -1,4 +1,4 @@
-"""Coefficients of the laws of `law_factors`, written by benchmarks/contact_laws.py."""
+"""Coefficients of the laws of `law_factors`, written by benchmarks/derive/laws.py."""
 
 import numpy as np
 

@@ -8,7 +8,7 @@ with polynomials P and Q. N and q are those of a thin layer (`thin_layer`), comp
 coefficients of P and Q are the series of a thick layer; the others are fitted to solved contacts, as are the
 powers of the contact's size, times the numbers of `Gap`, that make the factors of the ellipsoid. For a sphere
 these are Sneddon's (1965).
-benchmarks/contact_laws.py derives all coefficients, and measures what they leave.
+benchmarks/derive/laws.py derives all coefficients, and measures what they leave.
 """
 
 from collections.abc import Sequence

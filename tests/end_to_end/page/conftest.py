@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
-from benchmarks.browser import find_chromium
+from benchmarks.claims.browser import find_chromium
 from playwright.sync_api import Browser, sync_playwright
 from tests.end_to_end.page.browser import Tab, served
 

@@ -5,7 +5,7 @@ import re
 import tomllib
 
 import pytest
-from benchmarks.grid_scenes import Scene
+from benchmarks.truth.grids import Scene
 from PIL import Image
 from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, box, focus, numbers

@@ -36,7 +36,7 @@ from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
 
 # Relative standard deviation of a finger's radius of curvature at one place from that of the ellipsoid that
-# follows its outlines; more where the outline hides that place. See benchmarks/finger_shapes.py.
+# follows its outlines; more where the outline hides that place. See benchmarks/claims/finger_shapes.py.
 ELLIPSOID_STD: Final = 0.1
 HIDDEN_STD: Final = 0.2
 

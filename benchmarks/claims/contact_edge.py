@@ -1,0 +1,116 @@
+"""Pooled results of several images of one device, which share the place of the contact's edge."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+import numpy as np
+
+from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import equivalent_radius_from_indentation
+from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.image import ContactImageResult, measure_contact_image
+from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.results.pooling import pool_contacts
+from fingerpad.study.results.rows import model_contacts
+from fingerpad.uncertainty import pool
+
+PAD = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
+ELLIPSE = np.array([7.4, 5.0])
+WEDGE_DEG = 30.0
+GIVEN = {"name": "f", "semi_axes_mm": PAD, "semi_axes_mm_std": dict.fromkeys(PAD, 1e-9)}
+STUDY = Study.model_validate({"title": "edge", "fingers": [GIVEN]})
+EXACT = FingerResult(
+    name="f", semi_axes=np.array([*PAD.values()]), covariance=np.zeros((3, 3)), source="given"
+)
+
+
+class Measured(NamedTuple):
+    """An independent image: its condition, its truth, and what was measured."""
+
+    condition: str
+    truth: IndependentImage
+    found: ContactImageResult
+
+
+def measured_images(count: int, seed: int) -> Iterator[Measured]:
+    """Yield ``count`` measured images of each condition."""
+    for name, truth in independent_images(count, seed):
+        yield Measured(name, truth, measure_contact_image(truth.pixels, truth.mm_per_px))
+
+
+def sets_of_one_device(images: Iterable[Measured], size: int) -> Iterator[list[Measured]]:
+    """Yield sets of so many images of one condition, which come one after another."""
+    for _, group in groupby(images, key=lambda one: one.condition):
+        members = list(group)
+        for start in range(0, len(members) - size + 1, size):
+            yield members[start : start + size]
+
+
+def pooled_area_score(some: Sequence[Measured], *, shared: bool) -> float:
+    """Return the error of the mean of relative gross areas over its stated standard uncertainty."""
+    true = np.array([one.truth.gross_area for one in some])
+    found = np.array([one.found.gross_area for one in some])
+    total = np.array([one.found.gross_area_std for one in some])
+    edge = np.array([one.found.edge_effect[2] for one in some]) * shared
+    pooled = pool(found / true, np.sqrt(total**2 - edge**2) / true, np.outer(edge / true, edge / true))
+    return (pooled.value - 1) / pooled.total_std
+
+
+def pooled_radius_score(some: Sequence[Measured], *, shared: bool) -> float:
+    """Return the error of the pooled corrected radius over its stated standard uncertainty.
+
+    Each image's errors of the semi-axes are those of contacts with one true ellipse, on an exact pad.
+    """
+    rows = model_contacts(STUDY, {"f": EXACT}, [_contact(one, k, shared) for k, one in enumerate(some)])
+    (summary,) = pool_contacts(rows)
+    assert summary.corrected_radius is not None  # nothing fails
+    pooled = summary.corrected_radius
+    return (pooled.value - _true_radius()) / pooled.std
+
+
+def _contact(one: Measured, number: int, shared: bool) -> tuple[Observation, Measurement]:
+    found, truth = one.found.ellipse, one.truth
+    errors = [float(found.semi_major) - truth.semi_major, float(found.semi_minor) - truth.semi_minor]
+    major, minor = ELLIPSE + errors
+    observation = Observation(
+        name=f"c{number}", finger="f", wedge_angle_deg=WEDGE_DEG, load_N=1.0, file="x.png", scale="device"
+    )
+    return observation, Measurement(
+        observation=observation.name,
+        load_N=1.0,
+        semi_major_mm=major,
+        semi_minor_mm=minor,
+        covariance_mm2=one.found.covariance[:2, :2],
+        edge_offset_mm_std=one.found.edge_offset_std if shared else 0.0,
+        scale="device",
+    )
+
+
+def _true_radius() -> float:
+    curvature = Placement(Ellipsoid(**PAD), wedge_angle=np.radians(WEDGE_DEG)).curvature
+    return float(equivalent_radius_from_indentation(curvature.mean_curvature_radius, ELLIPSE[1] / ELLIPSE[0]))
+
+
+def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> FloatArray:
+    """Return errors over stated standard uncertainties of area and radius, shape (sets, 2)."""
+    return np.array(
+        [(pooled_area_score(some, shared=shared), pooled_radius_score(some, shared=shared)) for some in sets]
+    )
+
+
+def report(count: int = 12, size: int = 6, seed: int = 7) -> None:
+    """Print how many 95 % intervals of pooled results hold, with the edge as noise and as shared."""
+    sets = list(sets_of_one_device(measured_images(count, seed), size))
+    print(f"\nPooled over {size} images of one device: {len(sets)} sets, {len(CONDITIONS)} conditions")
+    for words, shared in (("as noise of each image", False), ("shared", True)):
+        scores = scores_of(sets, shared=shared)
+        held = 100 * np.mean(np.abs(scores) < 1.96, axis=0)
+        rms = np.sqrt(np.mean(scores**2, axis=0))
+        print(f"    edge {words:<24}", end="")
+        for name, one, z in zip(("gross area", "corrected radius"), held, rms, strict=True):
+            print(f"{name} {one:5.1f} % held, error over uncertainty {z:.2f}   ", end="")
+        print()

@@ -1,0 +1,193 @@
+"""The contact solver against exact solutions and beside others.
+
+Tamaas is a dependency of the tests; ContactMechanics is timed where it is installed.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+import tamaas
+
+from fingerpad._arrays import FloatArray
+from fingerpad.contact import ContactField, SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
+from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
+
+_RADIUS, _MODULUS = 10.0, 0.1
+_HALF_SPACE = Tissue.of_reduced_modulus(_MODULUS)
+_BALL = Paraboloid(_RADIUS, _RADIUS)
+T = TypeVar("T")
+
+_GRIDS = 64, 128, 256, 512
+
+
+def _sphere(x: FloatArray, y: FloatArray) -> FloatArray:
+    with np.errstate(invalid="ignore"):
+        return _RADIUS - np.sqrt(_RADIUS**2 - x**2 - y**2)
+
+
+def exact_solutions() -> None:
+    """Print errors of area, load or indentation, and peak pressure, where they are known."""
+    print("\nContact solver against exact solutions: relative errors, estimate of the area's")
+    print(f"    {'':<28}{'cells':>6}{'area':>10}{'W or ξ':>10}{'peak p':>10}{'estimate':>10}")
+    for ratio in (1.0, 1.3, 3.0, 10.0, 30.0):
+        bodies = Paraboloid(_RADIUS, ratio * _RADIUS)
+        hertz = hertz_contact(bodies, _HALF_SPACE, load=0.5)
+        for points in _GRIDS:
+            found = solve_contact(bodies, _HALF_SPACE, load=0.5, points=points)
+            exact = float(hertz.area), float(hertz.indentation), float(hertz.peak_pressure)
+            values = float(found.area), float(found.indentation), float(found.peak_pressure)
+            _row(f"Hertz, R''/R' = {ratio:g}", points, values, exact, found)
+    for radius in (2.0, 5.0, 8.0):
+        log = math.log((_RADIUS + radius) / (_RADIUS - radius))
+        load = _MODULUS / 2 * ((_RADIUS**2 + radius**2) * log - 2 * radius * _RADIUS)
+        for points in _GRIDS:
+            found = solve_gap(
+                _sphere,
+                _HALF_SPACE,
+                half_widths=(radius, radius),
+                indentation=radius / 2 * log,
+                points=points,
+            )
+            exact = math.pi * radius**2, load, math.nan
+            _row(
+                f"sphere, a/R = {radius / _RADIUS:g}",
+                points,
+                (float(found.area), float(found.load), math.nan),
+                exact,
+                found,
+            )
+
+
+def _row(
+    name: str,
+    points: int,
+    values: tuple[float, ...],
+    exact: tuple[float, ...],
+    found: SolvedContact,
+) -> None:
+    errors = "".join(f"{a / b - 1:>10.1e}" for a, b in zip(values, exact, strict=True))
+    print(f"    {name:<28}{points:>6}{errors}{found.relative_error:>10.1e}")
+
+
+def layer_table() -> None:
+    """Print a paraboloid on a bonded layer: A/(πRξ), load over Hertz's at the same ξ and the same area."""
+    print("\nParaboloid on a layer bonded to a rigid base, 256² cells (in brackets: change from 128²)")
+    print("    a/t    ν      A/(πRξ)             W at ξ              W at A")
+    for poisson_ratio in (0.5, 0.48, 0.45, 0.3):
+        for ratio in (0.1, 0.3, 0.5, 1.0, 2.0, 4.0):
+            coarse, fine = (_layer_ratios(ratio, poisson_ratio, points) for points in (128, 256))
+            cells = "".join(f"{b:>9.4f} ({b / a - 1:+.0e})" for a, b in zip(coarse, fine, strict=True))
+            print(f"    {ratio:<6g} {poisson_ratio:<5g}{cells}")
+
+
+def _layer_ratios(ratio: float, poisson_ratio: float, points: int) -> tuple[float, float, float]:
+    tissue = Tissue.of_reduced_modulus(_MODULUS, poisson_ratio, thickness=0.3 * _RADIUS / ratio)
+    found = solve_contact(_BALL, tissue, area=math.pi * (0.3 * _RADIUS) ** 2, points=points)
+    hertz = 4 / 3 * _MODULUS / _RADIUS
+    return (
+        float(found.area_over_pi_indentation / _RADIUS),
+        float(found.load / (hertz * (_RADIUS * found.indentation) ** 1.5)),
+        float(found.load / (hertz * (found.area / math.pi) ** 1.5)),
+    )
+
+
+def speed() -> None:
+    """Print the time of the solver and of others on the half-space, and of the solver on a layer."""
+    pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
+    placement, layer = Placement(pad, wedge_angle=0.5, roll_angle=0.2), Tissue(0.09, thickness=8.0)
+    hertz = hertz_contact(_BALL, _HALF_SPACE, load=0.5)
+    radius, exact = float(hertz.semi_major), (float(hertz.area), float(hertz.indentation))
+    runs: dict[str, list[tuple[float, float]]] = {}
+    print("\nOne contact, one thread, warm: seconds (relative error of area · of indentation)")
+    for points in _GRIDS:
+        on_layer, solved_pad = _timed(partial(solve_contact, placement, layer, load=2.0, points=points))
+        search, _ = _timed(partial(_highest_shear, solved_pad))
+        cells = [f"whole pad on a layer {on_layer:.3f}", f"its highest shear {search:.3f}"]
+        for name, solved in _solvers().items():
+            spent, (area, indentation) = _timed(partial(solved, points, radius, 0.5))
+            runs.setdefault(name, []).append((spent, abs(area / exact[0] - 1)))
+            cells.append(f"{name} {spent:.3f} ({area / exact[0] - 1:.0e} · {indentation / exact[1] - 1:.0e})")
+        print(f"    {points}²: " + ", ".join(cells))
+    print("    seconds to an area within 0.5 % and within 0.1 %")
+    for name, found in runs.items():
+        reached = [min((t for t, error in found if error <= limit), default=None) for limit in (0.005, 0.001)]
+        print(f"    {name:<18}" + "".join(f"{'–' if t is None else f'{t:.3f}':>8}" for t in reached))
+
+
+def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:
+    """Return solvers of a sphere's contact under a load on a grid: area and indentation."""
+    solvers: dict[str, Callable[[int, float, float], tuple[float, float]]] = {
+        "fingerpad": _by_fingerpad,
+        "Tamaas": _by_tamaas,
+    }
+    try:
+        import ContactMechanics  # noqa: F401, PLC0415 (optional)
+    except ImportError:
+        return solvers
+    return {**solvers, "ContactMechanics": _by_contact_mechanics}
+
+
+def _by_fingerpad(points: int, radius: float, load: float) -> tuple[float, float]:
+    found = solve_gap(_BALL.gap.height, _HALF_SPACE, half_widths=(radius, radius), load=load, points=points)
+    return float(found.area), float(found.indentation)
+
+
+def _highest_shear(contact: SolvedContact) -> tuple[float, float]:
+    return ContactField.of_solution(contact).highest_shear_on_axis()
+
+
+def _by_contact_mechanics(points: int, radius: float, load: float) -> tuple[float, float]:
+    from ContactMechanics import FreeFFTElasticHalfSpace  # noqa: PLC0415 (optional)
+    from ContactMechanics.Systems import NonSmoothContactSystem  # noqa: PLC0415 (optional)
+    from SurfaceTopography import Topography  # noqa: PLC0415 (optional)
+
+    width, gap = _window(points, radius)
+    system = NonSmoothContactSystem(
+        substrate=FreeFFTElasticHalfSpace((points, points), _MODULUS, (width, width)),
+        surface=Topography(-gap, (width, width)),
+    )
+    found = system.minimize_proxy(external_force=load, pentol=1e-7)
+    return float(system.compute_contact_area()), float(found["offset"])
+
+
+def _window(points: int, radius: float) -> tuple[float, FloatArray]:
+    """Return the side of a grid a little wider than a contact, and the gap on it."""
+    width = 2.2 * radius
+    along = (np.arange(points) + 0.5) * width / points - width / 2
+    return width, _BALL.gap.height(along[:, None], along)
+
+
+def _timed(call: Callable[[], T]) -> tuple[float, T]:
+    call()
+    times = []
+    for _ in range(3):
+        start = time.perf_counter()
+        result = call()
+        times.append(time.perf_counter() - start)
+    return min(times), result
+
+
+def _by_tamaas(points: int, radius: float, load: float) -> tuple[float, float]:
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    width, gap = _window(points, radius)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [width] * 2, [points] * 2)
+    model.E, model.nu = _MODULUS, 0.0
+    tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
+    solver = tamaas.PolonskyKeerRey(model, -gap, 1e-8)
+    solver.setIntegralOperator("dcfft")
+    solver.solve(load / width**2)
+    pressure, displacement = np.array(model.traction), np.zeros(gap.shape)
+    model.operators["dcfft"](pressure, displacement)
+    touching = pressure > 0
+    return float(touching.mean()) * width**2, float((displacement + gap)[touching].mean())
+
+
+def report() -> None:
+    """Print all tables."""
+    exact_solutions()
+    layer_table()
+    speed()

@@ -1,0 +1,252 @@
+"""Contact images of elastic ridges, measured.
+
+Written from the physics, without a look at the measurement. A wavy elastic surface under mean pressure p
+touches a plane over the share (2/π) arcsin √(p/p*) of its period (Westergaard; Johnson 1985, §13.2), and p is
+the pressure of Hertz over an ellipse. The phase of the ridges is a formula: waves around cores, with spirals
+for minutiae. The truth is counted on a grid at least four times finer than the image; menisci, ink that
+spreads, and contact too faint to see count as errors of the measurement.
+"""
+
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from fingerpad.image import measure_contact_image
+
+_FINEST, _MARGIN_MM, _WIDEST = 0.012, 2.0, 0.82
+Numbers = npt.NDArray[Any]
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What a set of images has in common; each image draws from the ranges. Lengths in mm, grey as shares."""
+
+    pixel: Range = (0.03, 0.0508)
+    width: Range = (0.4, 0.65)  # mean share of the period that touches
+    pores: float = 0.4  # per period along a ridge
+    breaks: float = 0.0  # share of the skin too dry to couple light
+    grain: float = 0.15  # scatter of the contact's density over 0.04 mm
+    blur: Range = (0.02, 0.05)  # standard deviation of the point spread
+    disc: Range = (0.0, 0.05)  # diameter of the circle of confusion
+    stray: float = 0.05  # share of the light spread over 0.8 mm
+    gamma: float = 1.0
+    ground: float = 0.9
+    ridge: float = 0.15
+    noise: float = 0.012
+    sharpen: float = 0.0
+    mottle: float = 0.0
+    jpeg: int = 0
+    spread: Range = (0.0, 0.0)  # liquid or ink beside each touching ridge
+    paper: float = 0.0
+
+
+CONDITIONS = {
+    "prism, sharp": Condition(),
+    "prism, out of focus": Condition(disc=(0.1, 0.18)),
+    "prism, gamma-coded": Condition(gamma=1 / 2.2),
+    "prism, moist": Condition(spread=(0.01, 0.03), pores=0.15, width=(0.5, 0.7)),
+    "prism, dry": Condition(breaks=0.12, grain=0.35, width=(0.3, 0.5)),
+    "prism, strong stray light": Condition(stray=0.25),
+    "dark field": Condition(ground=0.08, ridge=0.75, noise=0.025),
+    "live-scan": Condition(pixel=(0.0508, 0.0508), sharpen=0.7, mottle=0.08, jpeg=85, ridge=0.2),
+    "live-scan, dry": Condition(
+        pixel=(0.0508, 0.0508), sharpen=0.7, mottle=0.1, jpeg=75, breaks=0.12, grain=0.3, ridge=0.3
+    ),
+    "ink, little": Condition(paper=0.35, ridge=0.25, ground=0.85, grain=0.3, spread=(-0.005, 0.01)),
+    "ink, much": Condition(paper=0.2, ridge=0.1, ground=0.85, spread=(0.01, 0.03)),
+    "thin ridges": Condition(width=(0.22, 0.32)),
+    "wide ridges": Condition(width=(0.65, 0.78)),
+    "300 ppi": Condition(pixel=(0.0847, 0.0847)),
+    "1000 ppi": Condition(pixel=(0.0254, 0.0254), blur=(0.01, 0.025)),
+    "noise": Condition(noise=0.08),
+}
+
+
+@dataclass(frozen=True)
+class ElasticImage:
+    """One image with its truth; areas in mm²."""
+
+    pixels: npt.NDArray[np.uint8]
+    mm_per_px: float
+    gross_area: float
+    ridge_area: float
+    semi_axes: tuple[float, float]
+
+
+def smooth(rng: np.random.Generator, shape: tuple[int, int], length: float) -> Numbers:
+    """Return noise of unit variance over a length in samples."""
+    coarse = max(length / 3, 1.0)
+    white = rng.normal(size=[int(n / coarse) + 3 for n in shape]).astype(np.float32)
+    noise = cv2.GaussianBlur(white, (0, 0), length / coarse)
+    enlarged = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
+    return np.asarray(enlarged[: shape[0], : shape[1]])
+
+
+def _phase(x: Numbers, y: Numbers, step: float, rng: np.random.Generator) -> Numbers:
+    """Phase of the ridges, 0 on a crest: a whorl, a loop or an arch, bent, with spirals as minutiae."""
+    period = rng.uniform(0.4, 0.56)
+    bend = 0.35 * smooth(rng, x.shape, 2.5 / step)
+    kind = rng.integers(3)
+    if kind == 0:
+        distance = np.hypot(0.85 * x, y - rng.uniform(-2, 2))
+    elif kind == 1:
+        slope = rng.uniform(-0.5, 0.5)
+        below = np.maximum(-(y - 1 + slope * x), 0)
+        distance = np.hypot(x - slope * below, y + below)
+    else:
+        distance = y + rng.uniform(2, 5) * np.exp(-((x / rng.uniform(4, 7)) ** 2))
+    phase = 2 * np.pi * (distance + bend) / period
+    reach = np.array([x.max(), y.max()])
+    spirals = np.ones(x.shape, np.complex64)
+    places = x + 1j * y.astype(np.float64)
+    for centre in rng.uniform(-1, 1, (rng.poisson(25), 2)) * reach @ [1, 1j]:
+        from_it = places - centre
+        spirals *= 0.125 * (from_it if rng.choice([-1, 1]) > 0 else from_it.conj())
+    return np.asarray(phase + np.angle(spirals) + 0.25 * smooth(rng, x.shape, 0.08 / step))
+
+
+def _holes(crest: Numbers, density: float, step: float, rng: np.random.Generator) -> npt.NDArray[np.bool_]:
+    """Pores on the crests and a few creases."""
+    holes = np.zeros(crest.shape, np.uint8)
+    tops = np.argwhere(crest < 0.3)
+    count = rng.poisson(density * crest.size * step**2 / 0.48**2)
+    for row, column in tops[rng.integers(len(tops), size=count)]:
+        cv2.circle(holes, (int(column), int(row)), max(1, round(rng.uniform(0.03, 0.06) / step)), 1, -1)
+    for _ in range(rng.poisson(1)):
+        start, angle = rng.uniform(0.3, 0.7, 2) * crest.shape[::-1], rng.uniform(0, np.pi)
+        end = start + rng.uniform(2, 6) / step * np.array([np.cos(angle), np.sin(angle)])
+        wide = max(1, round(rng.uniform(0.06, 0.15) / step))
+        cv2.line(holes, start.astype(int).tolist(), end.astype(int).tolist(), 1, wide)
+    return np.asarray(holes > 0)
+
+
+def _contact(
+    x: Numbers, y: Numbers, semi_axes: tuple[float, float], width: float, rng: np.random.Generator
+) -> tuple[npt.NDArray[np.bool_], Numbers]:
+    """Return where ridges touch, without holes, and the distance from the crest as a share of the period."""
+    step = float(y[1, 0] - y[0, 0])
+    turn = rng.normal(0, 0.3)
+    u, v = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
+    pressure = np.sqrt(np.maximum(1 - (v / semi_axes[0]) ** 2 - (u / semi_axes[1]) ** 2, 0))
+    crest = np.abs((_phase(u, v, step, rng) / np.pi + 1) % 2 - 1)
+    heights = np.exp(0.25 * smooth(rng, x.shape, 0.8 / step))
+    inside = pressure > 0
+    few = (pressure * heights)[::9, ::9][inside[::9, ::9]]
+    low, high = 1e-3, 1e3
+    for _ in range(30):  # p* that gives the mean width
+        flat = np.sqrt(low * high)
+        low, high = (flat, high) if _share(few / flat).mean() > width else (low, flat)
+    return (crest < _share(pressure * heights / flat)) & inside, crest
+
+
+def _share(pressure: Numbers) -> Numbers:
+    """Return the share of the period that touches; the valleys of skin are too deep to close."""
+    return np.asarray(np.minimum(2 / np.pi * np.arcsin(np.sqrt(np.minimum(pressure, 1))), _WIDEST))
+
+
+def _picture(touching: Numbers, step: float, binning: int, c: Condition, rng: np.random.Generator) -> Numbers:
+    """Return the image, 0 to 1, of the touching ridges."""
+
+    def blurred(field: Numbers, sigma: float) -> Numbers:
+        return np.asarray(cv2.GaussianBlur(field, (0, 0), max(sigma / step, 0.3)))
+
+    shape = touching.shape
+    density = touching.astype(np.float32)
+    spread = rng.uniform(*c.spread)
+    if spread:
+        inside = cv2.distanceTransform((density > 0).astype(np.uint8), cv2.DIST_L2, 3)
+        outside = cv2.distanceTransform((density == 0).astype(np.uint8), cv2.DIST_L2, 3)
+        density = (outside - inside < spread / step).astype(np.float32)
+    density *= np.clip(1 + c.grain * smooth(rng, shape, 0.04 / step), 0, 1.3)
+    if c.breaks:
+        dry = smooth(rng, shape, 0.25 / step)
+        density *= np.clip((dry - np.quantile(dry, c.breaks)) / 0.5 + 0.5, 0.1, 1)
+    if c.paper:
+        fibre = smooth(rng, shape, 0.05 / step) + 0.5 * smooth(rng, shape, 0.2 / step)
+        density *= np.clip(1 + c.paper * fibre, 0, 1.2)
+    density = blurred(density, rng.uniform(*c.blur))
+    disc = rng.uniform(*c.disc) / 2 / step
+    if disc > 1:
+        reach = int(disc) + 1
+        square = np.add.outer(*(np.arange(-reach, reach + 1) ** 2,) * 2)
+        kernel = np.clip(disc - np.sqrt(square) + 0.5, 0, 1)
+        density = np.asarray(cv2.filter2D(density, -1, kernel / kernel.sum()), np.float32)
+    rows, columns = (n // binning for n in shape)
+    seen: Numbers = np.asarray(cv2.resize(density, (columns, rows), interpolation=cv2.INTER_AREA))
+    seen = (1 - c.stray) * seen + c.stray * cv2.GaussianBlur(seen, (0, 0), 0.8 / step / binning)
+    grey = np.asarray(c.ground + (c.ridge - c.ground) * seen)
+    down, right = np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : columns * 1j]
+    grey = grey * (1 + rng.uniform(-0.08, 0.08) * right + rng.uniform(-0.08, 0.08) * down)
+    if c.mottle:
+        grey = grey + c.mottle * smooth(rng, grey.shape, 1.2) * (grey < (c.ground + c.ridge) / 2)
+    grey = grey + c.noise * np.sqrt(np.clip(grey, 0.05, None)) * rng.normal(size=grey.shape)
+    grey = np.clip(grey, 0, None) ** c.gamma
+    return np.asarray(grey + c.sharpen * (grey - cv2.GaussianBlur(grey, (0, 0), 1.2)))
+
+
+def elastic_image(name: str, number: int, seed: int = 0) -> ElasticImage:
+    """Make an image of a condition."""
+    c = CONDITIONS[name]
+    rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
+    area, aspect, pixel = rng.uniform(70, 220), rng.uniform(1.05, 1.55), rng.uniform(*c.pixel)
+    semi_axes = float(np.sqrt(area * aspect / np.pi)), float(np.sqrt(area / aspect / np.pi))
+    binning = max(4, int(np.ceil(pixel / _FINEST)))
+    step = pixel / binning
+    down, right = ((np.arange(-half, half) + 0.5) * step for half in _half_sizes(semi_axes, pixel, binning))
+    x, y = np.meshgrid(right.astype(np.float32), down.astype(np.float32))
+    touching, crest = _contact(x, y, semi_axes, rng.uniform(*c.width), rng)
+    touching &= ~_holes(crest, c.pores, step, rng)
+    grey = np.rint(255 * np.clip(_picture(touching, step, binning, c, rng), 0, 1)).astype(np.uint8)
+    if c.jpeg:
+        _, encoded = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, c.jpeg])
+        grey = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_GRAYSCALE), np.uint8)
+    return ElasticImage(grey, pixel, area, float(touching.sum() * step**2), semi_axes)
+
+
+def _half_sizes(semi_axes: tuple[float, float], pixel: float, binning: int) -> tuple[int, int]:
+    """Half the rows and columns of the fine grid, a whole number of pixels."""
+    down, across = semi_axes[0] + _MARGIN_MM, (2 * semi_axes[1] + semi_axes[0]) / 3 + _MARGIN_MM
+    return int(down / pixel) * binning, int(across / pixel) * binning
+
+
+def compare(image: ElasticImage) -> Numbers:
+    """Relative errors, and errors over stated stds, of gross and ridge area and semi-axes."""
+    truth = np.array([image.gross_area, image.ridge_area, *image.semi_axes])
+    found = measure_contact_image(image.pixels, image.mm_per_px)
+    measured = [found.gross_area, found.ridge_area, found.ellipse.semi_major, found.ellipse.semi_minor]
+    stds = [found.gross_area_std, found.ridge_area_std, found.semi_major_std, found.semi_minor_std]
+    return np.array([(measured - truth) / truth, (measured - truth) / stds])
+
+
+def rows(count: int = 6, seed: int = 0) -> Iterator[str]:
+    """Yield the table: one row for each condition, and one for all."""
+    yield "| condition | gross area %: bias, rms, stated, covered | ridge area | semi-major | semi-minor |"
+    yield "|" + "---|" * 5
+    pooled = []
+    for name in CONDITIONS:
+        some = [compare(elastic_image(name, number, seed)) for number in range(count)]
+        pooled += some
+        yield _row(name, np.array(some))
+    yield _row(f"all {len(pooled)}", np.array(pooled))
+
+
+def _row(name: str, found: Numbers) -> str:
+    errors, scores = 100 * found[:, 0], found[:, 1]
+    stated, held = errors / scores, 100 * np.mean(np.abs(scores) < 1.96, axis=0)
+    parts = [
+        f"{e.mean():+.1f}, {np.sqrt(np.mean(e**2)):.1f}, {s.mean():.1f}, {h:.0f}"
+        for e, s, h in zip(errors.T, stated.T, held, strict=True)
+    ]
+    return f"| {name} | {' | '.join(parts)} |"
+
+
+def report(count: int = 6, seed: int = 0) -> None:
+    """Print the table, as it is made."""
+    for line in rows(count, seed):
+        print(line, flush=True)

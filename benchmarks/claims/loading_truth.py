@@ -1,0 +1,199 @@
+"""Fits of loading curves where their model is wrong.
+
+The curves are made of `benchmarks.truth.loading_physics` and share no model with the fit.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from benchmarks.truth.loading_physics import (
+    Array,
+    Contact,
+    Pad,
+    coloured_noise,
+    ellipsoid,
+    exact_sphere,
+    free_area,
+    hertz,
+    layer,
+    pink,
+    short_memory,
+)
+from fingerpad import Estimate
+from fingerpad.exceptions import FingerpadError
+from fingerpad.loading import LoadingCurve, fit_loading_curve
+
+# Flags that say what the pad is like, not that a number is in doubt.
+DESCRIPTIVE = {"modulus_depends_on_load"}
+QUANTITIES = ("initial_modulus", "loading_radius", "area_exponent", "contact_offset")
+TOP = 2.0
+SPEED = 1.0
+APPROACH = 0.8
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """Contact and faults of a curve: by default a Hertzian paraboloid, and white noise in all columns."""
+
+    contact: Callable[[Pad, float], Contact] = hertz
+    # β over E_0g, 1/N.
+    slope: float = 0.0
+    # Spectrum of the force's noise of 5 mN, none for white.
+    spectrum: Callable[[Array], Array] | None = None
+    # Of the stage, mm/N.
+    compliance: float = 0.0
+    # Of the areas, s.
+    lag: float = 0.0
+    # Level to which the force warms up within 2 s, N.
+    warm_up: float = 0.0
+    # Deviation of each of about three friction steps per second, N.
+    friction: float = 0.0
+    # n of A ∝ W^n, where there is one.
+    area_exponent: float = np.nan
+    points: int = 200
+    # Whether compliance (within a tenth) and lag are given to the fit.
+    given: bool = False
+    # Whether there are areas; without them the radius is given within 3 %.
+    areas: bool = True
+
+
+CONDITIONS: Mapping[str, Condition] = MappingProxyType(
+    {
+        "Hertz, white noise": Condition(area_exponent=2 / 3),
+        "Hertz, white noise, 30 rows": Condition(area_exponent=2 / 3, points=30),
+        "Hertz, white noise, 1000 rows": Condition(area_exponent=2 / 3, points=1000),
+        "Hertz, noise of 20 ms": Condition(area_exponent=2 / 3, spectrum=short_memory),
+        "Hertz, 1/f noise": Condition(area_exponent=2 / 3, spectrum=pink),
+        "growing modulus, white noise": Condition(slope=0.5),
+        "growing modulus, 1/f noise": Condition(slope=0.5, spectrum=pink),
+        "growing modulus, 1/f noise, 1000 rows": Condition(slope=0.5, spectrum=pink, points=1000),
+        "ellipse, R'/R'' = 1.3": Condition(contact=ellipsoid(1.3), area_exponent=2 / 3),
+        "exact sphere": Condition(contact=exact_sphere),
+        "layer of 8 mm on bone": Condition(contact=layer(8.0)),
+        "layer of 5 mm on bone": Condition(contact=layer(5.0)),
+        "A ∝ W^0.42": Condition(contact=free_area(0.42), area_exponent=0.42),
+        "A ∝ W^0.55, growing modulus": Condition(contact=free_area(0.55), slope=0.5, area_exponent=0.55),
+        "stage yields 0.06 mm/N": Condition(compliance=0.06, area_exponent=2 / 3),
+        "stage yields 0.06 mm/N, given": Condition(compliance=0.06, area_exponent=2 / 3, given=True),
+        "area 100 ms late, given": Condition(lag=0.1, area_exponent=2 / 3, given=True),
+        "area 30 ms late": Condition(lag=0.03, area_exponent=2 / 3),
+        "area 100 ms late": Condition(lag=0.1, area_exponent=2 / 3),
+        "force warms up by 40 mN": Condition(warm_up=0.04, area_exponent=2 / 3),
+        "friction steps of 10 mN": Condition(friction=0.01, area_exponent=2 / 3),
+        "Hertz, no areas": Condition(areas=False),
+        "growing modulus, no areas": Condition(slope=0.5, areas=False),
+        "layer of 8 mm on bone, no areas": Condition(contact=layer(8.0), areas=False),
+        "stage yields 0.06 mm/N, no areas": Condition(compliance=0.06, areas=False),
+    }
+)
+
+
+class Found(NamedTuple):
+    """One quantity of one fit; NaN where undetermined."""
+
+    relative_error: float
+    error_over_std: float
+    held: float
+    flagged: bool
+
+
+def random_pad(condition: Condition, rng: np.random.Generator) -> Pad:
+    """Return a pad of 10 to 20 mm and 30 to 80 kPa."""
+    modulus = rng.uniform(0.03, 0.08)
+    return Pad(radius=rng.uniform(10, 20), modulus=modulus, slope=condition.slope * modulus)
+
+
+def make_curve(condition: Condition, pad: Pad, place: float, rng: np.random.Generator) -> LoadingCurve:
+    """Return a press at 1 mm/s to 2 N with contact at a place (mm), and a random zero and drift."""
+    xi, load, area = condition.contact(pad, TOP)
+    platen = xi + condition.compliance * load
+    end = (APPROACH + np.interp(TOP, load, platen)) / SPEED
+    clock = np.linspace(0, end, condition.points)
+    step = clock[1]
+    travel = SPEED * clock - APPROACH
+    force = np.interp(travel, platen, load) + rng.uniform(-0.1, 0.1) + rng.uniform(-0.02, 0.02) * clock
+    force += condition.warm_up * (1 - np.exp(-clock / 2))
+    jumps = rng.poisson(3 * step, len(clock)) * rng.normal(0, condition.friction, len(clock))
+    force += np.cumsum(jumps)
+    if condition.spectrum is None:
+        force += rng.normal(0, 0.005, len(clock))
+    else:
+        force += 0.005 * coloured_noise(rng, len(clock), step, condition.spectrum)
+        force += rng.normal(0, 0.001, len(clock))
+    return LoadingCurve(
+        load=force,
+        indentation=travel + place + rng.normal(0, 0.005, len(clock)),
+        area=np.interp(travel - condition.lag * SPEED, platen, area) + rng.normal(0, 1, len(clock)),
+        time=clock,
+    )
+
+
+def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
+    """Fit one curve; compare with E of the tissue, the radius of curvature, and the exponent of area."""
+    rng = np.random.default_rng(seed)
+    pad = random_pad(condition, rng)
+    place = rng.uniform(-2, 2)
+    known: dict[str, Any] = {}
+    if condition.given:
+        assumed = rng.normal(condition.compliance, 0.1 * condition.compliance)
+        known["stage_compliance"] = Estimate.symmetric(assumed, 0.1 * condition.compliance)
+        known["area_delay"] = condition.lag
+    curve = make_curve(condition, pad, place, rng)
+    if not condition.areas:
+        curve = replace(curve, area=None)
+        std = 0.03 * pad.radius
+        known["loading_radius"] = Estimate.symmetric(rng.normal(pad.radius, std), std)
+    fit = fit_loading_curve(curve, **known)
+    truth = dict(zip(QUANTITIES, (pad.modulus, pad.radius, condition.area_exponent, place), strict=True))
+    flagged = bool(set(fit.flags) - DESCRIPTIVE)
+    found = {}
+    for name, true in truth.items():
+        estimate = getattr(fit, name)
+        if estimate.known and np.isfinite(true):
+            error = estimate.value - true
+            held = float(estimate.lower <= true <= estimate.upper)
+            found[name] = Found(error / true, error / estimate.std, held, flagged)
+        else:
+            found[name] = Found(np.nan, np.nan, np.nan, flagged)
+    return found
+
+
+def report(repeats: int = 200, first_seed: int = 50_000, chosen: str = "") -> None:
+    """Print, of each condition and quantity, the bias, the error over the stated one, coverage and flags."""
+    print(
+        f"{repeats} curves each: median error, its rms over the stated uncertainty, 95 % intervals that hold"
+    )
+    print("the truth, those of curves without a flag, and the share of curves that are flagged")
+    for name, condition in CONDITIONS.items():
+        if chosen not in name:
+            continue
+        start, fits, refused = time.perf_counter(), [], 0
+        for seed in range(first_seed, first_seed + repeats):
+            try:
+                fits.append(fit_errors(condition, seed))
+            except FingerpadError:
+                refused += 1
+        spent = 1000 * (time.perf_counter() - start) / repeats
+        flagged = np.mean([fit[QUANTITIES[0]].flagged for fit in fits])
+        print(f"\n{name}: {100 * flagged:.0f} % flagged, {refused} refused, {spent:.0f} ms a fit")
+        for quantity in QUANTITIES:
+            print(f"  {quantity:16s} {_cells([fit[quantity] for fit in fits])}", flush=True)
+
+
+def _cells(found: list[Found]) -> str:
+    error, ratio, held, flagged = np.array(found, dtype=float).T
+    there = np.isfinite(error)
+    if not there.any():
+        return "–"
+    alone = there & (flagged == 0)
+    unflagged = f"{100 * held[alone].mean():5.1f} %" if alone.any() else "    – "
+    return (
+        f"bias {100 * np.median(error[there]):+7.2f} %  rms {np.sqrt(np.mean(ratio[there] ** 2)):6.2f} u  "
+        f"held {100 * held[there].mean():5.1f} %  unflagged {unflagged} of {alone.sum():4d}  "
+        f"undetermined {(~there).sum()}"
+    )

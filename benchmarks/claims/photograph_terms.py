@@ -1,0 +1,104 @@
+"""What each term of the uncertainty of a photographed face is worth: errors and coverage with it and without.
+
+The arcs of independent shapes are found once; then each face is fitted from its arc again with one term
+switched off. Finding the arcs takes most of the time.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any, TypeAlias
+from unittest import mock
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks.claims import anatomic_fingers, finger_shapes, fingertips, outlines, photographs
+from fingerpad.exceptions import FingerpadError
+from fingerpad.image import Scale, measure_photograph
+from fingerpad.image.ellipse_fit import fit_aligned_ellipse
+from fingerpad.image.photograph import face_arc
+from fingerpad.image.photograph.calibration import DOUBT
+from fingerpad.image.photograph.points import _arc
+from fingerpad.image.photograph.result import PhotographFit
+
+Array: TypeAlias = npt.NDArray[np.float64]
+Face: TypeAlias = tuple[str, Array, face_arc.FaceArc]
+
+# Longest error that counts, so that one lost face does not decide a root mean square.
+_MOST = 0.5
+
+
+def faces(count: int, seed: int) -> Iterator[Face]:
+    """Yield the family of each face, its true semi-axes and the arc of its outline."""
+    for family, shapes in (("superellipses", finger_shapes), ("curvature", fingertips)):
+        for _, truth, found in shapes.measured(count, seed):
+            if found is not None:
+                yield family, np.asarray(truth.semi_axes), found._arc
+    for finger in anatomic_fingers.fingers(max(count // 3, 2), seed):
+        for face, found in anatomic_fingers.measure(finger).items():
+            yield "anatomic", np.asarray(finger.semi_axes[face]), found._arc
+    for marked in (False, True):
+        for number in range(12 * count):
+            truth = photographs.random_finger(seed * 1000 + number, 60 if marked else 120)
+            palmar = None if truth.face == "palmar" else truth.palmar
+            points = truth.arc_points(9) if marked else None
+            try:
+                found = measure_photograph(
+                    truth.pixels, truth.face, Scale(truth.mm_per_px), palmar=palmar, points=points
+                )
+            except FingerpadError:
+                continue
+            yield "ellipses, marked" if marked else "ellipses", np.asarray(truth.semi_axes), found._arc
+    for place, kind in enumerate(outlines.KINDS):
+        for number in range(4 * count):
+            face = outlines.FACES[number % 3]
+            points, semi_axes = outlines.draw(kind, face, np.random.default_rng([seed, place, number]))
+            yield "outlines", semi_axes, _arc(face, points, fit_aligned_ellipse(points).ellipse)
+
+
+# What takes a function's or a constant's place when a term is off.
+WITHOUT: dict[str, dict[str, Any]] = {
+    "nothing": {},
+    "extension of the arc": {"extend_arc": lambda *given: given[2]},
+    "shape": {"_average_over_shapes": lambda *_: None, "DOUBT": replace(DOUBT, rough_std=0.0)},
+    "lengths": {"_contradicted": lambda *_: (np.zeros(2), 0.0)},
+}
+
+
+@contextmanager
+def switched_off(term: str) -> Iterator[None]:
+    """Fit faces without a term."""
+    with mock.patch.multiple(face_arc, **WITHOUT[term]) if WITHOUT[term] else mock.MagicMock():
+        yield
+
+
+def fitted_again(measured: list[Face], fit: Callable[[Any], PhotographFit]) -> dict[str, Array]:
+    """Return (error, standard uncertainty, flagged) of both semi-axes of each face, by family."""
+    rows: dict[str, list[Array]] = {}
+    for family, truth, arc in measured:
+        try:
+            again = fit(arc)
+        except FingerpadError:
+            continue
+        off = again.semi_axes / truth - 1
+        std = np.sqrt(np.diagonal(again.edge_covariance)) / again.semi_axes
+        rows.setdefault(family, []).append(np.stack([off, std, np.full(2, bool(again.flags))], axis=1))
+    return {family: np.concatenate(some) for family, some in rows.items()}
+
+
+def report(count: int = 4, first_seed: int = 75, seeds: int = 2) -> None:
+    """Print a table for each term."""
+    measured = [face for seed in range(first_seed, first_seed + seeds) for face in faces(count, seed)]
+    for term in WITHOUT:
+        with switched_off(term):
+            rows = fitted_again(measured, face_arc.face_from_arc)
+        print(f"\nwithout {term}\n{'':18}    n  median |error|    rms    std   held  silent")
+        for family, some in rows.items():
+            off, std, flagged = np.abs(some[:, 0]), some[:, 1], some[:, 2] > 0
+            missed = off > 1.96 * std
+            print(
+                f"{family:18} {len(off):4}  {np.median(off):13.2%} "
+                f"{np.sqrt(np.mean(np.minimum(off, _MOST) ** 2)):7.2%} {np.median(std):6.2%} "
+                f"{1 - missed.mean():6.1%} {np.mean(missed & ~flagged):6.1%}"
+            )

@@ -1,0 +1,261 @@
+"""Coverage of repeatability in simulated studies of known truth.
+
+The truth is drawn here from the statistics alone: persons, fingers of a person, sessions of a finger and
+repeats of a session each add an independent normal deviation to the logarithm of a quantity.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.image import SEMI_AXES
+from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.results.by_load import AtLoad, pool_by_load
+from fingerpad.study.results.repeats import contact_repeatability, study_scatter
+from fingerpad.study.results.rows import model_contacts
+from fingerpad.uncertainty import nested_scatter, pad_model
+
+# One number of repeats per session, the sessions of each finger, the fingers of each person.
+Design = tuple[tuple[tuple[int, ...], ...], ...]
+
+PAD = np.array([7.9, 13.8, 11.8])
+LOADS = (0.5, 1.0, 2.0)
+ELONGATION = 0.3
+NOISE = 0.01
+
+
+class Population(NamedTuple):
+    """The logarithm's mean and the standard deviation that each level adds to it."""
+
+    mean: float = 4.7
+    person: float = 0.0
+    finger: float = 0.0
+    session: float = 0.0
+    repeat: float = 0.05
+
+
+class Draws(NamedTuple):
+    """Logarithms of one study, with the person, finger and session of each (finger and session count on)."""
+
+    person: FloatArray
+    finger: FloatArray
+    session: FloatArray
+    of_finger: FloatArray
+    log_value: FloatArray
+
+
+def draw_study(population: Population, design: Design, rng: np.random.Generator) -> Draws:
+    """Draw a study: each person, finger, session and repeat once from the population."""
+    rows: list[tuple[float, ...]] = []
+    finger = session = 0
+    for person, fingers in enumerate(design):
+        of_person = rng.normal(population.mean, population.person)
+        for sessions in fingers:
+            of_finger = of_person + rng.normal(0, population.finger)
+            for repeats in sessions:
+                of_session = of_finger + rng.normal(0, population.session)
+                values = of_session + rng.normal(0, population.repeat, repeats)
+                rows += [(person, finger, session, of_finger, value) for value in values]
+                session += 1
+            finger += 1
+    return Draws(*np.array(rows).T)
+
+
+def component_coverage(
+    population: Population, design: Design, studies: int, seed: int = 0
+) -> dict[str, tuple[int, int]]:
+    """Return in how many studies each interval contains the truth, and in how many there is one."""
+    rng = np.random.default_rng([seed, 11])
+    true = population._asdict()
+    between = population.person**2 + population.finger**2
+    icc = between / (between + population.session**2 + population.repeat**2)
+    held: dict[str, tuple[int, int]] = {}
+
+    def add(name: str, interval: tuple[float, float], truth: float) -> None:
+        hits, count = held.get(name, (0, 0))
+        held[name] = hits + (interval[0] <= truth <= interval[1]), count + 1
+
+    for _ in range(studies):
+        drawn = draw_study(population, design, rng)
+        levels = {"person": drawn.person, "finger": drawn.finger, "session": drawn.session}
+        found = nested_scatter(drawn.log_value, levels, between=("person", "finger"))
+        for level, one in found.components.items():
+            if one.known:
+                add(
+                    level,
+                    one.interval,
+                    float(np.hypot.reduce([true[each] for each in (level, *one.includes)])),
+                )
+        # Sessions that cannot be separated from fingers are part of what lies between these.
+        if np.isfinite(found.icc) and (population.session == 0 or found.components["session"].known):
+            add("icc", found.icc_interval, icc)
+    return held
+
+
+def mean_coverage(
+    population: Population, design: Design, studies: int, seed: int = 0
+) -> dict[str, tuple[int, int]]:
+    """Return the same of area and modulus at each load, from measured ellipses to the pooled means.
+
+    The logarithm that is drawn is that of the contact radius √(ℓd ℓe); the elongation scatters from repeat to
+    repeat as much. Semi-axes have noise of `NOISE`, as stated.
+    """
+    rng = np.random.default_rng([seed, 12])
+    held = {"area": (0, 0), "modulus": (0, 0)}
+    fingers = [(p, f) for p, of in enumerate(design) for f in range(len(of))]
+    study = Study.model_validate(
+        {
+            "title": "simulated",
+            "fingers": [
+                {
+                    "name": f"f{number}",
+                    "person": f"p{person}",
+                    "semi_axes_mm": dict(
+                        zip(("palmar", "distal", "radial_ulnar"), PAD.tolist(), strict=True)
+                    ),
+                    "semi_axes_mm_std": {"palmar": 1e-9, "distal": 1e-9, "radial_ulnar": 1e-9},
+                }
+                for number, (person, _) in enumerate(fingers)
+            ],
+        }
+    )
+    pads = {
+        one.name: FingerResult(
+            name=one.name, semi_axes=PAD, covariance=1e-18 * np.eye(3), source="given", person=one.person
+        )
+        for one in study.fingers
+    }
+    for _ in range(studies):
+        drawn = draw_study(population, design, rng)
+        seen, truths = [], {}
+        for load in LOADS:
+            again = draw_repeats(population, drawn, rng)
+            for place, log_radius in enumerate(again + 0.25 * np.log(load)):
+                elongation = ELONGATION + rng.normal(0, population.repeat)
+                finger, session = f"f{drawn.finger[place]:.0f}", f"s{drawn.session[place]:.0f}"
+                log_axes = log_radius + np.array([0.5, -0.5]) * elongation
+                seen.append(_contact(rng, (finger, session), load, log_axes))
+                truths[finger, load] = drawn.of_finger[place] + 0.25 * np.log(load)
+        repeatability = contact_repeatability(study, pads, seen)
+        rows = model_contacts(study, pads, seen, repeatability)
+        for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
+            for name, one, truth in _pairs(at, truths[at.finger, at.load]):
+                hits, count = held[name]
+                held[name] = hits + (one.interval[0] <= truth <= one.interval[1]), count + 1
+    return held
+
+
+def draw_repeats(population: Population, drawn: Draws, rng: np.random.Generator) -> FloatArray:
+    """Draw the same fingers under another load: the same sessions, new repeats."""
+    number = drawn.session.astype(int)
+    of_session = rng.normal(0, population.session, number.max() + 1)
+    return as_float_array(
+        drawn.of_finger + of_session[number] + rng.normal(0, population.repeat, number.size)
+    )
+
+
+def _pairs(at: AtLoad, log_radius: float) -> Iterator[tuple[str, Any, float]]:
+    radius = float(np.exp(log_radius))
+    yield "area", at.area, np.pi * radius**2
+    exact: dict[str, float] = {
+        **dict(zip(SEMI_AXES, PAD.tolist(), strict=True)),
+        "wedge_angle": math.radians(30),
+        "roll_angle": 0.0,
+        "poisson_ratio": 0.5,
+        "image_scale": 1.0,
+        "edge_offset": 0.0,
+        "load": at.load,
+        "contact_radius": radius,
+        "elongation": ELONGATION,
+    }
+    outputs = pad_model(**{name: np.array(value) for name, value in exact.items()})
+    yield "modulus", at.modulus, 1000 * float(outputs["youngs_modulus"])
+
+
+def _contact(
+    rng: np.random.Generator, where: tuple[str, str], load: float, log_axes: FloatArray
+) -> tuple[Observation, Measurement]:
+    axes = np.exp(log_axes) * (1 + NOISE * rng.normal(size=2))
+    name, (finger, session) = f"c{rng.integers(2**60)}", where
+    observation = Observation(
+        name=name,
+        finger=finger,
+        wedge_angle_deg=30,
+        load_N=load,
+        session=session,
+        file="x.png",
+        scale="s",
+    )
+    return observation, Measurement(
+        observation=name,
+        load_N=load,
+        semi_major_mm=axes.max(),
+        semi_minor_mm=axes.min(),
+        covariance_mm2=np.diag(np.square(NOISE * np.sort(axes)[::-1])),
+        scale="s",
+    )
+
+
+_TWO_LEVELS = Population(person=0.1)
+_FOUR_LEVELS = Population(person=0.1, finger=0.05, session=0.04, repeat=0.03)
+
+
+def _alone(*repeats: int) -> Design:
+    """Return persons of one finger and one session each."""
+    return tuple(((each,),) for each in repeats)
+
+
+CONDITIONS: tuple[tuple[str, Population, Design], ...] = (
+    ("3 persons, 3 repeats", _TWO_LEVELS, _alone(3, 3, 3)),
+    ("10 persons, 5 repeats", _TWO_LEVELS, _alone(*10 * (5,))),
+    ("6 persons, 1 to 8 repeats", _TWO_LEVELS, _alone(2, 3, 8, 2, 1, 4)),
+    ("4 much alike, 2 repeats", Population(person=0.02), _alone(2, 2, 2, 2)),
+    ("5 all alike, 3 repeats", Population(), _alone(*5 * (3,))),
+    ("4 persons, 3 fingers, 2 sessions, 3", _FOUR_LEVELS, 4 * (3 * ((3, 3),),)),
+    (
+        "4 persons, 1 to 3 of each, 1 to 6",
+        _FOUR_LEVELS,
+        (((2, 3), (5, 1)), ((2,), (3, 3, 2)), ((4, 1),), ((2, 2), (2, 2), (6,))),
+    ),
+)
+# The radius of a contact: half the relative scatter of its area.
+MEANS: tuple[tuple[str, Population, Design], ...] = (
+    ("1 finger, 3 repeats", Population(mean=1.6, repeat=0.02), _alone(3)),
+    ("4 persons, 1 to 4 repeats", Population(mean=1.6, person=0.1, repeat=0.02), _alone(1, 2, 4, 3)),
+    ("8 persons, 5 repeats", Population(mean=1.6, person=0.1, repeat=0.04), _alone(*8 * (5,))),
+    (
+        "4 persons, 3 sessions of 2",
+        Population(mean=1.6, person=0.1, session=0.03, repeat=0.02),
+        4 * (((2, 2, 2),),),
+    ),
+)
+
+
+def report(studies: int = 1000, chains: int = 150) -> None:
+    """Print the coverage of intervals of standard deviations, of the ICC, and of means at each load."""
+    print(
+        f"\nCoverage of 95 % intervals in {studies} simulated studies each; asked: 93-97 % in all, 85 % each"
+    )
+    _print_table(
+        ("repeat", "session", "finger", "person", "icc"),
+        [(name, component_coverage(of, design, studies)) for name, of, design in CONDITIONS],
+    )
+    print(f"The same of area and modulus at each load, in {chains} studies each")
+    _print_table(
+        ("area", "modulus"), [(name, mean_coverage(of, design, chains)) for name, of, design in MEANS]
+    )
+
+
+def _print_table(names: tuple[str, ...], rows: list[tuple[str, dict[str, tuple[int, int]]]]) -> None:
+    print(f"    {'':<38}" + "".join(f"{name:>10}" for name in names))
+    pooled = {name: [found[name] for _, found in rows if name in found] for name in names}
+    whole = {name: (sum(a for a, _ in some), sum(b for _, b in some)) for name, some in pooled.items()}
+    for title, found in (*rows, ("in all", whole)):
+        cells = (found.get(name, (0, 0)) for name in names)
+        shares = (f"{100 * hits / count:8.1f} %" if count else f"{'–':>10}" for hits, count in cells)
+        print(f"    {title:<38}" + "".join(shares), flush=True)

@@ -1,0 +1,298 @@
+"""Time and memory of everything after measuring, from 10² to 10⁵ rows.
+
+The measurements are synthetic: ellipses drawn about elliptical Hertz theory, without pictures.
+"""
+
+import math
+import multiprocessing
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from benchmarks.memory import peak_mb
+from fingerpad.image import SequenceSummary
+from fingerpad.report import write_report
+from fingerpad.study.engine.runner import Progress, records_of
+from fingerpad.study.engine.store import STORE_NAME, Store
+from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task, TaskResult, perform
+from fingerpad.study.engine.worker import local_executor
+from fingerpad.study.manifest import Contact, ContactSequence, Study
+from fingerpad.study.measuring.contacts import Measurement
+from fingerpad.study.measuring.context import RunContext
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.measuring.run import Measured, StudyItems
+from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.methods import provenance
+from fingerpad.study.results.output import write_tables
+from fingerpad.study.results.study_result import StudyResult, result_of
+
+FRAMES, FINGERS, WEDGES = 2000, 5, (15.0, 45.0)
+THESIS_FRAMES, THESIS_FINGERS, THESIS_WEDGES = 333, 60, (0.0, 15.0, 30.0, 45.0, 60.0)
+AXES, AXES_STD = (7.9, 13.8, 11.8), 0.1
+EDGE_STD, SCALE_STD = 0.05, 0.01
+
+
+class Cost(NamedTuple):
+    """What the rows of a study cost the process that makes them, by the processor's clock."""
+
+    rows: int
+    model_s: float
+    tables_s: float
+    report_s: float
+    peak_mb: float
+    report_mb: float
+
+    @property
+    def total_s(self) -> float:
+        """Everything after measuring."""
+        return self.model_s + self.tables_s + self.report_s
+
+
+def sequences_of(
+    rows: int, frames: int = FRAMES, fingers: int = FINGERS, wedges: tuple[float, ...] = WEDGES
+) -> list[ContactSequence]:
+    """Return the sequences of so many rows: at most so many frames each, over fingers and angles."""
+    count = math.ceil(rows / frames)
+    return [
+        ContactSequence.model_validate(
+            {
+                "name": f"sequence_{number}",
+                "finger": f"finger_{number % fingers}",
+                "wedge_angle_deg": wedges[number // fingers % len(wedges)],
+                "file": f"sequence_{number}.tif",
+                "force": f"sequence_{number}.csv",
+                "scale": {"ppi": 500},
+                "synthetic": True,
+            }
+        )
+        for number in range(count)
+    ]
+
+
+def measurements_of(sequence: ContactSequence, count: int) -> Iterator[Measurement]:
+    """Yield the frames of a press to 2 N and back; one of a hundred cannot be read, one is cut."""
+    rng = np.random.default_rng(int(sequence.name.removeprefix("sequence_")))
+    for frame in range(count):
+        load = 0.1 + 1.9 * (1 - abs(2 * frame / max(count - 1, 1) - 1))
+        phase = "loading" if 2 * frame < count else "unloading"
+        place: dict[str, Any] = {
+            "sequence": sequence.name,
+            "frame": frame,
+            "time_s": frame / 500,
+            "phase": phase,
+        }
+        name = f"{sequence.name}#{frame}"
+        if frame % 100 == 7:
+            yield Measurement(
+                observation=name, load_N=load, reason="the page is damaged", **place, counts=False
+            )
+            continue
+        axes = np.array([5.6, 4.7]) * load**0.3 * np.exp(rng.normal(0, 0.01, 2))
+        area = np.pi * axes.prod()
+        yield Measurement(
+            observation=name,
+            load_N=load,
+            semi_major_mm=float(axes[0]),
+            semi_minor_mm=float(axes[1]),
+            covariance_mm2=EDGE_STD**2 * np.eye(2) + SCALE_STD**2 * np.outer(axes, axes),
+            scale=f"sequence:{sequence.name}",
+            relative_scale_std=SCALE_STD,
+            long_axis="along",
+            gross_area_mm2=area,
+            gross_area_mm2_std=0.02 * area,
+            ridge_area_mm2=0.5 * area,
+            ridge_area_mm2_std=0.03 * area,
+            ridge_period_mm=0.45,
+            ellipse_iou=0.95,
+            orientation_deg=float(rng.normal(0, 3)),
+            centroid_row_px=200.0,
+            centroid_column_px=300.0,
+            mm_per_px=0.0508,
+            mm_per_px_std=0.0508 * SCALE_STD,
+            **place,
+            flags=("touches_border",) if frame % 100 == 11 else (),
+            counts=phase == "loading",
+        )
+
+
+def study_result(
+    rows: int,
+    folder: Path,
+    *,
+    frames: int = FRAMES,
+    fingers: int = FINGERS,
+    wedges: tuple[float, ...] = WEDGES,
+) -> StudyResult:
+    """Return the result of a synthetic study of so many rows, its measurements streamed."""
+    sequences = sequences_of(rows, frames, fingers, wedges)
+    counts = [min(frames, rows - frames * number) for number in range(len(sequences))]
+    names = dict.fromkeys(sequence.finger for sequence in sequences)
+    study = Study.model_validate(
+        {
+            "title": f"Synthetic study of {rows:,} rows",
+            "fingers": [{"name": name, **_given()} for name in names],
+            "sequences": [sequence.model_dump(exclude_defaults=True) for sequence in sequences],
+            "uncertainty": {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.02},
+        }
+    )
+    known = {
+        name: FingerResult(
+            name=name,
+            semi_axes=np.array(AXES) * (1 + 0.02 * number),
+            covariance=AXES_STD**2 * np.eye(3),
+            source="given",
+            synthetic=True,
+        )
+        for number, name in enumerate(names)
+    }
+
+    def seen() -> Iterator[tuple[Contact, Measurement]]:
+        for sequence, count in zip(sequences, counts, strict=True):
+            for measured in measurements_of(sequence, count):
+                yield sequence, measured
+
+    with Store.writing(folder / STORE_NAME) as store:
+        return result_of(
+            Measured(
+                items=StudyItems.of(RunContext(study=study, folder=folder)),
+                progress=Progress(pictures=rows, failed=0, total=rows),
+                fingers=known,
+                sequences=[
+                    _sequence(sequence, count) for sequence, count in zip(sequences, counts, strict=True)
+                ],
+                curves=[],
+                contacts=seen(),
+            ),
+            notes=(),
+            origin={**provenance([], str), "limits_per_picture": asdict(DEFAULT_LIMITS)},
+            executor=_InProcess(folder),
+            store=store,
+        )
+
+
+class _InProcess:
+    """Performs tasks in this process, so that its clock counts them."""
+
+    capacity = 1
+
+    def __init__(self, folder: Path) -> None:
+        self.limits: Limits = DEFAULT_LIMITS
+        self._folder = folder
+
+    def submit(self, task: Task) -> Future[TaskResult]:
+        future: Future[TaskResult] = Future()
+        future.set_result(perform(task.work, task.file, self._folder, self.limits))
+        return future
+
+    def require_workers(self) -> None:
+        pass
+
+
+def _given() -> dict[str, dict[str, float]]:
+    names = ("palmar", "distal", "radial_ulnar")
+    return {
+        "semi_axes_mm": dict(zip(names, AXES, strict=True)),
+        "semi_axes_mm_std": dict.fromkeys(names, AXES_STD),
+    }
+
+
+def _sequence(sequence: ContactSequence, count: int) -> SequenceResult:
+    failed = sum(frame % 100 == 7 for frame in range(count))
+    return SequenceResult(
+        manifest=sequence,
+        summary=SequenceSummary(
+            count=count,
+            measured=count - failed,
+            without_contact=0,
+            failed=failed,
+            first_contact=0,
+            largest=count // 2,
+            phases={"loading": count // 2, "unloading": count - count // 2},
+            without_force=0,
+            notes=(),
+        ),
+    )
+
+
+def cost(rows: int) -> Cost:
+    """Make the rows, tables and report of a study in this process, and return what they cost."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
+        start = time.process_time()
+        result = study_result(rows, out)
+        modelled = time.process_time()
+        write_tables(result, out)
+        tabled = time.process_time()
+        report = write_report(result, out)
+        done = time.process_time()
+        return Cost(
+            rows=rows,
+            model_s=modelled - start,
+            tables_s=tabled - modelled,
+            report_s=done - tabled,
+            peak_mb=peak_mb(),
+            report_mb=report.stat().st_size / 1e6,
+        )
+
+
+def cost_apart(rows: int) -> Cost:
+    """Return the cost of a study in a process of its own."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(cost, (rows,))
+
+
+def report_of_many_fingers(workers: int = 2) -> tuple[float, float]:
+    """Print and return seconds for the report of a thesis, the first time and again; by the clock."""
+
+    def draw(tasks: list[Task], on_drawn: Callable[[Task], None]) -> None:
+        with Store.writing(out / STORE_NAME) as store, local_executor(out, workers) as executor:
+            records_of(tasks, executor, store, out, on_drawn)
+
+    sequences = THESIS_FINGERS * len(THESIS_WEDGES)
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
+        result = study_result(
+            THESIS_FRAMES * sequences, out, frames=THESIS_FRAMES, fingers=THESIS_FINGERS, wedges=THESIS_WEDGES
+        )
+        seconds = []
+        for _ in range(2):
+            start = time.perf_counter()
+            write_report(result, out, draw)
+            seconds.append(time.perf_counter() - start)
+    first, again = seconds
+    print(
+        f"\nThe report of {sequences} sequences of {THESIS_FINGERS} fingers, {workers} workers: "
+        f"{first:.0f} s the first time, {again:.1f} s again, {peak_mb():.0f} MB"
+    )
+    return first, again
+
+
+def rows_at_scale(largest: int = 5) -> list[Cost]:
+    """Print and return seconds and memory from 10² rows to 10^`largest`, with the exponent of the cost."""
+    print(
+        "\nAfter measuring: model, tables and report of synthetic sequences; processor time, a process each"
+    )
+    print("       rows    model   tables   report    total  exponent  peak memory  report.html")
+    found: list[Cost] = []
+    for power in range(2, largest + 1):
+        one = cost_apart(10**power)
+        exponent = f"{math.log10(one.total_s / found[-1].total_s):8.2f}" if found else " " * 8
+        print(
+            f"    {one.rows:7,d} {one.model_s:6.1f} s {one.tables_s:6.1f} s {one.report_s:6.1f} s "
+            f"{one.total_s:6.1f} s  {exponent}  {one.peak_mb:8.0f} MB  {one.report_mb:8.2f} MB",
+            flush=True,
+        )
+        found.append(one)
+    return found
+
+
+def report() -> None:
+    """Print time and memory by number of rows, and of the report of many fingers."""
+    rows_at_scale()
+    report_of_many_fingers()

@@ -1,0 +1,172 @@
+"""Loads of a pad in simulators against the solver.
+
+Three pads are pressed at ten loads each. MuJoCo runs the exported file; Drake reads it where it is installed
+(``pip install drake``), and otherwise its formula is integrated over the exported mesh; Newton's law and the
+table of pressures are integrated over the overlap. With ``--figure FILE`` the usual pad is drawn.
+"""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import mujoco
+import numpy as np
+
+from fingerpad import Ellipsoid, Placement, Tissue, solve_contact
+from fingerpad._arrays import FloatArray
+from fingerpad.simulator import SimulatorLaw, export_finger, simulator_law
+
+PLACE: Final = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+MASS: Final = 0.1
+_LOADS: Final = 10
+_CELLS: Final = 601
+_SECONDS: Final = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class Pad:
+    """Tissue, and the range of loads."""
+
+    tissue: Tissue
+    loads: tuple[float, float]
+    words: str
+
+
+PADS: Final = {
+    "soft, deep": Pad(Tissue(0.06), (0.1, 1.5), "E = 60 kPa, no bone"),
+    "usual": Pad(Tissue(0.05, thickness=8.0), (0.2, 3.0), "E = 50 kPa, 8 mm on bone"),
+    "stiff, thin": Pad(Tissue(0.15, 0.48, 4.0), (0.2, 3.0), "E = 150 kPa, ν = 0.48, 4 mm on bone"),
+}
+
+
+class Row(NamedTuple):
+    """A simulator's loads, those of the solver at the same indentations, and the factors of its area."""
+
+    indentation: FloatArray
+    load: FloatArray
+    solved: FloatArray
+    area_factor: FloatArray
+
+    @property
+    def error(self) -> float:
+        """Largest relative error of the load."""
+        return float(np.abs(self.load / self.solved - 1).max())
+
+    @property
+    def area(self) -> float:
+        """Factor of the area that is furthest from 1."""
+        return float(self.area_factor[np.argmax(np.abs(np.log(self.area_factor)))])
+
+
+def rows_of(pad: Pad) -> dict[str, Row]:
+    """Return what each simulator makes of a pad."""
+    law = simulator_law(PLACE, pad.tissue, pad.loads)
+    indentation = np.interp(np.geomspace(*pad.loads, _LOADS), law.load, law.indentation)
+    solved = [solve_contact(PLACE, pad.tissue, indentation=depth) for depth in indentation]
+    load, area = (np.array([getattr(one, name) for one in solved]) for name in ("load", "area"))
+    kh, table = law.newton_kh().kh, law.pressure_by_depth()
+    newton, foundation, overlap = [], [], []
+    for depth in indentation:
+        deep, cell = _overlap(depth)
+        newton.append(kh * deep.sum() * cell)
+        foundation.append(float(table.pressure_at(deep).sum()) * cell)
+        overlap.append(float((deep > 0).sum()) * cell * 1e6)
+    factor = np.array(overlap) / area
+    rows = {
+        "pressure by depth": Row(indentation, np.array(foundation), load, factor),
+        "Newton `kh`": Row(indentation, np.array(newton), load, factor),
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        export_finger(law, Path(folder), effective_mass=MASS)
+        drake, section = _drake(law, Path(folder), indentation)
+        rows["Drake"] = Row(indentation, drake, load, section / area)
+        rested, loads = _mujoco(Path(folder), np.geomspace(*pad.loads, _LOADS))
+    held = np.array([float(solve_contact(PLACE, pad.tissue, indentation=depth).load) for depth in rested])
+    rows["MuJoCo"] = Row(rested, loads, held, np.full(_LOADS, np.nan))
+    return rows
+
+
+def _overlap(indentation: float) -> tuple[FloatArray, float]:
+    """Return depths of overlap with the plate, m, and the area of a cell, m²."""
+    reach = 8.0 * np.sqrt(indentation)
+    side = np.linspace(-reach, reach, _CELLS)
+    gap = PLACE.gap.height(*np.meshgrid(side, side, indexing="ij"))
+    depth: FloatArray = np.maximum(indentation - np.nan_to_num(gap, nan=np.inf), 0)
+    return depth * 1e-3, float(side[1] - side[0]) ** 2 * 1e-6
+
+
+def _mujoco(folder: Path, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the indentations at which the exported finger rests."""
+    model = mujoco.MjModel.from_xml_path(str(folder / "finger.xml"))
+    data = mujoco.MjData(model)
+    rested = []
+    for load in loads:
+        data.ctrl[0] = load
+        mujoco.mj_step(model, data, round(_SECONDS / model.opt.timestep))
+        rested.append(1000 * float(data.qpos[0]))
+    return np.array(rested), loads
+
+
+def _drake(law: SimulatorLaw, folder: Path, indentation: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return loads and areas, by Drake where it is installed."""
+    height = float(PLACE.normal @ PLACE.point)
+    try:
+        import pydrake.all as drake  # noqa: PLC0415 (it need not be installed)
+    except ImportError:
+        print("Drake is not installed: its formula, over the exported mesh")
+        mesh = law.mesh()
+        area, extent = mesh.sections(PLACE.normal, height - indentation)
+        return law.drake_modulus(mesh).modulus * extent * 1e-6, area
+    builder = drake.DiagramBuilder()
+    plant, _ = drake.AddMultibodyPlantSceneGraph(builder, 0.0)
+    plant.set_contact_model(drake.ContactModel.kHydroelastic)
+    drake.Parser(plant).AddModels(str(folder / "finger.sdf"))
+    rigid = drake.ProximityProperties()
+    drake.AddRigidHydroelasticProperties(rigid)
+    drake.AddContactMaterial(friction=drake.CoulombFriction(0, 0), properties=rigid)
+    plant.RegisterCollisionGeometry(
+        plant.world_body(), drake.RigidTransform(), drake.HalfSpace(), "plate", rigid
+    )
+    plant.Finalize()
+    context = builder.Build().CreateDefaultContext()
+    own = plant.GetMyMutableContextFromRoot(context)
+    link = plant.GetBodyByName("pad")
+    turned = plant.GetFreeBodyPose(own, link).rotation()
+    found = []
+    for depth in indentation:
+        place = drake.RigidTransform(turned, [0, 0, (height - depth) / 1000])
+        plant.SetFreeBodyPose(own, link, place)
+        contact = plant.get_contact_results_output_port().Eval(own).hydroelastic_contact_info(0)
+        found.append((contact.F_Ac_W().translational()[2], contact.contact_surface().total_area() * 1e6))
+    loads, areas = np.abs(np.array(found)).T
+    return loads, areas
+
+
+def report(figure: str = "") -> None:
+    """Print the table of errors, as it stands in the documentation."""
+    names = None
+    for name, pad in PADS.items():
+        rows = rows_of(pad)
+        if names is None:
+            names = list(rows)
+            print("| pad | loads | " + " | ".join(names) + " | contact area |")
+            print("|---" * (len(names) + 3) + "|")
+        errors = " | ".join(f"{100 * row.error:.1f} %" for row in rows.values())
+        low, high = pad.loads
+        print(f"| {name}: {pad.words} | {low:g}–{high:g} N | {errors} | × {rows['Newton `kh`'].area:.2f} |")
+        if figure and name == "usual":
+            _draw(rows, Path(figure))
+
+
+def _draw(rows: dict[str, Row], path: Path) -> None:
+    import matplotlib.pyplot as plt  # noqa: PLC0415 (only for the figure)
+
+    drawn, axes = plt.subplots(figsize=(5.2, 3.6), layout="constrained")
+    first = next(iter(rows.values()))
+    axes.plot(first.indentation, first.solved, "k-", label="solver")
+    for (name, row), mark in zip(rows.items(), "o^s+", strict=True):
+        axes.plot(row.indentation, row.load, mark, fillstyle="none", label=name.replace("`", ""))
+    axes.set(xlabel="indentation (mm)", ylabel="load (N)", xlim=(0, None), ylim=(0, None))
+    axes.legend(frameon=False)
+    drawn.savefig(path, dpi=150)

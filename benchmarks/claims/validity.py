@@ -1,0 +1,314 @@
+"""False alarms, detection and coverage of verdicts on the model.
+
+Truths come from equations written here: Johnson (1985), ch. 4, by SciPy's elliptic integrals, and for tissue
+over bone the ratios of a circular contact on a bonded layer (ν = 0.5) by its contact radius over thickness.
+"""
+
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from fingerpad._arrays import FloatArray
+from fingerpad.geometry import Ellipsoid
+from fingerpad.study.manifest import Curve, Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
+from fingerpad.study.measuring.curves import CurveResult, curve_result
+from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.results.pooling import pool_contacts
+from fingerpad.study.results.rows import model_contacts
+from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS, Validity, validity_of
+
+LOADS: Final = (0.125, 0.25, 0.5, 1.0)
+AXES_STD, WEDGE_STD, LOAD_STD, SCALE_STD, EDGE_STD, NOISE_STD = 0.1, 0.5, 0.02, 0.01, 0.03, 0.04
+# Relative, of a radius from loading data that is given without a curve.
+LOADING_STD: Final = 0.03
+
+# A/(πRξ), and load over that of Hertz theory at the same area, by a/t.
+_OVER_THICKNESS = (0.0, 0.1, 0.3, 0.5, 1.0, 2.0)
+_AREA_RATIO = PchipInterpolator(_OVER_THICKNESS, (1.0, 1.086, 1.264, 1.447, 1.80, 2.20))
+_LOAD_RATIO = PchipInterpolator(_OVER_THICKNESS, (1.0, 1.00, 1.01, 1.07, 1.39, 2.55))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Truth:
+    """A pad, and how its contacts depart from Hertz theory on a half-space.
+
+    Attributes
+    ----------
+    modulus : float
+        E*, MPa.
+    thickness : float
+        Of the tissue over bone, mm; infinite for a half-space.
+    curvature : float
+        Radius of the pressed pad over that of its photographs.
+    area_power : float
+        Extra exponent of the area's growth with load.
+    falls_above : float
+        Load above which the area falls with it, N.
+    elongation : float or None
+        ln of the length along the finger over that across; that of Hertz theory where None.
+    repeats : int
+        Contacts at each load.
+    with_curve : bool
+        Whether the finger has a loading curve, or R_g alone.
+    stated_thickness : float or None
+        What the manifest says of the tissue's effective thickness, mm.
+    """
+
+    modulus: float = 0.3
+    thickness: float = np.inf
+    curvature: float = 1.0
+    area_power: float = 0.0
+    falls_above: float = np.inf
+    elongation: float | None = None
+    repeats: int = 1
+    with_curve: bool = False
+    stated_thickness: float | None = None
+
+
+class Pressed(NamedTuple):
+    """Contact area, elongation ln(along/across) and indentation."""
+
+    area: float
+    elongation: float
+    indentation: float
+
+
+CASES: Final = {
+    "Hertz theory": Truth(),
+    "Hertz theory, with curve": Truth(with_curve=True),
+    "7 mm of tissue over bone": Truth(thickness=7.0, modulus=0.1),
+    "7 mm over bone, with curve": Truth(thickness=7.0, modulus=0.1, with_curve=True),
+    "4 mm of tissue over bone": Truth(thickness=4.0, modulus=0.1),
+    "pad flatter than its photographs by 1.4": Truth(curvature=1.4),
+    "the same area at all loads": Truth(area_power=-2 / 3),
+    "area falling above 0.4 N": Truth(falls_above=0.4),
+    "long axis the other way, 1.4:1": Truth(elongation=np.log(1.4)),
+}
+HOLDING: Final = ("Hertz theory", "Hertz theory, with curve")
+
+
+def principal_radii(axes: FloatArray, wedge: float) -> tuple[float, float]:
+    """Return the radii of curvature along and across the finger where the wedge's plate touches."""
+    a, b, c = axes
+    u = np.arctan(b / a * np.tan(wedge))
+    S = b**2 * np.cos(u) ** 2 + a**2 * np.sin(u) ** 2
+    return float(S**1.5 / (a * b)), float(c**2 * np.sqrt(S) / (a * b))
+
+
+def press(truth: Truth, radii: tuple[float, float], load: float) -> Pressed:
+    """Press the pad: Johnson (4.25)–(4.29), on a layer by its ratios, then as the case has it."""
+    along, across = (truth.curvature * radius for radius in radii)
+    ratio, R = max(along, across) / min(along, across), np.sqrt(along * across)
+
+    def curvatures(k: float) -> float:
+        K, E = ellipk(1 - k**2), ellipe(1 - k**2)
+        return float((E / k**2 - K) / (K - E))
+
+    k = brentq(lambda k: curvatures(k) - ratio, 0.05, 1 - 1e-5) if ratio > 1.0001 else 1.0
+    F1 = F2 = 1.0
+    if k < 1:
+        m = 1 - k**2
+        K, E = ellipk(m), ellipe(m)
+        F1 = (4 / (np.pi * m) * k**1.5 * np.sqrt((E / k**2 - K) * (K - E))) ** (1 / 3)
+        F2 = 2 / np.pi * np.sqrt(k) * K / F1
+
+    def surplus(c: float) -> float:
+        hertz = 4 * truth.modulus * (c / F1) ** 3 / (3 * R)
+        return float(hertz * _LOAD_RATIO(c / truth.thickness)) - load
+
+    top = 10 * (3 * load * R / (4 * truth.modulus)) ** (1 / 3)
+    c = brentq(surplus, 1e-3, min(top, 2 * truth.thickness))
+    # ξ = a²/R in Hertz theory, times F2/F1² for an ellipse; on a layer divided by A/(πRξ).
+    indentation = c**2 / R * F2 / F1**2 / float(_AREA_RATIO(c / truth.thickness))
+    area = np.pi * c**2 * (load / LOADS[-1]) ** truth.area_power
+    if load > truth.falls_above:
+        area *= (truth.falls_above / load) ** 0.9
+    direction = 1 if along > across else -1
+    elongation = direction * -np.log(k) if truth.elongation is None else truth.elongation
+    return Pressed(float(area), float(elongation), float(indentation))
+
+
+class SimulatedStudy(NamedTuple):
+    """A simulated study of one finger, with the truth of its headlines."""
+
+    validity: Validity
+    truth: dict[str, float]
+
+
+def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
+    """Measure a pad with errors of every input, and return what the study says of the model."""
+    rng = np.random.default_rng([seed, 17])
+    # Pads with the place of contact longer across the finger, as fingers have it.
+    axes, wedge = rng.uniform([7, 12.5, 11], [9, 15, 13]), rng.uniform(30, 45)
+    true_wedge = np.radians(wedge + rng.normal(0, WEDGE_STD))
+    radii = principal_radii(axes, true_wedge)
+    study = Study.model_validate(
+        {
+            "title": "simulated",
+            "fingers": [{"name": "f", **_given(axes)}],
+            "uncertainty": {"wedge_angle_deg_std": WEDGE_STD, "load_relative_std": LOAD_STD},
+        }
+    )
+    finger = FingerResult(
+        name="f",
+        semi_axes=axes + rng.normal(0, AXES_STD, 3),
+        covariance=AXES_STD**2 * np.eye(3),
+        source="given",
+        effective_thickness=truth.stated_thickness,
+        effective_thickness_std=truth.stated_thickness and 0.1 * truth.stated_thickness,
+    )
+    rows = model_contacts(study, {"f": finger}, list(_contacts(truth, radii, wedge, rng)))
+    summaries = pool_contacts(rows)
+    curve = _curve(truth, radii, wedge, rng, finger=finger, folder=folder)
+    (validity,) = validity_of(study, {"f": finger}, rows, summaries, [curve])
+    highest = press(truth, radii, LOADS[-1])
+    return SimulatedStudy(
+        validity,
+        {
+            # The sphere of the true area at the true indentation.
+            RADIUS: highest.area / (np.pi * highest.indentation),
+            MODULUS: 750 * truth.modulus,
+            INDENTATION: highest.indentation,
+        },
+    )
+
+
+def _given(axes: FloatArray) -> dict[str, dict[str, float]]:
+    names = ("palmar", "distal", "radial_ulnar")
+    return {
+        "semi_axes_mm": dict(zip(names, map(float, axes), strict=True)),
+        "semi_axes_mm_std": dict.fromkeys(names, AXES_STD),
+    }
+
+
+def _contacts(
+    truth: Truth, radii: tuple[float, float], wedge: float, rng: np.random.Generator
+) -> Iterator[tuple[Observation, Measurement]]:
+    scale, edge = 1 + rng.normal(0, SCALE_STD), rng.normal(0, EDGE_STD)
+    for number, load in enumerate(np.repeat(LOADS, truth.repeats).tolist()):
+        pressed = press(truth, radii, load)
+        c, half = np.sqrt(pressed.area / np.pi), np.exp(pressed.elongation / 2)
+        sides = scale * (np.array([c * half, c / half]) + edge) + rng.normal(0, NOISE_STD, 2)
+        major, minor = sorted(sides, reverse=True)
+        observation = Observation(
+            name=f"c{number}", finger="f", wedge_angle_deg=wedge, load_N=load, file="x.png", scale="s"
+        )
+        covariance = NOISE_STD**2 * np.eye(2) + EDGE_STD**2
+        yield (
+            observation,
+            Measurement(
+                observation=observation.name,
+                load_N=load * (1 + rng.normal(0, LOAD_STD)),
+                semi_major_mm=major,
+                semi_minor_mm=minor,
+                covariance_mm2=covariance + SCALE_STD**2 * np.outer([major, minor], [major, minor]),
+                edge_offset_mm_std=EDGE_STD,
+                long_axis="along" if sides[0] > sides[1] else "across",
+                orientation_deg=0.0 if sides[0] > sides[1] else 90.0,
+                scale="s",
+                relative_scale_std=SCALE_STD,
+            ),
+        )
+
+
+def _curve(
+    truth: Truth,
+    radii: tuple[float, float],
+    wedge: float,
+    rng: np.random.Generator,
+    *,
+    finger: FingerResult,
+    folder: Path,
+) -> CurveResult:
+    """Return the finger's loading data: R_g with its uncertainty, or a fitted record."""
+    if not truth.with_curve:
+        highest = press(truth, radii, LOADS[-1])
+        radius = highest.area / (np.pi * highest.indentation) * (1 + rng.normal(0, LOADING_STD))
+        std = LOADING_STD * radius
+        curve = Curve(finger="f", wedge_angle_deg=wedge, loading_radius_mm=radius, loading_radius_mm_std=std)
+        return CurveResult(manifest=curve, loading_radius=radius, loading_radius_std=std)
+    loads = 1.05 * np.linspace(0, 1, 81)[1:] ** 1.5
+    pressed = [press(truth, radii, load) for load in loads]
+    before = np.zeros(20)
+    force = np.concatenate([before, loads]) + rng.normal(0, 0.003, 100)
+    depth = np.concatenate([np.linspace(0, 0.38, 20), [0.4 + one.indentation for one in pressed]])
+    area = np.concatenate([before, [one.area for one in pressed]]) + rng.normal(0, 0.3, 100)
+    record = np.column_stack(
+        [np.arange(100) * 0.02, force, depth + rng.normal(0, 0.002, 100), np.maximum(area, 0)]
+    )
+    header = "time_s,force_N,displacement_mm,area_mm2"
+    np.savetxt(folder / "curve.csv", record, delimiter=",", header=header, comments="")
+    curve = Curve(finger="f", wedge_angle_deg=wedge, file="curve.csv")
+    return curve_result(curve, Ellipsoid(*finger.semi_axes), 0.5, folder)
+
+
+@dataclass(slots=True)
+class Score:
+    """What the studies of one case came to."""
+
+    verdicts: list[str] = field(default_factory=list)
+    p_values: list[float] = field(default_factory=list)
+    covered: dict[str, list[bool]] = field(default_factory=lambda: {RADIUS: [], MODULUS: [], INDENTATION: []})
+    covered_without: dict[str, list[bool]] = field(
+        default_factory=lambda: {RADIUS: [], MODULUS: [], INDENTATION: []}
+    )
+
+    def add(self, one: SimulatedStudy) -> None:
+        """Add a study."""
+        self.verdicts.append(one.validity.verdict)
+        self.p_values += [check.p_value for check in one.validity.checks if np.isfinite(check.p_value)]
+        for name, truth in one.truth.items():
+            found = one.validity.headlines[name]
+            off = abs(found.value - truth)
+            self.covered[name].append(off < 1.96 * found.total_std)
+            self.covered_without[name].append(off < 1.96 * found.std)
+
+    def share(self, *verdicts: str) -> float:
+        """Return how often one of some verdicts was given."""
+        return float(np.mean([verdict in verdicts for verdict in self.verdicts]))
+
+
+def scores(
+    repeats: int,
+    curve_repeats: int,
+    cases: dict[str, Truth] = CASES,
+    on_case: Callable[[str], None] = lambda _: None,
+) -> dict[str, Score]:
+    """Return the score of each case over simulated studies."""
+    found: dict[str, Score] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, truth in cases.items():
+            on_case(name)
+            found[name] = Score()
+            for seed in range(curve_repeats if truth.with_curve else repeats):
+                found[name].add(simulated(truth, seed, Path(folder)))
+    return found
+
+
+def report(repeats: int = 200, curve_repeats: int = 30) -> None:
+    """Print verdicts and coverage."""
+    print(f"\nDoes the model hold? {repeats} studies of four loads each, {curve_repeats} with a fitted curve")
+    print("    asked: holds in 95 % or more where it does; coverage of 95 % intervals with the model's part")
+    print("    (in brackets: without) of A/(πξ), E and ξ at the highest load")
+    print(f"    {'truth':<40} holds strained fails   {'A/(πξ)':<13}{'E':<13}ξ")
+    found = scores(repeats, curve_repeats)
+    for name, score in found.items():
+        words = "  ".join(f"{100 * score.share(word):5.1f}" for word in ("holds", "strained", "fails"))
+        covered = "  ".join(
+            f"{100 * np.mean(score.covered[key]):4.0f} ({100 * np.mean(score.covered_without[key]):3.0f}) "
+            for key in (RADIUS, MODULUS, INDENTATION)
+        )
+        print(f"    {name:<40} {words}   {covered}")
+    p_values = np.concatenate([found[name].p_values for name in HOLDING])
+    below = ", ".join(
+        f"{100 * np.mean(p_values < limit):.1f} % below {limit:g}" for limit in (0.5, 0.05, 0.001)
+    )
+    print(f"    p where the model holds: {below}")

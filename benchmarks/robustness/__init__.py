@@ -1,0 +1,1 @@
+"""Damaged files, kills, full disks, and mutants of the code."""

@@ -1,0 +1,170 @@
+"""Damaged manifests and tables through the commands that read them.
+
+Values, types, keys and bytes are changed at random. Each command must give a result in time or
+refuse in words.
+"""
+
+import csv
+import random
+import shutil
+import signal
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from typer.testing import CliRunner
+
+from benchmarks.robustness.damaged_studies import DEMO, in_bytes, in_cells, in_json, in_toml
+from fingerpad.cli import app
+from fingerpad.report import write_report
+from fingerpad.study.pipeline import run_study
+
+PATIENCE_S: Final = 120.0
+RUN_EVERY, FIT_EVERY = 40, 50
+RESULTS: Final = " ,Label,Major,Minor,Angle\n1,a_30deg_2N.png,300,200,90\n2,b_45deg_1N.png,280,210,80\n"
+SMALL: Final = """
+title = "small"
+observations_csv = "observations.csv"
+[uncertainty]
+wedge_angle_deg_std = 0.5
+load_relative_std = 0.01
+[scales.reader]
+ppi = 500
+[[fingers]]
+name = "index"
+semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }
+semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
+[[observations]]
+name = "first"
+finger = "index"
+wedge_angle_deg = 30
+load_N = 2
+ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }
+[[curves]]
+finger = "index"
+wedge_angle_deg = 30
+loading_radius_mm = 14.5
+"""
+ROWS: Final = (
+    "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std\n"
+    "second,index,45,1,5,4,0.1\nthird,index,45,2,6,5,0.1\n"
+)
+
+
+class TooLate(BaseException):
+    """A command took longer than it may."""
+
+
+@dataclass(slots=True)
+class Outcomes:
+    """What commands did: counts of outcomes by command, and the faults."""
+
+    counts: Counter[tuple[str, str]] = field(default_factory=Counter)
+    faults: list[str] = field(default_factory=list)
+    slowest_s: float = 0.0
+
+    def add(self, label: str, *arguments: object) -> str:
+        """Run a command in this process and count what became of it."""
+        began = time.perf_counter()
+        before = signal.signal(signal.SIGALRM, _too_late)
+        signal.setitimer(signal.ITIMER_REAL, PATIENCE_S)
+        try:
+            done = CliRunner().invoke(app, [str(one) for one in arguments])
+            unforeseen = "this cannot be done (" in done.stderr or "Traceback" in done.stderr
+            if unforeseen or not isinstance(done.exception, SystemExit | None):
+                outcome = "traceback"
+                trace = "".join(traceback.format_exception(done.exception)[-3:])
+                self.faults.append(f"{label}: {arguments}: {done.stderr.strip()} {trace}")
+            elif done.exit_code in {0, 3}:
+                outcome = "accepted"
+            else:
+                outcome = "refused"
+                if not done.stderr.strip():
+                    self.faults.append(f"{label}: {arguments}: refused without a word")
+        except TooLate:
+            outcome = "hang"
+            self.faults.append(f"{label}: {arguments}: over {PATIENCE_S:g} s")
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, before)
+        self.slowest_s = max(self.slowest_s, time.perf_counter() - began)
+        self.counts[str(arguments[0]), outcome] += 1
+        return outcome
+
+
+def _too_late(*_: object) -> None:
+    raise TooLate
+
+
+def _mutated(content: bytes, change: Callable[[str, random.Random], str], rng: random.Random) -> bytes:
+    for _ in range(rng.choice((1, 1, 2))):
+        if rng.random() < 0.15:
+            content = in_bytes(content, rng)
+        else:
+            with suppress(ValueError, TypeError, RecursionError, IndexError, AttributeError, csv.Error):
+                content = change(content.decode(), rng).encode("utf-8", "surrogateescape")
+    return content
+
+
+def try_commands(folder: Path, count: int) -> Outcomes:
+    """Damage a study so many times, and run each command on it."""
+    found = Outcomes()
+    shutil.copytree(DEMO, folder / "demo")
+    (folder / "small").mkdir()
+    for name, text in (("study.toml", SMALL), ("observations.csv", ROWS)):
+        (folder / "small" / name).write_text(text, encoding="utf-8")
+    (folder / "Results.csv").write_text(RESULTS, encoding="utf-8")
+    shutil.copy(next((DEMO / "synthetic").glob("curve_*.csv")), folder / "curve.csv")
+    run_study(folder / "small", folder / "whole", write_report=write_report)
+    changes = {"toml": in_toml, "csv": in_cells, "json": in_json}
+    targets = [
+        folder / name
+        for name in (
+            *("demo/study.toml", "demo/observations.csv", "small/study.toml", "small/observations.csv"),
+            *("Results.csv", "curve.csv", "whole/results.json", "whole/summary.json", "whole/results.csv"),
+        )
+    ]
+    originals = {path: path.read_bytes() for path in targets}
+    for seed in range(count):
+        rng = random.Random(seed)
+        for path, content in originals.items():
+            spared = rng.random() < 0.6
+            path.write_bytes(content if spared else _mutated(content, changes[path.suffix[1:]], rng))
+        label = f"seed {seed}"
+        found.add(label, "status", folder / "demo", "--out", folder / "none")
+        found.add(label, "verify", folder / "small", "--out", folder / "whole")
+        found.add(label, "compare", folder / "whole")
+        out = folder / "imported.csv"
+        found.add(
+            label, "import", "fiji", folder / "Results.csv", "--std-mm", 0.1, "--ppi", 500, "--out", out
+        )
+        out.unlink(missing_ok=True)
+        valid = found.add(label, "status", folder / "small", "--out", folder / "none") == "accepted"
+        if valid and not seed % RUN_EVERY:
+            found.add(label, "run", folder / "small", "--out", folder / "out")
+            shutil.rmtree(folder / "out", ignore_errors=True)
+        if not seed % FIT_EVERY:
+            found.add(label, "fit", folder / "curve.csv")
+    return found
+
+
+def report(count: int = 5000) -> Outcomes:
+    """Print and return what commands did with many damaged studies."""
+    began = time.perf_counter()
+    with TemporaryDirectory() as folder:
+        found = try_commands(Path(folder), count)
+    print(f"\n{count:,} damaged studies through the commands, {time.perf_counter() - began:.0f} s")
+    for command in dict.fromkeys(name for name, _ in found.counts):
+        kinds = ("accepted", "refused", "traceback", "hang")
+        outcomes = (f"{kind} {found.counts[command, kind]:,}" for kind in kinds)
+        print(f"    {command:<8} {', '.join(outcomes)}")
+    print(f"    slowest {found.slowest_s:.1f} s; faults {len(found.faults)}")
+    for fault in found.faults[:20]:
+        print(f"    {fault}")
+    return found

@@ -1,0 +1,377 @@
+"""Study folders damaged at random and asked through the page.
+
+Keys, values and types of the manifest, its spreadsheet, corrections and results are changed, and so are their
+bytes. Every GET route must answer what it can in time, and say in words what it cannot.
+"""
+
+import asyncio
+import csv
+import io
+import json
+import random
+import shutil
+import time
+import tomllib
+from collections import Counter
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+from urllib.parse import urlencode
+
+import tomlkit
+
+from fingerpad.exceptions import FingerpadError
+from fingerpad.report import write_report
+from fingerpad.study.corrections.items import CORRECTIONS_NAME
+from fingerpad.study.corrections.log import CorrectionLog
+from fingerpad.study.manifest import read_study
+from fingerpad.study.pipeline import run_study
+from fingerpad.web.app import make_app
+from fingerpad.web.routes import ENDPOINTS
+from fingerpad.web.security import Access
+from fingerpad.web.workspace import Workspace
+
+TOKEN: Final = "benchmark"
+DEMO: Final = Path(__file__).parents[2] / "examples" / "dzidek2017"
+PATIENCE_S: Final = 20.0
+# Values that are right somewhere and wrong elsewhere; JSON and TOML take most of them.
+ODD: Final[tuple[Any, ...]] = (
+    0, -1, 1, 2**63 - 1, 1e308, -0.0, float("nan"), float("inf"), True, False, "", "x", "\x00", "../a.png",
+    "ü☃", "/dev/zero", ".", "=1+1", "a/b", "#", "left_index_ellipse", "a" * 300,
+    [], [[]], [1, 2], [None], {}, {"name": 3},
+    {"ppi": 500}, ["a", "a"], None,
+)  # fmt: skip
+NAME: Final = "demo"
+STUDY: Final = "/api/studies/{study}"
+# What to ask of routes that need to be asked something.
+QUERIES: Final[dict[str, tuple[dict[str, Any], ...]]] = {
+    f"{STUDY}/frames": ({"sequence": "synthetic_press_30deg"},),
+    **{
+        f"{STUDY}/picture/{kind}": tuple(
+            {"item": item, **more}
+            for item in (
+                "waiting",
+                "synthetic_30deg_2N",
+                "synthetic_pad/synthetic/photograph_palmar.jpg",
+                "synthetic_press_30deg#3",
+            )
+        )
+        for kind, more in (("info", {}), ("preview", {"longest_px": 64}), ("thumbnail", {}))
+    },
+    f"{STUDY}/corrections": ({"item": "synthetic_30deg_2N"}, {"item": "synthetic_press_30deg#3"}),
+    f"{STUDY}/results/rows": ({}, {"sort": "load_N", "status": "measured"}, {"sort": "-reason", "text": "a"}),
+    f"{STUDY}/results/plot": ({}, {"finger": "synthetic_pad"}),
+    f"{STUDY}/download/{{path}}": ({"path": "results.csv"}, {"path": "study.zip"}, {"path": "figures/x.svg"}),
+}
+# They cost much, whatever the study says: asked of some studies only.
+SLOW: Final = frozenset(("/api/published", f"/api/studies/{NAME}/download/study.zip"))
+
+
+def make_study(folder: Path) -> None:
+    """Write the demo study with the results of a run, corrections and incomplete tables."""
+    shutil.copytree(DEMO, folder)
+    manifest = folder / "study.toml"
+    head, *curves = manifest.read_text(encoding="utf-8").split("[[curves]]")
+    kept = [curve for curve in curves if "file =" not in curve]  # they take long to fit
+    manifest.write_text("[[curves]]".join([head, *kept]), encoding="utf-8")
+    run_study(manifest, folder / "results", write_report=write_report)
+    add_corrections(folder)
+
+
+def add_corrections(folder: Path) -> None:
+    """Add corrections and incomplete tables to the demo study."""
+    manifest = folder / "study.toml"
+    log, study = CorrectionLog(folder), read_study(manifest)
+    for item, change in (
+        ("synthetic_30deg_2N", {"threshold": 50.0}),
+        ("synthetic_press_30deg#3", {"rejected": "moved"}),
+        ("synthetic_pad/synthetic/photograph_palmar.jpg", {"accepted": True}),
+    ):
+        log.append(item, change, who="ada", expected=0, study=study)
+    incomplete = {
+        "observations": [{"name": "waiting", "finger": "synthetic_pad", "file": "synthetic/truth.csv"}],
+        "scales": {"camera_2": {"coin": "coin.png"}},
+        "fingers": [{"name": "thumb", "photographs": [{"file": "synthetic/photograph_palmar.jpg"}]}],
+        "sequences": [{"name": "press", "path": "synthetic", "scale": {"coin": "coin.png"}}],
+        "curves": [{"finger": "synthetic_pad", "file": "synthetic/truth.csv"}],
+    }
+    text = f"{manifest.read_text(encoding='utf-8')}\n{tomlkit.dumps(incomplete)}"
+    manifest.write_text(text, encoding="utf-8")
+
+
+def _changed(value: Any, rng: random.Random) -> Any:
+    """Return a document with one of its values changed."""
+    places = list(_places(value))
+    if not places:
+        return rng.choice(ODD)
+    home, key = rng.choice(places)
+    kind = rng.randrange(5)
+    if kind == 0:
+        del home[key]
+    elif kind == 1 and isinstance(home, dict):
+        home[f"{key}{rng.choice(('_', 's', ' ', 'é'))}"] = home.pop(key)
+    elif kind == 2:
+        home[key] = rng.choice((str, lambda it: [it], lambda it: {"name": it}))(home[key])
+    elif kind == 3:
+        home[key] = rng.choice(places)[0]
+    else:
+        home[key] = rng.choice(ODD)
+    return value
+
+
+def _places(value: Any) -> Iterator[tuple[Any, Any]]:
+    """Yield each container in a document with each of its keys."""
+    for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+        yield value, key
+        if isinstance(item, dict | list):
+            yield from _places(item)
+
+
+def in_toml(text: str, rng: random.Random) -> str:
+    """Return TOML with one of its values changed."""
+    document = _changed(tomllib.loads(text), rng)
+    return tomlkit.dumps(_without_none(document))
+
+
+def _without_none(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_none(item) for key, item in value.items() if item is not None}
+    return [_without_none(item) for item in value if item is not None] if isinstance(value, list) else value
+
+
+def in_json(text: str, rng: random.Random) -> str:
+    """Return JSON with one of its values changed."""
+    return json.dumps(_changed(json.loads(text), rng))
+
+
+def _in_lines(text: str, rng: random.Random) -> str:
+    lines = text.splitlines()
+    number = rng.randrange(len(lines))
+    lines[number] = in_json(lines[number], rng)
+    return "\n".join(lines) + "\n"
+
+
+def in_cells(text: str, rng: random.Random) -> str:
+    """Return CSV with one of its cells changed."""
+    rows = list(csv.reader(io.StringIO(text)))
+    row = rng.choice(rows)
+    row[rng.randrange(len(row))] = str(rng.choice(ODD))
+    file = io.StringIO()
+    csv.writer(file).writerows(rows)
+    return file.getvalue()
+
+
+def in_bytes(content: bytes, rng: random.Random) -> bytes:
+    """Return bytes with some cut out, put in, doubled or changed."""
+    start = rng.randrange(len(content) + 1)
+    end = min(len(content), start + rng.choice((1, 3, 50, 100_000)))
+    put = rng.choice((b"", bytes(3), rng.randbytes(4), 2 * content[start:end], b'"', b"\n[[x]]\n", b"\xff"))
+    return content[:start] + put + content[end:]
+
+
+@dataclass(frozen=True, slots=True)
+class _Target:
+    """A file of a study, how its values are changed, and how often it is chosen."""
+
+    name: str
+    change: Callable[[str, random.Random], str] | None
+    weight: int
+
+
+TARGETS: Final = (
+    _Target("study.toml", in_toml, 15),
+    _Target("observations.csv", in_cells, 3),
+    _Target(CORRECTIONS_NAME, _in_lines, 3),
+    _Target("results/summary.json", in_json, 4),
+    _Target("results/results.csv", in_cells, 4),
+    _Target("results/store.sqlite", None, 1),
+)
+
+
+def mutated(originals: dict[str, bytes], seed: int) -> dict[str, bytes | None]:
+    """Return the new contents of one to three files of a study, None for one that is gone."""
+    rng = random.Random(seed)
+    found: dict[str, bytes | None] = {}
+    for _ in range(rng.choice((1, 1, 2, 3))):
+        (target,) = rng.choices(TARGETS, [one.weight for one in TARGETS])
+        before = found.get(target.name, originals[target.name])
+        if before is None or rng.random() < 0.01:
+            found[target.name] = None
+        elif target.change is None or rng.random() < 0.15:
+            found[target.name] = in_bytes(before, rng)
+        else:
+            try:
+                found[target.name] = target.change(before.decode(), rng).encode("utf-8", "surrogateescape")
+            except (ValueError, TypeError, RecursionError):  # what cannot be written cannot be read either
+                found[target.name] = in_bytes(before, rng)
+    return found
+
+
+@dataclass(slots=True, kw_only=True)
+class Answers:
+    """What the routes answered.
+
+    Attributes
+    ----------
+    by_status : Counter
+        Number of answers by status.
+    faults : list of str
+        Answers that are faults of the server, and routes that did not answer in time.
+    slowest_s : float
+        The longest that an answer took.
+    refused : int
+        Studies that were not opened, with the reason in words.
+    """
+
+    by_status: Counter[int] = field(default_factory=Counter)
+    faults: list[str] = field(default_factory=list)
+    slowest_s: float = 0.0
+    refused: int = 0
+
+
+async def ask(app: Any, path: str, query: dict[str, Any]) -> tuple[int, bytes]:
+    """Return status and body of an answer; of one without end, its first part."""
+    sent: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+    gone = asyncio.Event()
+    started = False
+
+    async def receive() -> dict[str, Any]:
+        nonlocal started
+        if not started:
+            started = True
+            return {"type": "http.request", "body": b"", "more_body": False}
+        await gone.wait()
+        return {"type": "http.disconnect"}
+
+    scope = {
+        "type": "http",
+        "asgi": {"version": "3.0"},
+        "http_version": "1.1",
+        "method": "GET",
+        "scheme": "http",
+        "path": path,
+        "raw_path": path.encode(),
+        "query_string": urlencode(query).encode(),
+        "headers": [(b"host", b"127.0.0.1"), (b"authorization", f"Bearer {TOKEN}".encode())],
+        "client": ("127.0.0.1", 1),
+        "server": ("127.0.0.1", 80),
+        "root_path": "",
+    }
+    answer = asyncio.ensure_future(app(scope, receive, sent.put))
+    status, body = 0, b""
+    try:
+        while True:
+            next_part = asyncio.ensure_future(sent.get())
+            done, _ = await asyncio.wait({answer, next_part}, return_when=asyncio.FIRST_COMPLETED)
+            if next_part not in done:
+                next_part.cancel()
+                break
+            message = next_part.result()
+            status = message.get("status", status)
+            body += message.get("body", b"")
+            if message["type"] == "http.response.body" and (
+                not message.get("more_body") or path.endswith("/events")
+            ):
+                break
+    finally:
+        gone.set()
+    if answer.done() and answer.exception() is not None:
+        return 500, repr(answer.exception()).encode()
+    await answer
+    return status, body
+
+
+def routes() -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the path and query of each question."""
+    for operation in ENDPOINTS:
+        if operation.method == "GET":
+            for query in QUERIES.get(operation.plain_path, ({},)):
+                rest = dict(query)
+                yield operation.plain_path.format(study=NAME, path=rest.pop("path", "")), rest
+
+
+async def ask_all(workspace: Workspace, answers: Answers, label: str, *, slow: bool) -> None:
+    """Ask every GET route about the study that is open."""
+    app = make_app(workspace, Access(TOKEN))
+    for path, query in routes():
+        if path in SLOW and not slow:
+            continue
+        began = time.perf_counter()
+        try:
+            status, body = await asyncio.wait_for(ask(app, path, query), PATIENCE_S)
+        except TimeoutError:
+            status, body = 0, f"no answer within {PATIENCE_S:g} s".encode()
+        except Exception as error:  # what the server would answer with status 500
+            status, body = 500, repr(error).encode()
+        answers.slowest_s = max(answers.slowest_s, time.perf_counter() - began)
+        answers.by_status[status] += 1
+        if not 200 <= status < 500:
+            answers.faults.append(f"{label}: {path} {query}: {status} {body[:300].decode(errors='replace')}")
+
+
+def ask_mutated(folder: Path, count: int, *, slow_every: int = 50, first_seed: int = 0) -> Answers:
+    """Change a study `count` times, and ask every GET route each time; the folder is as before in the end.
+
+    Every other study is opened before it is changed.
+
+    Parameters
+    ----------
+    folder : Path
+        The study folder, with results, not used by anything else.
+    count : int
+        Number of mutated studies.
+    slow_every : int
+        Routes that draw are asked of each so many.
+    first_seed : int
+        Seed of the first mutation; the next ones follow.
+    """
+    originals = {target.name: (folder / target.name).read_bytes() for target in TARGETS}
+    answers = Answers()
+    for seed in range(first_seed, first_seed + count):
+        new = mutated(originals, seed)
+        workspace = Workspace(folder.parent)
+        if open_before := seed % 2 == 0:
+            workspace.open_folder(folder)
+        for name, content in new.items():
+            _put(folder / name, content)
+        try:
+            if not open_before:
+                workspace.open_folder(folder)
+            label = f"seed {seed} ({', '.join(new)})"
+            asking = ask_all(workspace, answers, label, slow=seed % slow_every == 0)
+            with ThreadPoolExecutor(1) as thread:  # this one may have an event loop already
+                thread.submit(asyncio.run, asking).result()
+        except FingerpadError:
+            answers.refused += 1
+        finally:
+            workspace.close()
+            for name in new:
+                _put(folder / name, originals[name])
+    return answers
+
+
+def _put(path: Path, content: bytes | None) -> None:
+    path.unlink(missing_ok=True)
+    if content is not None:
+        path.write_bytes(content)
+
+
+def report(count: int = 5000) -> Answers:
+    """Print and return the answers about many mutated studies."""
+    with TemporaryDirectory() as folder:
+        study = Path(folder) / NAME
+        make_study(study)
+        began = time.perf_counter()
+        answers = ask_mutated(study, count)
+        took = time.perf_counter() - began
+    print(f"\nThe page on {count:,} mutated studies, {took:.0f} s: every GET route, no fault, no wait")
+    for status, number in sorted(answers.by_status.items()):
+        print(f"    status {status}: {number:,} answers")
+    print(f"    refused when opened: {answers.refused:,} studies")
+    print(f"    slowest answer {answers.slowest_s:.1f} s; faults {len(answers.faults)}")
+    for fault in answers.faults[:20]:
+        print(f"    {fault}")
+    return answers

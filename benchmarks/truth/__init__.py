@@ -1,0 +1,1 @@
+"""Simulators that share no model with the library: what they draw is known exactly."""

@@ -1,0 +1,337 @@
+"""Contact images of known truth that share no model with the library, to test its measurements.
+
+`benchmarks.truth.independent_ridges` gives the contact and defines the gross and the ridge area. Here the
+contact is seen by a device: a scanner's platen, a camera behind a prism, or ink on paper.
+"""
+
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import ndimage
+
+from benchmarks.truth.independent_ridges import Outline, RidgedContact, draw_contact, smooth_noise, stamp
+
+SUBPIXEL = 0.0135
+FWHM = 2.3548
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What a set of images has in common; a pair of numbers is a range that each image draws from.
+
+    Parameters
+    ----------
+    growth : {'gabor', 'swift-hohenberg'}
+        How the ridges grow.
+    width_fade, contrast_fade : float
+        Mean distance inside the outline, in mm, over which ridges reach their full width and their full
+        contrast, both in proportion to the pressure √(1 − ρ²); 0 for none.
+    shape : float
+        Amplitude of the outline's perturbation relative to its radius; 0 for an exact ellipse.
+    features : float
+        Density of pores, broken ridges and creases; 1 is usual.
+    uneven : float
+        Relative variation of darkness within the contact, of the lean of the pressure, and of the heights of
+        ridge tops.
+    ppi : float
+        Pixels per inch.
+    blur : (float, float)
+        Full width at half maximum of the point-spread function, in mm.
+    contrast, ground : (float, float)
+        Grey of a ridge below the ground, and of untouched glass; 1 is white. Bright ridges are above a ground
+        of 1 − ``ground``.
+    noise : float
+        Standard deviation of the noise's grey; half of its variance is correlated over a pixel.
+    haze : float
+        Darkness of valleys and of a halo around the contact relative to the ridges.
+    lighting, glare : float
+        Relative variation of the light over the image; grey that glare adds at one side.
+    bright : bool
+        Ridges brighter than the ground (dark-field prism).
+    dirt : float
+        Specks per mm² of glass; fibres come with them.
+    smears : int
+        Latent smears outside the contact.
+    rim : float
+        Darkness that a sweat meniscus along the outline adds, relative to the ridges; negative is lighter.
+    bits : int
+        8 or 16 bits per pixel.
+    """
+
+    growth: str = "gabor"
+    width_fade: float = 0.8
+    contrast_fade: float = 0.2
+    shape: float = 0.0
+    features: float = 1.0
+    uneven: float = 1.0
+    ppi: float = 500
+    blur: tuple[float, float] = (0.03, 0.1)
+    contrast: tuple[float, float] = (0.45, 0.75)
+    ground: tuple[float, float] = (0.82, 0.95)
+    noise: float = 0.012
+    haze: float = 0.06
+    lighting: float = 0.04
+    glare: float = 0.0
+    bright: bool = False
+    dirt: float = 0.01
+    smears: int = 0
+    rim: float = 0.0
+    bits: int = 8
+
+
+_CLEAN = Condition(
+    width_fade=0,
+    contrast_fade=0,
+    features=0,
+    uneven=0,
+    haze=0,
+    dirt=0,
+    lighting=0,
+    noise=0.005,
+)
+
+CONDITIONS: dict[str, Condition] = {
+    "clean, sharp edge": _CLEAN,
+    "width fades over 0.5 mm": Condition(width_fade=0.5, contrast_fade=0),
+    "width fades over 1 mm": Condition(width_fade=1, contrast_fade=0),
+    "width fades over 1.5 mm": Condition(width_fade=1.5, contrast_fade=0),
+    "contrast fades over 0.5 mm": Condition(width_fade=0, contrast_fade=0.5),
+    "contrast fades over 1 mm": Condition(width_fade=0, contrast_fade=1),
+    "contrast fades over 1.5 mm": Condition(width_fade=0, contrast_fade=1.5),
+    "both fade over 0.5 mm": Condition(width_fade=0.5, contrast_fade=0.5),
+    "both fade over 1.5 mm": Condition(width_fade=1.5, contrast_fade=1.5),
+    "dirt": Condition(dirt=0.12),
+    "smears": Condition(smears=5),
+    "low contrast": Condition(contrast=(0.08, 0.15), bits=16),
+    "noise": Condition(noise=0.1),
+    "uneven light and glare": Condition(lighting=0.25, glare=0.2),
+    "bright ridges": Condition(bright=True),
+    "300 ppi": Condition(ppi=300, blur=(0.08, 0.15)),
+    "1000 ppi": Condition(ppi=1000, blur=(0.02, 0.06), bits=16),
+    "dark rim": Condition(rim=0.6),
+    "light rim": Condition(rim=-0.25),
+    "breaks, pores and creases": Condition(features=4, uneven=1.5),
+    "not an ellipse": Condition(shape=0.06),
+    "Swift–Hohenberg, clean": replace(_CLEAN, growth="swift-hohenberg"),
+    "Swift–Hohenberg, both fade over 1 mm": Condition(
+        growth="swift-hohenberg", width_fade=1, contrast_fade=1
+    ),
+    "everything": Condition(
+        growth="swift-hohenberg",
+        shape=0.04,
+        features=2,
+        dirt=0.05,
+        smears=3,
+        noise=0.04,
+        lighting=0.15,
+        haze=0.12,
+    ),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class IndependentImage:
+    """Synthetic contact image and its truth; lengths are in mm.
+
+    Coordinates have their origin at the image's upper left corner, x right and y down, so the centre of the
+    pixel in row i and column j is at ((j + ½) mm_per_px, (i + ½) mm_per_px).
+
+    Parameters
+    ----------
+    pixels : ndarray of uint8 or uint16
+        Grey image.
+    mm_per_px : float
+        Pixel size.
+    ground : float
+        Grey of untouched glass at the contact's centre, without noise, in the units of ``pixels``.
+    condition : Condition
+        What the image was drawn from.
+    outline : ndarray, shape (n, 2)
+        Points x, y of the gross outline.
+    is_ellipse : bool
+        Whether the gross outline is exactly an ellipse.
+    gross_area, ridge_area : float
+        Area inside the outline, and of it where ridges touch, in mm².
+    centre : ndarray, shape (2,)
+        Centroid of the gross area.
+    semi_major, semi_minor : float
+        Semi-axes of the ellipse of equal second moments: the outline's own if it is an ellipse. If it is not,
+        π ``semi_major`` ``semi_minor`` differs from ``gross_area``.
+    orientation : float
+        Angle of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2].
+    """
+
+    pixels: np.ndarray
+    mm_per_px: float
+    ground: float
+    condition: Condition
+    outline: np.ndarray
+    is_ellipse: bool
+    gross_area: float
+    ridge_area: float
+    centre: np.ndarray
+    semi_major: float
+    semi_minor: float
+    orientation: float
+
+
+def independent_images(
+    count: int, seed: int = 0, conditions: Mapping[str, Condition] = CONDITIONS
+) -> Iterator[tuple[str, IndependentImage]]:
+    """Yield ``count`` images of each condition with its name; each depends on seed, name and number only."""
+    for name, condition in conditions.items():
+        for number in range(count):
+            yield name, render(np.random.default_rng([seed, zlib.crc32(name.encode()), number]), condition)
+
+
+def render(rng: np.random.Generator, condition: Condition) -> IndependentImage:
+    """Return an image of a random contact under a condition.
+
+    The contact is drawn from one stream of random numbers and the device from another, so that the truth is
+    the same for every device.
+    """
+    of_contact, of_device = rng.spawn(2)
+    contact = draw_contact(
+        of_contact,
+        growth=condition.growth,
+        width_fade=condition.width_fade,
+        shape=condition.shape,
+        features=condition.features,
+        uneven=condition.uneven,
+    )
+    pixels, ground, centre = _photograph(of_device, contact, condition)
+    area, centroid, semi_major, semi_minor, orientation = contact.outline.moments()
+    return IndependentImage(
+        pixels=pixels,
+        mm_per_px=25.4 / condition.ppi,
+        ground=ground,
+        condition=condition,
+        outline=contact.outline.points() + centre,
+        is_ellipse=not contact.outline.terms,
+        gross_area=area,
+        ridge_area=contact.ridge_area(),
+        centre=centroid + centre,
+        semi_major=semi_major,
+        semi_minor=semi_minor,
+        orientation=orientation,
+    )
+
+
+def _photograph(
+    rng: np.random.Generator, contact: RidgedContact, condition: Condition
+) -> tuple[np.ndarray, float, np.ndarray]:
+    """Return pixels, the ground's grey at the contact and the place of its origin in the image, in mm."""
+    step = 25.4 / condition.ppi
+    low, high = contact.outline.points().min(axis=0), contact.outline.points().max(axis=0)
+    before, after = rng.uniform(1.5, 4, (2, 2))
+    origin = before - low
+    columns, rows = np.ceil((origin + high + after) / step).astype(int)
+    x, y = (np.arange(columns) + 0.5) * step - origin[0], (np.arange(rows) + 0.5) * step - origin[1]
+    shape = (int(rows), int(columns))
+    light, glare = _lighting(rng, shape, condition)
+    darkness = _darkness(rng, contact, condition, x, y)
+    darkness = ndimage.gaussian_filter(darkness, rng.uniform(*condition.blur) / FWHM / step)
+    contrast, ground = rng.uniform(*condition.contrast), rng.uniform(*condition.ground)
+    if condition.bright:
+        contrast, ground = -contrast, 1 - ground
+    fine = smooth_noise(rng, shape, 1e-3) + smooth_noise(rng, shape, 0.8)
+    grey = light * (ground - contrast * darkness) + glare + condition.noise / np.sqrt(2) * fine
+    full = 2**condition.bits - 1
+    at = (int(origin[1] / step), int(origin[0] / step))
+    pixels = np.round(full * np.clip(grey, 0, 1)).astype(np.uint8 if condition.bits == 8 else np.uint16)
+    return pixels, full * min(float(light[at] * ground + glare[at]), 1.0), origin
+
+
+def _lighting(
+    rng: np.random.Generator, shape: tuple[int, int], condition: Condition
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the relative light and the grey of the glare over the image."""
+    v, u = np.linspace(-1, 1, shape[0])[:, None], np.linspace(-1, 1, shape[1])[None, :]
+    slope, turn = rng.uniform(0, 2 * np.pi, 2)
+    light = 0.5 * (np.cos(slope) * u + np.sin(slope) * v) - 0.5 * rng.uniform() * (u**2 + v**2) / 2
+    glare = np.exp(2.2 * (np.cos(turn) * u + np.sin(turn) * v - abs(np.cos(turn)) - abs(np.sin(turn))))
+    return 1 + condition.lighting * light, condition.glare * glare
+
+
+def _darkness(
+    rng: np.random.Generator, contact: RidgedContact, condition: Condition, x: np.ndarray, y: np.ndarray
+) -> np.ndarray:
+    """Return the darkness of pixels before the blur: 0 for clean glass, 1 for a usual ridge."""
+    step, shape = x[1] - x[0], (y.size, x.size)
+    rho = np.sqrt(contact.outline.level(x[None, :], y[:, None]))
+    inside = (1 - rho) * step / np.maximum(np.hypot(*np.gradient(rho)), 1e-3 * step)
+    grain = smooth_noise(rng, shape, 0.05 / step)
+    moisture = _slow_noise(rng, shape, step, 2.5)
+    ridges = _ridge_darkness(contact, contact.outline.pressure_at(condition.contrast_fade), x, y)
+    ridges *= np.clip(1 + condition.uneven * (0.12 * moisture + 0.18 * grain), 0.3, 1.3)
+    halo = np.where(inside > 0, 1, np.exp(np.minimum(inside, 0) / 0.4))
+    haze = condition.haze * halo * np.clip(1 + 0.4 * moisture + 0.5 * grain, 0, None)
+    dirt = _dirt(rng, shape, step, condition.dirt)
+    latent = _smears(rng, contact.outline, condition.smears, x, y) * np.clip(-inside / 0.1, 0, 1)
+    width = rng.uniform(0.1, 0.3)
+    band = condition.rim * np.exp(-0.5 * (inside * FWHM / width) ** 2)
+    wet = np.clip(0.7 + 0.6 * _slow_noise(rng, shape, step, 1.5), 0, 1.3)
+    clear = (1 - ridges) * (1 - haze) * (1 - dirt) * (1 - latent) * (1 - band * wet)
+    return np.asarray(1 - clear)
+
+
+def _ridge_darkness(
+    contact: RidgedContact, full_contrast_pressure: float, x: np.ndarray, y: np.ndarray
+) -> np.ndarray:
+    """Return the mean over each pixel of the contrast of what touches in it."""
+    step = x[1] - x[0]
+    parts = int(np.ceil(step / SUBPIXEL))
+    reach = np.abs(contact.outline.points()).max(axis=0) + step
+    rows, columns = (np.flatnonzero(np.abs(at) < r) for at, r in zip((y, x), reach[::-1], strict=True))
+    within = ((np.arange(parts) + 0.5) / parts - 0.5) * step
+    fine_x, fine_y = (x[columns, None] + within).ravel(), (y[rows, None] + within).ravel()
+    touching, pressure = contact.touching(fine_x, fine_y)
+    contrast = touching * np.minimum(pressure / np.float32(full_contrast_pressure), 1)
+    darkness = np.zeros((y.size, x.size))
+    blocks = contrast.reshape(rows.size, parts, columns.size, parts)
+    darkness[np.ix_(rows, columns)] = blocks.mean(axis=(1, 3))
+    return darkness
+
+
+def _slow_noise(rng: np.random.Generator, shape: tuple[int, int], step: float, length: float) -> np.ndarray:
+    """Return smooth noise of unit variance that varies over a length in mm."""
+    knots = rng.standard_normal([int(n * step / length) + 4 for n in shape])
+    noise = ndimage.zoom(knots, np.array(shape) / knots.shape, order=3, mode="nearest", grid_mode=True)
+    return np.asarray(noise / noise.std())
+
+
+def _dirt(rng: np.random.Generator, shape: tuple[int, int], step: float, density: float) -> np.ndarray:
+    """Return the darkness of specks and fibres that lie anywhere on the glass."""
+    dirt = np.zeros(shape)
+    area = dirt.size * step**2
+    for _ in range(rng.poisson(density * area)):
+        size = np.clip(0.06 * np.exp(rng.normal(0, 0.6)), 0.02, 0.3)
+        sizes = (size, size * rng.uniform(0.4, 1))
+        angle, height = rng.uniform(0, np.pi), rng.uniform(0.3, 1.5)
+        stamp(dirt, tuple(rng.uniform(0, shape)), sizes, angle=angle, height=height, step=step)
+    for _ in range(rng.poisson(0.03 * density * area)):
+        at, angle, turn = rng.uniform(0, shape), rng.uniform(0, 2 * np.pi), rng.normal(0, 0.03)
+        for _ in range(int(rng.uniform(30, 120))):
+            angle += turn
+            at = at + np.array([np.sin(angle), np.cos(angle)]) * 0.03 / step
+            stamp(dirt, (at[0], at[1]), (0.03, 0.03), angle=0, height=0.35, step=step)
+    return np.clip(dirt, 0, 0.9)
+
+
+def _smears(
+    rng: np.random.Generator, outline: Outline, count: int, x: np.ndarray, y: np.ndarray
+) -> np.ndarray:
+    """Return the darkness of streaky or ridged remains of earlier contacts around an outline."""
+    total = np.zeros((y.size, x.size))
+    for place in outline.points()[rng.integers(2000, size=count)] * rng.uniform(1.05, 1.5, (count, 1)):
+        angle, wave = rng.uniform(0, 2 * np.pi, 2)
+        u, v = x[None, :] - place[0], y[:, None] - place[1]
+        p, q = np.cos(angle) * u + np.sin(angle) * v, np.cos(angle) * v - np.sin(angle) * u
+        length, width, period = rng.uniform(0.8, 2.2), rng.uniform(0.4, 1.1), rng.uniform(0.3, 0.6)
+        streaks = np.interp(q, np.arange(-30, 30, 0.15), rng.uniform(0, 1, 400))
+        ridged = 0.5 + 0.5 * np.tanh(2 * np.cos(2 * np.pi * (q + 0.03 * p**2) / period + wave))
+        texture = streaks if rng.uniform() < 0.5 else ridged
+        total += rng.uniform(0.15, 0.5) * texture * np.exp(-0.5 * ((p / length) ** 2 + (q / width) ** 2) ** 2)
+    return np.clip(total, 0, 0.8)

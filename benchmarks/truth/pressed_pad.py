@@ -1,0 +1,201 @@
+"""Contact of a ridged pad with a plate on a fine grid: pressure field, touching ridges, and the true areas.
+
+The pad's pressure p = p₀(1 − ρ²)^s is positive inside a boundary given by formula, ρ < 1: an ellipse, a
+superellipse or an egg. That boundary is the gross contact. A ridge touches over a share of its period that
+grows with p, as an elastic (√p) or a plastic (p) tip does, and not at all below a threshold.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from benchmarks.truth.ridge_growth import PIXELS_PER_PERIOD, Field, grow_ridges
+from fingerpad._arrays import BoolArray
+
+
+@dataclass(frozen=True)
+class Press:
+    """Shape of the contact, mm and mm², and of its pressure."""
+
+    area: float
+    aspect: float = 1.35
+    tilt: float = 0.0  # of the major axis from straight up, rad, counter-clockwise
+    exponent: float = 0.5  # s: Hertz ½, flatter below, sharper above
+    power: float = 2.0  # of the superellipse
+    egg: float = 0.0
+
+    @property
+    def mean_pressure(self) -> float:
+        """Load over area, kPa: A = 110 mm² (W/N)^0.45, as measured on finger pads."""
+        return float(1e3 * (self.area / 110) ** (1 / 0.45) / self.area)
+
+
+@dataclass(frozen=True)
+class Skin:
+    """Ridges and their surface."""
+
+    kind: str
+    seed: int
+    period: float = 0.46  # mm
+    plastic: bool = False
+    widest: float = 0.72  # share of the period that touches under high pressure
+    half_pressure: float = 4.0  # kPa
+    jump_width: float = 0.12  # share that touches at once, by adhesion
+    threshold: float = 0.3  # kPa, below which a ridge of mean height does not touch
+    height_spread: float = 0.3  # relative scatter of pressure between ridges
+    roughness: float = 0.06  # as a share of the period
+    roughness_mm: float = 0.07
+    pores: float = 0.35  # share of the places along ridges that have an open pore
+    creases: int = 1
+    growth_periods: int = 54
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Fields on the fine grid, and the truth."""
+
+    mm: float
+    touching: BoolArray
+    pressure: Field
+    outside: Field  # mm beyond the true boundary along the radius, negative inside
+    phase: Field
+    boundary: Field  # (n, 2): right and down from the middle, mm
+    gross_area: float
+    ridge_area: float
+    hull_area: float
+    semi_major: float
+    semi_minor: float
+
+    @property
+    def perimeter(self) -> float:
+        """Length of the true boundary, mm."""
+        return float(np.hypot(*np.diff(self.boundary, axis=0, append=self.boundary[:1]).T).sum())
+
+
+def smooth_noise(shape: tuple[int, ...], correlation: float, rng: np.random.Generator) -> Field:
+    """Gaussian noise of unit variance; correlation length in pixels."""
+    coarse = max(1.0, correlation / 3)
+    size = [int(np.ceil(n / coarse)) + 2 for n in shape]
+    noise = cv2.GaussianBlur(rng.normal(size=size).astype(np.float32), (0, 0), correlation / coarse)
+    noise = cv2.resize(noise / noise.std(), None, fx=coarse, fy=coarse, interpolation=cv2.INTER_CUBIC)
+    return np.asarray(noise[: shape[0], : shape[1]])
+
+
+def _radius(press: Press, angle: Field) -> Field:
+    """Distance of the boundary from the middle, mm, at angles from the major axis."""
+    turn = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
+
+    def shape(t: Field) -> Field:
+        major, minor = np.sqrt(press.aspect), 1 / np.sqrt(press.aspect)
+        sum_of_powers = np.abs(np.cos(t) / major) ** press.power + np.abs(np.sin(t) / minor) ** press.power
+        return np.asarray(sum_of_powers ** (-1 / press.power) * (1 + press.egg * np.cos(t)))
+
+    unit_area = np.pi * np.mean(shape(turn) ** 2)
+    return np.asarray(shape(angle) * np.sqrt(press.area / unit_area))
+
+
+def boundary_of(press: Press) -> Field:
+    """Return the boundary: points right of and below the middle, mm."""
+    angle = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
+    radius = _radius(press, angle)
+    up, left = radius * np.cos(angle), radius * np.sin(angle)
+    c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
+    return np.stack([-(up * s + left * c), -(up * c - left * s)], axis=1)
+
+
+def _semi_axes(press: Press) -> tuple[float, float]:
+    """Semi-axes of the ellipse of the region's area with the ratio of its second moments."""
+    angle = np.linspace(0, 2 * np.pi, 4096, endpoint=False)
+    radius = _radius(press, angle)
+    cos, sin = np.cos(angle), np.sin(angle)
+    centre = 2 * np.pi * np.mean(radius**3 * cos) / 3 / press.area
+    long = 2 * np.pi * np.mean(radius**4 * cos**2) / 4 / press.area - centre**2
+    short = 2 * np.pi * np.mean(radius**4 * sin**2) / 4 / press.area
+    ratio, scale = np.sqrt(long / short), np.sqrt(press.area / np.pi)
+    return float(scale * np.sqrt(ratio)), float(scale / np.sqrt(ratio))
+
+
+def _phase(x: Field, y: Field, press: Press, skin: Skin, rng: np.random.Generator) -> Field:
+    """Ridge phase at points right of and below the middle, mm; the finger points along the major axis."""
+    c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
+    right, down = x * c - y * s, x * s + y * c
+    pattern = grow_ridges(skin.kind, skin.seed, skin.growth_periods)
+    shift = rng.uniform(-1.2, 1.2, 2).tolist()
+    for _ in range(2):
+        direction, start = rng.uniform(0, 2 * np.pi, 2).tolist()
+        cos, sin = 0.9 * float(np.cos(direction)), 0.9 * float(np.sin(direction))
+        wave = 0.12 * np.sin(right * cos + down * sin + start)
+        right, down = right + wave, down - wave
+    pixels_per_mm, middle = PIXELS_PER_PERIOD / skin.period, pattern.even.shape[0] / 2
+    column, row = ((v + d) * pixels_per_mm + middle for v, d in zip((right, down), shift, strict=True))
+    return pattern.phase(np.asarray(column, np.float32), np.asarray(row, np.float32))
+
+
+def _holes(phase: Field, skin: Skin, mm: float, rng: np.random.Generator) -> BoolArray:
+    """Pores on the crests of ridges, and creases across them."""
+    holes = np.zeros(phase.shape, np.uint8)
+    step = 0.75 * skin.period / mm
+    grid = np.mgrid[step : phase.shape[0] : step, step : phase.shape[1] : step].reshape(2, -1).T
+    points = grid + rng.normal(0, step / 4, grid.shape)
+    points = points[rng.random(len(points)) < skin.pores]
+    inside = ((points > 1) & (points < np.array(phase.shape) - 2)).all(axis=1)
+    for row, column in points[inside].astype(int):
+        if phase[row, column] < 0.3 * np.pi:
+            size = np.rint(rng.uniform(0.02, 0.06, 2) / mm).astype(int).tolist()
+            cv2.ellipse(holes, (int(column), int(row)), size, rng.uniform(0, 180), 0, 360, 1, -1)
+    for _ in range(skin.creases):
+        start = rng.uniform(0.2, 0.8, 2) * phase.shape[::-1]
+        direction, length = rng.uniform(0, 2 * np.pi), rng.uniform(2, 7) / mm
+        along = np.linspace(0, 1, 24)[:, None]
+        heading = direction + 0.4 * np.cumsum(rng.normal(0, 0.3, 24))[:, None]
+        steps = length / 24 * np.hstack([np.cos(heading), np.sin(heading)])
+        path = (start + np.cumsum(steps, axis=0)).astype(np.int32)
+        for k in range(23):
+            width = max(1, round(rng.uniform(0.08, 0.22) / mm * np.sin(np.pi * along[k, 0] + 0.1)))
+            cv2.line(holes, path[k].tolist(), path[k + 1].tolist(), 1, width)
+    return np.asarray(holes > 0)
+
+
+def touching_width(pressure: Field, skin: Skin) -> Field:
+    """Share of the ridge period that touches, from 0 to `widest`."""
+    ratio = np.maximum(pressure, 0) / skin.half_pressure
+    rise = ratio / (1 + ratio) if skin.plastic else np.sqrt(ratio / (1 + ratio))
+    width = np.maximum(skin.widest * rise, skin.jump_width)
+    return np.asarray(np.where(pressure > 0, width, -1.0))
+
+
+def press_pad(
+    press: Press, skin: Skin, *, mm: float, shape: tuple[int, int], rng: np.random.Generator
+) -> Contact:
+    """Press the pad on a fine grid of `shape` with spacing `mm`, the contact in its middle."""
+    x = (np.arange(shape[1], dtype=np.float32) - (shape[1] - 1) / 2)[None, :] * mm
+    y = (np.arange(shape[0], dtype=np.float32) - (shape[0] - 1) / 2)[:, None] * mm
+    c, s = float(np.cos(press.tilt)), float(np.sin(press.tilt))
+    up, left = -(x * s + y * c), -(x * c - y * s)
+    distance = np.hypot(up, left)
+    radius = _radius(press, np.linspace(-np.pi, np.pi, 2049))
+    edge = np.interp(np.arctan2(left, up), np.linspace(-np.pi, np.pi, 2049), radius).astype(np.float32)
+    rho2 = np.minimum((distance / edge) ** 2, 1)
+    # The mean of (1 − ρ²)^s over the region is 1/(s + 1).
+    pressure = press.mean_pressure * (press.exponent + 1) * (1 - rho2) ** press.exponent
+    phase = _phase(x, y, press, skin, rng)
+    height = 1 + skin.height_spread * smooth_noise(shape, 0.8 / mm, rng)
+    width = touching_width(pressure * np.maximum(height, 0.05) - skin.threshold, skin)
+    rough = skin.roughness * smooth_noise(shape, skin.roughness_mm / mm, rng)
+    touching = (phase / np.pi + rough < width) & (rho2 < 1) & ~_holes(phase, skin, mm, rng)
+    points = np.stack(np.nonzero(touching), axis=1)
+    semi_major, semi_minor = _semi_axes(press)
+    return Contact(
+        mm=mm,
+        touching=touching,
+        pressure=np.asarray(pressure),
+        outside=distance - edge,
+        phase=phase,
+        boundary=boundary_of(press),
+        gross_area=press.area,
+        ridge_area=float(touching.sum() * mm**2),
+        hull_area=float(cv2.contourArea(cv2.convexHull(points.astype(np.int32))) * mm**2),
+        semi_major=semi_major,
+        semi_minor=semi_minor,
+    )
