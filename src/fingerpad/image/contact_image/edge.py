@@ -327,10 +327,10 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     Each stretch of outline has an independent error: where it follows a ridge, that of an edge at random on
     valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
     with the blur. The contribution of blur and the length of a stretch are fitted to the errors of rendered
-    contacts (`accuracy_and_coverage` in benchmarks/claims/contact_images.py). Besides, an edge that fades does
-    not fade alike all round, nor in all images of one device: less so where the contrast inside differs as well.
-    Where the edge was drawn manually, the error of drawing replaces these; half of its variance is shared by
-    all that was drawn.
+    contacts (`accuracy_and_coverage` in benchmarks/claims/contact_images.py). Besides, an edge that fades
+    does not fade alike all round, nor in all images of one device: less so where the contrast inside
+    differs as well. Where the edge was drawn manually, the error of drawing replaces these; half of its
+    variance is shared by all that was drawn.
     """
     along = edge.along.clip(0, 1)
     soft = EDGE.softness_std * edge.softness
