@@ -52,7 +52,7 @@ class Solved:
 def solved(
     placement: AnyPlacement, results: FloatArray, thickness: FloatArray, poisson_ratio: FloatArray
 ) -> Solved:
-    """Compare solved contacts with Hertz theory; results as `contact_law_data` keeps them."""
+    """Compare solved contacts with Hertz theory; results as `solved_contacts` keeps them."""
     load, area, indentation, ratio, peak = results.T
     area = area / AREA_BIAS
     gap, hertz = plate_gap(placement), hertz_contact(placement, Tissue.of_reduced_modulus(1.0), area=area)
