@@ -46,7 +46,6 @@ from fingerpad.image import (
     PlaneEllipse,
     RegionPolygon,
     Scale,
-    direct_semi_axes,
     estimate_settings,
     measure_coin,
     measure_contact_image,
@@ -355,7 +354,6 @@ def test_numbers_as_scales() -> None:
     handles = {"centre": (300, 200), "across_end": (300, 436), "along_end": (24, 200)}
     for measure, marks in (
         (photograph_from_handles, handles),
-        (direct_semi_axes, handles),
         (photograph_from_ellipse, {"centre": (300, 200), "semi_axes": (236, 276)}),
     ):
         one, other = measure("palmar", size, **marks), measure("palmar", scale, **marks)

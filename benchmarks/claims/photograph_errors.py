@@ -50,17 +50,16 @@ def _fits(truth: SyntheticFinger, shape: Array) -> Iterator[tuple[str, ArcFit]]:
         points=truth.arc_points(9),
     )
     arc = found._arc
-    tilt = dict(zip(("tilt", "tilt_std"), arc.tilt, strict=True))
     true = _on_arc(shape, truth.semi_axes, truth.arc, max(1, round(truth.mm_per_px / 0.02)))
-    yield "the true outline, without a picture", fit_arc_ellipse(true / truth.mm_per_px, tilt_std=arc.tilt[1])
+    yield "the true outline, without a picture", fit_arc_ellipse(true / truth.mm_per_px, (0.0, arc.tilt[1]))
     used = np.flatnonzero(arc.used)
     places = outline_places(arc.points)[0][used]
     points = arc.points[used]
-    alone = fit_arc_ellipse(points, places=places, start=arc.start, **tilt)
+    alone = fit_arc_ellipse(points, arc.tilt, places=places, start=arc.start)
     yield "its arc as located in the picture", alone
-    yield "that, the tilt unknown", fit_arc_ellipse(points, places=places, start=arc.start, tilt_std=_NO_TILT)
-    exact = {"tilt": truth.tilt, "tilt_std": 1e-4}
-    yield "that, the tilt known exactly", fit_arc_ellipse(points, places=places, start=arc.start, **exact)
+    yield "that, the tilt unknown", fit_arc_ellipse(points, (0.0, _NO_TILT), places=places, start=arc.start)
+    exact = (truth.tilt, 1e-4)
+    yield "that, the tilt known exactly", fit_arc_ellipse(points, exact, places=places, start=arc.start)
     yield "with the outline beyond its ends", extend_arc(arc.points, used, alone, arc.tilt)
 
 
@@ -109,7 +108,7 @@ def print_roughness() -> None:
                 "distal", (11.8, 7.9), extent=extent, departure=0.0, texture=_ROUGHNESS_MM, rng=rng
             )
             points = _on_arc(shape.points, (11.8, 7.9), pad_arc("distal", extent), 3)
-            lengths.append(fit_arc_ellipse(points, tilt_std=math.radians(5)).ellipse.semi_y / 7.9 - 1)
+            lengths.append(fit_arc_ellipse(points, (0.0, math.radians(5))).ellipse.semi_y / 7.9 - 1)
         print(f"    {arc_deg} degrees: standard deviation {np.std(lengths):.2%}")
 
 

@@ -26,13 +26,13 @@ def noisy(seed, *, arc_deg=140.0, std=0.01, reach=6.0, tilt=0.0, count=240):
 @pytest.mark.parametrize("arc_deg", [40, 90, 180])
 @pytest.mark.parametrize("tilt", [-0.15, 0.0, 0.1])
 def test_exact_points(arc_deg, tilt):
-    fit = fit_arc_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, tilt=tilt), tilt=tilt)
+    fit = fit_arc_ellipse(noisy(0, arc_deg=arc_deg, std=1e-12, tilt=tilt), (tilt, math.radians(2)))
     assert fit.ellipse.parameters[2:] == pytest.approx((11.8, 13.8, tilt), rel=1e-4, abs=1e-5)
 
 
 @pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
 def test_coverage_with_correlated_errors(reach):
-    fits = [fit_arc_ellipse(noisy(seed, reach=reach), tilt_std=0.02) for seed in range(40)]
+    fits = [fit_arc_ellipse(noisy(seed, reach=reach), (0.0, 0.02)) for seed in range(40)]
     found = np.array([fit.ellipse.semi_axes for fit in fits])
     stated = np.array([np.sqrt(np.diagonal(fit.covariance))[2:4] for fit in fits])
     held = np.mean(np.abs(found - (11.8, 13.8)) < 1.96 * stated)
@@ -52,7 +52,7 @@ def test_correlation_estimate():
 def test_agrees_with_a_second_implementation():
     points = noisy(1, arc_deg=200, std=0.02, tilt=0.1)
     # In the frame of the tilt, and with no prior to speak of: the same five parameters.
-    fit = fit_arc_ellipse(points, tilt=0.1, tilt_std=2 * math.pi)
+    fit = fit_arc_ellipse(points, (0.1, 2 * math.pi))
     model = EllipseModel.from_estimate(points)
     x, y, first, second, theta = (*model.center, *model.axis_lengths, model.theta)
     assert sorted(fit.ellipse.semi_axes) == pytest.approx(sorted((first, second)), rel=2e-3)
@@ -66,8 +66,8 @@ def test_agrees_with_a_second_implementation():
 
 def test_known_axis_reduces_uncertainty():
     points = noisy(2, arc_deg=100, tilt=0.05)[:300]
-    strict = fit_arc_ellipse(points, tilt=0.05, tilt_std=0.005)
-    loose = fit_arc_ellipse(points, tilt=0.05, tilt_std=0.3)
+    strict = fit_arc_ellipse(points, (0.05, 0.005))
+    loose = fit_arc_ellipse(points, (0.05, 0.3))
     assert strict.covariance[4, 4] < loose.covariance[4, 4] / 4
     assert strict.covariance[4, 4] <= 1.5 * 0.005**2
 

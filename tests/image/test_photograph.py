@@ -14,7 +14,6 @@ from fingerpad.image import (
     FACE_AXES,
     Scale,
     combine_faces,
-    direct_semi_axes,
     measure_photograph,
     read_colour_image,
     read_image,
@@ -299,35 +298,6 @@ def test_pad_cut_by_frame_refused():
     cut = truth.pixels[int(truth.arc_points(3)[1][0]) + 60 :]
     with pytest.raises(ImageError, match="up side"):
         measure_photograph(cut, "palmar", SCALE)
-
-
-def test_direct_lengths_and_their_uncertainty():
-    found = direct_semi_axes(
-        "distal",
-        Scale(0.05, 0.0005),
-        centre=(100, 100),
-        across_end=(103, 336),
-        along_end=(258, 98),
-        point_px_std=2.0,
-    )
-    assert found.semi_axes == pytest.approx((0.05 * math.hypot(3, 236), 0.05 * math.hypot(158, 2)))
-    assert math.sqrt(found.covariance[0, 0]) == pytest.approx(0.05 * 2 * math.sqrt(2))
-    assert found.relative_scale_std == pytest.approx(0.01)
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"across_end": (100, 100)}, "apart"),
-        ({"across_end": (math.nan, 100)}, "finite"),
-        ({"across_end": (300, 200)}, "off the square"),
-        ({"point_px_std": -1.0}, "point_px_std"),
-    ],
-)
-def test_invalid_direct_marks(changes, words):
-    given = {"centre": (100, 100), "across_end": (100, 300), "along_end": (300, 100)} | changes
-    with pytest.raises(ImageError, match=words):
-        direct_semi_axes("palmar", Scale(0.05), **given)
 
 
 def test_colour_files(tmp_path):

@@ -33,7 +33,7 @@ def arc_of(shape, half_deg, seed=0, noise_px=0.15):
 
 
 def compared(points, half_width=math.nan):
-    fit = fit_arc_ellipse(points, tilt=0.0, tilt_std=math.radians(2))
+    fit = fit_arc_ellipse(points, TILT)
     known = {"tilt": TILT, "half_width": half_width, "noise": fit.residual_std}
     return fit, average_over_shapes(points, fit.ellipse, fit.covariance[2:4, 2:4], **known)
 

@@ -29,7 +29,6 @@ from fingerpad.image.photograph.faces import (
     FaceSemiAxes,
     PadSemiAxes,
     combine_faces,
-    direct_semi_axes,
     implausible_size,
 )
 from fingerpad.image.photograph.manual import (
@@ -105,7 +104,6 @@ __all__ = [
     "alignment_scatter",
     "assign_times",
     "combine_faces",
-    "direct_semi_axes",
     "draw_overlay",
     "draw_photograph_overlay",
     "ellipse_of_polygon",

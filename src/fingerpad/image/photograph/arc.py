@@ -170,9 +170,7 @@ def fit_arc(
     values = _consensus(track, tilt) if start is None else start
     good = _inliers(distances(values, track)[0])
     for _ in range(3):
-        fit = fit_arc_ellipse(
-            track[good], tilt=tilt[0], tilt_std=tilt[1], places=np.flatnonzero(good), start=values
-        )
+        fit = fit_arc_ellipse(track[good], tilt, places=np.flatnonzero(good), start=values)
         values, before = fit.ellipse.parameters, good
         good = _inliers(distances(values, track)[0])
         if good.sum() < _MIN_POINTS or (good == before).all():

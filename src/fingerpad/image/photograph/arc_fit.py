@@ -41,22 +41,21 @@ class ArcFit(EllipseFit):
 
 def fit_arc_ellipse(
     points: ArrayLike,
+    tilt: tuple[float, float] = (0.0, math.radians(2)),
     *,
-    tilt: float = 0.0,
-    tilt_std: float = math.radians(2),
     places: ArrayLike | None = None,
     start: ArrayLike | None = None,
     beyond: ArrayLike | None = None,
 ) -> ArcFit:
-    """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points of an outline.
+    """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points (x, y) of an outline.
 
     Parameters
     ----------
     points : array_like, (n, 2)
-        (x, y), at least eight, in any unit of length.
-    tilt, tilt_std : float
-        Turn of the finger's axis from x towards y as known beforehand, weighed against the points, and its
-        standard uncertainty, radians.
+        At least eight, in any unit of length.
+    tilt : (float, float)
+        Turn of the finger's axis from x towards y as known beforehand, which is weighed against the points,
+        and its standard uncertainty, radians.
     places : array_like of int, (n,), optional
         Place of each point in the outline, rising, where some are left out.
     start : array_like, (5,), optional
@@ -84,27 +83,28 @@ def fit_arc_ellipse(
     past = np.zeros(len(points)) if beyond is None else as_float_array(beyond)
     on_arc = past == 0
     local, shift, size = normalise(points)
-    past = past / size
-    values = _start(local[on_arc], tilt) if start is None else _in_frame(as_float_array(start), shift, size)
-    values = _refine(local[on_arc], values, (tilt, math.inf), np.asarray)
+    past, unit = past / size, np.array([size, size, size, size, 1.0])
+    if start is None:
+        values = _start(local[on_arc], tilt[0])
+    else:
+        values = (as_float_array(start) - [*shift, 0, 0, 0]) / unit
+    values = _refine(local[on_arc], values, (tilt[0], math.inf), np.asarray)
     for _ in range(_ROUNDS):
         variance, correlation = _noise(distances(values, local[on_arc])[0], rows[on_arc])
         spread = bend_covariance(past[~on_arc], _radii_of_curvature(values, local[on_arc][[0, -1]]))
         whitened = _whitening(on_arc, variance * correlation, spread)
-        values = _refine(local, values, (tilt, tilt_std), whitened)
+        values = _refine(local, values, tilt, whitened)
     residuals, design = distances(values, local)
     white = whitened(design)
     information = white.T @ white
-    information[4, 4] += 1 / tilt_std**2
-    inverse = np.linalg.pinv(information, hermitian=True)
+    information[4, 4] += 1 / tilt[1] ** 2
     # So that 1.96 deviations hold 95 %, whatever the degrees of freedom.
     freedom = max(on_arc.sum() / correlation - values.size, _MIN_FREEDOM)
     widening = (special.stdtrit(freedom, 0.975) / _TWO_SIDED_95) ** 2
-    unit = np.array([size, size, size, size, 1.0])
-    covariance = widening * inverse * np.outer(unit, unit)
-    x, y = values[:2] * size + shift
+    covariance = widening * np.linalg.pinv(information, hermitian=True) * np.outer(unit, unit)
+    values = values * unit + [*shift, 0, 0, 0]
     return ArcFit(
-        ellipse=PlaneEllipse(*map(float, (x, y, *(values[2:4] * size), values[4]))),
+        ellipse=PlaneEllipse(*values.tolist()),
         covariance=np.asarray(covariance, dtype=np.float64),
         residual_std=float(np.std(residuals[on_arc])) * size,
         correlation=correlation,
@@ -115,21 +115,19 @@ def extend_arc(
     points: FloatArray, used: npt.NDArray[np.intp], fit: ArcFit, tilt: tuple[float, float]
 ) -> ArcFit:
     """Fit an arc's ellipse again, with the outline just beyond the ends of the points used."""
-    values, ends = fit.ellipse.parameters, used[[0, -1]]
-    first, last = _radii_of_curvature(values, points[ends])
+    values, (first, last) = fit.ellipse.parameters, used[[0, -1]]
     places, spacing = outline_places(points)
-    before, after = np.arange(ends[0])[::-1], np.arange(ends[1] + 1, len(points))
-    before, after = (
-        _flank(points, side, spacing * np.abs(places[side] - places[end]), fit, radius)
-        for side, end, radius in ((before, ends[0], first), (after, ends[1], last))
+    beyond = spacing * (np.minimum(places - places[first], 0) + np.maximum(places - places[last], 0))
+    flanks = (
+        _flank(points, side, np.abs(beyond[side]), fit, radius)
+        for side, radius in zip(
+            (np.arange(first)[::-1], np.arange(last + 1, len(points))),
+            _radii_of_curvature(values, points[[first, last]]),
+            strict=True,
+        )
     )
-    order = np.concatenate([before[::-1], used, after])
-    beyond = spacing * (
-        np.minimum(places[order] - places[ends[0]], 0) + np.maximum(places[order] - places[ends[1]], 0)
-    )
-    return fit_arc_ellipse(
-        points[order], tilt=tilt[0], tilt_std=tilt[1], places=places[order], start=values, beyond=beyond
-    )
+    order = np.sort(np.concatenate([used, *flanks]))
+    return fit_arc_ellipse(points[order], tilt, places=places[order], start=values, beyond=beyond[order])
 
 
 def _flank(
@@ -143,8 +141,7 @@ def _flank(
     off = np.abs(distances(fit.ellipse.parameters, points[order])[0])
     good: BoolArray = off < _REJECTION * np.sqrt(spread + fit.residual_std**2)
     # What stands out is a hair, a nail or the frame, and so may be all that follows.
-    good[np.argmin(good) :] &= good.all()
-    return np.asarray(order[good], dtype=np.intp)
+    return np.asarray(order[np.logical_and.accumulate(good)], dtype=np.intp)
 
 
 def _whitening(on_arc: BoolArray, density: float, bends: FloatArray) -> Callable[[FloatArray], FloatArray]:
@@ -224,10 +221,6 @@ def _start(points: FloatArray, tilt: float) -> Parameters:
     turn = rotation(tilt)
     x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse.parameters
     return np.array([*(turn @ (x, y)), semi_x, semi_y, tilt])
-
-
-def _in_frame(values: FloatArray, shift: FloatArray, size: float) -> Parameters:
-    return np.array([*((values[:2] - shift) / size), values[2] / size, values[3] / size, values[4]])
 
 
 def _refine(

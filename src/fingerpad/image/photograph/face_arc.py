@@ -6,7 +6,7 @@ function of the arc and of what is known beside it, not of the way it was reache
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -54,13 +54,12 @@ class FaceArc:
     points: FloatArray  # (n, 2)
     step_ratio: FloatArray  # (n,); step across the edge over the noise beside it, NaN without an edge
     pad: BoolArray  # (n,); which points can be pad
-    searched: BoolArray  # (n,); among which points the arc was found
     used: BoolArray  # (n,); the arc
     rejected: BoolArray  # (n,); which of its points stand out
     marked: BoolArray  # (n,); which points were added manually
     start: FloatArray  # (x, y, semi_x, semi_y, tilt) of a rough ellipse
     ends_known: bool  # whether the ends were given: the outline beyond then tells nothing of the lengths
-    erased: FloatArray = field(default_factory=lambda: np.empty((0, 2)))  # of the arc, left out manually
+    erased: FloatArray = field(default_factory=lambda: np.empty((0, 2)))  # points of the arc
     alike: int = 8  # so many neighbouring points share an error
     blur: float = math.nan  # standard deviation of the edges' blur, NaN without edges
     border: tuple[float, float, float] | None = None  # last row, last column, how near the frame cuts an arc
@@ -87,7 +86,6 @@ class FaceArc:
             points=points,
             step_ratio=np.full(len(points), math.nan),
             pad=every,
-            searched=every,
             used=every,
             rejected=~every,
             marked=~every,
@@ -97,25 +95,18 @@ class FaceArc:
         )
 
     @property
-    def outline(self) -> FloatArray:
-        """Points that were found, in order: those that can be pad, and the shaft that a palmar face shows."""
-        return self.points[~self.marked if self.face == "palmar" else self.pad_found]
-
-    @property
-    def pad_found(self) -> BoolArray:
-        """Which points can be pad, without those added manually."""
-        return self.pad & ~self.marked
-
-    @property
-    def step_ratios(self) -> FloatArray:
-        """Steps over the noise of the arc's points, without those where no edge was looked for."""
-        ratios = self.step_ratio[self.used]
-        return ratios[np.isfinite(ratios)]
+    def searched(self) -> BoolArray:
+        """Among which points the arc was found."""
+        return self.used | self.rejected if self.ends_known else self.pad
 
     def about(self, ellipse: PlaneEllipse, angle: float) -> tuple[FloatArray, FloatArray]:
-        """Return the outline, and of it what can be pad, about an ellipse's centre, x turned by an angle."""
-        shift, turn = ellipse.parameters[:2], rotation(angle)
-        return (self.outline - shift) @ turn, (self.points[self.pad_found] - shift) @ turn
+        """Return two outlines about an ellipse's centre, x turned by an angle, without points added manually.
+
+        The first is, of a palmar face, all that was found, the shaft with it; the second what can be pad.
+        """
+        found, pad = ~self.marked, self.pad & ~self.marked
+        local = (self.points - ellipse.parameters[:2]) @ rotation(angle)
+        return local[found if self.face == "palmar" else pad], local[pad]
 
     def in_picture(self, points: FloatArray) -> FloatArray:
         """Return points of the face's frame as (row, column), px."""
@@ -127,47 +118,33 @@ class FaceArc:
 
         Where the end of the arc goes, so does all beyond it: the pad ends there.
         """
-        of_arc = self.used | self.rejected
-        left = self.used & ~gone
-        keep = ~gone
-        if left.any():
-            first, last = np.flatnonzero(left)[[0, -1]]
-            cut = gone & self.used
-            beyond = np.arange(len(gone))
-            if cut[:first].sum() >= _END:
-                keep &= beyond >= first
-            if cut[last:].sum() >= _END:
-                keep &= beyond <= last
-        kept = {name: getattr(self, name)[keep] for name in _EACH_POINT}
-        erased = np.concatenate([self.erased, self.points[~keep & of_arc]])
-        return replace(self, erased=erased, **kept)
+        gone, left = gone.copy(), np.flatnonzero(self.used & ~gone)
+        for beyond in (slice(left[0]), slice(left[-1] + 1, None)) if len(left) else ():
+            gone[beyond] |= (gone & self.used)[beyond].sum() >= _END
+        of_arc = gone & (self.used | self.rejected)
+        kept = {name: getattr(self, name)[~gone] for name in _EACH_POINT}
+        return replace(self, erased=np.concatenate([self.erased, self.points[of_arc]]), **kept)
 
     def with_marks(self, marks: FloatArray) -> Self:
-        """Return the arc with points on the pad, (row, column), px, added manually."""
+        """Return the arc with points on the pad, (row, column), px, added manually, each in its turn."""
         axes, place = self.frame
         local = (marks - place) @ axes.T
-        middle = PAD_MIDDLE[self.face]
         near = np.flatnonzero(self.pad | self.searched)
-        turns = turns_from(middle, self.points[near], self.start)
+        turns, wanted = (
+            turns_from(PAD_MIDDLE[self.face], points, self.start) for points in (self.points[near], local)
+        )
         sign = -1.0 if len(turns) and turns[-1] < turns[0] else 1.0
-        reached = np.maximum.accumulate(sign * turns)
-        wanted = sign * turns_from(middle, local, self.start)
-        order = np.argsort(wanted, kind="stable")
-        after = np.append(near, near[-1] + 1 if len(near) else 0)
-        at = after[np.searchsorted(reached, wanted[order])]
-        added = {
-            "points": local[order],
-            "step_ratio": np.full(len(marks), np.nan),
-            "rejected": np.zeros(len(marks), bool),
-        }
+        order = np.argsort(sign * wanted, kind="stable")
+        before = np.searchsorted(np.maximum.accumulate(sign * turns), sign * wanted[order])
+        at = np.append(near, near[-1] + 1 if len(near) else 0)[before]
+        added: dict[str, Any] = {"points": local[order], "step_ratio": math.nan, "rejected": False}
         more = {
-            name: np.insert(getattr(self, name), at, added.get(name, np.ones(len(marks), bool)), axis=0)
-            for name in _EACH_POINT
+            name: np.insert(getattr(self, name), at, added.get(name, True), axis=0) for name in _EACH_POINT
         }
         return replace(self, **more)
 
 
-_EACH_POINT = ("points", "step_ratio", "pad", "searched", "used", "rejected", "marked")
+_EACH_POINT = ("points", "step_ratio", "pad", "used", "rejected", "marked")
 
 
 def face_from_arc(arc: FaceArc) -> PhotographFit:
@@ -181,9 +158,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     fit = _fitted(arc)
     noise = fit.covariance[2:4, 2:4]
     known = float((np.sqrt(np.diagonal(noise)) / fit.ellipse.semi_axes).max())
-    axes, place = arc.frame
-    middle, scale = PAD_MIDDLE[arc.face], arc.scale.mm_per_px
-    local = arc.points[arc.used]
+    middle, local = PAD_MIDDLE[arc.face], arc.points[arc.used]
     angles = middle + turns_from(middle, local, fit.ellipse.parameters)
     if not known < _MAX_RELATIVE_STD:
         raise FitError(
@@ -193,7 +168,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         )
     average = _average_over_shapes(arc, fit)
     ellipse, share = (fit.ellipse, 1.0) if average is None else (average.ellipse, 1 - average.weight)
-    semi_px = ellipse.semi_axes
+    scale, semi_px = arc.scale.mm_per_px, ellipse.semi_axes
     tilt_std = math.sqrt(fit.covariance[4, 4])
     terms = {"noise": share * noise * scale**2}
     if average is None:
@@ -206,14 +181,14 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         both = np.outer(lengths, lengths) + turn**2
         terms["lengths"] = LENGTHS.added**2 * both * np.outer(semi_px, semi_px) * scale**2
     terms["scale"] = scale_term(semi_px * scale, arc.scale)
-    centre = np.array([ellipse.x, ellipse.y]) @ axes + place
+    row, column = arc.in_picture(ellipse.parameters[:2]).tolist()
     found = PhotographFit(
         face=arc.face,
         semi_axes=semi_px * scale,
         covariance_terms=terms,
         scale=arc.scale,
-        centre=(float(centre[0]), float(centre[1])),
-        directions=rotation(ellipse.angle).T @ axes,
+        centre=(row, column),
+        directions=rotation(ellipse.angle).T @ arc.frame[0],
         tilt=ellipse.angle,
         tilt_std=tilt_std,
         arc=(float(angles.min()), float(angles.max())),
@@ -225,7 +200,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         flags=frozenset(),
         exponent=math.nan if average is None else average.exponent,
         exponent_std=math.nan if average is None else average.exponent_std,
-        outline=arc.in_picture(arc.points[arc.pad_found]),
+        outline=arc.in_picture(arc.points[arc.pad & ~arc.marked]),
         _arc=arc,
     )
     return replace(found, flags=_flags(found, arc))
@@ -233,11 +208,8 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
 
 def _fitted(arc: FaceArc) -> ArcFit:
     """Return the arc's ellipse, to which the outline just beyond its ends contributes."""
-    used = np.flatnonzero(arc.used)
-    places, _ = outline_places(arc.points)
-    fit = fit_arc_ellipse(
-        arc.points[used], tilt=arc.tilt[0], tilt_std=arc.tilt[1], places=places[used], start=arc.start
-    )
+    used, (places, _) = np.flatnonzero(arc.used), outline_places(arc.points)
+    fit = fit_arc_ellipse(arc.points[used], arc.tilt, places=places[used], start=arc.start)
     return extend_arc(arc.points, used, fit, arc.tilt)
 
 
@@ -246,12 +218,11 @@ def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage | None:
     guess = initial_ellipse(arc.points, arc.face)
     core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < _SURELY_PAD
     half, hidden = math.nan, 0.0
+    outline, pad = arc.about(fit.ellipse, arc.tilt[0])
     # A side face shows the nail's side too, whose distance is no semi-axis.
-    if arc.face in ("palmar", "distal") and len(arc.outline):
-        width = half_width(
-            *arc.about(fit.ellipse, arc.tilt[0]), fit.ellipse.semi_x, fit.ellipse.semi_y, arc.face
-        )
-        half, hidden = width.value, width.hidden
+    if arc.face in ("palmar", "distal") and len(outline):
+        across, along = fit.ellipse.semi_axes
+        half, hidden, _ = half_width(outline, pad, across, along, arc.face)
     return average_over_shapes(
         arc.points[arc.searched & (arc.used | core)],
         fit.ellipse,
@@ -273,8 +244,9 @@ def _contradicted(
     axis is uncertain by that turn, and its semi-axes by about as many radians.
     """
     outline, pad = arc.about(ellipse, ellipse.angle)
-    semi_axes = ellipse.semi_axes
-    lengths = contradicted_by_lengths(arc.face, outline, semi_axes, pad=pad, tilt_std=tilt_std, ellipse=share)
+    lengths = contradicted_by_lengths(
+        arc.face, outline, ellipse.semi_axes, pad=pad, tilt_std=tilt_std, ellipse=share
+    )
     if arc.face == "distal":
         return lengths, 0.0
     return lengths, float(beyond_chance(ellipse.angle - arc.tilt[0], LENGTHS.of_tilt_std * arc.tilt[1]))
@@ -286,23 +258,22 @@ def _flags(found: PhotographFit, arc: FaceArc) -> frozenset[str]:
     relative = np.sqrt(np.diagonal(found.edge_covariance)) / found.semi_axes
     by_lengths = np.diagonal(found.covariance_terms.get("lengths", np.zeros((2, 2))))
     no_ellipse = float((np.sqrt(by_lengths) / found.semi_axes).max()) > LENGTHS.added * LENGTHS.no_ellipse
-    ratios = arc.step_ratios
+    ratios = arc.step_ratio[arc.used & np.isfinite(arc.step_ratio)]
     rejected = arc.rejected.sum() / (arc.rejected | arc.used).sum()
+    margin = math.inf
+    if arc.border is not None:
+        *last, near = arc.border
+        margin = float(np.minimum(found.points, np.array(last) - found.points).min()) - near
     holds = {
         "short_arc": found.arc_deg < _SHORT_ARC_DEG,
         "uncertain": float(relative.max()) > 0.02,
         "many_outliers": float(rejected) > 0.15,
         "low_contrast": len(ratios) > 0 and float(np.quantile(ratios, 0.25)) < _LOW_CONTRAST,
         "soft_edges": found.blur_px > 0.02 * semi_px,
-        "touches_border": arc.border is not None and _margin(found, arc.border) < arc.border[2],
+        "touches_border": margin < 0,
         "poor_ellipse": found.residual_px_std > max(0.01 * semi_px, 0.5),
         "not_an_ellipse": no_ellipse or is_significant(found.exponent, found.exponent_std),
         "tilted": abs(found.tilt) > math.radians(10),
         "fitted_manually": bool(arc.marked.any()) or len(arc.erased) > 0,
     }
     return frozenset(name for name, held in holds.items() if held) | size_flags(found.semi_axes)
-
-
-def _margin(found: PhotographFit, border: tuple[float, float, float]) -> float:
-    """Return how far the arc stays from the frame, px."""
-    return float(np.minimum(found.points, np.array(border[:2]) - found.points).min())

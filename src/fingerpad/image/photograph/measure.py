@@ -155,8 +155,8 @@ def _pad_arc(
     if edges.closed:
         every = np.roll(every, len(every) // 2 - int(order[len(order) // 2]))
     every = every[edges.found[every]]
-    points, searched = local[every], np.isin(every, order)
-    candidates, ends_known = np.flatnonzero(searched), marks is not None or window is not None
+    points, candidates = local[every], np.flatnonzero(np.isin(every, order))
+    ends_known = marks is not None or window is not None
     if ends_known:
         arc = fit_arc(points, candidates, tilt)
     else:
@@ -170,7 +170,6 @@ def _pad_arc(
         points=points,
         step_ratio=edges.step_ratio[every],
         pad=np.isin(every, pad),
-        searched=searched,
         used=np.isin(numbers, arc.used),
         rejected=np.isin(numbers, arc.rejected),
         marked=np.zeros(len(every), dtype=bool),
