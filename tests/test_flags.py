@@ -18,7 +18,7 @@ CODE = re.compile(r"[a-z]+(_[a-z]+)*")
 NAMES = {"doubts", "flags", "notes", "flag"}
 PLACES = {
     "contact": ("image/contact_image",),
-    "scale": ("image/coin", "image/grid.py"),
+    "scale": ("image/coin.py", "image/grid.py"),
     "frame": ("image/sequence/measure.py", "study/corrections/apply.py"),
     "photograph": ("image/photograph",),
     "curve": ("loading",),

@@ -18,7 +18,7 @@ from tests.workbooks import MAIN, sheet_xml, workbook
 from fingerpad import _tables
 from fingerpad._tables import parse_table, read_table
 from fingerpad.exceptions import LoadingError
-from fingerpad.image.sequence.force_tables import read_force_signal
+from fingerpad.image.sequence.force import read_force_signal
 from fingerpad.loading import read_loading_curve
 
 HEADER = ("time_s", "force_N", "displacement_mm")

@@ -9,15 +9,15 @@ from tests.image.coin_scenes import KINDS, scene
 
 from benchmarks.derive.fit import Compared, Problem
 from fingerpad.exceptions import CalibrationError
+from fingerpad.image import coin as coin_module
 from fingerpad.image import measure_coin
-from fingerpad.image.coin import measure
-from fingerpad.image.coin.calibration import COIN_EDGE
+from fingerpad.image.coin import COIN_EDGE
 
 _NEAR = 0.1  # another circle was found: nothing is learned of the edge
 
 
 class Seen(NamedTuple):
-    """What `measure._coin` is given, and the true radius, px."""
+    """What `coin._coin` is given, and the true radius, px."""
 
     found: tuple[Any, ...]
     radius: float
@@ -30,19 +30,19 @@ def sample(count: int, seed: int) -> list[Seen]:
         for number in range(count):
             photograph = scene(kind, 1000 * seed + number)
             try:
-                with patch.object(measure, "_coin", lambda *given: given):
+                with patch.object(coin_module, "_coin", lambda *given: given):
                     found: Any = measure_coin(photograph.pixels)
             except CalibrationError:
                 continue
-            if abs(measure._coin(*found).semi_major / photograph.semi_major - 1) < _NEAR:
+            if abs(coin_module._coin(*found).semi_major / photograph.semi_major - 1) < _NEAR:
                 coins.append(Seen(found, photograph.semi_major))
     return coins
 
 
 def compare(model: Any, coins: Sequence[Seen]) -> Compared:
     """State the uncertainty of each radius."""
-    with patch.object(measure, "COIN_EDGE", model):
-        found = [measure._coin(*one.found) for one in coins]
+    with patch.object(coin_module, "COIN_EDGE", model):
+        found = [coin_module._coin(*one.found) for one in coins]
     true = np.array([one.radius for one in coins])
     return Compared(
         np.array([one.semi_major for one in found]) / true - 1,

@@ -11,7 +11,7 @@ from skimage.measure import label, regionprops
 
 from fingerpad.exceptions import ImageError
 from fingerpad.flags import FLAGS
-from fingerpad.image import Scale, measure_contact_image
+from fingerpad.image import Scale, measure_contact_image, prepare_contact_image
 from fingerpad.image.contact_image.view import crop
 from fingerpad.simulate import render_contact_image
 
@@ -730,3 +730,12 @@ def test_region_holds_the_pixels_whose_centre_is_inside():
         for row in range(rows)
     ]
     np.testing.assert_array_equal(found.region, inside)
+
+
+def test_levels_under_a_mask_thinner_than_a_pixel_of_the_copy():
+    mask = np.eye(300, dtype=bool)
+    pixels = cv2.resize(next(truths(4)).pixels, (300, 300))
+    prepared = prepare_contact_image(pixels, PPI_500, mask=mask, ridge_period=0.6)
+    counts, edges = prepared.level_histogram()
+    assert counts.sum() > 0
+    assert edges[0] < edges[-1]

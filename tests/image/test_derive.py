@@ -10,14 +10,16 @@ from benchmarks.derive import laws
 from benchmarks.derive.fit import Compared, Problem, fit, meanings, names
 
 import fingerpad
+from fingerpad.image.coin import CoinEdge
 
 
 def calibrated():
-    """Return the dataclasses of every module of the library that is called calibration."""
+    """Return the dataclasses of every module of the library that is called calibration, and of coins."""
     for each in pkgutil.walk_packages(fingerpad.__path__, "fingerpad."):
         if each.name.endswith(".calibration"):
             found = vars(importlib.import_module(each.name)).values()
             yield from (one for one in found if isinstance(one, type) and dataclasses.is_dataclass(one))
+    yield CoinEdge
 
 
 def problems():

@@ -170,6 +170,24 @@ def test_the_first_frame_is_the_background_of_a_sequence():
         assert (one.measures or {}).get("gross_area_mm2") == (other.measures or {}).get("gross_area_mm2")
 
 
+@pytest.mark.parametrize("reflection", [False, True])
+def test_a_sequence_that_begins_in_contact_needs_a_background(reflection):
+    pictures = [
+        _picture(size=size, reflection=reflection, noise=k)[0] for k, size in enumerate((0.6, 0.8, 1.0))
+    ]
+    frames = [Frame(index=k, pixels=pixels) for k, pixels in enumerate(pictures)]
+    with pytest.raises(ImageError, match="begins in contact: frame 0 shows one .*: give background"):
+        list(measure_sequence(frames, _SCALE, surface="smooth"))
+    empty = _picture(contact=False, reflection=reflection, noise=7)[0]
+    results = list(measure_sequence(frames, _SCALE, surface="smooth", background=empty))
+    assert all(result.measures for result in results)
+
+
+def test_no_threshold_is_chosen_for_a_smooth_contact():
+    with pytest.raises(ImageError, match="no threshold"):
+        prepare_contact_image(_picture()[0], _SCALE, surface="smooth").level_histogram()
+
+
 def test_a_damaged_first_frame_leaves_the_next_as_the_background():
     frames = [Frame(index=0, pixels=None), *_press()[1:]]
     results = list(measure_sequence(frames, _SCALE, surface="smooth"))

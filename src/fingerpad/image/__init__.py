@@ -1,6 +1,6 @@
 """Measure pictures: contact images, and photographs of a finger's faces."""
 
-from fingerpad.image.coin.measure import Coin, measure_coin
+from fingerpad.image.coin import Coin, measure_coin
 from fingerpad.image.contact_image.manual import BrushStroke, RegionPolygon
 from fingerpad.image.contact_image.measure import (
     PreparedContactImage,
@@ -49,8 +49,9 @@ from fingerpad.image.sequence.force import (
     FrameStamps,
     alignment_scatter,
     frame_clock,
+    read_force_signal,
+    read_frame_stamps,
 )
-from fingerpad.image.sequence.force_tables import read_force_signal, read_frame_stamps
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
 from fingerpad.image.sequence.measure import assign_times, measure_frames, measure_sequence
 from fingerpad.image.sequence.phases import PHASES, Phase, PhaseIntervals, phase_intervals, phases_of

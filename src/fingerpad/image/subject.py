@@ -12,7 +12,7 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, ImageError
-from fingerpad.image.coin.measure import measure_coin
+from fingerpad.image.coin import measure_coin
 from fingerpad.image.contact_image.spectra import LineTexture, line_texture
 from fingerpad.image.levels import eight_bit, picture_levels
 from fingerpad.image.photograph.faces import Direction, Face, opposite

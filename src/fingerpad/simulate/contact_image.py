@@ -2,7 +2,7 @@
 
 The ridges come from noise filtered again and again along a flow with a core and a delta, as real prints have;
 minutiae appear by themselves. The contact ends at an ellipse, or at a smooth irregular outline whose
-equal-area ellipse is the truth; ridges end sharply there, or get narrower and fainter towards it.
+equal-area ellipse is the truth; ridges thin out towards it.
 """
 
 import math
@@ -88,11 +88,6 @@ def render_contact_image(
     irregularity: float = 0.0,
     creases: int = 0,
     smudges: int = 0,
-    thinning: tuple[float, float] | None = None,
-    fading: tuple[float, float] | None = None,
-    edge_power: float = 1.0,
-    rim: float = 0.0,
-    rim_width: float = 0.2,
     blur: float = 0.0,
     jpeg_quality: int | None = None,
     margin: float = 2.0,
@@ -127,19 +122,6 @@ def render_contact_image(
     smudges : int
         Number of smears, as of moist or sliding skin: parts of 1.5 to 3 mm radius within which ridges blur
         into one another. The contact and its ridges, which are the truth, stay what they are.
-    thinning : (float, float), optional
-        Distance inside the outline over which ridges thin out, mm, and what is left of their width at the
-        outline, as a share; where None they thin out by about a third over the outer 14 % of the radius.
-    fading : (float, float), optional
-        Distance inside the outline over which contrast falls, mm, and what is left of it at the outline, as
-        a share; None keeps it.
-    edge_power : float
-        Width and contrast rise with this power of the distance from the outline.
-    rim : float
-        Contrast added (or, negative, taken away) in a rim round the outline, inside and outside, as a
-        meniscus of sweat does, in parts of the contrast.
-    rim_width : float
-        Standard deviation of the rim's profile, mm.
     blur : float
         Standard deviation of a blur on top of the look's own, mm.
     jpeg_quality : int, optional
@@ -185,11 +167,7 @@ def render_contact_image(
     if irregularity:
         radius /= _reach(np.arctan2(across / semi_minor, along / semi_major), irregularity, seed)
     skin = seed if ridge_seed is None else ridge_seed
-    depth = _depth(radius <= 1) * mm_per_px
-    width = None if thinning is None else _rise(depth, *thinning, edge_power)
-    ridges = _ridges(
-        along, across, radius, ridge_period=ridge_period, pattern=pattern, seed=skin, relative_width=width
-    )
+    ridges = _ridges((along, across), radius, ridge_period, pattern, skin)
     ridges &= ~crease_lines(along, across, semi_minor, creases, seed)
     amount = smudge(
         ridges.astype(np.float32),
@@ -199,19 +177,7 @@ def render_contact_image(
         count=smudges,
         seed=seed,
     )
-    if fading is not None:
-        amount *= _rise(depth, *fading, edge_power)
-    if rim:
-        amount += as_float32(rim * np.exp(-((depth / rim_width) ** 2) / 2))
-    pixels = _expose(
-        amount,
-        look,
-        mm_per_px,
-        lighting=lighting,
-        noise_std=noise_std,
-        blur=blur,
-        rng=rng,
-    )
+    pixels = _expose(amount, look, mm_per_px, lighting=lighting, noise_std=noise_std, blur=blur, rng=rng)
     if jpeg_quality is not None:
         _, code = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])
         pixels = np.asarray(cv2.imdecode(code, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
@@ -228,19 +194,6 @@ def render_contact_image(
         ridge_period=ridge_period,
         mm_per_px=mm_per_px,
     )
-
-
-def _depth(inside: BoolArray) -> FloatArray:
-    """Return the distance of each pixel from the edge of a region, px, positive inside."""
-    padded = np.pad(inside, 1).astype(np.uint8)
-    depth = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    off = cv2.distanceTransform(1 - padded, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.asarray(np.where(inside, depth[1:-1, 1:-1] - 0.5, 0.5 - off[1:-1, 1:-1]), dtype=np.float64)
-
-
-def _rise(depth: FloatArray, length: float, first: float, power: float) -> Float32Array:
-    """Return a rise from `first` at the edge to 1 at a depth."""
-    return as_float32(first + (1 - first) * np.clip(depth / length, 0, 1) ** power)
 
 
 def _equal_area_ellipse(
@@ -293,23 +246,14 @@ def _grid(outline: FloatArray, margin: float, mm_per_px: float) -> tuple[FloatAr
 
 
 def _ridges(
-    along: FloatArray,
-    across: FloatArray,
-    radius: FloatArray,
-    *,
-    ridge_period: float,
-    pattern: Pattern,
-    seed: int,
-    relative_width: Float32Array | None,
+    places: tuple[FloatArray, FloatArray], radius: FloatArray, period: float, pattern: Pattern, seed: int
 ) -> BoolArray:
-    """Return where ridges touch: crests above a level that rises towards the edge, without pores.
-
-    `relative_width` is that of the ridges, as a share of the interior's, where it is given.
-    """
+    """Return where ridges touch: crests above a level that rises towards the edge, without pores."""
+    along, across = places
     reach = max(np.abs(along[radius <= 1]).max(initial=0), np.abs(across[radius <= 1]).max(initial=0))
     # Whole steps of 8 periods let pictures of one finger share a sheet.
-    crests, grain = ridge_sheet(seed, pattern, 8 * math.ceil((reach / ridge_period + 1) / 8))
-    cells = CELLS_PER_PERIOD / ridge_period
+    crests, grain = ridge_sheet(seed, pattern, 8 * math.ceil((reach / period + 1) / 8))
+    cells = CELLS_PER_PERIOD / period
     middle = (crests.shape[0] - 1) / 2
 
     def sample(sheet: Float32Array) -> Float32Array:
@@ -318,13 +262,8 @@ def _ridges(
         return as_float32(cv2.remap(sheet, columns, rows, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT))
 
     # Pressure falls to nothing at the edge: the ridges thin out and break up there.
-    if relative_width is None:
-        edge = np.clip((radius - 0.86) / 0.14, 0, 1) ** 2
-        touching = sample(crests) > -0.12 + 0.3 * edge + (0.22 + 0.3 * edge) * sample(grain)
-    else:
-        # A crest is nearly a cosine: it stands above cos(πw) over a share w of the period.
-        level = 0.97 * np.cos(math.pi * 0.54 * relative_width)
-        touching = sample(crests) > level + 0.22 * relative_width * sample(grain)
+    edge = np.clip((radius - 0.86) / 0.14, 0, 1) ** 2
+    touching = sample(crests) > -0.12 + 0.3 * edge + (0.22 + 0.3 * edge) * sample(grain)
     return touching & (radius <= 1)
 
 

@@ -14,7 +14,7 @@ from fingerpad._columns import columns_in_toml, unread_notes
 from fingerpad._files import make_folder
 from fingerpad._plausible import MOST_N, semi_axes_doubt, unit_doubts
 from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
-from fingerpad.image.sequence.force_tables import unread_force_columns
+from fingerpad.image.sequence.force import unread_force_columns
 from fingerpad.loading.curve import unread_curve_columns
 from fingerpad.study.corrections.items import (
     CORRECTIONS_NAME,

@@ -71,7 +71,7 @@ def measure_frames(
         sequence_summary,
         write_overlay,
     )
-    from fingerpad.image.sequence.force_tables import unread_force_columns
+    from fingerpad.image.sequence.force import unread_force_columns
 
     if scale is None:
         raise CalibrationError(f"a sequence needs a scale: give {WAYS}")

@@ -145,6 +145,11 @@ class PreparedContactImage(Displayed):
         edges : ndarray, shape (n + 1,)
             Of the bins: grey levels from the background towards contact, as `threshold` is given in.
 
+        Raises
+        ------
+        ImageError
+            If the surface is smooth: no threshold tells ridges from valleys there.
+
         Examples
         --------
         >>> from fingerpad.simulate import render_contact_image
@@ -154,7 +159,11 @@ class PreparedContactImage(Displayed):
         >>> bool(edges[0] < 0 < prepared.measure().threshold < edges[-1])
         True
         """
-        levels = smoothed(self._view)[self._view.inside]
+        if self._ridges is None:
+            raise ImageError("a smooth contact has no threshold: its edge is where the picture steps")
+        levels = smoothed(self._view)
+        if self._view.inside.any():  # a mask of a line leaves no pixel of the copy
+            levels = levels[self._view.inside]
         low, high = np.percentile(levels, (0.1, 99.9))
         counts, edges = np.histogram(levels, _HISTOGRAM_BINS, range=(min(low, 0.0), max(high, 1e-9)))
         return counts.astype(np.float64), edges

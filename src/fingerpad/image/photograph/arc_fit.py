@@ -20,9 +20,15 @@ from scipy.optimize import least_squares
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array
 from fingerpad.exceptions import FitError
-from fingerpad.image._correlation import correlation_length
 from fingerpad.image.ellipse import PlaneEllipse, rotation
-from fingerpad.image.ellipse_fit import EllipseFit, Parameters, distances, fit_aligned_ellipse, normalise
+from fingerpad.image.ellipse_fit import (
+    EllipseFit,
+    Parameters,
+    correlation_length,
+    distances,
+    fit_aligned_ellipse,
+    normalise,
+)
 
 _ROUNDS = 2
 # Farther beyond the arc, in radii of curvature, the outline can be 3 percent of one off, and is not used.

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad.image._correlation import correlation_length
+from fingerpad.image.ellipse_fit import correlation_length
 from fingerpad.image.photograph.calibration import LENGTHS, RADIUS
 from fingerpad.image.photograph.faces import Face
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
-from fingerpad.image.contact_image.measure import measure_contact_image
+from fingerpad.image.contact_image.measure import measure_contact_image, prepare_contact_image
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.view import ContactImageOptions, crop
 from fingerpad.image.levels import Pixels
@@ -128,16 +128,31 @@ def with_first_frame(frames: Iterable[Frame], options: ContactImageOptions) -> C
     ContactImageOptions
         With the first frame that can be read as `background`, where the surface is smooth and none is given.
 
+    Raises
+    ------
+    ImageError
+        If that frame shows a contact as a single picture, without doubts.
+
     Examples
     --------
-    >>> frames = [Frame(index=0, pixels=np.zeros((2, 3), np.uint8))]
+    >>> frames = [Frame(index=0, pixels=np.eye(16, dtype=np.uint8))]
     >>> with_first_frame(frames, {"surface": "smooth"})["background"].shape
-    (2, 3)
+    (16, 16)
     """
     if options.get("surface") != "smooth" or options.get("background") is not None:
         return options
-    ground = next((frame.pixels for frame in frames if frame.pixels is not None), None)
-    return {**options, "background": ground}
+    first = next((frame for frame in frames if frame.pixels is not None), None)
+    if first is None or first.pixels is None:
+        return options
+    alone: ContactImageOptions = {**options, "background": None}
+    # The scale does not decide whether there is a contact; a reflection alone is doubtful.
+    prepared = prepare_contact_image(first.pixels, 1.0, **alone)
+    if prepared.reason is None and not prepared.measure().flags:
+        raise ImageError(
+            f"the sequence begins in contact: frame {first.index} shows one, and is no empty view: "
+            "give background, a picture without a finger"
+        )
+    return {**options, "background": first.pixels}
 
 
 def scan_texture(

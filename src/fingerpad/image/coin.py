@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import Final
 
 import cv2
 import numpy as np
@@ -10,8 +11,7 @@ import numpy.typing as npt
 from fingerpad._arrays import Float32Array
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
-from fingerpad.image._correlation import correlation_length
-from fingerpad.image.coin._circle_detection import (
+from fingerpad.image.circles import (
     Outline,
     contour_ellipses,
     difference,
@@ -19,9 +19,8 @@ from fingerpad.image.coin._circle_detection import (
     fit_edge,
     gaps,
 )
-from fingerpad.image.coin.calibration import COIN_EDGE
 from fingerpad.image.ellipse import PlaneEllipse, orientation_of
-from fingerpad.image.ellipse_fit import fit_ellipse
+from fingerpad.image.ellipse_fit import correlation_length, fit_ellipse
 from fingerpad.image.levels import picture_levels
 from fingerpad.image.read import ImageLike, grey_levels
 from fingerpad.image.scale import Scale
@@ -35,6 +34,19 @@ _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CoinEdge:
+    """Standard deviations of what shifts the edge of a coin as a whole, chosen on coins of known size."""
+
+    lens_px: float = 0.08  # px; lens and lamp
+    rounding: float = 0.0045  # of the radius; the rounded edge, which mirrors the background
+    shadow: float = 0.045  # of the radius; a shadow beside the edge as strong as the coin's contrast
+    band: float = 0.006  # of the radius; a band beside the edge as strong as that
+
+
+COIN_EDGE: Final = CoinEdge()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)

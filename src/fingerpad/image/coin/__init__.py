@@ -1,1 +1,0 @@
-"""Find a coin of known diameter in a picture."""
