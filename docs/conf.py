@@ -15,6 +15,8 @@ import pad_drawing  # noqa: E402
 generated_reference.write(HERE / "reference")
 generated_reference.example_figure(HERE / "_static" / "example_area.svg")
 pad_drawing.draw(HERE / "_static" / "pad_to_contact.svg")
+pad_drawing.draw_axes(HERE / "_static" / "axes.svg")
+pad_drawing.draw_directions(HERE / "_static" / "contact_directions.svg")
 # Real prints are not distributed; gallery scripts show them where they are.
 os.environ.setdefault("FINGERPAD_PRINTS", str(HERE.parents[1] / "shared" / "data"))
 

@@ -1,4 +1,4 @@
-"""The drawing of the page "From a pad to a contact": axes, wedge, parametric angle, and a layer over bone."""
+"""Drawings of the axes: of the pad, on its wedge over bone, and of the directions in the contact."""
 
 from pathlib import Path
 
@@ -33,6 +33,36 @@ def draw(path: Path) -> None:
     wedge.set_title("2  on a wedge of angle θ")
     draw_layer(layer)
     layer.set_title("3  pressed: contact, indentation ξ, layer t")
+    figure.savefig(path)
+    plt.close(figure)
+
+
+@in_style
+def draw_axes(path: Path) -> None:
+    """Write the pad's axes and its wedge as SVG."""
+    figure, (pad, wedge) = plt.subplots(1, 2, figsize=(6.8, 3.3), layout="constrained")
+    plot_wedge_in_pad_axes(pad, PAD, wedge_angle=WEDGE)
+    pad.set_title("the pad's own axes (z across, towards you)")
+    plot_wedge(wedge, PAD, wedge_angle=WEDGE)
+    wedge.set_title("on a wedge of angle θ")
+    figure.savefig(path)
+    plt.close(figure)
+
+
+@in_style
+def draw_directions(path: Path) -> None:
+    """Write the directions in the contact as SVG."""
+    figure, axes = plt.subplots(figsize=(4.6, 2.3), layout="constrained")
+    draw_layer(axes)
+    arrow = {"arrowstyle": "->", "color": VERMILLION, "lw": 1.5, "shrinkA": 0, "shrinkB": 0}
+    for end, (x, y), name in (
+        ((14.5, -7), (14.8, -7.3), "x along, to the tip"),
+        ((11, -10.5), (11.3, -10.8), "z depth"),
+    ):
+        axes.annotate("", end, (11, -7), arrowprops=arrow)
+        axes.text(x, y, name, color=VERMILLION, fontsize=8)
+    axes.text(11, -6.6, "y across", color=VERMILLION, fontsize=8, ha="center")
+    axes.set(xlim=(-11.5, 24), ylim=(-12, 4))
     figure.savefig(path)
     plt.close(figure)
 
