@@ -4,6 +4,7 @@ import io
 import struct
 import zipfile
 import zlib
+from contextlib import suppress
 from pathlib import Path
 from unittest.mock import patch
 
@@ -12,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import settings as examples
 from hypothesis import strategies as st
+from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
 from tests.workbooks import MAIN, sheet_xml, workbook
 
@@ -28,6 +30,14 @@ NUMBERS = st.floats(-1e9, 1e9).map(float)
 def mat(**variables: object) -> bytes:
     target = io.BytesIO()
     savemat(target, variables, oned_as="column", do_compression=True)
+    return target.getvalue()
+
+
+def tdms(channels: dict[str, tuple[list[float], dict[str, object]]], group: str = "press") -> bytes:
+    target = io.BytesIO()
+    with TdmsWriter(target) as writer:
+        for name, (values, properties) in channels.items():
+            writer.write_segment([ChannelObject(group, name, np.array(values), properties)])
     return target.getvalue()
 
 
@@ -50,6 +60,7 @@ def written(rows: list[list[float]]) -> dict[str, bytes]:
     found["texts.xlsx"] = workbook(sheet_xml([row if k else HEADER for k, row in enumerate(texts)]))
     found["vectors.mat"] = mat(**columns)
     found["structure.mat"] = mat(press=columns, sample_rate_Hz=1000.0, subject="S01")
+    found["channels.tdms"] = tdms({name: (column, {}) for name, column in columns.items()})
     return found
 
 
@@ -220,6 +231,53 @@ def test_torn_files_are_refused_or_read_but_never_a_traceback(tmp_path: Path) ->
             else:
                 outcomes.add("read")
     assert outcomes == {"refused", "read"}
+
+
+def test_channels_of_a_tdms_file_have_their_units_and_their_time(tmp_path: Path) -> None:
+    rate = {"wf_increment": 0.5, "wf_start_offset": 0.25}
+    path = tmp_path / "a.tdms"
+    path.write_bytes(
+        tdms(
+            {
+                "Force": ([100.0, 200.0, 300.0], {"unit_string": "mN", **rate}),
+                "Displacement": ([1.0, 2.0, 3.0], {"unit_string": "um", **rate}),
+                "Operator": (["a", "b", "c"], {}),
+            }
+        )
+    )
+    curve = read_loading_curve(path)
+    assert curve.time is not None
+    assert np.allclose(
+        [curve.time, curve.load, curve.indentation],
+        [[0.25, 0.75, 1.25], [0.1, 0.2, 0.3], [0.001, 0.002, 0.003]],
+    )
+
+
+def test_a_damaged_tdms_file_is_refused_in_words() -> None:
+    content = tdms({name: (np.arange(50.0).tolist(), {"unit_string": "N"}) for name in HEADER})
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        torn = bytearray(content)
+        torn[int(rng.integers(4, 150))] ^= 1 << int(rng.integers(8))
+        with suppress(LoadingError):  # anything else is a fault
+            list(parse_table(bytes(torn), "a.tdms", LoadingError).rows)
+    with pytest.raises(LoadingError, match=r"a.tdms: holds no channels of numbers"):
+        parse_table(tdms({"Operator": (["a", "b"], {})}), "a.tdms", LoadingError)
+    with (
+        patch.object(_tables, "_MOST_CELLS", 100),
+        pytest.raises(LoadingError, match=r"a.tdms: says that it holds 150 values: keep only"),
+    ):
+        parse_table(content, "a.tdms", LoadingError)
+
+
+def test_a_tdms_file_without_its_reader_says_what_to_install() -> None:
+    with (
+        patch.dict("sys.modules", {"nptdms": None}),
+        pytest.raises(
+            LoadingError, match=r"a.tdms: reading TDMS needs npTDMS: pip install 'fingerpad\[tdms\]'"
+        ),
+    ):
+        parse_table(b"TDSm", "a.tdms", LoadingError)
 
 
 def test_a_workbook_without_its_reader_says_what_to_install() -> None:

@@ -123,7 +123,7 @@ def read_columns(
     Parameters
     ----------
     path : Path
-        A CSV, XLSX or MAT file. Columns of other names are left alone.
+        A CSV, XLSX, MAT or TDMS file. Columns of other names are left alone.
     required, optional : sequence of str
         Quantities of `fingerpad.units.FACTORS`.
     columns : mapping, optional

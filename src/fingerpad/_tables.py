@@ -1,4 +1,4 @@
-"""The cells of a table: a CSV file, the first sheet of an XLSX workbook, or the vectors of a MAT file."""
+"""The cells of a table: CSV, a workbook's first sheet (XLSX), vectors (MAT) or channels (TDMS)."""
 
 import csv
 import io
@@ -19,7 +19,7 @@ import numpy as np
 from fingerpad._csv import unescape_formula
 from fingerpad.exceptions import FingerpadError
 
-TABLE_SUFFIXES: Final = frozenset((".csv", ".tsv", ".xlsx", ".mat"))
+TABLE_SUFFIXES: Final = frozenset((".csv", ".tsv", ".xlsx", ".mat", ".tdms"))
 _HEAD_BYTES: Final = 65536
 _GUESS_ROWS: Final = 20
 # Of a workbook or a MAT file, whatever it is packed into: bytes, cells from the first to the last one.
@@ -106,7 +106,7 @@ def with_point(cell: str) -> str:
 
 
 def read_table(path: Path, error: type[FingerpadError], *, head_only: bool = False) -> Table:
-    """Read the cells of a file: CSV unless it is an XLSX workbook or its suffix is ``.mat``.
+    """Read the cells of a file: CSV unless it is an XLSX workbook, a TDMS file or its suffix is ``.mat``.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def read_table(path: Path, error: type[FingerpadError], *, head_only: bool = Fal
 
 def _is_packed(path: Path, content: bytes) -> bool:
     """Tell whether a file is one that is read as a whole or not at all."""
-    return content[:4] == b"PK\x03\x04" or path.suffix.lower() == ".mat"
+    return content[:4] in {b"PK\x03\x04", b"TDSm"} or path.suffix.lower() == ".mat"
 
 
 def parse_table(content: bytes | str, name: str, error: type[FingerpadError]) -> Table:
@@ -155,6 +155,8 @@ def parse_table(content: bytes | str, name: str, error: type[FingerpadError]) ->
     lines: Iterable[tuple[int, list[str]]]
     if isinstance(content, bytes) and content[:4] == b"PK\x03\x04":
         lines = enumerate(_sheet_cells(content, name, error), 1)
+    elif isinstance(content, bytes) and content[:4] == b"TDSm":
+        lines = enumerate(_tdms_cells(content, name, error))
     elif isinstance(content, bytes) and (b"\x89HDF\r\n" in (content[:6], content[512:518])):
         raise error(
             f"{name}: is HDF5, as MATLAB's version 7.3: save it again with save('curve.mat', ..., '-v7')"
@@ -311,6 +313,45 @@ def _mat_cells(content: bytes, name: str, error: type[FingerpadError]) -> Iterat
     yield [title for title, _ in columns]
     values = [map(repr, column.tolist()) for _, column in columns]
     yield from map(list, zip_longest(*values, fillvalue=""))
+
+
+def _tdms_cells(content: bytes, name: str, error: type[FingerpadError]) -> Iterator[list[str]]:
+    """Yield the names of a TDMS file's channels with their units, then their values."""
+    try:
+        columns = _channels(content)
+    except ImportError as fault:
+        raise error(f"{name}: reading TDMS needs npTDMS: pip install 'fingerpad[tdms]'") from fault
+    except _TooLarge as fault:
+        raise error(f"{name}: {fault}: keep only the press in it, or save it as CSV") from None
+    except Exception as fault:  # npTDMS raises many kinds for damaged bytes
+        raise error(f"{name}: is no TDMS file, or a damaged one ({fault}): save it as CSV") from fault
+    if not columns:
+        raise error(f"{name}: holds no channels of numbers: save force and displacement as channels")
+    yield list(columns)
+    values = [map(repr, column.tolist()) for column in columns.values()]
+    yield from map(list, zip_longest(*values, fillvalue=""))
+
+
+def _channels(content: bytes) -> dict[str, Any]:
+    """Return the channels of numbers; their time, too, where they state its steps and no channel is it."""
+    from nptdms import TdmsFile
+
+    columns: dict[str, Any] = {}
+    with TdmsFile.open(io.BytesIO(content)) as file:
+        channels = [each for group in file.groups() for each in group.channels() if len(each) > 1]
+        if (count := sum(map(len, channels))) > _MOST_CELLS:
+            raise _TooLarge(f"says that it holds {count} values")
+        names = [each.name for each in channels]
+        for channel in channels:
+            values = channel[:]
+            if values.dtype.kind not in "biuf":
+                continue
+            unit = channel.properties.get("unit_string", "")
+            title = channel.name if names.count(channel.name) == 1 else f"{channel.group_name} {channel.name}"
+            columns[f"{title} ({unit})" if unit else title] = values
+            if "wf_increment" in channel.properties and not any("time" in one.lower() for one in names):
+                columns.setdefault("time_s", channel.time_track())
+    return columns
 
 
 def _unpacked_mat(content: bytes) -> bytes:

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 def fit(
     curve: Annotated[
-        Path, typer.Argument(help="CSV, XLSX or MAT file with force and displacement.", show_default=False)
+        Path,
+        typer.Argument(help="CSV, XLSX, MAT or TDMS file with force and displacement.", show_default=False),
     ],
     *,
     column: Annotated[

@@ -127,7 +127,7 @@ class LoadingCurve(Displayed):
 
 
 def read_loading_curve(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> LoadingCurve:
-    r"""Read a loading curve from a CSV, XLSX or MAT file.
+    r"""Read a loading curve from a CSV, XLSX, MAT or TDMS file.
 
     The header names a quantity and its unit, as in ``time_s, force_N, displacement_mm, area_mm2`` or
     ``Time (s), Load [mN], Disp / um``; other units are converted. Time and area may be absent. Columns of

@@ -44,7 +44,7 @@ def plain_name(name: str) -> str:
         raise RequestError(
             HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
             f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), videos (AVI, MP4) and tables "
-            "(CSV, TSV, XLSX, MAT) can be used",
+            "(CSV, TSV, XLSX, MAT, TDMS) can be used",
         )
     plain = re.sub(r"(?:(?!(?<=\d)\.(?=\d))[^\w+-])+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
     return f"{plain}.{suffix}"

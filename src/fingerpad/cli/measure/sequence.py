@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 def measure_frames(
     *,
     path: Annotated[Path, typer.Argument(help="Folder, TIFF or video.", show_default=False)],
-    force: Annotated[Path | None, typer.Option(help="CSV, XLSX or MAT with time_s,force_N.")] = None,
+    force: Annotated[Path | None, typer.Option(help="CSV, XLSX, MAT or TDMS with time_s,force_N.")] = None,
     frames_per_second: Annotated[
         float | None, typer.Option(min=1e-6, help="Frames per second, as they were taken.")
     ] = None,

@@ -435,7 +435,7 @@ class ContactSequence(PlacedFinger):
     file: str
     """Folder of pictures, TIFF of many pages, or video."""
     force: str
-    """Table (CSV, XLSX or MAT) of the force, `time_s,force_N`, perhaps `trigger_V`, `displacement_mm`."""
+    """Table (CSV, XLSX, MAT or TDMS) of force, `time_s,force_N`, perhaps `trigger_V`, `displacement_mm`."""
     force_columns: dict[Literal["time", "force", "trigger", "displacement"], str] = Field(default={})
     """Other headers of that file, as in `Fz:mN` or `stage:um`."""
     frames_per_second: Positive | None = None
@@ -482,7 +482,7 @@ class Curve(ManifestModel):
     wedge_angle_deg: WedgeAngle
     """Angle of the wedge: 0 is flat, 90 on the fingertip."""
     file: str | None = None
-    """Table (CSV, XLSX or MAT), `time_s,force_N,displacement_mm,area_mm2`; time and area are optional."""
+    """Table (CSV, XLSX, MAT or TDMS), `time_s,force_N,displacement_mm,area_mm2`; time, area optional."""
     file_columns: dict[Literal["time", "force", "displacement", "area"], str] = Field(default={})
     """Other headers of that file, as in `stage:um`."""
     cycle: Annotated[int, Field(ge=0)] = 0
