@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 
 import pytest
-
 from benchmarks import RESULTS, modules
 
 ROOT = Path(__file__).parents[1]
