@@ -26,8 +26,8 @@ KNOWN = {(one.method, one.plain_path) for one in ENDPOINTS}
 # The nightly profile draws more, and others each time.
 EXAMPLES = 100 if os.environ.get("HYPOTHESIS_PROFILE") == "nightly" else 5
 PATIENCE_S = 120  # test machines may be slow
-# Names of Plotly and WebGL, of files, and an example.
-OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y", "gl_Position"} | {
+# Names of Plotly, of files, and an example.
+OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y"} | {
     "by_load",
     "contact_load_N",
     "corrected_radius",

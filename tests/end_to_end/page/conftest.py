@@ -25,14 +25,8 @@ def chromium() -> Iterator[Callable[..., AbstractContextManager[Browser]]]:
 
 @pytest.fixture(scope="session")
 def browser(chromium) -> Iterator[Browser]:
-    """A browser without WebGL, which emulated makes every page slow; one process keeps what was compiled."""
+    """A browser; one process keeps what was compiled, and without a GPU nothing emulates one."""
     with chromium("--disable-gpu", "--disable-software-rasterizer", "--process-per-site") as browser:
-        yield browser
-
-
-@pytest.fixture
-def webgl_browser(chromium) -> Iterator[Browser]:
-    with chromium("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader") as browser:
         yield browser
 
 

@@ -30,7 +30,7 @@ class PadView {
     const placed = workspace.study.observations.find(({ finger }) => finger === this.finger);
     this.wedge = placed?.wedge_angle_deg ?? 30;
     this.roll = placed?.roll_angle_deg ?? 0;
-    this.scene = new PadScene({ forceSvg: new URLSearchParams(location.search).has("svg") });
+    this.scene = new PadScene();
     this.numbers = h("section");
     this.live = new LatestRequest(
       (asked) => post("/geometry", asked),

@@ -29,6 +29,7 @@ const RESETS = [
 
 /** @param {PhotographMeasurement} answer */
 function uncertaintyByTerm({ uncertainty_mm_std: terms }, axis) {
+  /** @type {[string, number][]} */
   const stds = Object.entries(terms).map(([term, byAxis]) => [term, byAxis[axis]]);
   return stds
     .filter(([, std]) => std > 0)
