@@ -176,7 +176,7 @@ def test_a_sequence_that_begins_in_contact_needs_a_background(reflection):
         _picture(size=size, reflection=reflection, noise=k)[0] for k, size in enumerate((0.6, 0.8, 1.0))
     ]
     frames = [Frame(index=k, pixels=pixels) for k, pixels in enumerate(pictures)]
-    with pytest.raises(ImageError, match="begins in contact: frame 0 shows one .*: give background"):
+    with pytest.raises(ImageError, match="begins in contact: frame 0 shows one, .*: give background"):
         list(measure_sequence(frames, _SCALE, surface="smooth"))
     empty = _picture(contact=False, reflection=reflection, noise=7)[0]
     results = list(measure_sequence(frames, _SCALE, surface="smooth", background=empty))

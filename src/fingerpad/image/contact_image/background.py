@@ -97,23 +97,12 @@ def _is_card(card: BoolArray, slack: float = 0.0) -> bool:
 
 
 class Flattened(NamedTuple):
-    """A picture turned so that contact is bright, on an even ground of about zero.
+    """A picture turned so that contact is bright, on an even ground of about zero."""
 
-    Attributes
-    ----------
-    values : ndarray of float32, (rows, columns)
-    noise : float
-        Standard deviation of the quiet ground.
-    contrast : float
-        Level of the busy parts' contact above the ground, or what the caller gives.
-    dark_on_light : bool
-        Whether contact was darker than the ground.
-    """
-
-    values: Float32Array
-    noise: float
-    contrast: float
-    dark_on_light: bool
+    values: Float32Array  # (rows, columns)
+    noise: float  # standard deviation of the quiet ground
+    contrast: float  # level of the busy parts' contact above the ground, or what the caller gives
+    dark_on_light: bool  # whether contact was darker than the ground
 
 
 def flattened(

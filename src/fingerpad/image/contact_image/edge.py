@@ -28,61 +28,35 @@ _ACROSS: Final = 6
 _RAMP: Final = 64
 # A manual edge lies somewhere within one ridge period, uniformly: half of that variance it has everywhere
 # alike, as a generous outline is generous all round.
-_MANUAL: Final = math.sqrt(1 / 12 / 2)
+MANUAL: Final = math.sqrt(1 / 12 / 2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Edge:
-    """An outline with what is known at each of its points, all in px of the copy.
+    """An outline with what is known at each of its points, all in px of the copy."""
 
-    Attributes
-    ----------
-    points : ndarray, (n, 2)
-        (x, y), about evenly spaced, in order.
-    normals : ndarray, (n, 2)
-        Outward.
-    steps : ndarray, (n,)
-        Length of outline that each point stands for.
-    along : ndarray, (n,)
-        How far the outline follows one ridge (1) or crosses ridges (0), near each point: by how much the
-        ridge amount 0.3 periods inside exceeds that 0.8 inside.
-    period : float
-        Ridge period.
-    noise : float
-        Standard deviation of the noise, in parts of the rise from valley to ridge.
-    softness : float
-        By what share the ridges' area would change if their level moved by the whole rise.
-    resolved : bool
-        Whether the period was seen in the picture, or is one that fingers usually have.
-    manual : ndarray of bool, (n,)
-        Where a person drew it.
-    differs : ndarray, (n,)
-        Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for all
-        points, by how the contrast inside differs from that along the rest of the outline.
-    fade : float
-        How far further out the edge lies because the contact fades towards it; below 0 where it is sharp.
-    beyond : float
-        How much ridges beyond the outline vary along it, in parts of the interior's contrast.
-    rim : float
-        By how much ridges stand out less at the outline than inside because a halo or a meniscus covers them,
-        from 0 to 1; squared.
-    unevenness : float
-        Standard deviation along the outline of the contrast just outside it, in parts of the interior's.
-    """
-
-    points: FloatArray
-    normals: FloatArray
-    steps: FloatArray
+    points: FloatArray  # (n, 2); (x, y), about evenly spaced, in order
+    normals: FloatArray  # (n, 2); outward
+    steps: FloatArray  # (n,); length of outline that each point stands for
+    # (n,); How far the outline follows one ridge (1) or crosses ridges (0), near each point: by how much the
+    # ridge amount 0.3 periods inside exceeds that 0.8 inside
     along: FloatArray
-    period: float
-    noise: float
-    softness: float
-    resolved: bool
-    manual: BoolArray
+    period: float  # ridge period
+    noise: float  # standard deviation of the noise, in parts of the rise from valley to ridge
+    softness: float  # by what share the ridges' area would change if their level moved by the whole rise
+    resolved: bool  # whether the period was seen in the picture, or is one that fingers usually have
+    manual: BoolArray  # (n,); where a person drew it
+    # (n,); Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for
+    # all points, by how the contrast inside differs from that along the rest of the outline
     differs: FloatArray
+    # How far further out the edge lies because the contact fades towards it; below 0 where it is sharp
     fade: float = 0.0
+    # How much ridges beyond the outline vary along it, in parts of the interior's contrast
     beyond: float = 0.0
+    # By how much ridges stand out less at the outline than inside because a halo or a meniscus covers them,
+    # from 0 to 1; squared
     rim: float = 0.0
+    # Standard deviation along the outline of the contrast just outside it, in parts of the interior's
     unevenness: float = 0.0
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
@@ -158,28 +132,17 @@ def _softness(amount: UInt8, patch: BoolArray) -> float:
 
 
 class FadeSigns(NamedTuple):
-    """What shows how a contact ends.
+    """What shows how a contact ends."""
 
-    Attributes
-    ----------
-    thinning : float
-        By how much less ridge there is in the last period inside the outline than in the one before, as a
-        part of that.
-    outside : float
-        How much ridges vary along the outline just outside it, in parts of that inside.
-    beyond : float
-        The same further out, in parts of the interior's contrast.
-    rim, unevenness : float
-        As in `Edge`.
-    differs : ndarray, (n,)
-        By how much the contrast inside is less than elsewhere along the outline, in parts of the interior's.
-    """
-
+    # By how much less ridge there is in the last period inside the outline than in the one before, as a part
+    # of that
     thinning: float
-    outside: float
-    beyond: float
-    rim: float
-    unevenness: float
+    outside: float  # how much ridges vary along the outline just outside it, in parts of that inside
+    beyond: float  # the same further out, in parts of the interior's contrast
+    rim: float  # as in `Edge`
+    unevenness: float  # as in `Edge`
+    # (n,); By how much the contrast inside is less than elsewhere along the outline, in parts of the
+    # interior's
     differs: FloatArray
 
 
@@ -335,7 +298,7 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     along = edge.along.clip(0, 1)
     soft = EDGE.softness_std * edge.softness
     own = edge.period * np.sqrt(along * EDGE.in_valley_std**2 + soft**2)
-    own = np.where(edge.manual, _MANUAL * edge.period, own)
+    own = np.where(edge.manual, MANUAL * edge.period, own)
     # Neighbours share their error over a stretch: a running mean spreads independent errors over it.
     response = weights * (edge.steps * own)[:, None]
     width = min(max(1, round(EDGE.stretch * edge.period)), len(response))
@@ -343,7 +306,7 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     varying = weights * (edge.steps * ~edge.manual * EDGE.varies * edge_offset_std(edge))[:, None]
     long = max(1, round(EDGE.alike * len(varying)))
     varied = running_mean(varying, long)
-    drawn = (weights * (edge.steps * edge.manual * _MANUAL * edge.period)[:, None]).sum(axis=0)
+    drawn = (weights * (edge.steps * edge.manual * MANUAL * edge.period)[:, None]).sum(axis=0)
     uneven = weights.T @ (edge.steps * ~edge.manual * edge.differs)
     independent = spread.T @ spread * width + varied.T @ varied * long
     return np.asarray(independent + np.outer(uneven, uneven) + np.outer(drawn, drawn))

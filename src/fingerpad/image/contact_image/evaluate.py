@@ -1,12 +1,14 @@
 """The numbers of a contact, their uncertainty and the doubts about them, from its region, edge and ridges."""
 
 import math
+from collections.abc import Set
 from typing import Final
 
 import cv2
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad.flags import FLAGS
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image._masks import UInt8, filled_polygon
 from fingerpad.image.contact_image.calibration import RIDGE_AREA
@@ -27,7 +29,7 @@ from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 
 # Contrast over noise below which the contact hardly stands out from noise.
 LOW_CONTRAST: Final = 5.0
-_POOR_OVERLAP: Final = 0.85
+POOR_OVERLAP: Final = 0.85
 # Share of the contact beyond which its ridges may have been joined by sweat or ink.
 _MANY_RIDGES: Final = 0.59
 # Over windows of so many periods resolved ridges spread by more than so many levels of 255; where their mean
@@ -53,7 +55,7 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
     noise, edge_effect = _outline_uncertainty(view, edge, moments, outline, ridge_area)
     known = ridge_area - unknown / 2
     noise[3, 3] += unknown**2 / 12 + _ridge_area_std(edge, fine, known, moments.area) ** 2
-    overlap = _overlap(edge.points, polygon_moments(edge.points))
+    overlap = overlap_of(edge.points, _ellipse_points(polygon_moments(edge.points)))
     period = view.ridge_period * scale.mm_per_px
     merged = ridge_area > _MANY_RIDGES * moments.area
     doubts = {
@@ -62,7 +64,7 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
         "cut_by_mask": view.cut_by_mask(edge.points, edge.steps),
         "low_contrast": view.contrast < LOW_CONTRAST * view.noise,
         "several_regions": region.several,
-        "poor_ellipse": overlap < _POOR_OVERLAP,
+        "poor_ellipse": overlap < POOR_OVERLAP,
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
         "not_a_contact_image": not shows_ridges(view.contact, edge.points, scale.mm_per_px, view.step),
         "ridges_merge": merged,
@@ -70,7 +72,38 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
         "printed_marks": fine.has_print and view.resolved and not merged,
         "edited_manually": edited,
     }
-    units = scale.mm_per_px**_POWERS
+    return contact_result(
+        view,
+        outline,
+        moments,
+        ridge_area=ridge_area,
+        ridge_border=fine.border() * scale.mm_per_px if view.resolved else math.nan,
+        noise=noise,
+        edge_effect=edge_effect,
+        overlap=overlap,
+        threshold=ridges.median_level(region.patch),
+        doubts={flag for flag, seen in doubts.items() if seen},
+        ridges=fine,
+    )
+
+
+def contact_result(
+    view: View,
+    outline: FloatArray,
+    moments: AreaMoments,
+    *,
+    ridge_area: float,
+    ridge_border: float,
+    noise: FloatArray,
+    edge_effect: FloatArray,
+    overlap: float,
+    threshold: float,
+    doubts: Set[str],
+    ridges: RidgeMap | None,
+) -> ContactImageResult:
+    """Return what was measured in px of the picture, or mm of the ridges' borders, as a result in mm."""
+    mm_per_px = view.scale.mm_per_px
+    units = mm_per_px**_POWERS
     values = np.array([*moments.semi_axes, moments.area, ridge_area]) * units
     semi_major, semi_minor, gross_area, ridge_area = values.tolist()
     column, row = moments.centroid
@@ -81,19 +114,20 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
         outline=outline[:, ::-1],
         gross_area=gross_area,
         ridge_area=ridge_area,
-        ridge_border=fine.border() * scale.mm_per_px if view.resolved else math.nan,
-        ridge_period=period,
+        ridge_border=ridge_border,
+        ridge_period=view.ridge_period * mm_per_px,
         overlap=overlap,
         noise_covariance=noise * np.outer(units, units),
         edge_effect=edge_effect * units,
-        mm_per_px=scale.mm_per_px,
-        scale_effect=_POWERS * scale.relative_std * values,
-        threshold=ridges.median_level(region.patch),
+        mm_per_px=mm_per_px,
+        scale_effect=_POWERS * view.scale.relative_std * values,
+        threshold=threshold,
         contrast=view.contrast,
         dark_on_light=view.dark_on_light,
-        flags=tuple(flag for flag, seen in doubts.items() if seen),
+        flags=tuple(flag for flag in FLAGS["contact"] if flag in doubts),
+        surface="smooth" if ridges is None else "ridged",
         _shape=view.shape,
-        _ridges=fine,
+        _ridges=ridges,
     )
 
 
@@ -143,11 +177,15 @@ def _blurred_ridges(amount: UInt8, patch: BoolArray, period: float) -> BoolArray
     return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 
-def _overlap(outline: FloatArray, moments: AreaMoments) -> float:
-    """Return the intersection over union of an outline and its ellipse."""
+def _ellipse_points(moments: AreaMoments) -> FloatArray:
+    """Return points (x, y) of the ellipse of some moments."""
     t = np.linspace(0, 2 * math.pi, 120, endpoint=False)
     along, across = moments.semi_axes[:, None, None] * moments.axes[:, None, :]
-    ellipse = moments.centroid + along * np.cos(t)[:, None] + across * np.sin(t)[:, None]
+    return np.asarray(moments.centroid + along * np.cos(t)[:, None] + across * np.sin(t)[:, None])
+
+
+def overlap_of(outline: FloatArray, ellipse: FloatArray) -> float:
+    """Return the intersection over union of two outlines (x, y)."""
     corner = np.minimum(outline.min(axis=0), ellipse.min(axis=0)) - 1
     columns, rows = np.ceil(np.maximum(outline.max(axis=0), ellipse.max(axis=0)) - corner).astype(int) + 2
     both, other = (filled_polygon(points - corner, (rows, columns)) for points in (outline, ellipse))

@@ -44,18 +44,10 @@ OTHER_REGION: Final = 0.2
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Region:
-    """A contact in the copy.
+    """A contact in the copy."""
 
-    Attributes
-    ----------
-    patch : ndarray of bool, (rows, columns)
-        Where it is, without holes.
-    several : bool
-        Whether there is another patch of some size.
-    """
-
-    patch: BoolArray
-    several: bool
+    patch: BoolArray  # (rows, columns); where it is, without holes
+    several: bool  # whether there is another patch of some size
 
 
 def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) -> Region:

@@ -98,7 +98,7 @@ class ContactImageResult(Recorded):
     flags: tuple[str, ...]
     surface: Surface = "ridged"
     _shape: tuple[int, int]
-    _ridges: RidgeMap
+    _ridges: RidgeMap | None
     _picture: npt.NDArray[Any] | None = None
 
     @property
@@ -180,6 +180,8 @@ class ContactImageResult(Recorded):
     @property
     def ridges(self) -> BoolArray:
         """Where the ridges within the region are, drawn on demand, (rows, columns) of the picture."""
+        if self._ridges is None:
+            return np.zeros(self._shape, dtype=bool)
         return np.asarray(self.region & self._ridges.in_picture(self._shape))
 
     @property

@@ -41,24 +41,12 @@ _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Ridges:
-    """Ridges in the copy.
+    """Ridges in the copy."""
 
-    Attributes
-    ----------
-    amount : ndarray of uint8, (rows, columns)
-        How far each place is from its valley level (0) to its ridge level (255).
-    closed : ndarray of uint8, (rows, columns)
-        The same without specks, closed over the valleys.
-    level : ndarray of float32
-        Level half-way, above the ground, at some places spread over the copy.
-    threshold : float or None
-        That level where the caller gives it.
-    """
-
-    amount: UInt8
-    closed: UInt8
-    level: Float32Array
-    threshold: float | None
+    amount: UInt8  # (rows, columns); how far each place is from its valley level (0) to its ridge level (255)
+    closed: UInt8  # (rows, columns); the same without specks, closed over the valleys
+    level: Float32Array  # level half-way, above the ground, at some places spread over the copy
+    threshold: float | None  # that level where the caller gives it
 
     def median_level(self, patch: BoolArray) -> float:
         """Return the median level in a patch; it varies slowly, and some hundred places show it."""
@@ -146,34 +134,17 @@ def _closed(amount: UInt8, period: float) -> UInt8:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RidgeMap:
-    """Ridges in the box round a contact, at the resolution of the picture or a whole fraction of it.
+    """Ridges in the box round a contact, at the resolution of the picture or a whole fraction of it."""
 
-    Attributes
-    ----------
-    is_ridge, inside : ndarray of bool, (rows, columns)
-        Where ridges are, and what is inside the outline.
-    corner : (int, int)
-        (row, column) of the box in the whole picture.
-    step : int
-        Pixels of the picture in one of the map.
-    softness : float
-        Relative change of the ridges' area for a change of their level, in parts of the rise.
-    grain : float
-        By how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise.
-    clipped : float
-        Share of the valleys that the device shows as white, or as black where ridges are bright.
-    has_print : bool
-        Whether letters, or other marks darker than ridges, are counted as ridges.
-    """
-
-    is_ridge: BoolArray
-    inside: BoolArray
-    corner: tuple[int, int]
-    step: int
-    softness: float
+    is_ridge: BoolArray  # (rows, columns); where ridges are, and what is inside the outline
+    inside: BoolArray  # (rows, columns); where ridges are, and what is inside the outline
+    corner: tuple[int, int]  # (row, column) of the box in the whole picture
+    step: int  # pixels of the picture in one of the map
+    softness: float  # relative change of the ridges' area for a change of their level, in parts of the rise
+    # By how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise
     grain: float
-    clipped: float
-    has_print: bool
+    clipped: float  # share of the valleys that the device shows as white, or as black where ridges are bright
+    has_print: bool  # whether letters, or other marks darker than ridges, are counted as ridges
 
     def in_picture(self, shape: tuple[int, int]) -> BoolArray:
         """Return the ridges in a picture of this shape, none outside the box."""

@@ -14,21 +14,20 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.exceptions import ImageError
-from fingerpad.flags import FLAGS
-from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image._masks import filled_polygon
 from fingerpad.image.contact_image.background import without_added_border
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.edge import (
+    MANUAL,
     Edge,
     axis_weights,
     outward_normals,
     point_spacings,
     running_mean,
 )
+from fingerpad.image.contact_image.evaluate import POOR_OVERLAP, contact_result, overlap_of
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.result import ContactImageResult
-from fingerpad.image.contact_image.ridges import RidgeMap
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps
 from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, crop
 from fingerpad.image.ellipse import polygon_moments
@@ -39,10 +38,6 @@ _COPY_SIDE: Final = 500
 # A person draws an edge within so many mm, but no finer than so many px of the copy.
 _DRAWN_MM: Final = 0.45
 _DRAWN_PX: Final = 3.0
-_MANUAL: Final = math.sqrt(1 / 12 / 2)
-_POOR_OVERLAP: Final = 0.85
-# Dimension of (semi_major, semi_minor, gross_area, ridge_area) in lengths.
-_POWERS: Final = np.array([1, 1, 2, 2])
 _REFUSED: Final = (
     "no contact found: a smooth contact is one compact patch, brighter or darker than the ground or of "
     "another colour, with an edge that is seen all round"
@@ -51,27 +46,13 @@ _REFUSED: Final = (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SmoothEdge(Edge):
-    """The edge of a contact without ridges, px of the copy.
+    """The edge of a contact without ridges, px of the copy."""
 
-    Attributes
-    ----------
-    own : float
-        Standard deviation of the edge's place in one profile.
-    stretch : float
-        Length of outline along which neighbouring profiles share that error.
-    hidden : float
-        Standard uncertainty of the mean place by what of the outline is not seen.
-    shared : float
-        Standard uncertainty of the edge's place all round, which images of one device share.
-    doubts : frozenset of str
-        Flags of this edge.
-    """
-
-    own: float
-    stretch: float
-    hidden: float
-    shared: float
-    doubts: frozenset[str]
+    own: float  # standard deviation of the edge's place in one profile
+    stretch: float  # length of outline along which neighbouring profiles share that error
+    hidden: float  # standard uncertainty of the mean place by what of the outline is not seen
+    shared: float  # standard uncertainty of the edge's place all round, which images of one device share
+    doubts: frozenset[str]  # flags of this edge
 
 
 def find_smooth(
@@ -115,7 +96,7 @@ def evaluate_smooth(view: View, region: Region, edge: Edge, *, edited: bool) -> 
     extents = np.ptp(outline @ moments.axes.T, axis=0)
     other = extents / 2 - moments.semi_axes
     noise[:2, :2] += np.outer(other, other) / 3
-    overlap = _overlap(outline, moments.ellipse.points(360)[:, ::-1])
+    overlap = overlap_of(outline, moments.ellipse.points(360)[:, ::-1])
     doubts = set(edge.doubts) if isinstance(edge, SmoothEdge) else set()
     if view.touches_border(edge.points, edge.steps):
         doubts.add("touches_border")
@@ -123,47 +104,24 @@ def evaluate_smooth(view: View, region: Region, edge: Edge, *, edited: bool) -> 
         doubts.add("cut_by_mask")
     if region.several:
         doubts.add("several_regions")
-    if overlap < _POOR_OVERLAP:
+    if overlap < POOR_OVERLAP:
         doubts.add("poor_ellipse")
     if edited:
         doubts.add("edited_manually")
-    units = view.scale.mm_per_px**_POWERS
-    values = np.array([*moments.semi_axes, moments.area, math.nan]) * units
     covariance = np.full((4, 4), math.nan)
     covariance[:3, :3] = noise
-    effect = np.array([offset, offset, offset * edge.steps.sum() * view.step, math.nan])
-    column, row = moments.centroid
-    nothing = np.zeros((1, 1), dtype=bool)
-    return ContactImageResult(
-        ellipse=Ellipse(float(values[0]), float(values[1])),
-        orientation=moments.orientation,
-        centroid=(float(row), float(column)),
-        outline=outline[:, ::-1],
-        gross_area=float(values[2]),
+    return contact_result(
+        view,
+        outline,
+        moments,
         ridge_area=math.nan,
         ridge_border=math.nan,
-        ridge_period=math.nan,
+        noise=covariance,
+        edge_effect=np.array([offset, offset, offset * edge.steps.sum() * view.step, math.nan]),
         overlap=overlap,
-        noise_covariance=covariance * np.outer(units, units),
-        edge_effect=effect * units,
-        mm_per_px=view.scale.mm_per_px,
-        scale_effect=_POWERS * view.scale.relative_std * values,
         threshold=view.contrast / 2,
-        contrast=view.contrast,
-        dark_on_light=view.dark_on_light,
-        flags=tuple(flag for flag in FLAGS["contact"] if flag in doubts),
-        surface="smooth",
-        _shape=view.shape,
-        _ridges=RidgeMap(
-            is_ridge=nothing,
-            inside=nothing,
-            corner=(0, 0),
-            step=1,
-            softness=0.0,
-            grain=0.0,
-            clipped=0.0,
-            has_print=False,
-        ),
+        doubts=doubts,
+        ridges=None,
     )
 
 
@@ -361,7 +319,7 @@ def _scatter(step: Step) -> tuple[float, float]:
 
 def _outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     """Return the covariance of (semi_major, semi_minor, area) by errors of this image's outline."""
-    drawn = np.where(edge.manual, _MANUAL * edge.period, 0.0)
+    drawn = np.where(edge.manual, MANUAL * edge.period, 0.0)
     own, width, hidden = 0.0, 1.0, 0.0
     if isinstance(edge, SmoothEdge):
         own, width, hidden = edge.own, edge.stretch / max(float(edge.steps.mean()), 1e-9), edge.hidden
@@ -375,11 +333,3 @@ def _outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     return np.asarray(
         spread.T @ spread * count + np.outer(together, together) + part.T @ part * (len(unseen) // 2)
     )
-
-
-def _overlap(outline: FloatArray, ellipse: FloatArray) -> float:
-    """Return the intersection over union of two outlines (x, y)."""
-    corner = np.minimum(outline.min(axis=0), ellipse.min(axis=0)) - 1
-    columns, rows = np.ceil(np.maximum(outline.max(axis=0), ellipse.max(axis=0)) - corner).astype(int) + 2
-    both, other = (filled_polygon(points - corner, (rows, columns)) for points in (outline, ellipse))
-    return float(np.count_nonzero(both & other) / np.count_nonzero(both | other))

@@ -43,55 +43,25 @@ _ORDERS: Final = (2, 2, 3, 4, 4)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Step:
-    """The step of a picture along an outline, px of the picture.
+    """The step of a picture along an outline, px of the picture."""
 
-    Attributes
-    ----------
-    points : ndarray, (n, 2)
-        (x, y) of the outline, evenly spaced.
-    off : ndarray, (n,)
-        How far out from it the edge lies in the profile at each point; NaN where none is seen.
-    seen : float
-        Share of the outline at which the edge is seen.
-    height : float
-        Level of the contact above what lies around it, median along the outline, grey levels.
-    noise : float
-        Standard deviation of the level around the contact, grey levels.
-    width : float
-        Width of the step at half height of its slope.
-    unevenness : float
-        Standard deviation of the height along the outline, in parts of it.
-    sign : int
-        +1 where the contact is brighter than the ground, -1 where darker, 0 where only its colour differs.
-    ring : bool
-        Whether the edge is a crest, not a step.
-    narrow : bool
-        Whether that crest is a narrow ring round a level floor.
-    outer_edge, inner_edge : float
-        How far outside or inside a second edge lies, 0 for none.
-    overshoot : float
-        How far the first fringe outside rises beyond the ground, in parts of the height; 0 for none.
-    fringe : float
-        How far outside the edge it lies.
-    cut : bool
-        Whether the contact leaves the picture.
-    """
-
-    points: FloatArray
+    points: FloatArray  # (n, 2); (x, y) of the outline, evenly spaced
+    # (n,); How far out from it the edge lies in the profile at each point; NaN where none is seen
     off: FloatArray
-    seen: float
-    height: float
-    noise: float
-    width: float
-    unevenness: float
+    seen: float  # share of the outline at which the edge is seen
+    height: float  # level of the contact above what lies around it, median along the outline, grey levels
+    noise: float  # standard deviation of the level around the contact, grey levels
+    width: float  # width of the step at half height of its slope
+    # +1 where the contact is brighter than the ground, -1 where darker, 0 where only its colour differs
     sign: int
-    ring: bool
-    narrow: bool
-    outer_edge: float
-    inner_edge: float
+    ring: bool  # whether the edge is a crest, not a step
+    narrow: bool  # whether that crest is a narrow ring round a level floor
+    outer_edge: float  # how far outside or inside a second edge lies, 0 for none
+    inner_edge: float  # how far outside or inside a second edge lies, 0 for none
+    # How far the first fringe outside rises beyond the ground, in parts of the height; 0 for none
     overshoot: float
-    fringe: float
-    cut: bool = False
+    fringe: float  # how far outside the edge it lies
+    cut: bool = False  # whether the contact leaves the picture
 
     @property
     def radius(self) -> float:
@@ -363,7 +333,6 @@ def _step_across(
         height=typical_height,
         noise=noise,
         width=width,
-        unevenness=float(1.4826 * np.nanmedian(np.abs(height - typical_height))) / typical_height,
         sign=sign,
         ring=ring,
         narrow=ring and _is_narrow(smooth, across, place, 0.2 * radius),

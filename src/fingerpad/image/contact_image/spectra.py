@@ -228,21 +228,11 @@ def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step
 
 
 class LineTexture(NamedTuple):
-    """Windows of a picture that are filled by lines of one spacing, which go on in the windows next to them.
+    """Windows of a picture filled by lines of one spacing, which go on in the windows next to them."""
 
-    Attributes
-    ----------
-    share : float
-        Their share of the picture.
-    parallel : float
-        1 where all lines have one direction, about 0 where they have all.
-    spread : float
-        Standard deviation of their spacing over its mean.
-    """
-
-    share: float
-    parallel: float
-    spread: float
+    share: float  # their share of the picture
+    parallel: float  # 1 where all lines have one direction, about 0 where they have all
+    spread: float  # standard deviation of their spacing over its mean
 
 
 def line_texture(picture: Float32Array) -> LineTexture:

@@ -84,24 +84,12 @@ class ContactImageOptions(TypedDict, total=False):
 
 
 class Crop(NamedTuple):
-    """The part of a picture that is measured.
+    """The part of a picture that is measured."""
 
-    Attributes
-    ----------
-    pixels : ndarray of uint8 or float32, (rows, columns)
-        Its grey levels.
-    inside : ndarray of bool, (rows, columns), or None
-        Where the part counts; None means everywhere.
-    corner : (int, int)
-        (row, column) of its first pixel in the whole picture.
-    shape : (int, int)
-        Of the whole picture.
-    """
-
-    pixels: Pixels
-    inside: BoolArray | None
-    corner: tuple[int, int]
-    shape: tuple[int, int]
+    pixels: Pixels  # (rows, columns); its grey levels
+    inside: BoolArray | None  # (rows, columns); where the part counts; None means everywhere
+    corner: tuple[int, int]  # (row, column) of its first pixel in the whole picture
+    shape: tuple[int, int]  # of the whole picture
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,56 +97,25 @@ class View:
     """A picture, and its copy in which a ridge period is 4.5 px and contact is bright on a ground of zero.
 
     Points are (x, y), px of the copy or of the whole picture; pixel centres are whole numbers.
-
-    Attributes
-    ----------
-    picture : ndarray of uint8 or float32, (rows, columns)
-        The part of the picture that is measured.
-    corner : (int, int)
-        (row, column) of its first pixel in the whole picture.
-    shape : (int, int)
-        Of the whole picture.
-    scale : Scale
-        Millimetres per pixel of the picture.
-    ridge_period : float
-        Found or given, px of the picture; NaN where no ridges are resolved.
-    contact : ndarray of float32, (rows, columns)
-        The copy: how far each place lies above the ground, grey levels.
-    ground : ndarray of float32, (rows, columns)
-        The level that was subtracted, of the picture turned so that contact is bright.
-    noise : float
-        Standard deviation of the quiet ground, grey levels.
-    contrast : float
-        Level of the contact above the ground, grey levels.
-    dark_on_light : bool
-        Whether contact is darker than the ground in the picture.
-    shown : ndarray of bool, (rows, columns)
-        Where the picture shows anything: all but an added even border.
-    inside : ndarray of bool, (rows, columns)
-        Where the caller lets it count.
-    cut : (bool, bool, bool, bool)
-        Whether the top, left, bottom and right side are the caller's, not the picture's own.
-    period : float
-        Ridge period, px of the copy; where it is not resolved, that of usual fingers.
-    steps : (float, float)
-        Pixels of the picture in one of the copy, along rows and columns.
     """
 
-    picture: Pixels
-    corner: tuple[int, int]
-    shape: tuple[int, int]
-    scale: Scale
-    ridge_period: float
-    contact: Float32Array
+    picture: Pixels  # (rows, columns); the part of the picture that is measured
+    corner: tuple[int, int]  # (row, column) of its first pixel in the whole picture
+    shape: tuple[int, int]  # of the whole picture
+    scale: Scale  # millimetres per pixel of the picture
+    ridge_period: float  # found or given, px of the picture; NaN where no ridges are resolved
+    contact: Float32Array  # (rows, columns); the copy: how far each place lies above the ground, grey levels
+    # (rows, columns); The level that was subtracted, of the picture turned so that contact is bright
     ground: Float32Array
-    noise: float
-    contrast: float
-    dark_on_light: bool
-    shown: BoolArray
-    inside: BoolArray
+    noise: float  # standard deviation of the quiet ground, grey levels
+    contrast: float  # level of the contact above the ground, grey levels
+    dark_on_light: bool  # whether contact is darker than the ground in the picture
+    shown: BoolArray  # (rows, columns); where the picture shows anything: all but an added even border
+    inside: BoolArray  # (rows, columns); where the caller lets it count
+    # Whether the top, left, bottom and right side are the caller's, not the picture's own
     cut: tuple[bool, bool, bool, bool]
-    period: float
-    steps: tuple[float, float]
+    period: float  # ridge period, px of the copy; where it is not resolved, that of usual fingers
+    steps: tuple[float, float]  # pixels of the picture in one of the copy, along rows and columns
 
     @property
     def resolved(self) -> bool:

@@ -143,7 +143,7 @@ def with_first_frame(frames: Iterable[Frame], options: ContactImageOptions) -> C
         return options
     first = next((frame for frame in frames if frame.pixels is not None), None)
     if first is None or first.pixels is None:
-        return options
+        return {**options, "background": None}
     alone: ContactImageOptions = {**options, "background": None}
     # The scale does not decide whether there is a contact; a reflection alone is doubtful.
     prepared = prepare_contact_image(first.pixels, 1.0, **alone)
