@@ -107,25 +107,20 @@ def finger_tilt(points: FloatArray, face: Face) -> tuple[float, float]:
     end = points[tip, 1]
     near = points[points[:, 1] > end - 0.6 * np.ptp(points[:, 0])]
     width = float(np.ptp(near[:, 0]))
-    first, second = points[:tip], points[tip:]
+    sides = points[:tip], points[tip:]
     top = end - _SIDES_FROM[face] * width
-    bottom = max(first[:, 1].min(initial=end), second[:, 1].min(initial=end)) + 2
+    bottom = max(side[:, 1].min(initial=end) for side in sides) + 2
     if top - bottom < _MIN_LENGTH * width:
         return 0.0, _UPRIGHT_STD
     levels = np.linspace(bottom, top, 40)
-    middle = (_side_at(first, levels) + _side_at(second, levels)) / 2
+    first, second = (np.interp(levels, *side[np.argsort(side[:, 1])][:, ::-1].T) for side in sides)
+    middle = (first + second) / 2
     slope = np.polynomial.Polynomial.fit(levels, middle, 1).convert().coef[1]
     tilt = -math.atan(float(slope))
     if abs(tilt) > _MAX_TILT:
         return 0.0, _UPRIGHT_STD
     # A short stretch of the sides determines the axis less.
     return tilt, _AXIS_STD[face] * max(1.0, width / float(top - bottom))
-
-
-def _side_at(points: FloatArray, levels: FloatArray) -> FloatArray:
-    """Return x of one side at the given y."""
-    order = np.argsort(points[:, 1])
-    return np.asarray(np.interp(levels, points[order, 1], points[order, 0]), dtype=np.float64)
 
 
 def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tuple[float, float]) -> PadArc:
@@ -136,7 +131,7 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tupl
     """
     track = points[order]
     start = _consensus(track, tilt)
-    arcs: list[tuple[float, PadArc]] = []
+    arcs: dict[float, PadArc] = {}
     # A finger is no perfect ellipse: where the noise alone allows but a short arc, more is let pass.
     for slack in _SLACKS:
         values = start
@@ -151,13 +146,13 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tupl
         doubt = float((np.sqrt(np.diagonal(arc.fit.covariance))[2:4] / values[2:4]).max())
         if doubt < _GOOD_ENOUGH:
             return arc
-        arcs.append((doubt, arc))
+        arcs.setdefault(doubt, arc)
     if not arcs:
         raise FitError(
             "no arc of the outline near the pad is elliptic: check face, tip and palmar, "
             "or mark points on the pad"
         )
-    return min(arcs, key=lambda pair: pair[0])[1]
+    return arcs[min(arcs)]
 
 
 def fit_arc(
@@ -267,15 +262,8 @@ def _longest_window(
     level = float(np.median(np.abs(r)))
     keep = np.abs(r) < max(8 * level, 10 * deviation, 1.0)
     z, rows = np.where(keep, r / deviation, 0.0), np.where(keep[:, None], rows / deviation, 0.0)
-    run = [
-        np.concatenate([np.zeros_like(part[:1]), np.cumsum(part, axis=0)])
-        for part in (
-            rows[:, :, None] * rows[:, None, :],
-            rows * z[:, None],
-            z * z,
-            keep.astype(float),
-        )
-    ]
+    products = (rows[:, :, None] * rows[:, None, :], rows * z[:, None], z * z, keep.astype(float))
+    run = [np.concatenate([np.zeros_like(part[:1]), np.cumsum(part, axis=0)]) for part in products]
     turns = np.abs(turns_from(middle, track, values))
     pivot = int(np.searchsorted(edges, np.argmin(turns), side="right")) - 1
     starts, ends = np.meshgrid(np.arange(0, pivot + 1), np.arange(pivot + 1, len(r) + 1), indexing="ij")

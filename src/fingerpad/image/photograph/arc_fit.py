@@ -55,32 +55,15 @@ def fit_arc_ellipse(
 ) -> ArcFit:
     """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points (x, y) of an outline.
 
-    Parameters
-    ----------
-    points : array_like, (n, 2)
-        At least eight, in any unit of length.
-    tilt : (float, float)
-        Turn of the finger's axis from x towards y as known beforehand, which is weighed against the points,
-        and its standard uncertainty, radians.
-    places : array_like of int, (n,), optional
-        Place of each point in the outline, rising, where some are left out.
-    start : array_like, (5,), optional
-        (x, y, semi_x, semi_y, tilt) to start from; the least-squares conic if left out.
-    beyond : array_like, (n,), optional
-        How far along the outline each point lies beyond the arc: negative before its first end, positive past
-        its last, 0 on it. All points are on the arc if left out.
+    `tilt` is the turn of the finger's axis from x towards y as known beforehand, and its standard
+    uncertainty, radians. `places` are those of the points in the outline, rising, where some are left out.
+    `start` is (x, y, semi_x, semi_y, tilt), the least-squares conic if left out. `beyond` is how far along
+    the outline each point lies past an end of the arc: negative before the first, positive after the last.
 
     Raises
     ------
     FitError
-        If the points are too few, not finite, on a line, or do not determine an ellipse.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import outline_points
-    >>> fit = fit_arc_ellipse(outline_points(11.8, 13.8, count=200, arc=(0.5, 2.6), noise_std=0.01))
-    >>> print(f"{fit.ellipse.semi_y:.2f} ± {np.sqrt(fit.covariance[3, 3]):.2f}")
-    13.78 ± 0.07
+        If the points are fewer than eight, not finite, on a line, or do not determine an ellipse.
     """
     points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():

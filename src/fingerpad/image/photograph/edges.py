@@ -14,8 +14,8 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image.ellipse import evenly_spaced, signed_area
 
-# Samples per pixel along a normal, and blurs (standard deviation, px) that are tried.
-_DENSITY = 2
+# Samples per pixel along a normal, and how far beyond the reach, px; blurs (standard deviation, px) tried.
+_DENSITY, _BEYOND_PX = 2, 7.0
 _BLURS = np.geomspace(0.5, 6.0, 13)
 # Places tried along a normal, px apart.
 _TRIAL_STEP = 0.25
@@ -86,7 +86,7 @@ def locate_edges(
     """
     closed = bool(np.linalg.norm(contour[0] - contour[-1]) < 3 * np.linalg.norm(contour[1] - contour[0]) + 2)
     points, normals = _resample(contour, spacing, closed=closed)
-    offsets = _profile_offsets(reach)
+    offsets = _even(reach + _BEYOND_PX, 1 / _DENSITY)
     profiles = _profiles(light, points, normals, offsets, spacing, closed=closed)
     blurs, weights = _sharpness(profiles[:: max(1, len(profiles) // 150)], offsets, reach)
     places, ratio = _fit_edges(profiles, offsets, blurs, weights, reach)
@@ -146,7 +146,7 @@ def _residual_squares(profiles: FloatArray, blur: float, reach: float) -> tuple[
 @lru_cache(maxsize=32)
 def _edge_bases(blur: float, reach: float) -> tuple[FloatArray, FloatArray]:
     """Return orthonormal terms of the model with the edge at each place, and what its step has of each."""
-    tries, offsets = _trial_offsets(reach), _profile_offsets(reach)
+    tries, offsets = _even(reach, _TRIAL_STEP), _even(reach + _BEYOND_PX, 1 / _DENSITY)
     basis, triangle = np.linalg.qr(_model(tries[:, None] - offsets, offsets, blur))
     # Levels of the model just inside and just outside.
     ends = np.column_stack(
@@ -155,13 +155,9 @@ def _edge_bases(blur: float, reach: float) -> tuple[FloatArray, FloatArray]:
     return basis, np.linalg.solve(np.swapaxes(triangle, 1, 2), ends[..., None])
 
 
-def _profile_offsets(reach: float) -> FloatArray:
-    half = reach + 7.0
-    return np.arange(-half, half + 0.5 / _DENSITY, 1 / _DENSITY)
-
-
-def _trial_offsets(reach: float) -> FloatArray:
-    return np.arange(-reach, reach + _TRIAL_STEP / 2, _TRIAL_STEP)
+def _even(half: float, step: float) -> FloatArray:
+    """Return offsets along a normal from minus half to half of it, px."""
+    return np.arange(-half, half + step / 2, step)
 
 
 def _fit_edges(
@@ -171,7 +167,7 @@ def _fit_edges(
     each = [_residual_squares(profiles[..., k], blur, reach) for k, blur in enumerate(blurs)]
     left = np.sum([weight * squares for weight, (squares, _) in zip(weights, each, strict=True)], axis=0)
     steps = np.sum([weight * step for weight, (_, step) in zip(weights, each, strict=True)], axis=0)
-    tries = _trial_offsets(reach)
+    tries = _even(reach, _TRIAL_STEP)
     best = np.clip(left.argmin(axis=0), 1, len(tries) - 2)
     which = np.arange(len(profiles))
     before, here, after = left[best - 1, which], left[best, which], left[best + 1, which]

@@ -287,17 +287,13 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
     for one in given:
         if not isinstance(one, FaceSemiAxes):
             raise FitError(f"give face_semi_axes of a measured photograph, found {type(one).__name__}")
-    _require_every_axis(given)
-    return _combine(given)
-
-
-def _require_every_axis(faces: tuple[FaceSemiAxes, ...]) -> None:
-    seen = {axis for one in faces for axis in FACE_AXES[one.face]}
+    seen = {axis for one in given for axis in FACE_AXES[one.face]}
     for axis in SEMI_AXES:
         if axis not in seen:
             showing = ", ".join(face for face, axes in FACE_AXES.items() if axis in axes)
-            found = ", ".join(one.face for one in faces) or "no face"
+            found = ", ".join(one.face for one in given) or "no face"
             raise FitError(f"no face given shows the {axis} semi-axis, found {found}: add one of {showing}")
+    return _combine(given)
 
 
 def _combine(faces: tuple[FaceSemiAxes, ...]) -> PadSemiAxes:

@@ -145,19 +145,12 @@ def photograph_from_handles(
     ({'radial_ulnar': 11.8, 'distal': 13.8}, 0.0)
     """
     ends = as_float_array([across_end, along_end]) - as_float_array(centre)
-    lengths = np.linalg.norm(ends, axis=1)
-    longer = int(np.argmax(lengths))
+    across, along = np.linalg.norm(ends, axis=1).tolist()
     axes = face_axes(face, tip, palmar_directions(face, tip, palmar)[0])
-    first, second = axes @ ends[longer]
-    tilt = math.atan2(second, first) if longer == 0 else math.atan2(-first, second)
+    first, second = axes @ ends[0 if across >= along else 1]
+    tilt = math.atan2(second, first) if across >= along else math.atan2(-first, second)
     return photograph_from_ellipse(
-        face,
-        scale,
-        centre=centre,
-        semi_axes=(float(lengths[0]), float(lengths[1])),
-        tilt=tilt,
-        tip=tip,
-        palmar=palmar,
+        face, scale, centre=centre, semi_axes=(across, along), tilt=tilt, tip=tip, palmar=palmar
     )
 
 

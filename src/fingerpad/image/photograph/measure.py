@@ -96,16 +96,18 @@ def measure_photograph(
     marks = None if points is None else _check_marks(points, size)
     silhouette = find_silhouette(light, None if face == "distal" else opposite(tip), window)
     edges = _outline(light, silhouette)
+    border = (size[0] - 1.0, size[1] - 1.0, 6.0 + 3 * silhouette.reduction)
     marked = window is not None or marks is not None
     tried: list[PhotographFit] = []
     errors: list[ImageError | FitError] = []
     for side in sides:
         try:
-            if not marked:
-                silhouette.check_not_cut(_pad_sides(face, tip, side), tip)
-            arc = _pad_arc(edges, (face, face_axes(face, tip, side)), scale, window, marks)
-            border = (*(np.array(light.shape[:2]) - 1.0).tolist(), 6.0 + 3 * silhouette.reduction)
-            tried.append(face_from_arc(replace(arc, border=border)))
+            if not marked:  # by the frame, on the sides that the pad faces
+                faced: dict[Face, tuple[Direction, ...]] = {"palmar": (tip,), "distal": (side,)}
+                silhouette.check_not_cut(faced.get(face, (tip, side)), tip)
+            axes = face_axes(face, tip, side)
+            arc = _pad_arc(edges, face, axes, scale, window=window, marks=marks, border=border)
+            tried.append(face_from_arc(arc))
         except (FitError, ImageError) as error:
             errors.append(error)
     if not tried:
@@ -135,13 +137,16 @@ def _outline(light: npt.NDArray[np.float32], silhouette: Silhouette) -> Subpixel
 
 def _pad_arc(
     edges: SubpixelOutline,
-    face_and_axes: tuple[Face, FloatArray],
+    face: Face,
+    axes: FloatArray,
     scale: Scale,
+    *,
     window: Window | None,
     marks: FloatArray | None,
+    border: tuple[float, float, float],
 ) -> FaceArc:
     """Return the pad's arc: the longest that one ellipse fits, or as marked."""
-    (face, axes), place = face_and_axes, edges.points.mean(axis=0)
+    place = edges.points.mean(axis=0)
     local = (edges.points - place) @ axes.T
     tilt, pad = finger_tilt(local, face), candidate_points(local, face)
     order = edges.between(marks) if marks is not None else edges.within(window) if window is not None else pad
@@ -176,12 +181,8 @@ def _pad_arc(
         start=arc.fit.ellipse.parameters,
         ends_known=ends_known,
         blur=edges.blur,
+        border=border,
     )
-
-
-def _pad_sides(face: Face, tip: Direction, palmar: Direction) -> tuple[Direction, ...]:
-    """Return the sides of the frame that the pad faces, where it must not be cut."""
-    return {"palmar": (tip,), "distal": (palmar,)}.get(face, (tip, palmar))
 
 
 def _check_image(pixels: npt.ArrayLike) -> npt.NDArray[Any]:

@@ -17,7 +17,6 @@ _WIDTHS: Final = (0.95, 0.97, 0.98)
 # Changes of the radius in one round, at most.
 _MAX_CHANGE: Final = 1.5
 
-_NOT_SHOWN: Final = (math.nan, math.nan)
 _UNSEEN: Final = (math.nan, math.nan, math.nan)
 
 
@@ -32,13 +31,12 @@ def contradicted_by_lengths(
 ) -> FloatArray:
     """Return by how much, relatively, an outline's lengths differ from semi-axes beyond chance.
 
-    The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse goes on, or less
-    far, nothing tells which of the two is the pad.
+    The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse, or less far,
+    nothing tells which of the two is the pad. Zero where the outline does not show a length.
 
     Points (x, y) are about the ellipse's centre, in order, along its axes: of a palmar face with the shaft,
-    in `pad` those that can be pad. `semi_axes` of the ellipse, across and along, has an axis of standard
-    uncertainty `tilt_std`, radians, and describes the pad's arc with the probability `ellipse`. Zero where
-    the outline does not show a length.
+    in `pad` those that can be pad. The ellipse's axis has the standard uncertainty `tilt_std`, radians; it
+    describes the pad's arc with the probability `ellipse`.
     """
     if len(points) < _MIN_POINTS_OF_LENGTHS:
         return np.zeros(2)
@@ -129,11 +127,11 @@ def _turning_point(points: FloatArray, radius: float) -> tuple[float, float]:
         near = (np.abs(x - place) < half) & (y > y.max() - half)
         s = (x[near] - place) / half
         if near.sum() < _MIN_POINTS_OF_LENGTHS or s.min() > -LENGTHS.seen or s.max() < LENGTHS.seen:
-            return math.nan, math.nan
+            return _UNSEEN[:2]
         curve = np.polynomial.Polynomial.fit(s, y[near], 3, domain=[-1, 1])
         slope, bend = float(curve.deriv(1)(0)), float(curve.deriv(2)(0))
         if not bend < 0:
-            return math.nan, math.nan
+            return _UNSEEN[:2]
         step = float(np.clip(-slope / bend, -0.4, 0.4))
         place += step * half
         if abs(step) < 0.01:
@@ -175,15 +173,14 @@ def radius_of_outline(
     where the outline does not show the place.
     """
     if len(points) < _MIN_POINTS_OF_RADIUS:
-        return _NOT_SHOWN
+        return _UNSEEN[:2]
     frame = np.array([[-math.sin(angle), math.cos(angle)], [math.cos(angle), math.sin(angle)]])
     seen, ellipse = points @ frame.T, _Ellipse(semi_axes, frame)
     radius, noise, third = _fit_radius(seen, ellipse, RADIUS.window, RADIUS.degree)
     if math.isnan(radius):
-        return _NOT_SHOWN
-    others = [
-        _fit_radius(seen, ellipse, RADIUS.wider, degree)[0] for degree in (RADIUS.degree, RADIUS.higher)
-    ]
+        return _UNSEEN[:2]
+    degrees = (RADIUS.degree, RADIUS.higher)
+    others = (_fit_radius(seen, ellipse, RADIUS.wider, degree)[0] for degree in degrees)
     changes = [RADIUS.of_difference * math.log(one / radius) for one in others if math.isfinite(one)]
     turn = third * radius**2 * math.hypot(angle_std, RADIUS.axis_std)
     return radius, radius * math.hypot(noise * radius, turn, RADIUS.missed_std, *changes)

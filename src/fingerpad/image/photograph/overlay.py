@@ -3,7 +3,6 @@
 import math
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -74,7 +73,11 @@ def draw_photograph_overlay(
     >>> draw_photograph_overlay(np.full((400, 320), 128, np.uint8), fit).shape
     (1100, 880, 3)
     """
-    colour = _eight_bit_colour(np.asarray(pixels))
+    values = np.asarray(pixels)
+    if values.ndim not in (2, 3) or not values.size:
+        raise ImageError(f"pixels must be grey or colour, found shape {values.shape}")
+    levels = eight_bit(storable(values))
+    colour = levels[..., :3] if levels.ndim == 3 else np.repeat(levels[..., None], 3, axis=2)
     if len(found.points) and (found.points.max(axis=0) > np.array(colour.shape[:2])).any():
         raise ImageError(
             f"pixels must be the photograph that was measured, found {colour.shape[0]} rows and "
@@ -125,14 +128,6 @@ def write_photograph_overlay(
     'palmar.png'
     """
     return write_canvas(path, draw_photograph_overlay(pixels, found, label=label))
-
-
-def _eight_bit_colour(values: npt.NDArray[Any]) -> Canvas:
-    if values.ndim not in (2, 3) or not values.size:
-        raise ImageError(f"pixels must be grey or colour, found shape {values.shape}")
-    levels = eight_bit(storable(values))
-    colour = np.repeat(levels[..., None], 3, axis=2) if levels.ndim == 2 else levels
-    return np.asarray(colour[..., :3], dtype=np.uint8)
 
 
 def _draw_ellipse(canvas: Canvas, found: PhotographFit, zoom: float) -> None:

@@ -97,37 +97,18 @@ class PhotographFit(Displayed):
         return self._picture
 
     def summary(self) -> str:
-        """Return the measured numbers as text, one line each.
-
-        Returns
-        -------
-        str
-        """
-        stds = self.semi_axes_mm_std
-        axes = {
-            key: number
-            for name, value in self.semi_axes_mm.items()
-            for key, number in ((f"{name}_mm", value), (f"{name}_mm_std", stds[name]))
-        }
-        return record_text(
-            f"Photograph of the {self.face} face",
-            {
-                **axes,
-                "arc_deg": self.arc_deg,
-                "exponent": self.exponent,
-                "exponent_std": self.exponent_std,
-                **{
-                    f"{name}_{radii['wedge_angle_deg']:g}deg": radii[key]
-                    for radii in self.side_radii()
-                    for name, key in (
-                        ("outline_radius_mm", "outline_mm"),
-                        ("outline_radius_mm_std", "outline_mm_std"),
-                        ("ellipse_radius_mm", "ellipse_mm"),
-                    )
-                },
-                "flags": self.flags,
-            },
-        )
+        """Return the measured numbers as text, one line each."""
+        numbers: dict[str, Any] = {}
+        for name, value in self.semi_axes_mm.items():
+            numbers |= {f"{name}_mm": value, f"{name}_mm_std": self.semi_axes_mm_std[name]}
+        for name in ("arc_deg", "exponent", "exponent_std"):
+            numbers[name] = getattr(self, name)
+        for radii in self.side_radii():
+            at = f"{radii['wedge_angle_deg']:g}deg"
+            numbers[f"outline_radius_mm_{at}"] = radii["outline_mm"]
+            numbers[f"outline_radius_mm_std_{at}"] = radii["outline_mm_std"]
+            numbers[f"ellipse_radius_mm_{at}"] = radii["ellipse_mm"]
+        return record_text(f"Photograph of the {self.face} face", {**numbers, "flags": self.flags})
 
     @property
     def covariance(self) -> FloatArray:
@@ -137,21 +118,21 @@ class PhotographFit(Displayed):
     @property
     def semi_axes_mm(self) -> dict[str, float]:
         """Semi-axes by anatomical name, mm."""
-        return dict(zip(FACE_AXES[self.face], map(float, self.semi_axes), strict=True))
+        return self._by_name(self.semi_axes)
 
     @property
     def semi_axes_mm_std(self) -> dict[str, float]:
         """Their standard uncertainties, the scale's share included, mm."""
-        stds = np.sqrt(np.diagonal(self.covariance))
-        return dict(zip(FACE_AXES[self.face], map(float, stds), strict=True))
+        return self._by_name(np.sqrt(np.diagonal(self.covariance)))
 
     @property
     def uncertainty_mm_std(self) -> dict[str, dict[str, float]]:
         """Standard uncertainty of each semi-axis by term of the covariance, mm."""
-        return {
-            name: dict(zip(FACE_AXES[self.face], np.sqrt(np.diagonal(term).clip(0)).tolist(), strict=True))
-            for name, term in self.covariance_terms.items()
-        }
+        terms = self.covariance_terms.items()
+        return {name: self._by_name(np.sqrt(np.diagonal(term).clip(0))) for name, term in terms}
+
+    def _by_name(self, lengths: FloatArray) -> dict[str, float]:
+        return dict(zip(FACE_AXES[self.face], lengths.tolist(), strict=True))
 
     @property
     def arc_deg(self) -> float:
@@ -215,17 +196,7 @@ class PhotographFit(Displayed):
         return radius * mm_per_px, math.hypot(std * mm_per_px, radius * self.scale.mm_per_px_std)
 
     def ellipse_radius(self, angle: float) -> float:
-        """Return the radius of curvature of the ellipse, mm, where its outward normal has an angle.
-
-        Parameters
-        ----------
-        angle : float
-            Angle of the normal from the first semi-axis towards the second, radians.
-
-        Returns
-        -------
-        float
-        """
+        """Return the radius of curvature of the ellipse, mm, at the place that `outline_radius` names."""
         across, along = self.semi_axes
         support = math.hypot(across * math.cos(angle), along * math.sin(angle))
         return float((across * along) ** 2 / support**3)
@@ -259,27 +230,11 @@ class PhotographFit(Displayed):
         ]
 
     def without_picture(self) -> Self:
-        """Return the same without the picture that was measured, to save memory.
-
-        Returns
-        -------
-        PhotographFit
-        """
+        """Return the same without the picture that was measured, to save memory."""
         return replace(self, _picture=None)
 
     def ellipse_points(self, count: int = 361) -> FloatArray:
-        """Return points of the ellipse.
-
-        Parameters
-        ----------
-        count : int
-            Number of points, the first repeated at the end.
-
-        Returns
-        -------
-        ndarray, shape (count, 2)
-            (row, column), px.
-        """
+        """Return so many points (row, column) of the ellipse, px, the first repeated at the end."""
         t = np.linspace(0, 2 * math.pi, count)
         local = np.stack([np.cos(t), np.sin(t)], axis=-1) * self.semi_axes / self.scale.mm_per_px
         return np.asarray(local @ self.directions + self.centre, dtype=np.float64)

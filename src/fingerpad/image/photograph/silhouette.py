@@ -113,11 +113,11 @@ def find_silhouette(
     # Channel by channel, since sums over three neighbours in memory take several times as long.
     whitened = cv2.split(cv2.transform(off, np.linalg.inv(np.linalg.cholesky(noise))))
     distance = np.sqrt(sum(part * part for part in whitened))
-    near = tuple(
+    first, second = (
         slice(int(part.start / reduction), math.ceil(part.stop / reduction))
         for part in window or (slice(0, light.shape[0]), slice(0, light.shape[1]))
     )
-    return Silhouette(_component(_finger(distance), (near[0], near[1])), reduction)
+    return Silhouette(_component(_finger(distance), (first, second)), reduction)
 
 
 def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tuple[FloatArray, FloatArray]:
