@@ -224,6 +224,27 @@ def test_a_store_with_damaged_names(folder: Path) -> None:
     assert "damaged or no store" in fault
 
 
+def test_a_damaged_index_of_a_store(folder: Path) -> None:
+    path = folder / "out" / STORE_NAME
+    with sqlite3.connect(path) as connection:
+        size, page = (
+            connection.execute(query).fetchone()[0]
+            for query in (
+                "PRAGMA page_size",
+                "SELECT rootpage FROM sqlite_master WHERE name = 'sqlite_autoindex_result_1'",
+            )
+        )
+    connection.close()
+    content = bytearray(path.read_bytes())
+    place = content.index(b"o2", size * (page - 1), size * page)
+    content[place : place + 2] = b"n2"  # the table still has the result, no search by its name finds it
+    path.write_bytes(content)
+    (fault,) = verify_study(folder / "study.toml", folder / "out").faults
+    assert "damaged or no store" in fault
+    with pytest.raises(StoreError, match="damaged or no store"):
+        run(folder)
+
+
 def _retagged(path: Path, pragma: str) -> None:
     connection = sqlite3.connect(path)
     connection.execute(f"PRAGMA {pragma}")
