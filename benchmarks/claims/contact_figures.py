@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from benchmarks.claims.fast_laws import kept_contacts
 from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts
@@ -19,7 +19,6 @@ from fingerpad.figures.style import (
     VERMILLION,
     in_style,
     new_figure,
-    plain_log_ticks,
 )
 from fingerpad.geometry import Paraboloid
 
@@ -97,7 +96,7 @@ def layer() -> None:
     ):
         axes.axhline(1, color=GREY, lw=0.8, ls=(0, (4, 2)))
         axes.set(xscale="log", xlim=(0.03, 3), title=title)
-        plain_log_ticks(axes, "x")
+        _plain_ticks(axes)
     above[0].set(ylim=(0.9, 4.2))
     for axes in above[1:]:
         axes.set(
@@ -106,7 +105,7 @@ def layer() -> None:
     for axes, title in zip(below, ("A at given W", "ξ at given W", "W at given ξ"), strict=True):
         _error_axes(axes)
         axes.set(xscale="log", xlim=(0.03, 3), xlabel="contact radius over thickness, a/t", title=title)
-        plain_log_ticks(axes, "x")
+        _plain_ticks(axes)
     above[1].legend(loc="upper left")
     below[0].set_ylabel("relative error")
     below[0].plot([], [], color=BLACK, ls=(0, (4, 2)), label="Hertz theory")
@@ -114,6 +113,12 @@ def layer() -> None:
     below[0].plot([], [], color=BLACK, ls="", marker="o", ms=3.5, label="solver, 256² cells")
     below[0].legend(loc="lower left")
     _save(figure, "validation_layer.png")
+
+
+def _plain_ticks(axes: Axes) -> None:
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_locator(NullLocator())
 
 
 def _series(values: Axes, errors: Axes) -> None:

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError
-from fingerpad.figures.panels import PanelFigure
+from fingerpad.figures.marks import Figure
 from fingerpad.report.compare import forest_plot, write_comparison_page
 from fingerpad.study.compare import FinishedStudy, Person, Value, compare_studies, write_comparison
 from fingerpad.study.compare.comparison import means_of
@@ -343,7 +343,7 @@ def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tm
     assert all('<span class="synthetic">' in row for row in of_pad)
     drawn = (tmp_path / "figures" / "compare_radius_from_indentation_mm.svg").read_text(encoding="utf-8")
     assert "Lab B, pad (synthetic)" in drawn
-    figure = PanelFigure.of_json((tmp_path / "figures" / "compare_radius_by_wedge.json").read_text("utf-8"))
+    figure = Figure.of_json((tmp_path / "figures" / "compare_radius_by_wedge.json").read_text("utf-8"))
     assert figure.panels[0].last("set_xlabel").args == ("wedge angle (°)",)
 
 
@@ -357,7 +357,7 @@ def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
         studies=found.studies, values=tuple(many), means=tuple(means_of(many)), verdicts=(), notes=()
     )
     (plot,) = forest_plot(crowd, "palmar_mm")
-    assert isinstance(plot.figure, PanelFigure)
+    assert isinstance(plot.figure, Figure)
     assert plot.figure.panels[0].last("set_yticks").args[1] == [
         *(f"P{n}, 30 fingers" for n in range(4)),
         "mean over people",

@@ -31,7 +31,7 @@ def figure(
     dpi: Annotated[float, typer.Option(help="Resolution of a PNG, dots per inch.")] = 300.0,
 ) -> None:
     """Draw a figure of a report for publication, or write the data behind it."""
-    from fingerpad.figures.panels import PanelFigure
+    from fingerpad.figures.marks import Figure
     from fingerpad.figures.publish import FORMATS, FigureSettings, figure_file
 
     kind = next((each for each in FORMATS if out.suffix.lower() == f".{each}"), None)
@@ -53,7 +53,7 @@ def figure(
         name, _, words = str(error).partition(":")
         raise FigureError(f"--{name.replace('_', '-')}:{words}") from None
     try:
-        drawn = PanelFigure.of_json(file.read_text(encoding="utf-8"))
+        drawn = Figure.of_json(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise FigureError(
             f"{file}: not a figure of a report: name a file of results/figures that ends in .json"

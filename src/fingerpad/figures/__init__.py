@@ -16,8 +16,9 @@ from fingerpad.figures.loading import (
     plot_relaxation,
     plot_secant_modulus,
 )
+from fingerpad.figures.marks import new_panels
+from fingerpad.figures.mpl import draw
 from fingerpad.figures.pad import plot_pad, plot_pad_with_contact
-from fingerpad.figures.panels import new_panels
 from fingerpad.figures.results import (
     plot_area_against_load,
     plot_aspect_ratio,
@@ -26,17 +27,17 @@ from fingerpad.figures.results import (
 from fingerpad.figures.section import mark_receptors, plot_contact_pressure, plot_section, section_figure
 from fingerpad.figures.sequence import plot_area_against_indentation, plot_press
 from fingerpad.figures.style import figure_svg, new_figure, save_figure
-from fingerpad.figures.svg import panels_svg, save_panels
+from fingerpad.figures.svg import save_panels, svg
 from fingerpad.figures.uncertainty import plot_uncertainty_budget
 from fingerpad.figures.wedge import plot_wedge, plot_wedge_in_pad_axes
 
 __all__ = [
+    "draw",
     "dzidek2017_figures",
     "figure_svg",
     "mark_receptors",
     "new_figure",
     "new_panels",
-    "panels_svg",
     "plot_agreement",
     "plot_area_against_indentation",
     "plot_area_against_load",
@@ -61,4 +62,5 @@ __all__ = [
     "save_figure",
     "save_panels",
     "section_figure",
+    "svg",
 ]

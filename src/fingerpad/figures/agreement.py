@@ -5,14 +5,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, as_float_array
-from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import BLACK, BLUE, GREY, draw_points, in_style, mark_synthetic
+from fingerpad.figures.marks import Axis, Panel, Rule, Text, measured, synthetic_tag
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLUE, GREY
 from fingerpad.uncertainty import Agreement
 
 
-@in_style
+@on_axes
 def plot_agreement(
-    axes: AnyAxes,
+    axes: Panel,
     first: ArrayLike,
     second: ArrayLike,
     found: Agreement,
@@ -20,7 +21,7 @@ def plot_agreement(
     quantity: str,
     names: Sequence[str] = ("first", "second"),
     synthetic: ArrayLike = False,
-) -> AnyAxes:
+) -> None:
     """Draw the relative difference of pairs against their geometric mean, with bias and limits of agreement.
 
     Parameters
@@ -53,26 +54,21 @@ def plot_agreement(
     'gross area (mm²), mean of both'
     """
     one, other = as_float_array(first), as_float_array(second)
-    draw_points(axes, np.sqrt(one * other), 100 * (other / one - 1), synthetic=synthetic)
-    mark_synthetic(axes, synthetic)
-    axes.axhline(0, color=GREY, linewidth=0.6)
-    axes.axhline(100 * found.bias, color=BLACK, linewidth=1.0)
+    axes.add(
+        *measured(np.sqrt(one * other), 100 * (other / one - 1), synthetic=synthetic),
+        *synthetic_tag(synthetic),
+        Rule("y", 0, colour=GREY, width=0.6),
+        Rule("y", 100 * found.bias, width=1.0),
+    )
+    lines = [("bias", found.bias)]
     if np.isfinite(found.std):
-        axes.axhspan(*(100 * end for end in found.bias_interval), color=BLUE, alpha=0.15, linewidth=0)
-        for end in found.limits:
-            axes.axhline(100 * end, color=BLACK, linestyle="--", linewidth=1.0)
-    lines = [("bias", found.bias), *(("limit", end) for end in found.limits if np.isfinite(end))]
+        axes.add(Rule("y", *(100 * end for end in found.bias_interval), colour=BLUE, alpha=0.15))
+        axes.add(*(Rule("y", 100 * end, dash="--", width=1.0) for end in found.limits))
+        lines += [("limit", end) for end in found.limits if np.isfinite(end)]
     for words, value in lines:
-        axes.annotate(
-            f"{words} {100 * value:+.1f} %",
-            (1.0, 100 * value),
-            xycoords=("axes fraction", "data"),
-            xytext=(3, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=6.8,
+        place = 1.0, 100 * value
+        axes.add(
+            Text(f"{words} {100 * value:+.1f} %", *place, right=3, frame="x", vertical="center", size=6.8)
         )
-    axes.margins(x=0.1, y=0.2)
-    axes.set_xlabel(f"{quantity}, mean of both")
-    axes.set_ylabel(f"{names[1]}, difference from {names[0]} (%)")
-    return axes
+    axes.x = Axis(f"{quantity}, mean of both", margin=0.1)
+    axes.y = Axis(f"{names[1]}, difference from {names[0]} (%)", margin=0.2)

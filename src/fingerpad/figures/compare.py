@@ -1,27 +1,17 @@
 """Figures that compare fingers and people."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import cycle
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
-from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    SKY,
-    VERMILLION,
-    draw_points,
-    in_style,
-    legend_above,
-)
+from fingerpad.figures.marks import Axis, Band, Dash, Line, Panel, Points, Rule, Text, measured
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLUE, GREEN, GREY, ORANGE, SKY, VERMILLION
 
 _COLOURS: Final = (BLUE, ORANGE, GREEN, VERMILLION, SKY, "#CC79A7", GREY)
 MOST_NAMES: Final = 8
@@ -107,9 +97,9 @@ def colours_of(people: Sequence[str]) -> dict[str, str]:
     return dict(zip(dict.fromkeys(people), cycle(_COLOURS)))
 
 
-@in_style
+@on_axes
 def plot_forest(
-    axes: AnyAxes,
+    axes: Panel,
     place: ArrayLike,
     value: ArrayLike,
     std: ArrayLike,
@@ -119,7 +109,7 @@ def plot_forest(
     symbols: Sequence[str] = (),
     means: Sequence[tuple[float, MeanMark]] = (),
     title: str = "",
-) -> AnyAxes:
+) -> None:
     """Draw values in rows, each with its standard uncertainty, and means below them.
 
     A mean is a diamond on its 95 % interval; the bar round it is one standard deviation between people.
@@ -145,50 +135,36 @@ def plot_forest(
     """
     y, x, spread = as_float_array(place), as_float_array(value), as_float_array(std)
     for colour in dict.fromkeys(colours):
-        same = np.array([each == colour for each in colours])
-        for known in (True, False):
-            chosen = same & (np.isfinite(spread) == known)
-            if chosen.any():
-                draw_points(
-                    axes,
-                    x[chosen],
-                    y[chosen],
-                    x_std=spread[chosen] if known else None,
-                    synthetic=np.broadcast_to(synthetic, x.shape)[chosen],
-                    colour=colour,
-                )
+        chosen = np.array([each == colour for each in colours])
+        hollow = np.broadcast_to(synthetic, x.shape)[chosen]
+        axes.add(*measured(x[chosen], y[chosen], x_std=spread[chosen], synthetic=hollow, colour=colour))
     ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]
     for line, mean in means:
         if np.isfinite(mean.between_std):
             band = mean.value - mean.between_std, mean.value + mean.between_std
-            axes.fill_between(band, line - 0.4, line + 0.4, color=BLACK, alpha=0.15, linewidth=0)
+            axes.add(Band(band, line - 0.4, line + 0.4, alpha=0.15))
             ends.append(as_float_array(band))
         if mean.interval is not None:
-            axes.plot(mean.interval, (line, line), color=BLACK, linewidth=1.2, solid_capstyle="butt")
-        face = "white" if mean.synthetic else BLACK
-        axes.plot(mean.value, line, "D", color=BLACK, markerfacecolor=face, markersize=5, zorder=4)
+            axes.add(Line(mean.interval, line))
+        axes.add(Points(mean.value, line, marker="D", face="white" if mean.synthetic else "", size=5))
     every = np.concatenate([np.ravel(end) for end in ends])
     if every.size:
         room = 0.08 * (np.ptp(every) or abs(every[0]) or 1.0)
-        axes.set_xlim(every.min() - room, every.max() + room)
-    for line, symbol in zip(y, symbols, strict=bool(symbols)):
-        axes.annotate(
-            symbol, (1.015, line), xycoords=("axes fraction", "data"), va="center", annotation_clip=False
-        )
-    axes.set_title(title)
-    axes.grid(visible=False, axis="y")
-    axes.tick_params(axis="y", length=0)
-    return axes
+        axes.x = Axis(low=float(every.min() - room), high=float(every.max() + room))
+    for line, symbol in zip(y.tolist(), symbols, strict=bool(symbols)):
+        axes.add(Text(symbol, 1.015, line, frame="x", vertical="center"))
+    axes.y = Axis(lines=False)
+    axes.title = title
 
 
-@in_style
+@on_axes
 def plot_by_wedge(
-    axes: AnyAxes,
+    axes: Panel,
     lines: Sequence[FingerLine],
     means: Sequence[tuple[float, MeanMark]] = (),
     *,
     label: str,
-) -> AnyAxes:
+) -> None:
     """Draw each finger's values against the wedge angle, people by colour, and the means over people.
 
     More than eight people have thin grey lines without names or bars.
@@ -208,44 +184,32 @@ def plot_by_wedge(
     named: set[str] = set()
     for place, line in enumerate(lines):
         name = f"{'a finger' if crowded else line.person}{' (synthetic)' if line.synthetic else ''}"
-        new = None if name in named else name
+        said = f"_{name}" if name in named else name
         named.add(name)
+        angle = as_float_array(line.wedge_angle_deg)
         if crowded:
-            style = ":" if line.synthetic else "-"
-            axes.plot(line.wedge_angle_deg, line.value, style, color=GREY, linewidth=0.5, zorder=1, label=new)
+            dash: Dash = ":" if line.synthetic else "-"
+            axes.add(Line(angle, line.value, dash=dash, colour=GREY, width=0.5, label=said))
             continue
         # Beside one another where fingers share an angle.
-        shift = _WIDEST_SHIFT_DEG * (2 * (place + 0.5) / len(lines) - 1)
-        axes.errorbar(
-            as_float_array(line.wedge_angle_deg) + shift,
-            as_float_array(line.value),
-            yerr=as_float_array(line.std),
-            fmt="o-",
-            color=line.colour,
-            linewidth=0.7,
-            markersize=3.6,
-            elinewidth=0.7,
-            markerfacecolor="white" if line.synthetic else line.colour,
-            label=new,
+        angle = angle + _WIDEST_SHIFT_DEG * (2 * (place + 0.5) / len(lines) - 1)
+        look: dict[str, Any] = {"size": 3.6, "bar_width": 0.7, "face": "white" if line.synthetic else ""}
+        axes.add(
+            Line(angle, line.value, colour=line.colour, width=0.7, label=said),
+            Points(angle, line.value, y_std=line.std, colour=line.colour, label=said, **look),
         )
     for synthetic in (False, True):
         chosen = [(angle, mean) for angle, mean in means if mean.synthetic is synthetic]
         if chosen:
             _draw_means(axes, *zip(*sorted(chosen, key=lambda one: one[0]), strict=True), synthetic=synthetic)
-    axes.set_xticks(
-        sorted({float(angle) for line in lines for angle in as_float_array(line.wedge_angle_deg)})
-    )
-    axes.set_xlabel("wedge angle (°)")
-    axes.set_ylabel(label)
-    axes.margins(y=0.12)
-    legend_above(axes)
-    return axes
+    angles = {float(angle) for line in lines for angle in as_float_array(line.wedge_angle_deg)}
+    axes.x = Axis("wedge angle (°)", ticks=tuple(sorted(angles)))
+    axes.y = Axis(label, margin=0.12)
+    axes.legend = "above"
 
 
-@in_style
-def plot_over_load(
-    axes: AnyAxes, lines: Sequence[LoadLine], *, label: str, beside: Sequence[str] = ()
-) -> AnyAxes:
+@on_axes
+def plot_over_load(axes: Panel, lines: Sequence[LoadLine], *, label: str, beside: Sequence[str] = ()) -> None:
     """Draw values of several fingers and angles against load, each with its standard uncertainty.
 
     Points at one load stand beside one another. More than eight fingers are grey, without names or bars, and
@@ -283,42 +247,39 @@ def plot_over_load(
         seen = np.isfinite(y)
         colour = GREY if crowded else line.colour
         shift = 0.0 if crowded else _SHIFT * top * (2 * (number + 0.5) / len(lines) - 1)
-        draw_points(
-            axes,
-            x[seen] + shift,
-            y[seen],
-            y_std=None if crowded else std[seen],
-            synthetic=line.synthetic,
-            left_out=np.append(out, np.zeros(len(names)))[seen],
-            colour=colour,
-            label="_",  # named below, once
+        axes.add(
+            *measured(
+                x[seen] + shift,
+                y[seen],
+                y_std=None if crowded else std[seen],
+                synthetic=line.synthetic,
+                left_out=np.append(out, np.zeros(len(names)))[seen],
+                colour=colour,
+                label="_" if crowded else f"_{line.name}",  # named below, once
+            )
         )
         if not crowded:
-            face = "white" if line.synthetic else colour
-            axes.plot([], [], "o", color=colour, markerfacecolor=face, markersize=4.2, label=line.name)
+            face = "white" if line.synthetic else ""
+            axes.add(Points([], [], colour=colour, face=face, size=4.2, label=line.name))
+    right = 1.08 * top + (places[-1] - 0.97 * top if places.size else 0.0)
+    axes.x = Axis("normal load W (N)", low=0, high=float(right))
+    axes.y = Axis(label, margin=0.08)
     if names:
-        axes.axvline(1.09 * top, color=GREY, linewidth=0.5)
+        axes.add(Rule("x", 1.09 * top, colour=GREY, width=0.5))
         ticks = as_float_array(MaxNLocator(4).tick_values(0, top))
         ticks = ticks[ticks <= 1.01 * top]
-        names = [f"{tick:g}" for tick in ticks] + names
-        axes.set_xticks(np.append(ticks, places), names)
-    axes.set_xlim(0, 1.08 * top + (places[-1] - 0.97 * top if places.size else 0.0))
-    axes.set_xlabel("normal load W (N)")
-    axes.set_ylabel(label)
-    axes.margins(y=0.08)
+        every = tuple(np.append(ticks, places).tolist())
+        axes.x = replace(axes.x, ticks=every, names=(*(f"{tick:g}" for tick in ticks), *names))
     if not crowded:
-        legend_above(axes, columns=2)
-    return axes
+        axes.legend, axes.columns = "above", 2
 
 
-def _draw_means(
-    axes: AnyAxes, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool
-) -> None:
+def _draw_means(axes: Panel, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool) -> None:
     value: FloatArray = as_float_array([mean.value for mean in means])
     spread = np.nan_to_num(as_float_array([mean.between_std for mean in means]))
     label = f"mean over people{' (synthetic)' if synthetic else ''}, band: between people"
-    face = "white" if synthetic else BLACK
-    axes.plot(angles, value, "D--", color=BLACK, markersize=4.5, markerfacecolor=face, zorder=4, label=label)
-    axes.fill_between(
-        as_float_array(angles), value - spread, value + spread, color=BLACK, alpha=0.13, linewidth=0
+    axes.add(
+        Band(angles, value - spread, value + spread, alpha=0.13),
+        Line(angles, value, dash="--", label=label),
+        Points(angles, value, marker="D", size=4.5, face="white" if synthetic else "", label=label),
     )

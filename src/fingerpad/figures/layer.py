@@ -1,26 +1,27 @@
 """What bone below the pad would change, by the thickness of the tissue over it."""
 
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import BLACK, BLUE, VERMILLION, in_style, legend_above, mark_synthetic
+from fingerpad.figures.marks import Axis, Line, Panel, Points, Rule, Text, synthetic_tag
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLUE, VERMILLION
 
 _TICKS: Final = (3, 4, 6, 8, 12, 16)
 
 
-@in_style
+@on_axes
 def plot_layer_effect(
-    axes: AnyAxes,
+    axes: Panel,
     thickness: ArrayLike,
     *,
     modulus_ratio: ArrayLike,
     radius_ratio: ArrayLike,
     marked: ArrayLike = (4.0, 8.0, 12.0),
     synthetic: bool = False,
-) -> AnyAxes:
+) -> None:
     """Draw modulus and loading radius over those of Hertz theory, against the thickness of tissue over bone.
 
     Parameters
@@ -50,9 +51,9 @@ def plot_layer_effect(
     ['Hertz', '0.50', '0.70', '0.80', '2.0', '1.5', '1.4']
     """
     at = as_float_array(thickness)
-    axes.axhline(1.0, color=BLACK, linewidth=0.8, linestyle=":")
-    axes.annotate(
-        "Hertz", (1, 1), (-2, 2), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right"
+    axes.add(
+        Rule("y", 1.0, width=0.8, dash=":"),
+        Text("Hertz", 1, 1, right=-2, up=2, frame="x", horizontal="right"),
     )
     ratios: list[FloatArray] = [
         np.atleast_1d(as_float_array(ratio)) for ratio in (modulus_ratio, radius_ratio)
@@ -64,31 +65,21 @@ def plot_layer_effect(
         (-1, 1),
         strict=True,
     ):
-        axes.plot(at, values, color=colour, label=label)
+        axes.add(Line(at, values, colour=colour, label=label))
         _mark(axes, at, values, as_float_array(marked), colour=colour, side=side)
-    axes.set_xscale("log")
-    axes.set_xticks(_TICKS, [str(tick) for tick in _TICKS])
-    axes.minorticks_off()
-    axes.set_ylim(0, 1.2 * float(np.nanmax(np.concatenate([[1.0], *ratios]))))
-    axes.set_xlabel("assumed effective thickness of the tissue (mm)")
-    axes.set_ylabel("over Hertz theory")
-    legend_above(axes)
-    mark_synthetic(axes, synthetic)
-    return axes
+    axes.x = Axis("assumed effective thickness of the tissue (mm)", log=True, ticks=_TICKS)
+    axes.y = Axis("over Hertz theory", low=0, high=1.2 * float(np.nanmax(np.concatenate([[1.0], *ratios]))))
+    axes.legend = "above"
+    axes.add(*synthetic_tag(synthetic))
 
 
 def _mark(
-    axes: AnyAxes, at: FloatArray, values: FloatArray, marked: FloatArray, *, colour: str, side: int
+    axes: Panel, at: FloatArray, values: FloatArray, marked: FloatArray, *, colour: str, side: int
 ) -> None:
     """Mark some thicknesses, their ratios with two digits."""
-    for place in np.flatnonzero(np.isin(at, marked) & np.isfinite(values)):
-        axes.plot(at[place], values[place], "o", color=colour)
-        axes.annotate(
-            f"{values[place]:#.2g}",
-            (at[place], values[place]),
-            (0, 6 * side),
-            textcoords="offset points",
-            ha="center",
-            va="bottom" if side > 0 else "top",
-            color=colour,
-        )
+    chosen = np.isin(at, marked) & np.isfinite(values)
+    if chosen.any():
+        axes.add(Points(at[chosen], values[chosen], colour=colour))
+    for x, y in zip(at[chosen].tolist(), values[chosen].tolist(), strict=True):
+        vertical: Literal["bottom", "top"] = "bottom" if side > 0 else "top"
+        axes.add(Text(f"{y:#.2g}", x, y, up=6 * side, horizontal="center", vertical=vertical, colour=colour))

@@ -5,32 +5,22 @@ bar or band of that length to either side. `synthetic` marks data that were simu
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    SKY,
-    VERMILLION,
-    draw_points,
-    in_style,
-    legend_above,
-    mark_synthetic,
-    plain_log_ticks,
-)
+from fingerpad.figures.marks import Axis, Band, Dash, Line, Panel, Points, Rule, measured, synthetic_tag
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, SKY, VERMILLION
 from fingerpad.loading import FittedForceModel, LoadingFit
 from fingerpad.loading.law_registry import LAWS
 from fingerpad.units import KPA_PER_MPA
 
-Line: TypeAlias = tuple[ArrayLike, ArrayLike]
+_Styles: TypeAlias = tuple[tuple[str, Dash], ...]
+Curve: TypeAlias = tuple[ArrayLike, ArrayLike]
 
 # Alternatives as legends give them, from this Akaike weight on.
 _SHORT: Final = {
@@ -45,8 +35,19 @@ _SHORT: Final = {
 _SHOWN_WEIGHT: Final = 0.01
 _LINE_POINTS: Final = 200
 _PHASE_COLOURS: Final = {"baseline": GREY, "loading": BLUE, "hold": GREEN, "unloading": VERMILLION}
-_LINE_STYLES: Final = ((ORANGE, "-"), (BLACK, "--"), (SKY, "-."), (VERMILLION, ":"), (GREEN, "--"))
-_RIVAL_STYLES: Final = ((BLACK, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "--"))
+_LINE_STYLES: Final[tuple[tuple[str, Dash], ...]] = (
+    (ORANGE, "-"),
+    (BLACK, "--"),
+    (SKY, "-."),
+    (VERMILLION, ":"),
+    (GREEN, "--"),
+)
+_RIVAL_STYLES: Final[_Styles] = (
+    (BLACK, "--"),
+    (GREEN, "-."),
+    (VERMILLION, ":"),
+    (SKY, "--"),
+)
 _MILLI: Final = 1000.0
 # Of the largest indentation, how much of the approach is shown.
 _APPROACH: Final = 0.4
@@ -54,19 +55,19 @@ _APPROACH: Final = 0.4
 _ROOM, _WIDEST = 0.3, 10.0
 
 
-@in_style
+@on_axes
 def plot_load_indentation(
-    axes: AnyAxes,
+    axes: Panel,
     indentation: ArrayLike,
     load: ArrayLike,
     *,
     load_std: ArrayLike | None = None,
     indentation_std: ArrayLike | None = None,
     phase: ArrayLike | None = None,
-    fits: Mapping[str, Line] | None = None,
+    fits: Mapping[str, Curve] | None = None,
     band: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
     synthetic: ArrayLike = False,
-) -> AnyAxes:
+) -> None:
     """Draw load against indentation, its loop by phase, and fitted force models.
 
     Parameters
@@ -97,45 +98,39 @@ def plot_load_indentation(
     """
     xi, W = as_float_array(indentation), as_float_array(load)
     if phase is None:
-        draw_points(axes, xi, W, x_std=indentation_std, y_std=load_std, synthetic=synthetic)
+        axes.add(*measured(xi, W, x_std=indentation_std, y_std=load_std, synthetic=synthetic))
     else:
         for name, colour in _PHASE_COLOURS.items():
             chosen = np.asarray(phase) == name
             if chosen.any():
-                axes.plot(xi[chosen], W[chosen], ".", color=colour, markersize=2.2, label=name)
-    mark_synthetic(axes, synthetic)
-    _draw_fits(axes, fits)
+                axes.add(Points(xi[chosen], W[chosen], marker=".", colour=colour, size=2.2, label=name))
+    axes.add(*synthetic_tag(synthetic))
     if band is not None and W.size:
         # Where a law has a pole its band has no end, which must not set the scale.
         room = _ROOM * float(np.ptp(W))
         lower, upper = (np.clip(as_float_array(end), W.min() - room, W.max() + room) for end in band[1:])
-        _draw_band(axes, (band[0], lower, upper))
+        axes.add(_interval(band[0], lower, upper))
+    for (name, line), (colour, dash) in zip((fits or {}).items(), _LINE_STYLES, strict=False):
+        axes.add(Line(*line, dash=dash, colour=colour, label=name))
+    axes.x, axes.y = Axis("indentation ξ (mm)"), Axis("normal load W (N)")
     if phase is not None:
-        _crop_approach(axes, xi)
-    axes.set_xlabel("indentation ξ (mm)")
-    axes.set_ylabel("normal load W (N)")
-    legend_above(axes)
-    return axes
+        axes.x = _without_approach(axes.x, xi)
+    axes.legend = "above"
 
 
-def _draw_fits(axes: AnyAxes, fits: Mapping[str, Line] | None) -> None:
-    for (name, (x, y)), (colour, style) in zip((fits or {}).items(), _LINE_STYLES, strict=False):
-        axes.plot(x, y, style, color=colour, label=name, zorder=4)
-
-
-def _crop_approach(axes: AnyAxes, xi: FloatArray) -> None:
+def _without_approach(axis: Axis, xi: FloatArray) -> Axis:
     """Leave out of view what a long approach has before contact."""
     if xi.size and xi.min() < -_APPROACH * xi.max():
-        axes.set_xlim(-_APPROACH * xi.max(), 1.05 * xi.max())
+        return replace(axis, low=-_APPROACH * float(xi.max()), high=1.05 * float(xi.max()))
+    return axis
 
 
-def _draw_band(axes: AnyAxes, band: tuple[ArrayLike, ArrayLike, ArrayLike]) -> None:
-    depth, lower, upper = map(as_float_array, band)
-    axes.fill_between(depth, lower, upper, color=ORANGE, alpha=0.25, linewidth=0, label="95 % interval")
+def _interval(depth: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> Band:
+    return Band(depth, lower, upper, colour=ORANGE, alpha=0.25, label="95 % interval")
 
 
-@in_style
-def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = False) -> AnyAxes:
+@on_axes
+def plot_load_residuals(axes: Panel, fit: LoadingFit, *, synthetic: bool = False) -> None:
     """Draw measured load less that of the fitted law, the band of the law, and what else explains the curve.
 
     Lines and points count from the fitted zeros of force and displacement; the band is that of
@@ -169,30 +164,27 @@ def plot_load_residuals(axes: AnyAxes, fit: LoadingFit, *, synthetic: bool = Fal
     law, lower, upper = map(as_float_array, (found.value, found.lower, found.upper))
     main = fit.main
     off = _MILLI * (fit.load - main.load(fit.rows.displacement))
-    axes.plot(fit.indentation, off, ".", color=BLUE, markersize=2.2, label="measured")
-    axes.axhline(0.0, color=ORANGE, linewidth=1.2)
-    _draw_band(axes, (depth, _MILLI * (lower - law), _MILLI * (upper - law)))
+    axes.add(
+        _interval(depth, _MILLI * (lower - law), _MILLI * (upper - law)),
+        Points(fit.indentation, off, marker=".", colour=BLUE, size=2.2, label="measured"),
+        Rule("y", 0.0, colour=ORANGE),
+    )
     shown = sorted(
         (name for name, of in fit.uncertainty.items() if name != fit.main.law and of.weight >= _SHOWN_WEIGHT),
         key=lambda name: -fit.uncertainty[name].weight,
     )
-    for name, (colour, style) in zip(shown, _RIVAL_STYLES, strict=False):
+    for name, (colour, dash) in zip(shown, _RIVAL_STYLES, strict=False):
         apart = _MILLI * (_load_among_points(fit, fit.alternatives[name], depth) - law)
-        weight = fit.uncertainty[name].weight
-        axes.plot(
-            depth, apart, style, color=colour, label=f"{_SHORT.get(name, name)} ({weight:.2f})", zorder=4
-        )
-    mark_synthetic(axes, synthetic)
+        label = f"{_SHORT.get(name, name)} ({fit.uncertainty[name].weight:.2f})"
+        axes.add(Line(depth, apart, dash=dash, colour=colour, label=label))
+    axes.add(*synthetic_tag(synthetic))
     band = np.append(lower, upper) - np.append(law, law)
     # Rows far off at the platen's turn, and a band without end at a pole, must not set the scale.
     usual = float(np.percentile(np.abs(off), 99))
     largest = 1.1 * max(1.3 * usual, min(_MILLI * float(np.nanmax(np.abs(band))), _WIDEST * usual))
-    axes.set_ylim(-largest, largest)
-    _crop_approach(axes, fit.indentation)
-    axes.set_xlabel("indentation ξ (mm)")
-    axes.set_ylabel("W less the fitted law (mN)")
-    legend_above(axes, columns=2)
-    return axes
+    axes.x = _without_approach(Axis("indentation ξ (mm)"), fit.indentation)
+    axes.y = Axis("W less the fitted law (mN)", low=-largest, high=largest)
+    axes.legend, axes.columns = "above", 2
 
 
 def _depths(fit: LoadingFit) -> FloatArray:
@@ -206,12 +198,12 @@ def predicted_band(fit: LoadingFit) -> tuple[FloatArray, FloatArray, FloatArray]
     return depth, as_float_array(found.lower), as_float_array(found.upper)
 
 
-def law_lines(fit: LoadingFit) -> dict[str, Line]:
+def law_lines(fit: LoadingFit) -> dict[str, Curve]:
     """Return each law of the force as a line from the zeros of the points, the one that is stated first."""
     depth = _depths(fit)
     laws = sorted(fit.models.values(), key=lambda model: (model is not fit.main, model.aicc))
     own = fit.law
-    way_out: dict[str, Line] = {}
+    way_out: dict[str, Curve] = {}
     if own is not None and own.law in own.models:
         if own.phase == "loading":
             laws.insert(1, own.models[own.law])
@@ -220,7 +212,7 @@ def law_lines(fit: LoadingFit) -> dict[str, Line]:
             law = own.models[own.law]
             place = np.linspace(float(fit.indentation.min()), depth[-1], 2 * _LINE_POINTS)
             way_out[LAWS[law.law].label] = place, law.load(place + fit.main.values["contact_offset"])
-    lines: dict[str, Line] = {
+    lines: dict[str, Curve] = {
         LAWS[law.law].label: (depth, _load_among_points(fit, law, depth)) for law in laws
     }
     return lines | way_out
@@ -238,9 +230,9 @@ def _load_among_points(fit: LoadingFit, law: FittedForceModel, depth: FloatArray
     return main.corrected_load(clock, measured)
 
 
-@in_style
+@on_axes
 def plot_contact_compliance(
-    axes: AnyAxes,
+    axes: Panel,
     indentation: ArrayLike,
     area: ArrayLike,
     *,
@@ -249,7 +241,7 @@ def plot_contact_compliance(
     loading_radius_std: float = 0.0,
     area_at_zero: float = 0.0,
     synthetic: ArrayLike = False,
-) -> AnyAxes:
+) -> None:
     """Draw contact area against πξ, with the line whose slope is R_g and the fan of its uncertainty.
 
     The fan turns about the mean of the points.
@@ -279,35 +271,34 @@ def plot_contact_compliance(
     'π × indentation, πξ (mm)'
     """
     x = np.pi * as_float_array(indentation)
-    draw_points(axes, x, area, y_std=area_std, synthetic=synthetic)
-    mark_synthetic(axes, synthetic)
     if loading_radius is not None and np.isfinite(x).any():
         line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
         fitted = area_at_zero + loading_radius * line
         spread = loading_radius_std * np.abs(line - np.nanmean(x))
         said = value_with_uncertainty(loading_radius, loading_radius_std)
         label = rf"slope $R_\mathrm{{g}}$ = {said} mm"
-        axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
-        axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
-    axes.set_xlabel("π × indentation, πξ (mm)")
-    axes.set_ylabel("contact area A (mm²)")
-    legend_above(axes)
-    return axes
+        axes.add(
+            Band(line, fitted - spread, fitted + spread, colour=ORANGE, alpha=0.25),
+            Line(line, fitted, colour=ORANGE, label=label),
+        )
+    axes.add(*measured(x, area, y_std=area_std, synthetic=synthetic), *synthetic_tag(synthetic))
+    axes.x, axes.y = Axis("π × indentation, πξ (mm)"), Axis("contact area A (mm²)")
+    axes.legend = "above"
 
 
-@in_style
+@on_axes
 def plot_secant_modulus(
-    axes: AnyAxes,
+    axes: Panel,
     abscissa: ArrayLike,
     secant_modulus: ArrayLike,
     *,
     against: Literal["indentation", "load"],
     fitted_points: ArrayLike | None = None,
-    fit: Line | None = None,
+    fit: Curve | None = None,
     fit_std: ArrayLike = 0.0,
     label: str = "fit",
     synthetic: bool = False,
-) -> AnyAxes:
+) -> None:
     """Draw the secant modulus E_g against indentation or load, with the points that were fitted.
 
     Parameters
@@ -344,34 +335,36 @@ def plot_secant_modulus(
     """
     x, modulus = broadcast(abscissa, KPA_PER_MPA * as_float_array(secant_modulus))
     chosen: BoolArray = np.ones(x.shape, bool) if fitted_points is None else np.asarray(fitted_points, bool)
-    axes.plot(x[~chosen], modulus[~chosen], ".", color=GREY, markersize=2.5, label="not in the fit")
-    axes.plot(x[chosen], modulus[chosen], ".", color=BLUE, markersize=3.2, label=r"$E_\mathrm{g}$")
+    axes.add(
+        Points(x[~chosen], modulus[~chosen], marker=".", colour=GREY, size=2.5, label="not in the fit"),
+        Points(x[chosen], modulus[chosen], marker=".", colour=BLUE, size=3.2, label=r"$E_\mathrm{g}$"),
+    )
     if fit is not None:
         line, fitted, spread = broadcast(
             fit[0], KPA_PER_MPA * as_float_array(fit[1]), KPA_PER_MPA * as_float_array(fit_std)
         )
-        axes.plot(line, fitted, color=ORANGE, label=label, zorder=4)
-        axes.fill_between(line, fitted - spread, fitted + spread, color=ORANGE, alpha=0.25, linewidth=0)
-    mark_synthetic(axes, synthetic)
+        axes.add(
+            Band(line, fitted - spread, fitted + spread, colour=ORANGE, alpha=0.25),
+            Line(line, fitted, colour=ORANGE, label=label),
+        )
+    axes.add(*synthetic_tag(synthetic))
+    axes.x = Axis("indentation ξ (mm)" if against == "indentation" else "normal load W (N)", low=0)
+    axes.y = Axis("secant modulus $E_\\mathrm{g}$ (kPa)")
     # The first points after contact divide by nearly nothing; they must not set the scale.
     if chosen.any():
-        axes.set_ylim(0, 1.6 * float(np.nanpercentile(modulus[chosen], 99)))
-    axes.set_xlim(left=0)
-    axes.set_xlabel("indentation ξ (mm)" if against == "indentation" else "normal load W (N)")
-    axes.set_ylabel("secant modulus $E_\\mathrm{g}$ (kPa)")
-    legend_above(axes)
-    return axes
+        axes.y = replace(axes.y, low=0, high=1.6 * float(np.nanpercentile(modulus[chosen], 99)))
+    axes.legend = "above"
 
 
-@in_style
+@on_axes
 def plot_initial_modulus(
-    axes: AnyAxes,
+    axes: Panel,
     velocity: ArrayLike,
     initial_modulus: ArrayLike,
     *,
     initial_modulus_std: ArrayLike | None = None,
     synthetic: ArrayLike = False,
-) -> AnyAxes:
+) -> None:
     """Draw E_0g against the velocity of loading, on a logarithmic axis.
 
     Parameters
@@ -397,30 +390,25 @@ def plot_initial_modulus(
     'velocity of loading (mm/s)'
     """
     std = None if initial_modulus_std is None else KPA_PER_MPA * as_float_array(initial_modulus_std)
-    axes.set_xscale("log")
-    draw_points(axes, velocity, KPA_PER_MPA * as_float_array(initial_modulus), y_std=std, synthetic=synthetic)
-    mark_synthetic(axes, synthetic)
-    axes.margins(x=0.15)
-    axes.set_ylim(bottom=0)
-    plain_log_ticks(axes, "x")
-    axes.set_xlabel("velocity of loading (mm/s)")
-    axes.set_ylabel(r"initial modulus $E_\mathrm{0g}$ (kPa)")
-    return axes
+    modulus = KPA_PER_MPA * as_float_array(initial_modulus)
+    axes.add(*measured(velocity, modulus, y_std=std, synthetic=synthetic), *synthetic_tag(synthetic))
+    axes.x = Axis("velocity of loading (mm/s)", log=True, margin=0.15)
+    axes.y = Axis(r"initial modulus $E_\mathrm{0g}$ (kPa)", low=0)
 
 
-@in_style
+@on_axes
 def plot_relaxation(
-    axes: AnyAxes,
+    axes: Panel,
     time: ArrayLike,
     value: ArrayLike,
     *,
     quantity: Literal["load", "ridge area"] = "load",
-    fit: Line | None = None,
+    fit: Curve | None = None,
     label: str = "fit",
     ramp_time: float | None = None,
     time_constants: ArrayLike = (),
     synthetic: bool = False,
-) -> AnyAxes:
+) -> None:
     """Draw load or ridge area against time since the hold began, on a logarithmic axis.
 
     Parameters
@@ -457,35 +445,32 @@ def plot_relaxation(
     """
     t, y = broadcast(time, value)
     after = t > 0
-    axes.set_xscale("log")
-    axes.plot(t[after], y[after], ".", color=BLUE, markersize=2.5, label="measured")
+    if ramp_time is not None and after.any() and ramp_time > t[after].min():
+        begin, words = float(t[after].min()), "hidden by the ramp"
+        axes.add(Rule("x", begin, ramp_time, colour=GREY, alpha=0.15, label=words))
+    axes.add(Points(t[after], y[after], marker=".", colour=BLUE, size=2.5, label="measured"))
     if fit is not None:
         line, fitted = broadcast(*fit)
         shown = line >= (t[after].min() if after.any() else 0)
-        axes.plot(line[shown], fitted[shown], color=ORANGE, label=label, zorder=4)
-    if ramp_time is not None and after.any() and ramp_time > t[after].min():
-        axes.axvspan(float(t[after].min()), ramp_time, color=GREY, alpha=0.15, linewidth=0)
-        axes.plot([], [], color=GREY, alpha=0.3, linewidth=6, label="hidden by the ramp")
-    for constant in np.atleast_1d(as_float_array(time_constants)):
-        axes.axvline(float(constant), color=GREEN, linestyle=":", linewidth=0.9)
-    if np.size(time_constants):
-        axes.plot([], [], ":", color=GREEN, label="time constants")
-    mark_synthetic(axes, synthetic)
-    axes.set_xlabel("time since the hold began (s)")
-    axes.set_ylabel("normal load W (N)" if quantity == "load" else "ridge area (mm²)")
-    legend_above(axes)
-    return axes
+        axes.add(Line(line[shown], fitted[shown], colour=ORANGE, label=label))
+    for number, constant in enumerate(np.atleast_1d(as_float_array(time_constants)).tolist()):
+        label = f"{'_' * (number > 0)}time constants"
+        axes.add(Rule("x", constant, colour=GREEN, dash=":", width=0.9, label=label))
+    axes.add(*synthetic_tag(synthetic))
+    axes.x = Axis("time since the hold began (s)", log=True)
+    axes.y = Axis("normal load W (N)" if quantity == "load" else "ridge area (mm²)")
+    axes.legend = "above"
 
 
-@in_style
+@on_axes
 def plot_modulus_from_area_and_indentation(
-    axes: AnyAxes,
+    axes: Panel,
     load: ArrayLike,
     ratio: ArrayLike,
     *,
-    expected_ratio: Line | None = None,
+    expected_ratio: Curve | None = None,
     synthetic: bool = False,
-) -> AnyAxes:
+) -> None:
     """Draw E* from the area over E* from the indentation, against load: one where Hertz theory holds.
 
     Parameters
@@ -511,15 +496,13 @@ def plot_modulus_from_area_and_indentation(
     'normal load W (N)'
     """
     W, ratio = broadcast(load, ratio)
-    axes.plot(W, ratio, ".", color=BLUE, markersize=3, label="measured")
-    axes.axhline(1.0, color=BLACK, linewidth=0.8)
+    axes.add(Points(W, ratio, marker=".", colour=BLUE, size=3, label="measured"), Rule("y", 1.0, width=0.8))
     if expected_ratio is not None:
-        axes.plot(*expected_ratio, "--", color=ORANGE, label="expected of the true ellipsoid")
-    mark_synthetic(axes, synthetic)
-    axes.set_xlim(left=0)
+        label = "expected of the true ellipsoid"
+        axes.add(Line(*expected_ratio, dash="--", colour=ORANGE, label=label))
+    axes.add(*synthetic_tag(synthetic))
+    axes.x = Axis("normal load W (N)", low=0)
+    axes.y = Axis("E* from area / E* from indentation (–)")
     if np.isfinite(ratio).any():
-        axes.set_ylim(0, max(1.6, 1.3 * float(np.nanpercentile(ratio, 98))))
-    axes.set_xlabel("normal load W (N)")
-    axes.set_ylabel("E* from area / E* from indentation (–)")
-    legend_above(axes)
-    return axes
+        axes.y = replace(axes.y, low=0, high=max(1.6, 1.3 * float(np.nanpercentile(ratio, 98))))
+    axes.legend = "above"

@@ -3,30 +3,17 @@
 import base64
 import io
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import Any, Final, Self
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from PIL import Image
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, check_radians
-from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PNG_LEVEL,
-    VERMILLION,
-    YELLOW,
-    draw_picture,
-    in_style,
-    mark_synthetic,
-    pair,
-)
+from fingerpad.figures.marks import Axis, Dash, Line, Panel, Picture, Points, Side, Text, arrow, synthetic_tag
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PNG_LEVEL, VERMILLION, YELLOW
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement, PrincipalRadii
 
 # The caption of Fig. 4 of Dzidek et al. (2017).
@@ -57,14 +44,14 @@ class Camera:
         return np.stack([points @ self.right, points @ self.up], axis=-1)
 
 
-@in_style
+@on_axes
 def plot_pad(
-    axes: Axes,
+    axes: Panel,
     pad: Ellipsoid,
     *,
     u_deg: ArrayLike = (0, 30, 45, 60, 90),
     synthetic: bool = False,
-) -> Axes:
+) -> None:
     """Draw the ellipsoid, its palmar cap, axes and points of given u (Figs 1 and 4 of Dzidek et al. 2017).
 
     Parameters
@@ -97,27 +84,18 @@ def plot_pad(
         spot = view.project(pad.point(np.radians(angle), np.pi / 2))
         outward = view.project(pad.normal(np.radians(angle), np.pi / 2))
         colour = POINT_COLOURS.get(round(float(angle)), BLACK)
-        axes.plot(
-            *spot, "o", color=colour, markersize=7, markeredgecolor=BLACK, markeredgewidth=0.7, zorder=6
-        )
-        axes.annotate(
-            f"{angle:g}°",
-            pair(spot),
-            xytext=pair(-12 * outward / np.linalg.norm(outward)),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            fontsize=7,
-            zorder=6,
+        right, up = -12 * outward / np.linalg.norm(outward)
+        axes.add(
+            Points(*spot, colour=colour, size=7, edge=BLACK, edge_width=0.7),
+            Text(f"{angle:g}°", *spot, right=right, up=up, horizontal="center", vertical="center", size=7),
         )
     _draw_scale_bar(axes)
-    mark_synthetic(axes, synthetic)
-    return axes
+    axes.add(*synthetic_tag(synthetic))
 
 
-@in_style
+@on_axes
 def plot_pad_with_contact(
-    axes: AnyAxes,
+    axes: Panel,
     pad: Ellipsoid,
     *,
     wedge_angle: float,
@@ -126,7 +104,7 @@ def plot_pad_with_contact(
     measured: Ellipse | None = None,
     measured_long_axis_angle: float = 0.0,
     synthetic: bool = False,
-) -> AnyAxes:
+) -> None:
     """Draw the pad as seen through the platen: place of contact, principal directions, contact ellipses.
 
     Parameters
@@ -172,46 +150,46 @@ def plot_pad_with_contact(
     if measured is not None:
         angle = float(check_radians("measured_long_axis_angle", measured_long_axis_angle))
         label = "contact measured"
-        drawn.append(_draw_contact(axes, centre, measured, angle, colour=BLUE, style="-", label=label))
+        drawn.append(_draw_contact(axes, centre, measured, angle, colour=BLUE, dash="-", label=label))
     if predicted is not None:
         long_axis = directions[np.argmax(radii)]
         turn = float(np.arctan2(-long_axis[0], long_axis[1]))
         label = "Hertz shape of the measured area"
-        drawn.append(_draw_contact(axes, centre, predicted, turn, colour=ORANGE, style="--", label=label))
+        drawn.append(_draw_contact(axes, centre, predicted, turn, colour=ORANGE, dash="--", label=label))
     _frame(axes, np.concatenate(drawn))
-    axes.plot(*centre, "o", color=BLACK, markersize=3.5, zorder=6, label="place of contact")
+    axes.add(Points(*centre, size=3.5, label="place of contact"))
     roll = f", roll φ = {np.degrees(roll_angle):g}°" if roll_angle else ""
-    axes.set_title(f"θ = {np.degrees(wedge_angle):g}°{roll}, u = {np.degrees(placement.u):.1f}°")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=1)
+    axes.title = f"θ = {np.degrees(wedge_angle):g}°{roll}, u = {np.degrees(placement.u):.1f}°"
+    axes.legend = "below"
     _draw_scale_bar(axes)
-    mark_synthetic(axes, synthetic)
-    return axes
+    axes.add(*synthetic_tag(synthetic))
 
 
-def _draw_surface(axes: AnyAxes, pad: Ellipsoid, view: Camera) -> FloatArray:
+def _draw_surface(axes: Panel, pad: Ellipsoid, view: Camera) -> FloatArray:
     """Draw the shaded ellipsoid with its parametric lines and outline; return the outline."""
     turn = np.linspace(0, 2 * np.pi, 361)
     rim = np.cos(turn)[:, None] * view.right + np.sin(turn)[:, None] * view.up
     outline = view.project(pad.contact_point(rim))
     reach = np.abs(outline).max(axis=0)  # the outline is symmetric about the centre
-    draw_picture(axes, _png(_shaded(pad, view, reach)), (-reach[0], reach[0], -reach[1], reach[1]))
-    axes.plot(*outline.T, color=GREY, linewidth=0.9, zorder=2)
+    axes.add(Picture(_png(_shaded(pad, view, reach)), -reach[0], reach[0], -reach[1], reach[1]))
     across, along = np.linspace(0, np.pi, 91), np.linspace(-np.pi / 2, np.pi / 2, 181)
     u, v = np.radians(np.arange(-90, 91, 15))[:, None], np.radians(np.arange(15, 166, 15))[:, None]
     lines = np.concatenate([_parametric(pad, view, u, across), _parametric(pad, view, along, v)])
-    axes.plot(*lines.T, color=GREY, linewidth=0.35, alpha=0.6)
-    axes.plot(*_parametric(pad, view, along, np.pi / 2).T, color=BLACK, linewidth=0.9, alpha=0.9)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
+    axes.add(
+        Line(*lines.T, colour=GREY, width=0.35, alpha=0.6),
+        Line(*_parametric(pad, view, along, np.pi / 2).T, width=0.9, alpha=0.9),
+        Line(*outline.T, colour=GREY, width=0.9),
+    )
+    axes.equal, axes.framed = True, False
     return outline
 
 
-def _frame(axes: AnyAxes, points: FloatArray) -> None:
+def _frame(axes: Panel, points: FloatArray) -> None:
     """Set the limits to hold `points` with a margin."""
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.05 * (high - low)
-    axes.set_xlim(low[0] - margin[0], high[0] + margin[0])
-    axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
+    ends = np.stack([low - margin, high + margin]).tolist()
+    axes.x, axes.y = (Axis(low=ends[0][k], high=ends[1][k]) for k in range(2))
 
 
 def _shaded(pad: Ellipsoid, view: Camera, reach: FloatArray) -> npt.NDArray[np.uint8]:
@@ -250,34 +228,24 @@ def _png(pixels: npt.NDArray[np.uint8]) -> str:
     return base64.b64encode(buffer.getvalue()).decode()
 
 
-def _draw_coordinate_axes(axes: Axes, pad: Ellipsoid, view: Camera) -> FloatArray:
+def _draw_coordinate_axes(axes: Panel, pad: Ellipsoid, view: Camera) -> FloatArray:
     """Draw the directions of the three semi-axes as arrows that leave the surface; return their ends."""
     length = 0.3 * float(pad.semi_axes.max())
     starts, ends = (view.project(np.diag(reach)) for reach in (pad.semi_axes, pad.semi_axes + length))
     for start, end, name in zip(starts, ends, ("x, palmar", "y, distal", "z, across"), strict=True):
-        axes.annotate(
-            "",
-            pair(end),
-            pair(start),
-            arrowprops={"arrowstyle": "-|>", "color": BLACK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0},
-            zorder=5,
-            annotation_clip=False,
-        )
+        axes.add(*arrow(start, end))
         steep = abs(end[1] - start[1]) > 2 * abs(end[0] - start[0])
-        axes.annotate(
-            name,
-            pair(end),
-            xytext=pair(4 * (end - start) / np.linalg.norm(end - start)),
-            textcoords="offset points",
-            ha="center" if steep else "left" if end[0] > start[0] else "right",
-            va="bottom" if steep else "center",
-            fontsize=7,
+        right, up = 4 * (end - start) / np.linalg.norm(end - start)
+        side: Side = "center" if steep else "left" if end[0] > start[0] else "right"
+        text = Text(
+            name, *end, right=right, up=up, horizontal=side, vertical="bottom" if steep else "center", size=7
         )
+        axes.add(text)
     return ends
 
 
 def _draw_directions(
-    axes: AnyAxes, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: PrincipalRadii
+    axes: Panel, centre: FloatArray, outline: FloatArray, directions: FloatArray, radii: PrincipalRadii
 ) -> list[FloatArray]:
     """Draw the principal directions through the place of contact, named at their ends; return their lines."""
     lines: list[FloatArray] = []
@@ -286,22 +254,22 @@ def _draw_directions(
         side = direction * np.sign(direction[1] if upwards else direction[0])
         reach = (outline - centre) @ side
         line = centre + np.outer([1.06 * reach.min(), 1.08 * reach.max()], side)
-        axes.plot(*line.T, color=BLACK, linewidth=0.8, zorder=4)
-        axes.annotate(
-            f"R {word}{' ' if upwards else chr(10)}{radius:.1f} mm",
-            pair(line[1]),
-            xytext=(0, 2) if upwards else (3, 0),
-            textcoords="offset points",
-            ha="center" if upwards else "left",
-            va="bottom" if upwards else "center",
-            fontsize=6.8,
+        name = f"R {word}{' ' if upwards else chr(10)}{radius:.1f} mm"
+        place: dict[str, Any] = {"right": 0 if upwards else 3, "up": 2 if upwards else 0, "size": 6.8}
+        place |= {
+            "horizontal": "center" if upwards else "left",
+            "vertical": "bottom" if upwards else "center",
+        }
+        axes.add(
+            Line(*line.T, width=0.8),
+            Text(name, *line[1], **place),
         )
         lines.append(line)
     return lines
 
 
 def _draw_contact(
-    axes: AnyAxes, centre: FloatArray, ellipse: Ellipse, angle: float, *, colour: str, style: str, label: str
+    axes: Panel, centre: FloatArray, ellipse: Ellipse, angle: float, *, colour: str, dash: Dash, label: str
 ) -> FloatArray:
     """Draw a contact ellipse, its long axis `angle` from upwards, counter-clockwise; return its points."""
     turn = np.linspace(0, 2 * np.pi, 181)
@@ -309,19 +277,14 @@ def _draw_contact(
     x = centre[0] - major * np.sin(angle) - minor * np.cos(angle)
     y = centre[1] + major * np.cos(angle) - minor * np.sin(angle)
     size = f"semi-axes {ellipse.semi_major:.1f} × {ellipse.semi_minor:.1f} mm"
-    axes.plot(x, y, style, color=colour, linewidth=1.5, zorder=5, label=f"{label}, {size}")
+    axes.add(Line(x, y, dash=dash, colour=colour, width=1.5, label=f"{label}, {size}"))
     return np.stack([x, y], axis=-1)
 
 
-def _draw_scale_bar(axes: AnyAxes, length: float = 5.0) -> None:
+def _draw_scale_bar(axes: Panel, length: float = 5.0) -> None:
     """Draw a bar of `length` mm in the lower left corner, the axes having no ticks."""
-    left, bottom = axes.get_xlim()[0], axes.get_ylim()[0]
-    axes.plot([left, left + length], [bottom, bottom], color=BLACK, linewidth=1.8, clip_on=False)
-    axes.annotate(
-        f"{length:g} mm",
-        (left + length / 2, bottom),
-        xytext=(0, 3),
-        textcoords="offset points",
-        ha="center",
-        fontsize=7,
+    left, bottom = axes.limits("x")[0], axes.limits("y")[0]
+    axes.add(
+        Line([left, left + length], bottom, width=1.8, clipped=False),
+        Text(f"{length:g} mm", left + length / 2, bottom, up=3, horizontal="center", size=7),
     )

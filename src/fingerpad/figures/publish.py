@@ -3,20 +3,34 @@
 import csv
 import io
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from threading import Lock
 from typing import Any, Final, Literal, TypeAlias, get_args
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
+from matplotlib import figure as mpl_figure
 from matplotlib.colors import is_color_like, to_hex
-from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from fingerpad.exceptions import FigureError
 from fingerpad.figures import style
-from fingerpad.figures.panels import Call, Panel, PanelFigure, numbers
+from fingerpad.figures.marks import (
+    AnyMark,
+    Axis,
+    Band,
+    Bars,
+    Ellipses,
+    Figure,
+    Line,
+    Numbers,
+    Panel,
+    Points,
+    Rule,
+)
+from fingerpad.figures.mpl import draw
+from fingerpad.figures.svg import svg
 from fingerpad.figures.svg_text import runs
 
 Format: TypeAlias = Literal["svg", "pdf", "png", "csv"]
@@ -27,23 +41,10 @@ Range: TypeAlias = tuple[float | None, float | None]
 FORMATS: Final[tuple[Format, ...]] = get_args(Format)
 CSV_COLUMNS: Final = ("panel", "x_name", "y_name", "series", "x", "y", "x_std", "y_std", "y_low", "y_high")
 
-_BASE_PT: Final = 7.5
 _SIZE_MM, _FONT_PT, _DPI = (20.0, 500.0), (3.0, 30.0), (50.0, 1200.0)
 _LARGEST_PX: Final = 12_000
-_FONT_KEYS: Final = (
-    "font.size",
-    "axes.labelsize",
-    "axes.titlesize",
-    "xtick.labelsize",
-    "ytick.labelsize",
-    "legend.fontsize",
-)
-_COLOUR_KEYS: Final = ("color", "markerfacecolor", "markeredgecolor", "edge", "face")
 # Of text, axes and paper: not of data.
-_NEUTRAL: Final = frozenset({style.BLACK, "white", "none"})
-_HELPERS: Final = {one.__name__: one for one in (style.legend_above, style.draw_shapes, style.draw_picture)}
-_WITH_ARRAYS: Final = frozenset({"plot", "errorbar", "fill_between", "barh", "draw_shapes"})
-_SERIES: Final = {"axhline": "level", "axvline": "level", "fill_between": "band", "plot": "line"}
+_NEUTRAL: Final = frozenset({style.BLACK, "white", ""})
 _DRAWING: Final = Lock()  # Matplotlib's settings are global
 
 
@@ -116,12 +117,12 @@ class FigureSettings:
                 raise FigureError(f"colours: give names or #rrggbb, found {colour!r}")
 
 
-def figure_file(figure: PanelFigure, kind: Format, settings: FigureSettings) -> bytes:
+def figure_file(figure: Figure, kind: Format, settings: FigureSettings) -> bytes:
     """Return a figure as a file: SVG, PDF or PNG, or the data behind it as CSV; the same bytes each time.
 
     Parameters
     ----------
-    figure : PanelFigure
+    figure : Figure
         As the report keeps it, ``figures/NAME.json``.
     kind : {"svg", "pdf", "png", "csv"}
         Format of the file.
@@ -143,167 +144,152 @@ def figure_file(figure: PanelFigure, kind: Format, settings: FigureSettings) -> 
     """
     if kind == "csv":
         return figure_csv(figure).encode()
+    wanted = settled(figure, settings)
+    if kind == "svg":
+        return f'<?xml version="1.0" encoding="utf-8"?>\n{svg(wanted, "figure")}'.encode()
     with _DRAWING:
-        return _file(figure, kind, settings)
+        return _drawn(wanted, kind, settings.dpi)
 
 
 @style.in_style
-def _file(figure: PanelFigure, kind: Format, settings: FigureSettings) -> bytes:
-    factor = (settings.font_pt or _BASE_PT) / _BASE_PT
-    mpl.rcParams.update({key: factor * mpl.rcParams[key] for key in _FONT_KEYS})
-    mpl.rcParams["pdf.fonttype"] = 42  # fonts that a journal can edit
-    drawn = draw_figure(figure, settings)
-    if kind == "svg":
-        return f'<?xml version="1.0" encoding="utf-8"?>\n{style.figure_svg(drawn, "figure")}'.encode()
-    buffer = io.BytesIO()
+def _drawn(figure: Figure, kind: Format, dpi: float) -> bytes:
+    drawn, buffer = draw_figure(figure), io.BytesIO()
     if kind == "pdf":
+        mpl.rcParams["pdf.fonttype"] = 42  # fonts that a journal can edit
         nothing = dict.fromkeys(("CreationDate", "Creator", "Producer"))
         drawn.savefig(buffer, format="pdf", metadata=nothing)
         return buffer.getvalue()
-    pixels = [round(settings.dpi * float(inches)) for inches in drawn.get_size_inches()]
+    pixels = [round(dpi * float(inches)) for inches in drawn.get_size_inches()]
     if max(pixels) > _LARGEST_PX:
         raise FigureError(f"dpi: {max(pixels)} pixels are too many: take fewer dots per inch")
-    across, down = (
-        (count + 0.01) / settings.dpi for count in pixels
-    )  # Matplotlib cuts off, and may lose one
+    # Matplotlib cuts off, and may lose one.
+    across, down = ((count + 0.01) / dpi for count in pixels)
     drawn.set_size_inches(across, down)
-    drawn.savefig(buffer, format="png", dpi=settings.dpi, metadata={"Software": None})
+    drawn.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
     return buffer.getvalue()
 
 
-def draw_figure(figure: PanelFigure, settings: FigureSettings) -> Figure:
-    """Return Matplotlib's figure of a figure that is kept as data, drawn as the settings say."""
-    for axis in "xy":
-        _require_one_axis(figure, axis, settings)
-    width = settings.width_mm or figure.width_mm
-    height = settings.height_mm or figure.height_mm * width / figure.width_mm
-    drawn, every = style.empty_figure(width, height, figure.rows, figure.columns)
-    colours = dict(zip(figure_colours(figure), map(to_hex, settings.colours), strict=False))
+def draw_figure(figure: Figure) -> mpl_figure.Figure:
+    """Return Matplotlib's figure of a figure that is kept as data."""
+    shape = {name: getattr(figure, name) for name in ("width_mm", "height_mm", "rows", "columns")}
+    drawn, every = style.new_figure(**shape)
     for axes, panel in zip(every, figure.panels, strict=True):
-        _draw_panel(axes, panel, settings, colours)
+        draw(panel, axes)
+        axes.set_xlim(*panel.limits("x"))
+        axes.set_ylim(*panel.limits("y"))
+    factor = figure.font_pt / style.FONT_PT
+    for text in drawn.findobj(Text):
+        text.set_fontsize(factor * float(text.get_fontsize()))
+    for axes in every:
+        axes.tick_params(labelsize=factor * style.TICK_PT)  # of ticks that are not yet there
     return drawn
 
 
-def _draw_panel(axes: Axes, panel: Panel, settings: FigureSettings, colours: Mapping[str, str]) -> None:
-    factor = (settings.font_pt or _BASE_PT) / _BASE_PT
-    scales = {"x": settings.x_scale, "y": settings.y_scale}
-    for axis, scale in scales.items():
-        if scale is not None:
-            getattr(axes, f"set_{axis}scale")(scale)
-    for call in panel.calls:
-        match call.name:
-            case "set_xscale" | "set_yscale" if scales[call.name[4]] is not None:
-                continue
-            case "plain_log_ticks":
-                names = "".join(name for name in call.args[0] if scales[name] != "linear")
-                style.plain_log_ticks(axes, names)
-            case "set_xlim" | "set_ylim" if scales[call.name[4]] == "log":
-                continue  # as they may be at zero
-            case name if name in _HELPERS:
-                args, options = _drawable(call, colours, factor)
-                _HELPERS[name](axes, *args, **options)
-            case name:
-                args, options = _drawable(call, colours, factor)
-                getattr(axes, name)(*args, **options)
-    for axis, scale in scales.items():
-        if scale == "log":
-            style.plain_log_ticks(axes, axis)
-    _set_range(axes, "x", settings.x_range)
-    _set_range(axes, "y", settings.y_range)
-
-
-def _set_range(axes: Axes, axis: str, ends: Range) -> None:
-    """Set the ends of an axis that are given; the other one stays."""
-    turned = getattr(axes, f"{axis}axis_inverted")()
-    getattr(axes, f"set_{axis}lim")(*ends)
-    if None in ends and getattr(axes, f"{axis}axis_inverted")() != turned:
-        low, high = sorted(getattr(axes, f"get_{axis}lim")())
-        raise FigureError(
-            f"{axis}_range: the axis would end at {low:g} and begin at {high:g}: give both ends"
-        )
-
-
-def _drawable(call: Call, colours: Mapping[str, str], factor: float) -> tuple[list[Any], dict[str, Any]]:
-    """Return arguments and keywords for Matplotlib."""
-    convert = _array if call.name in _WITH_ARRAYS else _tuple
-    options = {name: convert(value) for name, value in call.options.items()}
-    for name in _COLOUR_KEYS:
-        if name in options and options.get("gid") != "synthetic":
-            options[name] = colours.get(options[name], options[name])
-    if "fontsize" in options:
-        options["fontsize"] *= factor
-    return [convert(value) for value in call.args], options
-
-
-def _array(value: Any) -> Any:
-    return numbers(value) if isinstance(value, list) else value
-
-
-def _tuple(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-def figure_colours(figure: PanelFigure) -> list[str]:
-    """Return the colours of the data of a figure, in the order in which they are drawn."""
-    found = (
-        call.options[name]
-        for panel in figure.panels
-        for call in panel.calls
-        if call.name in _WITH_ARRAYS
-        for name in _COLOUR_KEYS
-        if name in call.options
+def settled(figure: Figure, settings: FigureSettings) -> Figure:
+    """Return a figure as the settings want it."""
+    colours = dict(zip(figure_colours(figure), map(to_hex, settings.colours), strict=False))
+    width = settings.width_mm or figure.width_mm
+    for name in "xy":
+        _require_one_axis(figure, name, settings)
+    return replace(
+        figure,
+        width_mm=width,
+        height_mm=settings.height_mm or figure.height_mm * width / figure.width_mm,
+        font_pt=settings.font_pt or figure.font_pt,
+        panels=[
+            replace(
+                panel,
+                marks=[_recoloured(mark, colours) for mark in panel.marks],
+                x=_set_axis(panel, "x", settings.x_range, settings.x_scale),
+                y=_set_axis(panel, "y", settings.y_range, settings.y_scale),
+            )
+            for panel in figure.panels
+        ],
     )
-    return [colour for colour in dict.fromkeys(found) if colour not in _NEUTRAL]
 
 
-def figure_csv(figure: PanelFigure) -> str:
+def _recoloured(mark: AnyMark, colours: Mapping[str, str]) -> AnyMark:
+    old = {} if getattr(mark, "tag", False) else _colours(mark)
+    new: dict[str, Any] = {name: colours[colour] for name, colour in old.items() if colour in colours}
+    return replace(mark, **new)
+
+
+def _colours(mark: AnyMark) -> dict[str, str]:
+    return {name: getattr(mark, name) for name in ("colour", "face", "edge") if hasattr(mark, name)}
+
+
+def _set_axis(panel: Panel, name: Literal["x", "y"], ends: Range, scale: Scale | None) -> Axis:
+    """Return an axis with the scale and the ends that are given; what is left out stays."""
+    axis: Axis = getattr(panel, name)
+    if scale is not None:
+        kept = [
+            end if end is not None and (scale == "linear" or end > 0) else None
+            for end in (axis.low, axis.high)
+        ]
+        axis = replace(axis, low=kept[0], high=kept[1], log=scale == "log")
+    old = _limits(panel, name, axis)
+    low, high = ends
+    axis = replace(axis, low=axis.low if low is None else low, high=axis.high if high is None else high)
+    new = _limits(panel, name, axis)
+    if None in ends and (new[0] < new[1]) != (old[0] < old[1]):
+        raise FigureError(
+            f"{name}_range: the axis would end at {min(new):g} and begin at {max(new):g}: give both ends"
+        )
+    return axis
+
+
+def _limits(panel: Panel, name: Literal["x", "y"], axis: Axis) -> tuple[float, float]:
+    changed = replace(panel, x=axis) if name == "x" else replace(panel, y=axis)
+    return changed.limits(name)
+
+
+def figure_colours(figure: Figure) -> list[str]:
+    """Return the colours of the data of a figure, in the order in which they are drawn."""
+    data = Points | Line | Band | Bars | Ellipses
+    marks = (mark for panel in figure.panels for mark in panel.marks if isinstance(mark, data))
+    found = dict.fromkeys(colour for mark in marks for colour in _colours(mark).values())
+    return [colour for colour in found if colour not in _NEUTRAL]
+
+
+def figure_csv(figure: Figure) -> str:
     """Return the data behind a figure as CSV: a line for each point, with its panel and series."""
     file = io.StringIO()
     table = csv.DictWriter(file, CSV_COLUMNS, restval="", lineterminator="\n")
     table.writeheader()
     for number, panel in enumerate(figure.panels, start=1):
-        names = {f"{axis}_name": plain_text(label(panel, axis)) for axis in "xy"}
-        for call in panel.calls:
-            series = plain_text(call.options.get("label") or _SERIES.get(call.name, "")).lstrip("_")
-            for point in _points(call):
-                known = {key: value for key, value in point.items() if not _missing(value)}
-                table.writerow({"panel": number, **names, "series": series, **known})
+        names = {f"{axis}_name": plain_text(getattr(panel, axis).label) for axis in "xy"}
+        for mark in panel.marks:
+            series, columns = _data(mark)
+            line = {"panel": number, **names, "series": plain_text(mark.label or series).lstrip("_")}
+            for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+                known = {
+                    name: value for name, value in zip(columns, row, strict=True) if not math.isnan(value)
+                }
+                if known:
+                    table.writerow(line | known)
     return file.getvalue()
 
 
-def _points(call: Call) -> Iterator[dict[str, Any]]:
-    """Yield the points that a call draws."""
-    if call.name in {"plot", "errorbar"}:
-        stds = {f"{axis}_std": call.options[f"{axis}err"] for axis in "xy" if f"{axis}err" in call.options}
-        columns = {"x": call.args[0], "y": call.args[1], **stds}
-    elif call.name == "fill_between":
-        columns = dict(zip(("x", "y_low", "y_high"), call.args, strict=True))
-    elif call.name == "barh":
-        columns = {"x": call.args[1], "y": call.args[0]}
-    elif call.name == "axhline":
-        columns = {"y": call.args[0]}
-    elif call.name == "axvline":
-        columns = {"x": call.args[0]}
-    else:
-        return
-    arrays = np.broadcast_arrays(*(np.atleast_1d(numbers(value)) for value in columns.values()))
-    for row in zip(*(array.tolist() for array in arrays), strict=True):
-        if not all(map(_missing, row)):
-            yield dict(zip(columns, row, strict=True))
-
-
-def _missing(value: Any) -> bool:
-    return isinstance(value, float) and math.isnan(value)
-
-
-def label(panel: Panel, axis: str) -> str:
-    """Return the label of an axis, ``x`` or ``y``."""
-    return next(iter(panel.last(f"set_{axis}label").args), "")
-
-
-def figure_scale(panel: Panel, axis: str) -> Scale:
-    """Return the scale of an axis, ``x`` or ``y``."""
-    return "log" if panel.last(f"set_{axis}scale").args == ("log",) else "linear"
+def _data(mark: AnyMark) -> tuple[str, dict[str, Numbers]]:
+    """Return the usual name of a mark's data, and their columns."""
+    match mark:
+        case Points():
+            stds = {"x_std": mark.x_std, "y_std": mark.y_std}
+            return "", {
+                "x": mark.x,
+                "y": mark.y,
+                **{name: std for name, std in stds.items() if std is not None},
+            }
+        case Line():
+            return "line", {"x": mark.x, "y": mark.y}
+        case Band():
+            return "band", {"x": mark.x, "y_low": mark.low, "y_high": mark.high}
+        case Bars():
+            return "", {"x": mark.length, "y": mark.place}
+        case Rule() if mark.to is None:
+            return "level", {mark.axis: np.array([mark.at])}
+        case _:
+            return "", {}
 
 
 def plain_text(text: str) -> str:
@@ -317,10 +303,10 @@ def plain_text(text: str) -> str:
     return " ".join("".join(run.text for run in runs(line)) for line in text.split("\n"))
 
 
-def _require_one_axis(figure: PanelFigure, axis: str, settings: FigureSettings) -> None:
+def _require_one_axis(figure: Figure, axis: str, settings: FigureSettings) -> None:
     """Raise if an axis is to be set in panels that show different quantities on it."""
     low_high, scale = getattr(settings, f"{axis}_range"), getattr(settings, f"{axis}_scale")
-    labels = {label(panel, axis) for panel in figure.panels}
+    labels = {getattr(panel, axis).label for panel in figure.panels}
     if (scale or low_high != (None, None)) and len(labels) > 1:
         raise FigureError(
             f"{axis}_range, {axis}_scale: the panels of this figure show {len(labels)} quantities on this "

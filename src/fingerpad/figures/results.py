@@ -4,27 +4,28 @@ Arrays are in mm, mm² and N; a `_std` is a standard uncertainty and is drawn as
 to either side. `synthetic` marks data that were rendered or simulated, for all points or one by one.
 """
 
-from typing import Final, Literal, TypeAlias
+from dataclasses import replace
+from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, check_radians
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import (
-    BLACK,
-    BLUE,
-    FADED,
-    GREY,
-    ORANGE,
-    VERMILLION,
-    draw_points,
-    draw_shapes,
-    in_style,
-    legend_above,
-    mark_synthetic,
-    plain_log_ticks,
+from fingerpad.figures.marks import (
+    Axis,
+    Band,
+    Dash,
+    Ellipses,
+    Line,
+    Panel,
+    Points,
+    Rule,
+    Text,
+    measured,
+    synthetic_tag,
 )
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLUE, FADED, GREY, ORANGE, VERMILLION
 from fingerpad.published.dzidek2017 import PublishedWedge
 
 Side: TypeAlias = Literal["top", "center", "bottom"]
@@ -32,9 +33,9 @@ _SHAPE_POINTS: Final = 13.0
 _FADED_EDGE: Final = "#a3c7dd"
 
 
-@in_style
+@on_axes
 def plot_corrected_radius(
-    axes: AnyAxes,
+    axes: Panel,
     load: ArrayLike,
     corrected_radius: ArrayLike,
     *,
@@ -47,7 +48,7 @@ def plot_corrected_radius(
     printed: PublishedWedge | None = None,
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
-) -> AnyAxes:
+) -> None:
     """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017).
 
     Parameters
@@ -85,96 +86,71 @@ def plot_corrected_radius(
     >>> plot_corrected_radius(axes, [1, 2], [13.7, 13.8], printed=dzidek2017().wedges[30]).get_ylabel()
     'corrected radius of curvature (mm)'
     """
-    draw_points(
-        axes,
-        load,
-        corrected_radius,
-        y_std=corrected_radius_std,
-        synthetic=synthetic,
-        left_out=left_out,
-        label=r"$R_\mathrm{g}^\mathrm{corr}$",
+    axes.add(
+        *measured(
+            load,
+            corrected_radius,
+            y_std=corrected_radius_std,
+            synthetic=synthetic,
+            left_out=left_out,
+            label=r"$R_\mathrm{g}^\mathrm{corr}$",
+        )
     )
     if fixed_geometry_std is not None:
         x, y, inner, out = broadcast(load, corrected_radius, fixed_geometry_std, left_out)
-        for mask, alpha, kind in ((out == 0, None, ""), (out != 0, FADED, ", left out")):
+        for mask, alpha, kind in ((out == 0, 1.0, ""), (out != 0, FADED, ", left out")):
             if mask.any():
-                axes.errorbar(
-                    x[mask],
-                    y[mask],
-                    yerr=inner[mask],
-                    fmt="none",
-                    color=BLUE,
-                    elinewidth=2.4,
-                    label=f"_geometry held exact{kind}",  # not in the legend
-                    alpha=alpha,
-                    zorder=3,
-                )
-    mark_synthetic(axes, synthetic)
+                bars: dict[str, Any] = {
+                    "y_std": inner[mask],
+                    "marker": "",
+                    "bar_width": 2.4,
+                    "colour": BLUE,
+                    "alpha": alpha,
+                }
+                label = f"_geometry held exact{kind}"  # not in the legend
+                axes.add(Points(x[mask], y[mask], **bars, label=label))
+    axes.add(*synthetic_tag(synthetic))
     if compliance_radius is not None:
         label = r"$R_{A\xi}$, to compare with $R_\mathrm{g}$"
         x, y, out = broadcast(load, compliance_radius, left_out)
         hidden = "_left out: " if (out == 0).any() else "left out: "
-        for mask, alpha, kind in ((out == 0, None, ""), (out != 0, FADED, hidden)):
+        for mask, alpha, kind in ((out == 0, 1.0, ""), (out != 0, FADED, hidden)):
             if mask.any():
-                axes.plot(
-                    x[mask], y[mask], "s", color=GREY, markersize=3, label=f"{kind}{label}", alpha=alpha
-                )
+                look: dict[str, Any] = {"marker": "s", "colour": GREY, "size": 3, "alpha": alpha}
+                axes.add(Points(x[mask], y[mask], **look, label=f"{kind}{label}"))
     if printed is not None:
-        axes.plot(
-            printed.load_N,
-            printed.corrected_radius_mm.value,
-            "D",
-            color=VERMILLION,
-            markersize=4.5,
-            zorder=4,
-            label=r"$R_\mathrm{g}^\mathrm{corr}$, printed in Dzidek et al. (2017)",
-        )
+        at = printed.load_N, printed.corrected_radius_mm.value
+        label = r"$R_\mathrm{g}^\mathrm{corr}$, printed in Dzidek et al. (2017)"
+        axes.add(Points(*at, marker="D", colour=VERMILLION, size=4.5, label=label))
     if measured_radius is not None and measured_radius_std is not None and np.isfinite(measured_radius_std):
         band = (measured_radius - measured_radius_std, measured_radius + measured_radius_std)
-        axes.axhspan(*band, color=BLACK, alpha=0.12, linewidth=0)
+        axes.add(Rule("y", *band, alpha=0.12))
     _mark_levels(
         axes, [(r"$R_\mathrm{g}$", measured_radius, "--"), (r"$R_\mathrm{0g}$", mean_curvature_radius, ":")]
     )
-    axes.set_xlim(left=0)
-    axes.margins(y=0.15)
-    axes.set_xlabel("normal load W (N)")
-    axes.set_ylabel("corrected radius of curvature (mm)")
-    legend_above(axes)
-    return axes
+    axes.x = Axis("normal load W (N)", low=0)
+    axes.y = Axis("corrected radius of curvature (mm)", margin=0.15)
+    axes.legend = "above"
 
 
-def _mark_levels(axes: AnyAxes, levels: list[tuple[str, float | None, str]]) -> None:
+def _mark_levels(axes: Panel, levels: list[tuple[str, float | None, Dash]]) -> None:
     """Draw horizontal lines named at their right end, the higher name above its line, the lower below."""
-    given = sorted(((value, name, style) for name, value, style in levels if value is not None), reverse=True)
-    for place, (value, name, style) in enumerate(given):
-        axes.axhline(value, color=BLACK, linestyle=style, linewidth=1.0)
+    given = sorted(((value, name, dash) for name, value, dash in levels if value is not None), reverse=True)
+    for place, (value, name, dash) in enumerate(given):
         side: Side = "center" if len(given) == 1 else ("top" if place else "bottom")
-        _name_level(axes, value, f"{name}\n{value:.4g} mm", side=side)
+        axes.add(
+            Rule("y", value, dash=dash, width=1.0), _level_name(value, f"{name}\n{value:.4g} mm", side=side)
+        )
 
 
-def _name_level(
-    axes: AnyAxes,
-    value: float,
-    name: str,
-    *,
-    side: Side = "center",
-    gap: float = 3,
-) -> None:
-    """Write the name of a horizontal line to the right of the frame, `gap` points off."""
-    axes.annotate(
-        name,
-        (1.0, value),
-        xycoords=("axes fraction", "data"),
-        xytext=(gap, 0),
-        textcoords="offset points",
-        va=side,
-        fontsize=6.8,
-    )
+def _level_name(value: float, name: str, *, side: Side = "center", gap: float = 3) -> Text:
+    """Return the name of a horizontal line to the right of the frame, `gap` points off."""
+    return Text(name, 1.0, value, right=gap, frame="x", vertical=side, size=6.8)
 
 
-@in_style
+@on_axes
 def plot_area_against_load(
-    axes: AnyAxes,
+    axes: Panel,
     load: ArrayLike,
     area: ArrayLike,
     *,
@@ -183,7 +159,7 @@ def plot_area_against_load(
     exponent_std: float | None = None,
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
-) -> AnyAxes:
+) -> None:
     """Draw contact area against load in logarithmic axes, with the fitted power law and Hertz's 2/3.
 
     Both lines pass through the mean of the logarithms, about which the band of the exponent turns. Points
@@ -218,44 +194,31 @@ def plot_area_against_load(
     )
     good = (W > 0) & (A > 0)
     W, A = W[good], A[good]
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    draw_points(
-        axes,
-        W,
-        A,
-        y_std=None if area_std is None else std[good],
-        synthetic=flags[good] != 0,
-        left_out=out[good] != 0,
-        label="area",
-    )
-    mark_synthetic(axes, flags[good] != 0)
+    shown = None if area_std is None else std[good]
+    flags, out = flags[good] != 0, out[good] != 0
+    axes.x, axes.y = Axis("normal load W (N)", log=True), Axis("contact area A (mm²)", log=True)
+    axes.legend = "inside"
     if W.size:
         line = np.geomspace(W.min() / 1.15, W.max() * 1.15, 50)
+        axes.x = replace(axes.x, low=float(line[0]), high=float(line[-1]))
 
         def power_law(slope: float) -> FloatArray:
             return as_float_array(np.exp(np.log(A).mean() + slope * (np.log(line) - np.log(W).mean())))
 
         if exponent is not None and np.isfinite(exponent):
-            said = value_with_uncertainty(exponent, exponent_std)
-            axes.plot(line, power_law(exponent), color=BLUE, label=rf"fit, $A \propto W^{{{said}}}$")
             if exponent_std is not None and np.isfinite(exponent_std):
                 turned = (power_law(exponent - exponent_std), power_law(exponent + exponent_std))
-                axes.fill_between(line, *turned, color=BLUE, alpha=0.2, linewidth=0)
-        axes.plot(line, power_law(2 / 3), "--", color=ORANGE, label=r"Hertz, $A \propto W^{2/3}$")
-        axes.set_xlim(line[0], line[-1])
-    axes.grid(visible=True, which="major")
-    plain_log_ticks(axes, "xy")
-    axes.set_xlabel("normal load W (N)")
-    axes.set_ylabel("contact area A (mm²)")
-    if W.size:
-        axes.legend(loc="upper left")
-    return axes
+                axes.add(Band(line, *turned, colour=BLUE, alpha=0.2))
+            said = value_with_uncertainty(exponent, exponent_std)
+            axes.add(Line(line, power_law(exponent), colour=BLUE, label=rf"fit, $A \propto W^{{{said}}}$"))
+        label = r"Hertz, $A \propto W^{2/3}$"
+        axes.add(Line(line, power_law(2 / 3), dash="--", colour=ORANGE, label=label))
+    axes.add(*measured(W, A, y_std=shown, synthetic=flags, left_out=out, label="area"), *synthetic_tag(flags))
 
 
-@in_style
+@on_axes
 def plot_aspect_ratio(
-    axes: AnyAxes,
+    axes: Panel,
     load: ArrayLike,
     aspect_ratio: ArrayLike,
     *,
@@ -265,7 +228,7 @@ def plot_aspect_ratio(
     predicted_long_axis_angle: float = 0.0,
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
-) -> AnyAxes:
+) -> None:
     """Draw the aspect ratio ℓd/ℓe of contacts against load, each as an ellipse of its own shape.
 
     The ellipses stand as seen through the platen with the fingertip upwards, so that they show the direction
@@ -303,52 +266,35 @@ def plot_aspect_ratio(
             load, aspect_ratio, check_radians("long_axis_angle", long_axis_angle), synthetic, left_out
         )
     )
-    draw_points(axes, W, ratio, y_std=aspect_ratio_std, synthetic=flags, left_out=out)
-    mark_synthetic(axes, flags)
+    axes.add(
+        *measured(W, ratio, y_std=aspect_ratio_std, synthetic=flags, left_out=out), *synthetic_tag(flags)
+    )
     for hollow, face in ((flags == 0, "#cfe3f1"), (flags != 0, "white")):
         for faded, edge in ((out == 0, BLUE), (out != 0, _FADED_EDGE)):
             mask = hollow & faded
             if mask.any():
-                _draw_shapes(axes, W[mask], ratio[mask], ratio[mask], angle[mask], face=face, edge=edge)
+                axes.add(_shapes(W[mask], ratio[mask], ratio[mask], angle[mask], face=face, edge=edge))
     if predicted_aspect_ratio is not None:
-        axes.axhline(predicted_aspect_ratio, color=ORANGE, linestyle="--", zorder=1)
-        shape = (as_float_array([value]) for value in (predicted_aspect_ratio, predicted_long_axis_angle))
-        _draw_shapes(
-            axes,
-            as_float_array([1.06]),
-            as_float_array([predicted_aspect_ratio]),
-            *shape,
-            edge=ORANGE,
-            beside=True,
+        at, turn = predicted_aspect_ratio, predicted_long_axis_angle
+        axes.add(
+            Rule("y", at, colour=ORANGE, dash="--"),
+            _shapes(1.06, at, at, turn, edge=ORANGE, beside=True),
+            _level_name(at, f"Hertz\n{at:.2f}", gap=22),
         )
-        _name_level(axes, predicted_aspect_ratio, f"Hertz\n{predicted_aspect_ratio:.2f}", gap=22)
-    axes.set_xlim(left=0)
-    axes.margins(y=0.25)
-    axes.set_xlabel("normal load W (N)\nshapes as seen through the platen, fingertip up")
-    axes.set_ylabel(r"aspect ratio $\ell_\mathrm{d}/\ell_\mathrm{e}$ (–)")
-    return axes
+    axes.x = Axis("normal load W (N)\nshapes as seen through the platen, fingertip up", low=0)
+    axes.y = Axis(r"aspect ratio $\ell_\mathrm{d}/\ell_\mathrm{e}$ (–)", margin=0.25)
 
 
-def _draw_shapes(
-    axes: AnyAxes,
-    x: FloatArray,
-    y: FloatArray,
-    aspect_ratio: FloatArray,
-    angle: FloatArray,
+def _shapes(
+    x: ArrayLike,
+    y: ArrayLike,
+    aspect_ratio: ArrayLike,
+    angle: ArrayLike,
     *,
     edge: str,
     face: str = "white",
     beside: bool = False,
-) -> None:
-    """Draw ellipses of one length and true shape; `beside` takes x in fractions of the frame."""
-    draw_shapes(
-        axes,
-        x,
-        y,
-        widths=np.full(x.shape, _SHAPE_POINTS),
-        heights=_SHAPE_POINTS / aspect_ratio,
-        angles_deg=90 + np.degrees(angle),
-        edge=edge,
-        face=face,
-        beside=beside,
-    )
+) -> Ellipses:
+    """Return ellipses of one length and true shape; `beside` takes x in fractions of the frame."""
+    size: dict[str, Any] = {"widths": _SHAPE_POINTS, "heights": _SHAPE_POINTS / as_float_array(aspect_ratio)}
+    return Ellipses(x, y, **size, angles_deg=90 + np.degrees(angle), colour=edge, face=face, beside=beside)

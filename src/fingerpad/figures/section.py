@@ -14,7 +14,9 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from fingerpad.contact import ContactField, ContactSection
-from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style, legend_above, new_figure
+from fingerpad.figures.marks import Axis, Band, Line, Panel
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLACK, BLUE, GREY, VERMILLION, in_style, new_figure
 from fingerpad.units import KPA_PER_MPA
 
 _LEVELS: Final = 16
@@ -26,10 +28,10 @@ _LABEL_GAP: Final = 2.8  # mm on paper between the labels of receptors
 _HALO: Final = [withStroke(linewidth=1.6, foreground="white")]
 
 
-@in_style
+@on_axes
 def plot_contact_pressure(
-    axes: Axes, section: ContactSection, *, hertz: ContactSection | None = None
-) -> Axes:
+    axes: Panel, section: ContactSection, *, hertz: ContactSection | None = None
+) -> None:
     """Draw the pressure along the finger.
 
     Parameters
@@ -59,16 +61,15 @@ def plot_contact_pressure(
     'pressure (kPa)'
     """
     pressure = KPA_PER_MPA * section.pressure
-    axes.fill_between(section.along, pressure, color=BLUE, alpha=0.18, linewidth=0)
-    axes.plot(section.along, pressure, color=BLUE, label="whole pad")
+    axes.add(
+        Band(section.along, 0.0, pressure, colour=BLUE, alpha=0.18),
+        Line(section.along, pressure, colour=BLUE, label="whole pad"),
+    )
     if hertz is not None:
-        axes.plot(hertz.along, KPA_PER_MPA * hertz.pressure, "--", color=GREY, label="Hertz")
-        legend_above(axes, columns=2)
-    axes.set_xlim(section.along[0], section.along[-1])
-    axes.set_ylim(bottom=0)
-    axes.yaxis.set_major_locator(MaxNLocator(3, steps=_STEPS))
-    axes.set_ylabel("pressure (kPa)")
-    return axes
+        axes.add(Line(hertz.along, KPA_PER_MPA * hertz.pressure, dash="--", colour=GREY, label="Hertz"))
+        axes.legend, axes.columns = "above", 2
+    axes.x = Axis(low=float(section.along[0]), high=float(section.along[-1]))
+    axes.y = Axis("pressure (kPa)", low=0)
 
 
 @in_style
@@ -279,6 +280,7 @@ def section_figure(
     lower = figure.add_axes(layout.box(low, depth, total), sharex=upper)
     bar = figure.add_axes(layout.box(layout.foot, layout.bar, total))
     plot_contact_pressure(upper, section, hertz=None if hertz is None else hertz.section())
+    upper.yaxis.set_major_locator(MaxNLocator(3, steps=_STEPS))
     upper.tick_params(labelbottom=False)
     filled = plot_section(lower, section, highest_shear=field.highest_shear_on_axis())
     mark_receptors(lower, receptors or {}, spacing=_LABEL_GAP * extent / layout.inner)

@@ -1,20 +1,24 @@
 """The figure of one press: contact area and semi-axes against time and against force."""
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
-from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import BLUE, GREY, VERMILLION, in_style, legend_above, mark_synthetic
+from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast
+from fingerpad.figures.marks import Axis, Line, Panel, Points, Text, synthetic_tag
+from fingerpad.figures.mpl import AnyAxes, on_axes, place
+from fingerpad.figures.style import BLUE, GREY, VERMILLION
 
 # Distinguished by colour and by shape.
-_PHASES: Final = (("loading", BLUE, "o"), ("hold", GREY, "s"), ("unloading", VERMILLION, "v"))
+_PHASES: Final[tuple[tuple[str, str, Literal["o", "s", "v"]], ...]] = (
+    ("loading", BLUE, "o"),
+    ("hold", GREY, "s"),
+    ("unloading", VERMILLION, "v"),
+)
 
 
-@in_style
 def plot_press(
     axes: Sequence[AnyAxes],
     *,
@@ -56,41 +60,39 @@ def plot_press(
     >>> [each.get_xlabel() for each in axes]
     ['time (s)', 'normal load W (N)', 'time (s)', 'normal load W (N)']
     """
-    area_by_time, area_by_load, axes_by_time, axes_by_load = axes
     t, W, A, major, minor = broadcast(time, load, area, semi_major, semi_minor)
     phases = np.asarray(phase)
-    for panel, x in ((area_by_time, t), (area_by_load, W)):
-        _draw(panel, x, A, phases, hollow=synthetic)
-        panel.set_ylabel("contact area A (mm²)")
-    for panel, x in ((axes_by_time, t), (axes_by_load, W)):
-        _draw(panel, x, major, phases, hollow=synthetic)
-        _draw(panel, x, minor, phases, hollow=synthetic, named=False)
-        panel.set_ylabel("semi-axes (mm)")
-    _name(axes_by_time, t, major, r"$\ell_\mathrm{d}$", above=True)
-    _name(axes_by_time, t, minor, r"$\ell_\mathrm{e}$", above=False)
-    for panel in axes:
-        panel.margins(y=0.12)
-        panel.set_ylim(bottom=0)
-    for panel, label in ((area_by_time, "time (s)"), (axes_by_time, "time (s)")):
-        panel.set_xlabel(label)
-    for panel in (area_by_load, axes_by_load):
-        panel.set_xlabel("normal load W (N)")
-        panel.set_xlim(left=min(0.0, float(W.min())) if W.size else 0.0)
+    below = min(0.0, float(W.min())) if W.size else 0.0
+    panels = [Panel() for _ in axes]
+    for number, panel in enumerate(panels):
+        x, panel.x = (W, Axis("normal load W (N)", low=below)) if number % 2 else (t, Axis("time (s)"))
+        panel.y = Axis("semi-axes (mm)" if number > 1 else "contact area A (mm²)", low=0, margin=0.12)
+        _draw(panel, x, major if number > 1 else A, phases, hollow=synthetic)
+        if number > 1:
+            _draw(panel, x, minor, phases, hollow=synthetic, named=False)
+    panels[0].legend, panels[0].columns = "above", 3
+    panels[1].add(*synthetic_tag(synthetic))
     if t.size:
-        legend_above(area_by_time, columns=3)
-    mark_synthetic(area_by_load, synthetic)
+        side: Literal["bottom", "top"]
+        for y, name, side in ((major, "d", "bottom"), (minor, "e", "top")):
+            k = int(np.argmax(y))
+            up = 4 if side == "bottom" else -4
+            label = rf"$\ell_\mathrm{{{name}}}$"
+            panels[2].add(Text(label, t[k], y[k], up=up, horizontal="center", vertical=side))
+    for each, panel in zip(axes, panels, strict=True):
+        place(panel, each)
     return axes
 
 
-@in_style
+@on_axes
 def plot_area_against_indentation(
-    axes: AnyAxes,
+    axes: Panel,
     indentation: ArrayLike,
     area: ArrayLike,
     *,
     phase: npt.ArrayLike,
     synthetic: bool = False,
-) -> AnyAxes:
+) -> None:
     """Draw the contact area of the frames of a press against the measured indentation.
 
     Parameters
@@ -118,19 +120,14 @@ def plot_area_against_indentation(
     """
     xi, A = broadcast(indentation, area)
     _draw(axes, xi, A, np.asarray(phase), hollow=synthetic)
-    axes.set_xlabel("measured indentation ξ (mm)")
-    axes.set_ylabel("contact area A (mm²)")
-    axes.margins(y=0.12)
-    axes.set_ylim(bottom=0)
-    axes.set_xlim(left=min(0.0, float(xi.min())) if xi.size else 0.0)
-    if xi.size:
-        legend_above(axes, columns=3)
-    mark_synthetic(axes, synthetic)
-    return axes
+    axes.x = Axis("measured indentation ξ (mm)", low=min(0.0, float(xi.min())) if xi.size else 0.0)
+    axes.y = Axis("contact area A (mm²)", low=0, margin=0.12)
+    axes.legend, axes.columns = "above", 3
+    axes.add(*synthetic_tag(synthetic))
 
 
 def _draw(
-    axes: AnyAxes,
+    axes: Panel,
     x: FloatArray,
     y: FloatArray,
     phase: npt.NDArray[np.str_],
@@ -138,34 +135,13 @@ def _draw(
     hollow: bool,
     named: bool = True,
 ) -> None:
-    size = 1.8 if x.size > 80 else 3.6
-    axes.plot(x, y, color="#c9c9c9", linewidth=0.7, zorder=2)
+    crowded = x.size > 80
+    look: dict[str, Any] = {"size": 1.8 if crowded else 3.6, "edge_width": 0.5 if crowded else 0.9}
+    axes.add(Line(x, y, colour="#c9c9c9", width=0.7))
     for name, colour, marker in _PHASES:
         chosen: BoolArray = phase == name
         if chosen.any():
-            axes.plot(
-                x[chosen],
-                y[chosen],
-                marker,
-                color=colour,
-                markerfacecolor="white" if hollow else colour,
-                markersize=size,
-                markeredgewidth=0.5 if x.size > 80 else 0.9,
-                label=name if named else None,
-                zorder=3,
+            face, label = "white" if hollow else "", name if named else f"_{name}"
+            axes.add(
+                Points(x[chosen], y[chosen], marker=marker, colour=colour, face=face, label=label, **look)
             )
-
-
-def _name(axes: AnyAxes, x: FloatArray, y: FloatArray, name: str, *, above: bool) -> None:
-    """Write the name of a curve above or below its largest value."""
-    if x.size:
-        k = int(np.argmax(as_float_array(y)))
-        axes.annotate(
-            name,
-            (x[k], y[k]),
-            xytext=(0, 4 if above else -4),
-            textcoords="offset points",
-            ha="center",
-            va="bottom" if above else "top",
-            fontsize=7.5,
-        )

@@ -1,28 +1,21 @@
 """One style for every figure, and files that are reproducible byte for byte."""
 
-import base64
 import hashlib
 import io
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import wraps
 from os import PathLike
 from pathlib import Path
 from typing import Any, Final, ParamSpec, TypeVar
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-from PIL import Image
 
-from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
+from fingerpad._arrays import ArrayLike, as_float_array
 from fingerpad.exceptions import FingerpadError
-from fingerpad.figures.panels import Panel
-from fingerpad.figures.svg_text import escaped
 from fingerpad.units import MM_PER_INCH
 
 Arguments = ParamSpec("Arguments")
@@ -44,14 +37,14 @@ GRID: Final = "#e4e4e4"
 # Of what is drawn, but not pooled.
 FADED: Final = 0.4
 
-# Labelled in each decade: most data span little more than one.
-LOG_SUBS: Final = (1.0, 2.0, 5.0)
+# Sizes of text, and half the width of the ends of bars, points.
+FONT_PT, TICK_PT, LEGEND_PT, CAP_PT = 7.5, 7.0, 6.8, 1.8
 
 _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "font.family": "DejaVu Sans",  # shipped with Matplotlib: the same on every machine
-    "font.size": 7.5,
-    "axes.labelsize": 7.5,
-    "axes.titlesize": 7.5,
+    "font.size": FONT_PT,
+    "axes.labelsize": FONT_PT,
+    "axes.titlesize": FONT_PT,
     "axes.titlelocation": "left",
     "axes.edgecolor": BLACK,
     "axes.labelcolor": BLACK,
@@ -62,16 +55,16 @@ _STYLE: Final[Any] = {  # Matplotlib's types want literal keys
     "axes.grid": True,
     "grid.color": GRID,
     "grid.linewidth": 0.5,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
+    "xtick.labelsize": TICK_PT,
+    "ytick.labelsize": TICK_PT,
     "xtick.color": BLACK,
     "ytick.color": BLACK,
-    "legend.fontsize": 6.8,
+    "legend.fontsize": LEGEND_PT,
     "legend.frameon": False,
     "legend.handlelength": 1.8,
     "lines.linewidth": 1.2,
     "lines.markersize": 4,
-    "errorbar.capsize": 1.8,
+    "errorbar.capsize": CAP_PT,
     "mathtext.fontset": "dejavusans",
     "figure.facecolor": "white",
     "axes.facecolor": "white",
@@ -87,14 +80,22 @@ def in_style(function: Callable[Arguments, Result]) -> Callable[Arguments, Resul
 
     @wraps(function)
     def styled(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
-        if args and isinstance(args[0], Panel):  # has no settings
-            return function(*args, **kwargs)
         with mpl.rc_context():
             mpl.rcdefaults()
             mpl.rcParams.update(_STYLE)
             return function(*args, **kwargs)
 
     return styled
+
+
+def escaped(text: str) -> str:
+    """Return text as it stands in XML, also in an attribute."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+
+
+def log_subs(low: float, high: float) -> tuple[float, ...]:
+    """Return which numbers of each decade a logarithmic axis names: most data span little more than one."""
+    return (1.0, 2.0, 5.0) if high < 100 * low else (1.0,)
 
 
 @in_style
@@ -123,11 +124,6 @@ def new_figure(
     >>> len(axes), (figure.get_size_inches() * 25.4).round(1).tolist()
     (4, [85.0, 64.0])
     """
-    return empty_figure(width_mm, height_mm, rows, columns)
-
-
-def empty_figure(width_mm: float, height_mm: float, rows: int, columns: int) -> tuple[Figure, list[Axes]]:
-    """Return an empty figure and its axes, in the style that is set."""
     figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
@@ -236,141 +232,3 @@ def pair(point: ArrayLike) -> tuple[float, float]:
     """Return a point of the plane as Matplotlib's text wants it."""
     x, y = as_float_array(point)
     return float(x), float(y)
-
-
-def mark_synthetic(axes: Axes | Panel, synthetic: ArrayLike) -> None:
-    """Write "synthetic", if anything is, into the lower right corner, where a growing curve leaves room."""
-    if not np.any(synthetic):
-        return
-    axes.annotate(
-        "synthetic",
-        (0.99, 0.02),
-        xycoords="axes fraction",
-        ha="right",
-        va="bottom",
-        zorder=10,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0},
-        color=VERMILLION,
-        style="italic",
-        weight="bold",
-        gid="synthetic",
-    )
-
-
-def draw_points(
-    axes: Axes | Panel,
-    x: ArrayLike,
-    y: ArrayLike,
-    *,
-    x_std: ArrayLike | None = None,
-    y_std: ArrayLike | None = None,
-    synthetic: ArrayLike = False,
-    left_out: ArrayLike = False,
-    colour: str = BLUE,
-    label: str = "measured",
-) -> None:
-    """Draw points with error bars of one standard uncertainty, synthetic ones hollow, left-out ones faded."""
-    x, y, flags, out = (array.ravel() for array in broadcast(x, y, synthetic, left_out))
-    hollow, faded = flags != 0, out != 0
-    crowded = x.size > 80
-    for mask, face, kind, alpha in (
-        (~hollow & ~faded, colour, "", None),
-        (hollow & ~faded, "white", " (synthetic)", None),
-        (~hollow & faded, colour, ", left out", FADED),
-        (hollow & faded, "white", ", left out (synthetic)", FADED),
-    ):
-        if mask.any():
-            axes.errorbar(
-                x[mask],
-                y[mask],
-                xerr=_selected(x_std, mask),
-                yerr=_selected(y_std, mask),
-                fmt="o",
-                color=colour,
-                markerfacecolor=face,
-                markersize=1.8 if crowded else 4.2,
-                markeredgewidth=0.5 if crowded else 0.9,
-                elinewidth=0.8,
-                label=f"{label}{kind}",
-                alpha=alpha,
-                zorder=3,
-            )
-
-
-def _selected(std: ArrayLike | None, mask: BoolArray) -> FloatArray | None:
-    if std is None:
-        return None
-    return broadcast(as_float_array(std).ravel() if as_float_array(std).ndim else std, mask)[0][mask]
-
-
-def legend_above(axes: Axes | Panel, *, columns: int | None = None) -> None:
-    """Put the legend over the frame, where no data can be; by default in two columns from four entries on."""
-    if isinstance(axes, Panel):
-        axes.record("legend_above", columns=columns)
-        return
-    count = len(axes.get_legend_handles_labels()[0])
-    if count:
-        axes.legend(
-            loc="lower left",
-            bbox_to_anchor=(-0.02, 1.0),
-            borderaxespad=0.1,
-            labelspacing=0.25,
-            columnspacing=1.0,
-            ncols=columns or (1 if count <= 3 else 2),
-        )
-
-
-def plain_log_ticks(axes: Axes | Panel, names: str) -> None:
-    """Label 1, 2, 5 of each decade of the axes named, ``"x"``, ``"y"`` or ``"xy"``, with plain numbers."""
-    if isinstance(axes, Panel):
-        axes.record("plain_log_ticks", names)
-        return
-    for name in names:
-        axis = {"x": axes.xaxis, "y": axes.yaxis}[name]
-        axis.set_major_locator(LogLocator(subs=LOG_SUBS))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_locator(NullLocator())
-
-
-def draw_shapes(
-    axes: Axes | Panel,
-    x: ArrayLike,
-    y: ArrayLike,
-    *,
-    widths: ArrayLike,
-    heights: ArrayLike,
-    angles_deg: ArrayLike,
-    edge: str,
-    face: str,
-    beside: bool,
-) -> None:
-    """Draw ellipses of sizes on paper, points; `beside` takes x in fractions of the frame."""
-    options = {"widths": widths, "heights": heights, "angles_deg": angles_deg}
-    if isinstance(axes, Panel):
-        axes.record("draw_shapes", x, y, **options, edge=edge, face=face, beside=beside)
-        return
-    shapes = EllipseCollection(
-        as_float_array(widths),
-        as_float_array(heights),
-        as_float_array(angles_deg),
-        units="points",
-        offsets=np.column_stack([x, y]),
-        offset_transform=axes.get_yaxis_transform() if beside else axes.transData,
-        facecolors=face,
-        edgecolors=edge,
-        linewidths=0.9,
-        clip_on=False,
-        zorder=4,
-    )
-    axes.add_collection(shapes, autolim=False)
-
-
-def draw_picture(axes: Axes | Panel, png: str, extent: Sequence[float]) -> None:
-    """Draw a PNG file, given in base64, from left to right and from bottom to top of an extent."""
-    if isinstance(axes, Panel):
-        axes.record("draw_picture", png, extent)
-        return
-    with Image.open(io.BytesIO(base64.b64decode(png))) as picture:
-        pixels = np.asarray(picture)
-    left, right, bottom, top = extent
-    axes.imshow(pixels, extent=(left, right, bottom, top), interpolation="bilinear", zorder=1)

@@ -5,16 +5,19 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import matplotlib as mpl
 from PIL import ImageFont
+
+from fingerpad.figures.style import BLACK, escaped
 
 FONT_FAMILY: Final = "'DejaVu Sans', Verdana, sans-serif"
 LINE_HEIGHT: Final = 1.2
 _SCRIPT_SIZE: Final = 0.7
 _LOWERED, _RAISED = 0.15, -0.38  # of the font size, downwards
 _MEASURED_AT: Final = 100  # px
+_ASCENT: Final = 0.76  # of digits and capitals, of the font size
 _COMMANDS: Final = {
     "beta": "β",
     "ell": "ℓ",
@@ -73,7 +76,11 @@ def _symbols(formula: str, script: int) -> Iterator[Run]:
         if match["upright"] is not None:
             yield Run(match["upright"], script=script)
         else:
-            symbol = _COMMANDS[match["command"]] if match["command"] else _SPACED.get(*2 * (match["other"],))
+            symbol = (
+                _COMMANDS.get(match["command"], match["command"])
+                if match["command"]
+                else _SPACED.get(*2 * (match["other"],))
+            )
             if symbol != " ":
                 yield Run(symbol, slanted=symbol.isalpha(), script=script)
 
@@ -135,6 +142,50 @@ def _spans(of: tuple[Run, ...], size: float) -> Iterator[str]:
         before = Run(before.text + run.text, script=run.script) if run.script == before.script == -1 else run
 
 
-def escaped(text: str) -> str:
-    """Return text as it stands in XML, also in an attribute."""
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+class TextBox(NamedTuple):
+    """Text at a place, its lines separated by newlines."""
+
+    text: str
+    x: float
+    y: float
+    size: float
+    horizontal: str = "left"
+    vertical: str = "baseline"
+    colour: str = BLACK
+    extra: str = ""
+    boxed: bool = False
+
+    def baselines(self) -> list[float]:
+        """Return y of the baseline of each line."""
+        step, ascent = LINE_HEIGHT * self.size, _ASCENT * self.size
+        count = self.text.count("\n")
+        height = step * count + ascent
+        above = {
+            "top": 0.0,
+            "center": height / 2,
+            "bottom": height + 0.2 * self.size,
+            "baseline": height,
+        }[self.vertical]
+        return [self.y - above + ascent + step * number for number in range(count + 1)]
+
+    def box(self) -> tuple[float, float, float, float]:
+        """Return left, right, top and bottom."""
+        width = line_width(self.text, self.size)
+        left = self.x - {"left": 0.0, "center": width / 2, "right": width}[self.horizontal]
+        baselines = self.baselines()
+        return left, left + width, baselines[0] - _ASCENT * self.size, baselines[-1] + 0.2 * self.size
+
+    def element(self) -> str:
+        """Return the text as SVG."""
+        anchor = {"left": "start", "center": "middle", "right": "end"}[self.horizontal]
+        drawn = ""
+        if self.boxed:
+            left, right, top, bottom = self.box()
+            drawn = (
+                f'<rect x="{left - 1:.2f}" y="{top - 1:.2f}" width="{right - left + 2:.2f}" '
+                f'height="{bottom - top + 1:.2f}" fill="#fff" fill-opacity=".7"/>'
+            )
+        for line, y in zip(self.text.split("\n"), self.baselines(), strict=True):
+            inner = text_element(line, self.size, self.colour, anchor, self.extra)
+            drawn += f'<text x="{self.x:.2f}" y="{y:.2f}" {inner}'
+        return drawn

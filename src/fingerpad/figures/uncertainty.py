@@ -4,18 +4,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from fingerpad.figures.panels import AnyAxes
-from fingerpad.figures.style import BLUE, ORANGE, in_style, legend_above, mark_synthetic
+from fingerpad.figures.marks import Axis, Bars, Panel, Text, synthetic_tag
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLUE, ORANGE
 
 
-@in_style
+@on_axes
 def plot_uncertainty_budget(
-    axes: AnyAxes,
+    axes: Panel,
     first_order: Mapping[str, float],
     *,
     total: Mapping[str, float] | None = None,
     synthetic: bool = False,
-) -> AnyAxes:
+) -> None:
     """Draw the contribution of each source to the variance of a result, as bars from the largest down.
 
     Parameters
@@ -44,24 +45,16 @@ def plot_uncertainty_budget(
     names = sorted(first_order, key=lambda name: first_order[name])
     places = np.arange(len(names))
     label = "first order" if total is not None else ""
-    axes.barh(places, [100 * first_order[name] for name in names], color=BLUE, height=0.6, label=label)
+    axes.add(Bars(places, [100 * first_order[name] for name in names], colour=BLUE, height=0.6, label=label))
     if total is not None:
         shares = [100 * total[name] for name in names]
-        axes.barh(places, shares, color=ORANGE, height=0.18, label="Sobol, total")
-        legend_above(axes)
-    for place, name in zip(places, names, strict=True):
+        axes.add(Bars(places, shares, colour=ORANGE, height=0.18, label="Sobol, total"))
+        axes.legend = "above"
+    for place, name in enumerate(names):
         share = 100 * max(first_order[name], 0.0 if total is None else total[name])
-        axes.annotate(
-            f"{100 * first_order[name]:.1f} %",
-            (max(share, 0), place),
-            xytext=(3, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=6.8,
-        )
-    axes.set_yticks(places, names)
-    axes.set_xlim(min(0, *(100 * share for share in first_order.values())), 118)
-    axes.grid(visible=False, axis="y")
-    axes.set_xlabel("share of the variance (%)")
-    mark_synthetic(axes, synthetic)
-    return axes
+        words = f"{100 * first_order[name]:.1f} %"
+        axes.add(Text(words, max(share, 0), place, right=3, vertical="center", size=6.8))
+    lowest = min([0.0, *(100 * share for share in first_order.values())])
+    axes.x = Axis("share of the variance (%)", low=lowest, high=118)
+    axes.y = Axis(ticks=tuple(places), names=tuple(names), lines=False)
+    axes.add(*synthetic_tag(synthetic))

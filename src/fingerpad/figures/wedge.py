@@ -7,7 +7,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Polygon, Rectangle
 
 from fingerpad._arrays import FloatArray
-from fingerpad.figures.style import BLACK, BLUE, GREY, ORANGE, VERMILLION, in_style, mark_synthetic, pair
+from fingerpad.figures.marks import Panel, synthetic_tag
+from fingerpad.figures.mpl import draw
+from fingerpad.figures.style import BLACK, BLUE, GREY, ORANGE, VERMILLION, in_style, pair
 from fingerpad.geometry import Ellipsoid, Placement
 
 _SKIN: Final = "#f3d9c6"
@@ -72,7 +74,7 @@ def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: boo
     axes.set_xlabel("horizontal (mm)")
     axes.set_ylabel("vertical (mm)")
     axes.set_title(f"on the wedge, θ = {np.degrees(wedge_angle):g}°")
-    mark_synthetic(axes, synthetic)
+    draw(Panel(marks=[*synthetic_tag(synthetic)]), axes)
     return axes
 
 
@@ -149,7 +151,7 @@ def plot_wedge_in_pad_axes(
     axes.set_xlabel("x, palmar (mm)")
     axes.set_ylabel("y, distal (mm)")
     axes.set_title(f"u = {np.degrees(u):.1f}°")
-    mark_synthetic(axes, synthetic)
+    draw(Panel(marks=[*synthetic_tag(synthetic)]), axes)
     return axes
 
 

@@ -1,6 +1,7 @@
 """Comparison of studies as one page and its figures."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -110,9 +111,11 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
             ],
             title="" if wedge is None else f"wedge {wedge:g}°" + (f", roll {roll:g}°" if roll else ""),
         )
-        axes.set_ylim(len(labels) - 0.4, -0.6)
-        axes.set_yticks(range(len(labels)), labels if axes is every[0] else [""] * len(labels))
-        axes.set_xlabel(f"{kind.symbol} ({kind.unit})" if kind.unit else kind.symbol)
+        names = labels if axes is every[0] else [""] * len(labels)
+        axes.y = replace(
+            axes.y, low=len(labels) - 0.4, high=-0.6, ticks=tuple(range(len(labels))), names=tuple(names)
+        )
+        axes.x = replace(axes.x, label=f"{kind.symbol} ({kind.unit})" if kind.unit else kind.symbol)
     yield Plot(
         name=f"compare_{quantity}",
         figure=figure,

@@ -12,8 +12,8 @@ from fingerpad.contact.contact import from_reduced_modulus
 from fingerpad.contact.fast_laws import find_modulus, plate_gap
 from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.figures import plot_layer_effect, section_figure
-from fingerpad.figures.panels import new_panels
-from fingerpad.figures.style import mark_synthetic
+from fingerpad.figures.marks import Panel, new_panels, synthetic_tag
+from fingerpad.figures.mpl import draw
 from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report.plot import Plot
@@ -191,7 +191,7 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         points=_SECTION_POINTS,
         levels=_SECTION_LEVELS,
     )
-    mark_synthetic(figure.axes[0], summary.synthetic)
+    draw(Panel(marks=[*synthetic_tag(summary.synthetic)]), figure.axes[0])
     yield Plot(
         name=f"{group_name(summary.key)}_section",
         figure=figure,

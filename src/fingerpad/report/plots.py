@@ -30,7 +30,7 @@ from fingerpad.figures.compare import (
     plot_by_wedge,
     plot_over_load,
 )
-from fingerpad.figures.panels import PanelFigure, new_panels
+from fingerpad.figures.marks import Figure, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
@@ -349,7 +349,7 @@ def _evenly(count: int, most: int) -> Places:
     return np.linspace(0, count - 1, min(count, most)).round().astype(np.intp)
 
 
-def _pad(result: StudyResult, summary: Summary, row: Row) -> PanelFigure:
+def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
     pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)
     wedge, roll = np.radians([summary.wedge_angle_deg, summary.roll_angle_deg])
     placement = Placement(pad, wedge_angle=wedge, roll_angle=roll)
@@ -397,7 +397,7 @@ def _points(rows: pd.DataFrame, value: pd.Series, std: pd.Series) -> dict[str, F
     return {name: column[known].to_numpy() for name, column in columns.items()}
 
 
-def _corrected_radius(rows: pd.DataFrame, loading: LoadingRadius | None) -> PanelFigure:
+def _corrected_radius(rows: pd.DataFrame, loading: LoadingRadius | None) -> Figure:
     return panel(
         plot_corrected_radius,
         rows["load_N"].to_numpy(),
@@ -413,7 +413,7 @@ def _corrected_radius(rows: pd.DataFrame, loading: LoadingRadius | None) -> Pane
     )
 
 
-def _area(rows: pd.DataFrame, exponent: Exponent) -> PanelFigure:
+def _area(rows: pd.DataFrame, exponent: Exponent) -> Figure:
     major, minor = rows["semi_major_mm"].to_numpy(), rows["semi_minor_mm"].to_numpy()
     return panel(
         plot_area_against_load,
@@ -427,7 +427,7 @@ def _area(rows: pd.DataFrame, exponent: Exponent) -> PanelFigure:
     )
 
 
-def _aspect_ratio(rows: pd.DataFrame) -> PanelFigure:
+def _aspect_ratio(rows: pd.DataFrame) -> Figure:
     ratio = rows["aspect_ratio"].to_numpy()
     names = ("semi_major_mm", "semi_minor_mm")
     noise = [rows[f"{name}_noise_std"].to_numpy() / rows[name].to_numpy() for name in names]

@@ -9,15 +9,13 @@ from pydantic import Field
 from starlette.responses import Response
 
 from fingerpad._files import file_stem
-from fingerpad.figures.panels import PanelFigure
+from fingerpad.figures.marks import Figure
 from fingerpad.figures.publish import (
     FigureSettings,
     Format,
     Scale,
     figure_colours,
     figure_file,
-    figure_scale,
-    label,
     plain_text,
 )
 from fingerpad.study.results.result_set import RERUN, result_files
@@ -98,9 +96,9 @@ def figure(workspace: Workspace, params: FigureParams, _: Any) -> dict[str, Any]
         "axes": [
             {
                 "axis": axis,
-                "name": plain_text(label(found.panels[0], axis)),
-                "scale": figure_scale(found.panels[0], axis),
-                "settable": len({label(panel, axis) for panel in found.panels}) == 1,
+                "name": plain_text(getattr(found.panels[0], axis).label),
+                "scale": "log" if getattr(found.panels[0], axis).log else "linear",
+                "settable": len({getattr(panel, axis).label for panel in found.panels}) == 1,
             }
             for axis in "xy"
         ],
@@ -133,7 +131,7 @@ def figure_download(workspace: Workspace, params: FigureFileParams, _: Any) -> R
     return Response(content, media_type=_MEDIA[params.kind], headers=headers)
 
 
-def _read(workspace: Workspace, name: str) -> PanelFigure:
+def _read(workspace: Workspace, name: str) -> Figure:
     """Return a figure of the results as data."""
     require_results(workspace)
     file = f"figures/{name}.json"
@@ -141,6 +139,6 @@ def _read(workspace: Workspace, name: str) -> PanelFigure:
         raise RequestError.not_there(f"{name[:80]!r}: no figure of the last run that can be set")
     require_file(workspace.study, file)
     try:
-        return PanelFigure.of_json((workspace.study.out / file).read_text(encoding="utf-8"))
+        return Figure.of_json((workspace.study.out / file).read_text(encoding="utf-8"))
     except ValueError as error:
         raise RequestError.conflict(f"{file}: is damaged: {RERUN}") from error

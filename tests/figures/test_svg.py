@@ -11,7 +11,6 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import (
     new_figure,
     new_panels,
-    panels_svg,
     plot_area_against_load,
     plot_aspect_ratio,
     plot_contact_compliance,
@@ -23,8 +22,9 @@ from fingerpad.figures import (
     plot_relaxation,
     plot_uncertainty_budget,
     save_panels,
+    svg,
 )
-from fingerpad.figures.panels import PanelFigure
+from fingerpad.figures.marks import Figure
 from fingerpad.figures.svg_text import line_width, runs
 from fingerpad.geometry import Ellipse, Ellipsoid
 
@@ -66,10 +66,10 @@ PLOTS = {
 }
 
 
-def drawn(plot) -> tuple[PanelFigure, ElementTree.Element]:
+def drawn(plot) -> tuple[Figure, ElementTree.Element]:
     figure, (panel,) = new_panels()
     plot(panel)
-    return figure, ElementTree.fromstring(panels_svg(figure, "test"))
+    return figure, ElementTree.fromstring(svg(figure, "test"))
 
 
 def texts(root: ElementTree.Element) -> list[tuple[str, float, float, ElementTree.Element]]:
@@ -186,7 +186,7 @@ def test_data_survive_the_file(tmp_path) -> None:
     for folder in ("a", "b"):
         (tmp_path / folder).mkdir()
         drawing, data = save_panels(figure, tmp_path / folder / "radius", description='R < 2 & "more"')
-        figure = PanelFigure.of_json(data.read_text("utf-8"))
+        figure = Figure.of_json(data.read_text("utf-8"))
     for name in ("radius.svg", "radius.json"):
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     assert ElementTree.parse(drawing).getroot().get("aria-label") == 'R < 2 & "more"'
@@ -201,6 +201,6 @@ def test_a_full_disk_is_named_with_the_way_out(tmp_path) -> None:
 
 def test_ids_differ_between_figures() -> None:
     figure, _ = drawn(PLOTS["radius"])
-    ids = [set(re.findall(r'\bid="([^"]+)"', panels_svg(figure, name))) for name in ("a", "b")]
+    ids = [set(re.findall(r'\bid="([^"]+)"', svg(figure, name))) for name in ("a", "b")]
     assert ids[0].isdisjoint(ids[1])
     assert len(ids[0]) == 2

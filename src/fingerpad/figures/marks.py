@@ -1,0 +1,453 @@
+"""Figures as data: eight kinds of marks on axes, from which SVG, PDF, PNG and CSV are made.
+
+`fingerpad.figures.svg` draws them in a millisecond or two, `fingerpad.figures.mpl` by Matplotlib. Both draw
+marks in their order, one above the other.
+"""
+
+import json
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, MISSING, dataclass, field, fields
+from types import NoneType
+from typing import Annotated, Any, Final, Literal, Self, TypeAlias, get_args, get_origin
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
+from fingerpad.figures.style import BLACK, BLUE, FADED, FONT_PT, VERMILLION
+
+# Whatever makes an array when given, an array of one axis when read; NaN where a number is missing.
+Numbers: TypeAlias = Annotated[Any, "numbers"]
+Colour: TypeAlias = Annotated[str, re.compile(r"#?\w*")]
+Base64: TypeAlias = Annotated[str, re.compile(r"[\w+/]*=*")]
+Dash: TypeAlias = Literal["-", "--", ":", "-."]
+Side: TypeAlias = Literal["left", "center", "right"]
+Legend: TypeAlias = Literal["", "above", "inside", "below"]
+
+# Of the numbers kept: far more than a drawing shows.
+_DIGITS: Final = 7
+
+
+class _Record:
+    """Data that say what is wrong with them, and read themselves from JSON."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        found = {one.name: _checked(one.name, one.type, getattr(self, one.name)) for one in fields(self)}  # type: ignore[arg-type]
+        arrays = {name: value for name, value in found.items() if isinstance(value, np.ndarray)}
+        found |= dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
+        for name, value in found.items():
+            object.__setattr__(self, name, value)
+
+    def record(self) -> dict[str, Any]:
+        """Return what differs from the usual, as JSON has it."""
+        values = {one.name: (getattr(self, one.name), one) for one in fields(self)}  # type: ignore[arg-type]
+        return {
+            name: [None if math.isnan(each) else each for each in value.tolist()]
+            if isinstance(value, np.ndarray)
+            else value
+            for name, (value, one) in values.items()
+            if one.default is MISSING or isinstance(value, np.ndarray) or value != one.default
+        }
+
+
+def _checked(name: str, kind: Any, value: Any) -> Any:
+    """Return a value of a kind; refuse another, as of a file that comes with somebody else's study."""
+    options = get_args(kind)
+    if kind is Numbers:
+        flat = np.atleast_1d(as_float_array(value)).ravel().tolist()
+        return np.array([float(f"{one:.{_DIGITS}g}") if math.isfinite(one) else math.nan for one in flat])
+    if NoneType in options:
+        return None if value is None else _checked(name, options[0], value)
+    if kind is float and not isinstance(value, str):
+        return float(value)
+    if get_origin(kind) is Literal:
+        good = value in options
+    elif get_origin(kind) is Annotated:
+        good = isinstance(value, str) and options[1].fullmatch(value) is not None
+    elif get_origin(kind) is tuple:
+        return tuple(_checked(name, options[0], one) for one in value)
+    else:
+        good = isinstance(value, get_origin(kind) or kind)
+    if not good:
+        raise ValueError(f"{name}: a figure takes no {value!r:.40} here")
+    return value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Mark(_Record):
+    """What is drawn on axes.
+
+    Attributes
+    ----------
+    colour : str
+        A name or ``#rrggbb``.
+    alpha : float
+        Opacity.
+    label : str
+        Name in the legend, which marks may share, and in the CSV; with ``_`` at its front in the CSV alone.
+    """
+
+    colour: Colour = BLACK
+    alpha: float = 1.0
+    label: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points(Mark):
+    """Points with bars of one standard uncertainty; `marker` "" leaves the bars alone."""
+
+    x: Numbers
+    y: Numbers
+    _: KW_ONLY
+    x_std: Numbers | None = None
+    y_std: Numbers | None = None
+    marker: Literal["o", "s", "D", "v", ".", ""] = "o"
+    size: float = 4.0
+    face: Colour = ""
+    edge: Colour = ""
+    edge_width: float = 0.9
+    bar_width: float = 0.8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line(Mark):
+    """A line, broken where a number is missing; with a `face` it is filled."""
+
+    x: Numbers
+    y: Numbers
+    _: KW_ONLY
+    width: float = 1.2
+    dash: Dash = "-"
+    face: Colour = ""
+    clipped: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Band(Mark):
+    """The area between two lines."""
+
+    x: Numbers
+    low: Numbers
+    high: Numbers
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rule(Mark):
+    """A line through the whole frame at a value of an axis; with an end `to` a band."""
+
+    axis: Literal["x", "y"]
+    at: float
+    to: float | None = None
+    _: KW_ONLY
+    width: float = 1.2
+    dash: Dash = "-"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bars(Mark):
+    """Bars from zero to the right."""
+
+    place: Numbers
+    length: Numbers
+    _: KW_ONLY
+    height: float = 0.8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ellipses(Mark):
+    """Ellipses of sizes on paper, points; `beside` takes x in fractions of the frame."""
+
+    x: Numbers
+    y: Numbers
+    _: KW_ONLY
+    widths: Numbers
+    heights: Numbers
+    angles_deg: Numbers
+    face: Colour = "white"
+    beside: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Text(Mark):
+    """Text, moved by some points from its place, which may be in fractions of the frame; a `tag` is boxed."""
+
+    text: str
+    x: float
+    y: float
+    _: KW_ONLY
+    right: float = 0.0
+    up: float = 0.0
+    frame: Literal["", "x", "xy"] = ""
+    size: float = FONT_PT
+    horizontal: Side = "left"
+    vertical: Literal["baseline", "top", "center", "bottom"] = "baseline"
+    tag: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Picture(Mark):
+    """A PNG file, in base64, stretched over a part of the axes."""
+
+    png: Base64
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+
+AnyMark: TypeAlias = Points | Line | Band | Rule | Bars | Ellipses | Text | Picture
+KINDS: Final = {kind.__name__.lower(): kind for kind in get_args(AnyMark)}
+
+
+@dataclass(frozen=True, slots=True)
+class Axis(_Record):
+    """One of two axes; ends that are None follow the data with a margin; without `lines` only names show."""
+
+    label: str = ""
+    _: KW_ONLY
+    log: bool = False
+    low: float | None = None
+    high: float | None = None
+    margin: float = 0.05
+    ticks: tuple[float, ...] | None = None
+    names: tuple[str, ...] | None = None
+    lines: bool = True
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Panel(_Record):
+    """Axes with what is drawn on them.
+
+    Attributes
+    ----------
+    marks : list of marks
+        From the lowest up.
+    x, y : Axis
+        The axes.
+    title : str
+        At the upper left.
+    legend : {"", "above", "inside", "below"}
+        Where the legend stands, none by default.
+    columns : int
+        Of the legend; 0 for two from four entries on, else one.
+    equal : bool
+        Whether both scales are the same.
+    framed : bool
+        Whether the axes are drawn.
+    """
+
+    marks: list[AnyMark] = field(default_factory=list)
+    x: Axis = field(default_factory=Axis)
+    y: Axis = field(default_factory=Axis)
+    title: str = ""
+    legend: Legend = ""
+    columns: int = 0
+    equal: bool = False
+    framed: bool = True
+
+    def add(self, *marks: AnyMark) -> None:
+        """Draw marks above those that are there."""
+        self.marks += marks
+
+    def limits(self, name: Literal["x", "y"]) -> tuple[float, float]:
+        """Return the ends of an axis: those asked for, else round the data with a margin."""
+        axis: Axis = getattr(self, name)
+        every = np.concatenate(
+            [np.empty(0), *(np.ravel(one) for mark in self.marks for one in _extent(mark, name))]
+        )
+        every = every[np.isfinite(every) & ((every > 0) | (not axis.log))]
+        low, high = (1.0, 10.0) if axis.log else (0.0, 1.0)
+        if every.size:
+            low, high = float(every.min()), float(every.max())
+        if axis.log:
+            low, high = (low / 2, 2 * high) if low == high else (low, high)
+            factor = (high / low) ** axis.margin
+            low, high = low / factor, high * factor
+        else:
+            room = 0.0 if low < high else 0.05 * abs(low) or 1.0
+            low, high = low - room, high + room
+            low, high = low - axis.margin * (high - low), high + axis.margin * (high - low)
+        if axis.ticks:
+            low, high = min(low, *axis.ticks), max(high, *axis.ticks)
+        return (low if axis.low is None else axis.low), (high if axis.high is None else axis.high)
+
+
+def _extent(mark: AnyMark, axis: str) -> Iterator[FloatArray]:
+    """Yield the data that an axis has to hold."""
+    match mark:
+        case Points() | Line():
+            at = mark.x if axis == "x" else mark.y
+            std = getattr(mark, f"{axis}_std", None)
+            spread = 0.0 if std is None else np.nan_to_num(std)
+            yield from (at - spread, at + spread)
+        case Band():
+            yield from (mark.x,) if axis == "x" else (mark.low, mark.high)
+        case Bars():
+            yield (
+                np.append(mark.length, 0.0)
+                if axis == "x"
+                else np.add.outer((-mark.height / 2, mark.height / 2), mark.place)
+            )
+        case Rule() if mark.axis == axis:
+            yield as_float_array([mark.at, mark.at if mark.to is None else mark.to])
+        case _:
+            return
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Figure:
+    """A figure as data.
+
+    Attributes
+    ----------
+    width_mm, height_mm : float
+        Size on paper.
+    rows, columns : int
+        Arrangement of the panels.
+    panels : list of Panel
+        Row by row.
+    font_pt : float
+        Size of labels, points; that of other text follows.
+    """
+
+    width_mm: float
+    height_mm: float
+    rows: int
+    columns: int
+    panels: list[Panel]
+    font_pt: float = FONT_PT
+
+    def __post_init__(self) -> None:
+        if len(self.panels) != self.rows * self.columns:
+            raise ValueError(f"{len(self.panels)} panels are not {self.rows} × {self.columns}")
+        if not (
+            0 < self.width_mm < math.inf and 0 < self.height_mm < math.inf and 0 < self.font_pt < math.inf
+        ):
+            raise ValueError("a figure has a size")
+
+    def to_json(self) -> str:
+        """Return the figure as JSON, the same text for the same figure."""
+        record = {one.name: getattr(self, one.name) for one in fields(self)}
+        record["panels"] = [
+            panel.record()
+            | {"marks": [[type(mark).__name__.lower(), mark.record()] for mark in panel.marks]}
+            | {name: getattr(panel, name).record() for name in "xy"}
+            for panel in self.panels
+        ]
+        return json.dumps(record, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+
+    @classmethod
+    def of_json(cls, text: str) -> Self:
+        """Return a figure that was written as JSON.
+
+        Raises
+        ------
+        ValueError
+            If it is none.
+        """
+        try:
+            record = json.loads(text)
+            panels = [
+                Panel(
+                    marks=[KINDS[kind](**options) for kind, options in panel.pop("marks")],
+                    x=Axis(**panel.pop("x")),
+                    y=Axis(**panel.pop("y")),
+                    **panel,
+                )
+                for panel in record.pop("panels")
+            ]
+            return cls(panels=panels, **record)
+        except (KeyError, TypeError, AttributeError) as error:
+            raise ValueError(f"not a figure: {error}") from error
+
+
+def new_panels(
+    *, width_mm: float = 85.0, height_mm: float = 64.0, rows: int = 1, columns: int = 1
+) -> tuple[Figure, list[Panel]]:
+    """Return an empty figure as data and its panels, as `new_figure` does of Matplotlib's.
+
+    Parameters
+    ----------
+    width_mm, height_mm : float
+        Size on paper; 85 mm is one column of a journal.
+    rows, columns : int
+        Number of panels.
+
+    Returns
+    -------
+    figure : Figure
+        The figure.
+    panels : list of Panel
+        Row by row.
+
+    Examples
+    --------
+    >>> from fingerpad.figures import plot_layer_effect
+    >>> figure, (panel,) = new_panels()
+    >>> _ = plot_layer_effect(panel, [4, 8], modulus_ratio=[0.5, 0.7], radius_ratio=[2.0, 1.5], marked=())
+    >>> [type(mark).__name__ for mark in panel.marks]
+    ['Rule', 'Text', 'Line', 'Line']
+    """
+    panels = [Panel() for _ in range(rows * columns)]
+    return Figure(width_mm=width_mm, height_mm=height_mm, rows=rows, columns=columns, panels=panels), panels
+
+
+def measured(
+    x: ArrayLike,
+    y: ArrayLike,
+    *,
+    x_std: ArrayLike | None = None,
+    y_std: ArrayLike | None = None,
+    synthetic: ArrayLike = False,
+    left_out: ArrayLike = False,
+    colour: str = BLUE,
+    label: str = "measured",
+) -> Iterator[Points]:
+    """Yield points with bars of one standard uncertainty, synthetic ones hollow, left-out ones faded."""
+    stds = {"x_std": x_std, "y_std": y_std}
+    known = {name: std for name, std in stds.items() if std is not None}
+    x, y, hollow, faded, *bars = (
+        one.ravel() for one in broadcast(x, y, synthetic, left_out, *known.values())
+    )
+    crowded = x.size > 80
+    for out in (False, True):
+        for made in (False, True):
+            chosen = ((hollow != 0) == made) & ((faded != 0) == out)
+            if chosen.any():
+                yield Points(
+                    x[chosen],
+                    y[chosen],
+                    **{name: std[chosen] for name, std in zip(known, bars, strict=True)},
+                    colour=colour,
+                    face="white" if made else "",
+                    size=1.8 if crowded else 4.2,
+                    edge_width=0.5 if crowded else 0.9,
+                    label=f"{label}{', left out' if out else ''}{' (synthetic)' if made else ''}",
+                    alpha=FADED if out else 1.0,
+                )
+
+
+def synthetic_tag(synthetic: ArrayLike) -> Iterator[Text]:
+    """Yield "synthetic", if anything is, in the lower right corner, where a growing curve leaves room."""
+    if np.any(synthetic):
+        yield Text(
+            "synthetic",
+            0.99,
+            0.02,
+            frame="xy",
+            horizontal="right",
+            vertical="bottom",
+            colour=VERMILLION,
+            tag=True,
+        )
+
+
+def arrow(start: FloatArray, end: FloatArray, *, colour: str = BLACK) -> Iterator[Line]:
+    """Yield an arrow between two points of axes with equal scales."""
+    back = 0.2 * (start - end)
+    barbs = [end + 0.9 * back + turn * back[::-1] * (-1, 1) for turn in (-0.35, 0.35)]
+    yield Line(*np.transpose([start, end]), colour=colour, width=0.9)
+    yield Line(*np.transpose([barbs[0], end, barbs[1]]), colour=colour, face=colour, width=0.6)

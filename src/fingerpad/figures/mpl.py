@@ -1,0 +1,194 @@
+"""Marks on Matplotlib's axes."""
+
+import base64
+import io
+from collections.abc import Callable
+from dataclasses import fields
+from functools import wraps
+from typing import Any, Concatenate, Final, ParamSpec, TypeVar, assert_never
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from PIL import Image
+
+from fingerpad.figures.marks import AnyMark, Band, Bars, Ellipses, Line, Panel, Picture, Points, Rule, Text
+from fingerpad.figures.style import in_style, log_subs
+from fingerpad.figures.svg import legend_columns
+
+Arguments = ParamSpec("Arguments")
+# Axes of Matplotlib, or a panel: what is drawn on is returned.
+AnyAxes = TypeVar("AnyAxes", Axes, Panel)
+
+_LOWEST: Final = 2.6  # just over the axes
+_ABOVE: Final = {
+    "loc": "lower left",
+    "bbox_to_anchor": (-0.02, 1.0),
+    "borderaxespad": 0.1,
+    "labelspacing": 0.25,
+}
+_LEGENDS: Final[dict[str, dict[str, Any]]] = {
+    "above": {**_ABOVE, "labelspacing": 0.25, "columnspacing": 1.0},
+    "inside": {"loc": "upper left"},
+    "below": {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0)},
+}
+
+
+def on_axes(
+    plot: Callable[Concatenate[Panel, Arguments], None],
+) -> Callable[Concatenate[AnyAxes, Arguments], AnyAxes]:
+    """Let a function that adds marks to a panel draw on Matplotlib's axes too, and return what it drew on."""
+
+    @wraps(plot)
+    def drawn(axes: AnyAxes, *args: Arguments.args, **options: Arguments.kwargs) -> AnyAxes:
+        panel = Panel()
+        plot(panel, *args, **options)
+        place(panel, axes)
+        return axes
+
+    return drawn  # type: ignore[return-value]  # Concatenate knows no names
+
+
+def place(panel: Panel, axes: Axes | Panel) -> None:
+    """Draw a panel on axes, or add it to another, which takes over its axes."""
+    if isinstance(axes, Axes):
+        draw(panel, axes)
+        return
+    for one in fields(panel):
+        setattr(axes, one.name, getattr(panel, one.name) if one.name != "marks" else axes.marks + panel.marks)
+
+
+@in_style
+def draw(panel: Panel, axes: Axes) -> None:
+    """Draw a panel on Matplotlib's axes, in the style of these figures.
+
+    Parameters
+    ----------
+    panel : Panel
+        What is drawn.
+    axes : Axes
+        Where to draw.
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> draw(Panel(marks=[Points([1, 2], [3, 4])]), axes)
+    >>> axes.get_ylim()
+    (np.float64(2.95), np.float64(4.05))
+    """
+    for name in "xy":
+        if getattr(panel, name).log:
+            getattr(axes, f"set_{name}scale")("log")
+    for number, mark in enumerate(panel.marks):
+        _draw(mark, axes, _LOWEST + number / 1000)
+    axes.margins(x=panel.x.margin, y=panel.y.margin)
+    for name in "xy":
+        _set_axis(panel, axes, name)
+    if panel.equal:
+        axes.set_aspect("equal")
+    if not panel.framed:
+        axes.set_axis_off()
+    if panel.title:
+        axes.set_title(panel.title)
+    samples: dict[str, list[Any]] = {}
+    for sample, label in zip(*axes.get_legend_handles_labels(), strict=True):
+        samples.setdefault(label, []).append(sample)
+    if panel.legend and samples:
+        axes.legend(
+            [tuple(each) if len(each) > 1 else each[0] for each in samples.values()],
+            list(samples),
+            ncols=legend_columns(panel, len(samples)),
+            handler_map={tuple: HandlerTuple()},
+            **_LEGENDS[panel.legend],
+        )
+
+
+def _set_axis(panel: Panel, axes: Axes, name: str) -> None:
+    wanted, axis = getattr(panel, name), getattr(axes, f"{name}axis")
+    if wanted.ticks is not None:
+        getattr(axes, f"set_{name}ticks")(
+            wanted.ticks, wanted.names or [f"{tick:g}" for tick in wanted.ticks]
+        )
+    if (wanted.low, wanted.high) != (None, None):
+        getattr(axes, f"set_{name}lim")(wanted.low, wanted.high)
+    if wanted.log:
+        if wanted.ticks is None:
+            axis.set_major_locator(LogLocator(subs=log_subs(*getattr(axes, f"get_{name}lim")())))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_locator(NullLocator())
+    if not wanted.lines:
+        axes.grid(visible=False, axis=name)  # type: ignore[arg-type]
+        axes.tick_params(axis=name, length=0)  # type: ignore[arg-type]
+    if wanted.label:
+        axis.set_label_text(wanted.label)
+
+
+def _draw(mark: AnyMark, axes: Axes, order: float) -> None:
+    look: dict[str, Any] = {"alpha": mark.alpha, "zorder": order, "label": mark.label or "_nolegend_"}
+    coloured = {**look, "color": mark.colour}
+    match mark:
+        case Points():
+            spots: dict[str, Any] = {"markerfacecolor": mark.face or mark.colour, "markersize": mark.size}
+            spots |= {"markeredgecolor": mark.edge or mark.colour, "markeredgewidth": mark.edge_width}
+            bars: dict[str, Any] = {"xerr": mark.x_std, "yerr": mark.y_std, "elinewidth": mark.bar_width}
+            spots = spots if mark.marker else {}
+            axes.errorbar(mark.x, mark.y, **bars, fmt=mark.marker or "none", **spots, **coloured)
+        case Line() if mark.face:
+            axes.fill(
+                mark.x, mark.y, facecolor=mark.face, edgecolor=mark.colour, linewidth=mark.width, **look
+            )
+        case Line():
+            axes.plot(mark.x, mark.y, mark.dash, linewidth=mark.width, clip_on=mark.clipped, **coloured)
+        case Band():
+            axes.fill_between(mark.x, mark.low, mark.high, linewidth=0, **coloured)
+        case Rule():
+            names = ("axhline", "axhspan") if mark.axis == "y" else ("axvline", "axvspan")
+            if mark.to is None:
+                getattr(axes, names[0])(mark.at, linewidth=mark.width, linestyle=mark.dash, **coloured)
+            else:
+                getattr(axes, names[1])(mark.at, mark.to, linewidth=0, **coloured)
+        case Bars():
+            axes.barh(mark.place, mark.length, height=mark.height, **coloured)
+        case Ellipses():
+            shapes = EllipseCollection(
+                mark.widths,
+                mark.heights,
+                mark.angles_deg,
+                units="points",
+                offsets=np.column_stack([mark.x, mark.y]),
+                offset_transform=axes.get_yaxis_transform() if mark.beside else axes.transData,
+                facecolors=mark.face,
+                edgecolors=mark.colour,
+                linewidths=0.9,
+                clip_on=False,
+                **look,
+            )
+            axes.add_collection(shapes, autolim=False)
+        case Text():
+            places = "data", "axes fraction"
+            box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0}
+            tag: dict[str, Any] = {"bbox": box, "style": "italic", "weight": "bold"} if mark.tag else {}
+            axes.annotate(
+                mark.text,
+                (mark.x, mark.y),
+                (mark.right, mark.up),
+                xycoords=(places[bool(mark.frame)], places[mark.frame == "xy"]),
+                textcoords="offset points",
+                ha=mark.horizontal,
+                va=mark.vertical,
+                color=mark.colour,
+                fontsize=mark.size,
+                annotation_clip=False,
+                zorder=order,
+                **tag,
+            )
+        case Picture():
+            with Image.open(io.BytesIO(base64.b64decode(mark.png))) as picture:
+                pixels = np.asarray(picture)
+            extent = (mark.left, mark.right, mark.bottom, mark.top)
+            axes.imshow(pixels, extent=extent, interpolation="bilinear", zorder=order)
+        case _:
+            assert_never(mark)
