@@ -10,6 +10,7 @@ import pytest
 
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.report import write_report
+from fingerpad.report.text import remedies
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import answers_of
 from fingerpad.study.results.study_result import StudyResult
@@ -151,6 +152,21 @@ def test_verdicts_stand_beside_the_results(demo: tuple[StudyResult, str, Path]) 
     headings = re.findall(r'<h3>Does the model hold\? <span class="verdict (\w+)">', text)
     assert headings == [validity.verdict for validity in result.validities]
     assert "± 0.88</span>&nbsp;mm without the model" in text
+
+
+def test_each_check_that_does_not_hold_says_what_to_do(demo: tuple[StudyResult, str, Path]) -> None:
+    result, text, _ = demo
+    for number, validity in enumerate(result.validities, start=1):
+        part = text[text.index(f'<div id="finger{number}">') :]
+        table = part[part.index('<table class="checks">') :]
+        table = table[: table.index("</table>")]
+        off = [one for one in validity.checks if one.verdict in {"strained", "fails"}]
+        advice = remedies(off)
+        assert off
+        assert advice
+        for words in advice.values():
+            assert html.unescape(re.sub("<[^>]*>", "", table)).count(f"{words[0].upper()}{words[1:]}.") == 1
+    assert "does not print folded parts" in text
 
 
 def test_fingers_without_a_thickness_get_conditional_figures(demo: tuple[StudyResult, str, Path]) -> None:

@@ -83,7 +83,7 @@ def draw(panel: Panel, axes: Axes) -> None:
         if getattr(panel, name).log:
             getattr(axes, f"set_{name}scale")("log")
     for number, mark in enumerate(panel.marks):
-        _draw(mark, axes, _LOWEST + number / 1000)
+        _draw(mark, axes, _LOWEST + number)
     axes.margins(x=panel.x.margin, y=panel.y.margin)
     for name in "xy":
         _set_axis(panel, axes, name)

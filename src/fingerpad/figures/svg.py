@@ -411,7 +411,7 @@ def _sample(mark: AnyMark, x: float, y: float, width: float) -> str:
         case Points():
             spot = _spots(np.array([x + width / 2]), np.array([y]), mark)
             return f'<path d="{spot}" {_marker_look(mark)}/>' if mark.marker else ""
-        case Line() | Rule():
+        case Line() | Rule(to=None):
             return f'<path d="M{x:.2f} {y:.2f}h{width:.2f}" {_stroke(mark, mark.width, mark.dash)}/>'
         case _:
             return f"{_rectangle(x, y - 2.4, x + width, y + 2.4)} {_fill(mark)}/>"

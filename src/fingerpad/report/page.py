@@ -52,6 +52,7 @@ from fingerpad.report.text import (
     phase_words,
     photograph_flags,
     pooling_words,
+    remedies,
     to_do,
 )
 from fingerpad.study.measuring.curves import loading_radius
@@ -118,6 +119,7 @@ def write_page(
         "picture": lambda overlay: _picture(overlays / overlay),
         "outline_doubts": outline_doubts,
         "photograph_flags": photograph_flags,
+        "remedies": remedies,
     }
     environment.filters |= filters
     environment.globals |= {

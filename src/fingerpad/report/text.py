@@ -20,7 +20,7 @@ from fingerpad.study.results.rows import IMPLAUSIBLE
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import items, records
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
-from fingerpad.study.results.validity.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED
+from fingerpad.study.results.validity.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
 
 # Why a flag, or a range note, leaves a contact out.
 # They differ in shades of grey too.
@@ -36,6 +36,25 @@ HEADLINE_WORDS: Final[Mapping[str, str]] = {
     RADIUS: "corrected radius (mm)",
     MODULUS: "Young's modulus E from load and area (kPa)",
     INDENTATION: "indentation ξ from the area (mm)",
+}
+
+# What to do about a difference, by the name of its check.
+_ON_LAYER: Final = "take E and ξ on tissue over bone, for which the finger needs effective_thickness_mm"
+_SHAPE: Final = "check wedge and roll angles and semi-axes, from which the shape follows"
+_REMEDIES: Final[Mapping[str, str]] = {
+    "radius_against_loading": _ON_LAYER,
+    "modulus_against_curve": _ON_LAYER,
+    "indentation_against_curve": _ON_LAYER,
+    "shape": _SHAPE,
+    "shape_on_layer": _SHAPE,
+    "area_against_load": "give E and ξ with their load: they differ from load to load",
+    "area_falls": "check loads and outlines of these contacts: under more load an area does not get smaller",
+    "youngs_modulus_on_half_space": "press less, or take the value of the whole pad, which stands beside it",
+    "indentation_on_half_space": "press less, or take the value of the whole pad, which stands beside it",
+    "youngs_modulus_on_layer": "take the value on the layer, which stands beside it",
+    "indentation_on_layer": "take the value on the layer, which stands beside it",
+    "loading_radius_on_layer": "check the thickness, and the scales of area and displacement",
+    "modulus_on_layer": "check the thickness, and the scales of area and displacement",
 }
 
 _NOT_LOADING: Final = "no loading frame, or too small an ellipse"
@@ -80,6 +99,13 @@ def phase_words(phases: ManualPhases) -> str:
     """
     starts = ", ".join(f"{one.phase} from {one.start_s:.4g} s" for one in phases.correction.starts)
     return f"phases set manually by {phases.who} on {phases.when[:10]}: {starts} ({phases.correction.why})"
+
+
+def remedies(checks: Iterable[ValidityCheck]) -> dict[str, str]:
+    """Return what to do about each check that does not hold, by its name; what is said twice at the first."""
+    off = [one.name for one in checks if one.verdict in {STRAINED, FAILS} and one.name in _REMEDIES]
+    first = {_REMEDIES[name]: name for name in reversed(off)}
+    return {name: words for words, name in first.items()}
 
 
 def pooling_words(row: Mapping[str, Any]) -> str:
