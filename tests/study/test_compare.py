@@ -344,7 +344,7 @@ def test_the_page_stands_alone_and_labels_what_is_synthetic(runs: list[Path], tm
     drawn = (tmp_path / "figures" / "compare_radius_from_indentation_mm.svg").read_text(encoding="utf-8")
     assert "Lab B, pad (synthetic)" in drawn
     figure = Figure.of_json((tmp_path / "figures" / "compare_radius_by_wedge.json").read_text("utf-8"))
-    assert figure.panels[0].last("set_xlabel").args == ("wedge angle (°)",)
+    assert figure.panels[0].x.label == "wedge angle (°)"
 
 
 def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
@@ -358,7 +358,7 @@ def test_a_figure_of_very_many_fingers_shows_people(runs: list[Path]) -> None:
     )
     (plot,) = forest_plot(crowd, "palmar_mm")
     assert isinstance(plot.figure, Figure)
-    assert plot.figure.panels[0].last("set_yticks").args[1] == [
+    assert list(plot.figure.panels[0].y.names) == [
         *(f"P{n}, 30 fingers" for n in range(4)),
         "mean over people",
     ]
