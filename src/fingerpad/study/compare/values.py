@@ -338,7 +338,7 @@ def _of_fingers(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[
 def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Value]:
     for summary in study.summary.summaries:
         shares = summary.radius_from_indentation_variance_shares or {}
-        angles = shares.get("wedge angle", 0.0) + shares.get("roll angle", 0.0)
+        angles = sum(shares.get(f"{name} angle", 0.0) for name in ("wedge", "jig", "roll"))
         pad = shares.get("semi-axes", 0.0) + shares.get("pad shape", 0.0) + angles
         # Of what is uncertain in the place of contact the angles have one share in both radii: they reach
         # the corrected radius through R_0g alone.

@@ -553,12 +553,28 @@ class Uncertainty(ManifestModel):
     """Standard uncertainty of wedge angles; 0 takes them as exact."""
     roll_angle_deg_std: AngleStd = 3.0
     """Standard uncertainty of roll angles; 0 takes them as exact."""
+    jig_angle_deg_std: AngleStd = 0.0
+    """Standard uncertainty of the pose of the jig that holds the wedges, degrees: one error of all wedge
+    angles of the study, beside that of each angle."""
     load_relative_std: RelativeStd = 0.0
-    """Relative standard uncertainty of loads."""
+    """Relative standard uncertainty of loads, each with an error of its own."""
+    load_gain_relative_std: RelativeStd = 0.0
+    """Relative standard uncertainty of the force sensor's gain: one error of all loads of the study, of
+    contacts, sequences and curves, which no number of presses averages out."""
     poisson_ratio_std: Annotated[float, Field(ge=0, le=0.5)] = 0.0
     """Standard uncertainty of Poisson's ratio."""
     method: Literal["first_order", "monte_carlo"] = "first_order"
     """How uncertainties are propagated."""
+
+    @property
+    def wedge_deg_std(self) -> float:
+        """Standard uncertainty of one wedge angle from all its errors, degrees."""
+        return math.hypot(self.wedge_angle_deg_std, self.jig_angle_deg_std)
+
+    @property
+    def load_std(self) -> float:
+        """Relative standard uncertainty of one load from all its errors."""
+        return math.hypot(self.load_relative_std, self.load_gain_relative_std)
 
 
 class Apparatus(ManifestModel):
@@ -638,9 +654,9 @@ class Study(ManifestModel):
         """Name what results take as exact, since the manifest gives no uncertainty of it."""
         common = self.uncertainty
         stds = {
-            "the wedge angle": common.wedge_angle_deg_std,
+            "the wedge angle": common.wedge_deg_std,
             "the roll angle": common.roll_angle_deg_std,
-            "the load": common.load_relative_std,
+            "the load": common.load_std,
             "Poisson's ratio": common.poisson_ratio_std,
         }
         used = dict.fromkeys(self.named_scales())

@@ -149,7 +149,12 @@ class CurveItem(Item):
             for item, photograph in ((photograph_item(pad, one), one) for one in pad.photographs)
         ]
         axes = pad.model_dump(mode="json", include={"semi_axes_mm", "semi_axes_mm_std"})
-        stds = context.study.uncertainty.model_dump(mode="json", exclude={"method"})
+        given = context.study.uncertainty
+        # What is not stated is no part of the key: results of manifests that are older hold.
+        unstated = {
+            name for name in ("jig_angle_deg_std", "load_gain_relative_std") if not getattr(given, name)
+        }
+        stds = given.model_dump(mode="json", exclude={"method", *unstated})
         fitted = context.key(self.curve, self.curve.wedge_angle_deg, context.study.poisson_ratio)
         return cache_key(fitted, stds, axes, faces, versions_of("loading"))
 
@@ -219,7 +224,7 @@ def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) 
     axes: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
     inputs = Inputs.of(
         **axes,
-        wedge_angle=(wedge_angle, math.radians(stds.wedge_angle_deg_std)),
+        wedge_angle=(wedge_angle, math.radians(stds.wedge_deg_std)),
         roll_angle=(0.0, math.radians(stds.roll_angle_deg_std)),
         in_plane_deviation=(along, along_std),
         transverse_deviation=(0.0, across_std),
@@ -338,7 +343,7 @@ def _layer(
             radius_std=placed.radius_std,
             radius_ratio_std=placed.radius_ratio_std,
             poisson_ratio_std=given.poisson_ratio_std,
-            load_relative_std=given.load_relative_std,
+            load_relative_std=given.load_std,
             **known,
         )
     except FingerpadError as error:
@@ -426,7 +431,8 @@ class LoadingRadius(NamedTuple):
     """R_g of a finger at an angle, from all its curves there, mm, with flags of their fits.
 
     What a wrong model and the scale of the areas leave uncertain is common to curves: pooling does not reduce
-    it. `misfit_std` is the former part of `std`.
+    it. `misfit_std` is the former part of `std`, `area_std` the latter, from the scale of this name where all
+    curves have one.
     """
 
     value: float
@@ -434,6 +440,8 @@ class LoadingRadius(NamedTuple):
     synthetic: bool
     flags: tuple[str, ...] = ()
     misfit_std: float = 0.0
+    area_std: float = 0.0
+    scale: str | None = None
 
 
 def loading_radius(curves: Iterable[CurveResult], place: tuple[str, float, bool]) -> LoadingRadius | None:
@@ -451,5 +459,8 @@ def loading_radius(curves: Iterable[CurveResult], place: tuple[str, float, bool]
     own = np.sqrt(np.maximum(stds**2 - misfits**2 - of_areas**2, 0.0))
     pooled = pool(values, proportional_stds(values, own))
     misfit = float(misfits.max())
-    std = math.hypot(pooled.total_std, misfit, float(of_areas.max()))
-    return LoadingRadius(pooled.value, std, synthetic, flags, misfit)
+    area_std = float(of_areas.max())
+    std = math.hypot(pooled.total_std, misfit, area_std)
+    scales = [each.manifest.scale for each in fitting]
+    scale = scales[0] if isinstance(scales[0], str) and scales.count(scales[0]) == len(scales) else None
+    return LoadingRadius(pooled.value, std, synthetic, flags, misfit, area_std, scale)

@@ -18,10 +18,10 @@ from fingerpad.geometry.gap import gap_kernel, paraboloid_gap
 from fingerpad.geometry.placement import platen_normal
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import LoadingFit, Secant
-from fingerpad.study.manifest import Study
+from fingerpad.study.manifest import Study, Uncertainty
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.results.model import MOST_DRAWS, parts_of
+from fingerpad.study.results.model import MOST_DRAWS, part_sources, parts_of
 from fingerpad.study.results.table import COLUMNS, ColumnArray
 from fingerpad.uncertainty import (
     LAYER_OUTPUTS,
@@ -43,8 +43,7 @@ HERTZ_OF: Final = {
 }
 # Outputs that are pooled over the contacts of a finger at one angle.
 POOLED_ON_LAYER: Final = ("youngs_modulus", "youngs_modulus_on_layer", "loading_radius_on_layer")
-# Names of the columns of parts: first-order ones, then those of second order.
-LAYER_PART_SOURCES: Final = np.array(2 * [source for source, names in LAYER_SOURCES.items() for _ in names])
+LAYER_PART_SOURCES: Final = part_sources(LAYER_SOURCES)
 # The value is in the range of the laws, a standard uncertainty away is not.
 UNCERTAINTY_OUT_OF_RANGE: Final = "uncertainty_out_of_range"
 
@@ -106,11 +105,10 @@ class Layered:
             flag=np.where((flag == "") & ~known, UNCERTAINTY_OUT_OF_RANGE, flag),
         )
 
-    @property
-    def parts(self) -> FloatArray:
-        """Signed contributions to `POOLED_ON_LAYER` of the sources `LAYER_PART_SOURCES`."""
+    def parts(self, given: Uncertainty) -> FloatArray:
+        """Return signed contributions to `POOLED_ON_LAYER` of the sources `LAYER_PART_SOURCES`."""
         with np.errstate(all="ignore"):
-            return parts_of(self.propagated, POOLED_ON_LAYER)
+            return parts_of(self.propagated, POOLED_ON_LAYER, given)
 
     def columns(self) -> dict[str, FloatArray]:
         """Return the columns of the layer that follow from the model."""
@@ -136,7 +134,7 @@ def _simulated_std(propagated: Propagated) -> FloatArray:
 
 
 def layer_columns(
-    pads: Sequence[FingerResult], inputs: Inputs, method: str
+    pads: Sequence[FingerResult], inputs: Inputs, given: Uncertainty
 ) -> tuple[dict[str, ColumnArray], FloatArray]:
     """Return the columns of the layer for contacts on `pads`, and their parts, NaN without a thickness.
 
@@ -146,8 +144,8 @@ def layer_columns(
         The finger of each contact.
     inputs : Inputs
         Those of `pad_model` for each contact.
-    method : str
-        Of propagation.
+    given : Uncertainty
+        Method of propagation, and what the study shares.
     """
     thickness = COLUMNS["effective_thickness_mm"].array(pad.effective_thickness for pad in pads)
     std = COLUMNS["effective_thickness_mm_std"].array(pad.effective_thickness_std for pad in pads)
@@ -162,13 +160,13 @@ def layer_columns(
     if not stated.size:
         return columns, parts
     found = Layered.of(
-        with_thickness(inputs.at(stated), thickness[stated], np.nan_to_num(std[stated])), method
+        with_thickness(inputs.at(stated), thickness[stated], np.nan_to_num(std[stated])), given.method
     )
     flags[stated] = [flag or None for flag in found.flag.tolist()]
     for name, values in found.columns().items():
         columns[name] = COLUMNS[name].unknown(len(pads))
         columns[name][stated] = values
-    parts[stated] = found.parts
+    parts[stated] = found.parts(given)
     return columns, parts
 
 
@@ -302,10 +300,10 @@ def _inputs(
     one: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
     inputs = Inputs.of(
         **one,
-        wedge_angle=([math.radians(wedge_angle_deg)], math.radians(given.wedge_angle_deg_std)),
+        wedge_angle=([math.radians(wedge_angle_deg)], math.radians(given.wedge_deg_std)),
         roll_angle=(0.0, math.radians(given.roll_angle_deg_std)),
         poisson_ratio=(study.poisson_ratio, given.poisson_ratio_std),
-        load=(load, given.load_relative_std * load),
+        load=(load, given.load_std * load),
         indentation=(float(secant.indentation.max()), offset_std),
         contact_shift=(shift if math.isfinite(shift) else 0.0, 0.0),
         thickness=(thickness, 0.0),

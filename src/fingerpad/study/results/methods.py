@@ -109,10 +109,13 @@ def _contacts(result: StudyResult) -> Iterator[str]:
     alike = len({one.wedge_angle_deg for one in placed}) == 1
     roll = _listed(one.roll_angle_deg for one in placed)
     wedge_std, roll_std = _doubt(std.wedge_angle_deg_std, "°"), _doubt(std.roll_angle_deg_std, "°")
+    jig = f", and of the jig ± {std.jig_angle_deg_std:.2g}° for all angles" if std.jig_angle_deg_std else ""
+    gain = 100 * std.load_gain_relative_std
+    gain_std = f", and of the sensor's gain ± {gain:.2g} % for all loads" if gain else ""
     yield (
         f"{'The pad was' if len(result.fingers) == 1 else 'The pads were'} pressed against "
         f"{of.platen or 'a flat platen'} at {'a wedge angle' if alike else 'wedge angles'} of {wedge}° "
-        f"({wedge_std}) and a roll of {roll}° ({roll_std})."
+        f"({wedge_std}{jig}) and a roll of {roll}° ({roll_std})."
     )
     counts = {"single contact": len(study.observations), "sequence": len(study.sequences)}
     contacts = _joined([counted(count, noun) for noun, count in counts.items() if count])
@@ -120,7 +123,7 @@ def _contacts(result: StudyResult) -> Iterator[str]:
     loads = f" of {_range(load)} N" if np.isfinite(load).any() else ""
     sensor = f", measured by {of.force_sensor}" if of.force_sensor else ""
     yield (
-        f"Normal loads{loads}{sensor} ({_doubt(100 * std.load_relative_std, ' %')}) were applied "
+        f"Normal loads{loads}{sensor} ({_doubt(100 * std.load_relative_std, ' %')}{gain_std}) were applied "
         f"in {contacts}."
     )
     if moved := " ".join(filter(None, (of.stage and f"by {of.stage}", _velocity(result)))):

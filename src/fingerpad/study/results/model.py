@@ -4,6 +4,7 @@ Every uncertain input belongs to a source. The effect of a source on a contact's
 parts, one for each of its independent errors, so that contacts which share a source can be pooled as such.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -11,10 +12,11 @@ from types import MappingProxyType
 from typing import Any, Final, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
-from fingerpad.study.manifest import Contact, Study
+from fingerpad.study.manifest import Contact, Study, Uncertainty
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.uncertainty import (
@@ -33,9 +35,9 @@ POOLED_OUTPUTS: Final = ("radius_from_indentation", "radius_from_compliance")
 
 # Sources that belong to the finger on its wedge. A scale is shared by the contacts that name it, and so is
 # the place of their edges.
-GEOMETRY: Final = ("semi-axes", "pad shape", "wedge angle", "roll angle")
+GEOMETRY: Final = ("semi-axes", "pad shape", "wedge angle", "jig angle", "roll angle")
 OF_THE_PLACEMENT: Final = (*GEOMETRY, "Poisson's ratio")
-OF_THE_DEVICE: Final = ("image scale", "contact edge")
+OF_THE_DEVICE: Final = ("image scale", "contact edge", "force gain")
 
 # Parts of an uncertainty that have columns of their own, with their sources.
 STATED_APART: Final[Mapping[str, tuple[str, ...]]] = {
@@ -44,8 +46,16 @@ STATED_APART: Final[Mapping[str, tuple[str, ...]]] = {
     "repeatability": ("repeatability",),
 }
 
-# Names of the columns of parts: first-order ones, then those of second order.
-PART_SOURCES: Final = np.array(2 * [source for source, names in PAD_SOURCES.items() for _ in names])
+# Errors of one input that a whole study shares, beside the error of it that each has, with that input.
+COMMON: Final[Mapping[str, str]] = {"force gain": "load", "jig angle": "wedge_angle"}
+
+
+def part_sources(sources: Mapping[str, Sequence[str]]) -> npt.NDArray[np.str_]:
+    """Return the source of each part: first-order ones, then those of second order, then `COMMON`."""
+    return np.array([*2 * [source for source, names in sources.items() for _ in names], *COMMON])
+
+
+PART_SOURCES: Final = part_sources(PAD_SOURCES)
 # Most draws for a row's own interval.
 MOST_DRAWS: Final = 200_000
 
@@ -71,24 +81,29 @@ class Modelled:
     parts: FloatArray
 
     @classmethod
-    def of(cls, inputs: Inputs, method: str) -> Self:
-        """Apply the model to some contacts, a thousand at most: its derivatives are far larger than that."""
+    def of(cls, inputs: Inputs, given: Uncertainty) -> Self:
+        """Apply the model to some contacts, a thousand at most: its derivatives are far larger than that.
+
+        `given` states the method, and which errors the study shares.
+        """
         finite = np.asarray(
             np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
         )
         covariance = np.where(finite[:, None, None], inputs.covariance, 0.0)
         with np.errstate(all="ignore"):
             propagated = propagate(pad_model, replace(inputs, covariance=covariance))
-            parts = parts_of(propagated, POOLED_OUTPUTS)
+            parts = parts_of(propagated, POOLED_OUTPUTS, given)
         has_output = np.isfinite(propagated.value).all(axis=-1) & np.isfinite(propagated.std).all(axis=-1)
         answered = np.asarray(finite & has_output)
-        std = _monte_carlo(propagated, answered) if method == "monte_carlo" else propagated.std
+        std = _monte_carlo(propagated, answered) if given.method == "monte_carlo" else propagated.std
         names = propagated.names
         return cls(
             value=dict(zip(names, np.where(answered, propagated.value.T, np.nan), strict=True)),
             std=dict(zip(names, np.where(answered, std.T, np.nan), strict=True)),
             std_from={
-                part: dict(zip(names, np.where(answered, _std_from(propagated, of), np.nan), strict=True))
+                part: dict(
+                    zip(names, np.where(answered, _std_from(propagated, of, given), np.nan), strict=True)
+                )
                 for part, of in STATED_APART.items()
             },
             parts=np.where(np.reshape(answered, (-1, 1, 1)), parts, np.nan),
@@ -170,10 +185,10 @@ def contact_inputs(
         **lengths,
         image_scale=(np.ones(count), 0.0),
         edge_offset=(0.0, edge_std),
-        wedge_angle=(wedge, np.radians(given.wedge_angle_deg_std)),
+        wedge_angle=(wedge, np.radians(given.wedge_deg_std)),
         roll_angle=(roll, np.radians(given.roll_angle_deg_std)),
         poisson_ratio=(study.poisson_ratio, given.poisson_ratio_std),
-        load=(load, given.load_relative_std * load),
+        load=(load, given.load_std * load),
         semi_major=(axes[:, 0], 0.0),
         semi_minor=(axes[:, 1], 0.0),
         radius_deviation=(np.zeros(count), 0.0),
@@ -199,21 +214,37 @@ def _monte_carlo(propagated: Propagated, answered: BoolArray) -> FloatArray:
     return std
 
 
-def _std_from(propagated: Propagated, sources: Sequence[str]) -> FloatArray:
-    """Return first-order standard uncertainties from some sources, shape (outputs, contacts)."""
+def _common_shares(given: Uncertainty) -> dict[str, float]:
+    """Return of each input in `COMMON` the share of its standard uncertainty that the whole study shares."""
+    return {
+        "load": given.load_gain_relative_std / (given.load_std or 1.0),
+        "wedge_angle": given.jig_angle_deg_std / (given.wedge_deg_std or 1.0),
+    }
+
+
+def _std_from(propagated: Propagated, sources: Sequence[str], given: Uncertainty) -> FloatArray:
+    """Return first-order standard uncertainties from what is a contact's own of some sources.
+
+    Of shape (outputs, contacts).
+    """
     names = [name for source in sources for name in PAD_SOURCES[source]]
     places = propagated.inputs.places(names)
-    slopes = propagated.jacobian[..., places]
+    common = _common_shares(given)
+    slopes = propagated.jacobian[..., places] * [math.sqrt(1 - common.get(name, 0.0) ** 2) for name in names]
     covariance = propagated.inputs.covariance[..., np.array(places)[:, None], places]
     variance = np.einsum("...oi,...ij,...oj->o...", slopes, covariance, slopes)
     return as_float_array(np.sqrt(np.maximum(variance, 0)))
 
 
-def parts_of(propagated: Propagated, outputs: Sequence[str]) -> FloatArray:
-    """Return the parts of some outputs, first-order ones and then those of second order."""
+def parts_of(propagated: Propagated, outputs: Sequence[str], given: Uncertainty) -> FloatArray:
+    """Return the parts of some outputs, in the order of `part_sources`."""
     pooled = [propagated.place(name) for name in outputs]
     first = propagated.jacobian[:, pooled] @ _root_by_source(propagated.inputs)
-    return np.concatenate([first, propagated.second_order[:, pooled]], axis=-1)
+    places, shares = propagated.inputs.places(list(COMMON.values())), _common_shares(given)
+    common = np.array([shares[name] for name in COMMON.values()])
+    shared = first[..., places] * common
+    first[..., places] *= np.sqrt(1 - common**2)
+    return np.concatenate([first, propagated.second_order[:, pooled], shared], axis=-1)
 
 
 def _root_by_source(inputs: Inputs) -> FloatArray:

@@ -22,6 +22,7 @@ from fingerpad.study.results.layer import (
     with_thickness,
 )
 from fingerpad.study.results.model import (
+    COMMON,
     GEOMETRY,
     OF_THE_DEVICE,
     OF_THE_PLACEMENT,
@@ -45,7 +46,7 @@ from fingerpad.uncertainty import (
 
 # Parts that a contact shares with no other, and parts of second order.
 _OWN: Final = ~np.isin(PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_DEVICE))
-_SECOND: Final = np.arange(PART_SOURCES.size) >= PART_SOURCES.size // 2
+_SECOND: Final = np.arange(PART_SOURCES.size) >= (PART_SOURCES.size - len(COMMON)) // 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -194,7 +195,9 @@ def _budget(
     total = own.sum()
     own *= pooled.weights**2 @ own_std**2 / total if total > 0 else 1.0
     variance = {
-        source: shared.get(source, float(own[source == PART_SOURCES[_OWN]].sum())) for source in PAD_SOURCES
+        source: shared.get(source, float(own[source == PART_SOURCES[_OWN]].sum()))
+        for source in (*PAD_SOURCES, *COMMON)
+        if source not in COMMON or shared[source]
     }
     variance["scatter"] = max(0.0, pooled.total_std**2 - sum(variance.values()))
     total = sum(variance.values())
@@ -252,7 +255,11 @@ class PooledOnLayer(LayerQuantity):
         sources = LAYER_PART_SOURCES[~_OWN_ON_LAYER].tolist()
         shared = shared_errors(parts[:, ~_OWN_ON_LAYER], sources, pooled["scale"].iloc[first])
         found = pool(value, proportional_stds(value, mean(own_std)), shared)
-        variance = dict.fromkeys(LAYER_SOURCES, 0.0) | shared.variances(found.weights)
+        variance = dict.fromkeys(LAYER_SOURCES, 0.0) | {
+            source: each
+            for source, each in shared.variances(found.weights).items()
+            if source not in COMMON or each
+        }
         for source in np.unique(LAYER_PART_SOURCES[_OWN_ON_LAYER]).tolist():
             own = parts[:, _OWN_ON_LAYER & (source == LAYER_PART_SOURCES)]
             variance[source] = float(np.sum(found.weights**2 @ own**2))

@@ -172,14 +172,14 @@ class _Batch:
         sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
         covariance = {synthetic: of.covariance for synthetic, of in repeatability.items()}
         inputs = contact_inputs(study, fingers, [seen[place] for place in sound], covariance)
-        modelled = Modelled.of(inputs, study.uncertainty.method)
+        modelled = Modelled.of(inputs, study.uncertainty)
         answered = modelled.answered
         for place in sound[~answered]:
             reasons[place] = _NO_ANSWER
         good, modelled = sound[answered], modelled.only(answered)
         columns, inputs = _described(fingers, seen, reasons), inputs.at(answered)
         pads = [fingers[seen[place][0].finger] for place in good]
-        layer, layer_parts = layer_columns(pads, inputs, study.uncertainty.method)
+        layer, layer_parts = layer_columns(pads, inputs, study.uncertainty)
         if good.size:
             described = {name: column[good] for name, column in columns.items()}
             answers = _modelled(described | layer, pads, modelled, inputs) | layer

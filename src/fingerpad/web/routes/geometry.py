@@ -91,7 +91,7 @@ def _pad(workspace: Workspace, params: PadParams) -> tuple[FloatArray, FloatArra
     return (
         finger.semi_axes,
         finger.covariance,
-        np.radians([of.wedge_angle_deg_std, of.roll_angle_deg_std]),
+        np.radians([of.wedge_deg_std, of.roll_angle_deg_std]),
     )
 
 

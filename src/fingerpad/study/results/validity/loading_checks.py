@@ -78,6 +78,11 @@ def _radius_check(place: Place) -> ValidityCheck:
     first = place.summary.rows.iloc[0]
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
     reference, note = without_misfit(loading)
+    log_std = None
+    if loading.scale is not None and loading.scale == place.pad.scale:
+        # The pad's radius goes with the scale that its outlines share with the areas, R_g with its square.
+        apart = (pooled.std / pooled.value) ** 2 + (reference[1] / loading.value) ** 2
+        log_std = math.sqrt(apart - (loading.area_std / loading.value) ** 2)
     return compare_ratio(
         ROUTES[RADIUS],
         _WORDS[RADIUS],
@@ -85,6 +90,7 @@ def _radius_check(place: Place) -> ValidityCheck:
         (factor * pooled.value, factor * pooled.std),
         reference,
         unit=UNITS[RADIUS],
+        log_std=log_std,
         note=note,
     )
 
@@ -138,6 +144,8 @@ def _curve_checks(place: Place) -> Iterator[ValidityCheck]:
     modulus, modulus_std = _mean_of_repeats(
         repeats, "reduced_modulus_kpa", np.hypot(1.5 * area_noise(repeats), load_std)
     )
+    # The gain of the force is the same in both moduli, and in the load at which the curve is read.
+    modulus_std = _without(modulus_std, place.study.uncertainty.load_gain_relative_std * modulus)
     indentation = _mean_of_repeats(repeats, INDENTATION, area_noise(repeats))
     for name, value, (log_reference, log_std) in (
         (MODULUS, (factor * modulus, factor * modulus_std), reference.modulus),
@@ -276,6 +284,7 @@ def _modulus_check(place: Place, layer: LayerSummary, curves: Sequence[CurveResu
     log_value, std = of_curves(values, stds)
     shared = sum(_relative(own, source) * _relative(first, source) for source in _OPPOSITE)
     shared -= sum(_relative(own, source) * _relative(first, source) for source in _ALIKE)
+    shared -= place.study.uncertainty.load_gain_relative_std**2  # both moduli go with the force
     variance = (own.std / own.value) ** 2 + std**2 + 2 * shared
     value = math.exp(log_value)
     return compare_ratio(

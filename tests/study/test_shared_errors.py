@@ -1,0 +1,89 @@
+"""Errors that all contacts of a study share, against a Monte Carlo written from the physics."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.study.pipeline import run_study
+from fingerpad.study.results.study_result import StudyResult
+
+AXES = 7.9, 13.8, 11.8
+STUDY = """
+title = "T"
+[uncertainty]
+wedge_angle_deg_std = {wedge}
+roll_angle_deg_std = 0
+{stated}
+[[fingers]]
+name = "f"
+effective_thickness_mm = 9
+semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
+semi_axes_mm_std = {{ palmar = 1e-6, distal = 1e-6, radial_ulnar = 1e-6 }}
+"""
+CONTACT = """[[observations]]
+name = "c{number}"
+finger = "f"
+wedge_angle_deg = 30
+load_N = 2
+ellipse_mm = {{ semi_major = 7.4, semi_minor = 5.0, std = 0.05 }}
+"""
+COUNT = 9
+
+
+def result(folder: Path, stated: str, wedge: float = 0.0) -> StudyResult:
+    contacts = (CONTACT.format(number=number) for number in range(COUNT))
+    (folder / "study.toml").write_text(STUDY.format(stated=stated, wedge=wedge) + "".join(contacts))
+    return run_study(folder / "study.toml", folder / "out")
+
+
+def test_presses_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> None:
+    found = result(tmp_path, "load_relative_std = 0.03\nload_gain_relative_std = 0.04")
+    rng, draws = np.random.default_rng(1), 20_000
+    # E of a contact of known ellipse goes with its load, and with its area to the power of -3/2.
+    load = (1 + 0.04 * rng.normal(size=(draws, 1))) * (1 + 0.03 * rng.normal(size=(draws, COUNT)))
+    major, minor = (axis + 0.05 * rng.normal(size=(draws, COUNT)) for axis in (7.4, 5.0))
+    modulus = load * (major * minor / 37) ** -1.5
+    one, mean = modulus[:, 0].std(), modulus.mean(axis=1).std()
+    row = found.rows.iloc[0]
+    assert row["youngs_modulus_kpa_std"] / row["youngs_modulus_kpa"] == pytest.approx(one, rel=0.03)
+    (at_load,) = found.by_load
+    for pooled in (at_load.modulus, at_load.modulus_on_layer):
+        assert pooled.other_std / pooled.value == pytest.approx(0.04, rel=0.01)
+        assert pooled.std / pooled.value == pytest.approx(mean, rel=0.03)
+    layer = found.summaries[0].layer.pooled
+    for name in ("youngs_modulus", "youngs_modulus_on_layer"):
+        assert layer[name].std / layer[name].value == pytest.approx(mean, rel=0.03)
+        assert layer[name].budget["force gain"] == pytest.approx((0.04 / mean) ** 2, rel=0.06)
+    # A radius does not depend on the load.
+    assert "force gain" not in found.summaries[0].corrected_radius.budget
+
+
+def test_the_pose_of_the_jig_is_one_error_of_all_angles(tmp_path: Path) -> None:
+    found = result(tmp_path, "jig_angle_deg_std = 2", wedge=1.0)
+    rng, draws = np.random.default_rng(2), 20_000
+    angle = np.radians(30 + 2 * rng.normal(size=draws) + rng.normal(size=draws))
+    palmar, distal, across = AXES
+    support = np.hypot(palmar * np.cos(angle), distal * np.sin(angle))
+    in_plane, transverse = (palmar * distal) ** 2 / support**3, across**2 / support
+    radius = 2 / (1 / in_plane + 1 / transverse)
+    row = found.rows.iloc[0]
+    assert row["mean_curvature_radius_mm_std"] == pytest.approx(radius.std(), rel=0.03)
+    # The corrected radius is 1/H times a factor of the ellipse, which is the same at each angle.
+    pooled = found.summaries[0].corrected_radius
+    geometry = pooled.std**2 - pooled.fixed_geometry**2
+    assert np.sqrt(geometry) / pooled.value == pytest.approx((radius / radius.mean()).std(), rel=0.03)
+    assert pooled.budget["jig angle"] == pytest.approx(4 * pooled.budget["wedge angle"], rel=0.05)
+
+
+def test_unstated_errors_change_nothing(tmp_path: Path) -> None:
+    found = result(tmp_path, "load_relative_std = 0.03")
+    assert {"force gain", "jig angle"}.isdisjoint(found.summaries[0].corrected_radius.budget)
+    assert {"force gain", "jig angle"}.isdisjoint(found.summaries[0].layer.pooled["youngs_modulus"].budget)
+
+
+@pytest.mark.parametrize("stated", ["load_gain_relative_std = 1.5", "jig_angle_deg_std = -1"])
+def test_what_cannot_be_is_refused(tmp_path: Path, stated: str) -> None:
+    with pytest.raises(ManifestError, match=stated.split(maxsplit=1)[0]):
+        result(tmp_path, stated)
