@@ -46,6 +46,7 @@ PURE = {
     "id",
     "indentation_over_thickness",
     "last_id",
+    "load_gain_relative_std",
     "load_relative_std",
     "matching",
     "milliseconds",
