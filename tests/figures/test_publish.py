@@ -28,7 +28,7 @@ from fingerpad.figures.publish import (
     figure_colours,
     figure_csv,
     figure_file,
-    settled,
+    with_settings,
 )
 from fingerpad.figures.svg import svg
 
@@ -57,7 +57,7 @@ def test_width_as_asked(figure, width_mm) -> None:
 
 
 def test_height_keeps_proportions(figure) -> None:
-    width, height = draw_figure(settled(figure, FigureSettings(width_mm=170.0))).get_size_inches()
+    width, height = draw_figure(with_settings(figure, FigureSettings(width_mm=170.0))).get_size_inches()
     assert_allclose(height / width, 64 / 85)
 
 
@@ -72,7 +72,7 @@ def test_csv_has_the_plotted_data(figure) -> None:
 
 
 def test_csv_matches_what_matplotlib_draws(figure) -> None:
-    (axes,) = draw_figure(settled(figure, FigureSettings(width_mm=100))).axes
+    (axes,) = draw_figure(with_settings(figure, FigureSettings(width_mm=100))).axes
     drawn = axes.containers[0][0].get_xydata()
     points = [row for row in csv.DictReader(io.StringIO(figure_csv(figure))) if row["series"] == "Rgcorr"]
     assert_allclose(drawn, [(float(row["x"]), float(row["y"])) for row in points])
@@ -82,7 +82,7 @@ def test_axes_font_and_colours(figure) -> None:
     settings = FigureSettings(
         x_range=(0.1, 3), y_range=(None, 20), x_scale="log", font_pt=10, colours=("black", "#aa0000")
     )
-    (axes,) = draw_figure(settled(figure, settings)).axes
+    (axes,) = draw_figure(with_settings(figure, settings)).axes
     assert (axes.get_xscale(), axes.get_xlim(), axes.get_ylim()[1]) == ("log", (0.1, 3.0), 20.0)
     assert axes.containers[0][0].get_color() == "#000000"
     drawing = figure_file(figure, "svg", settings).decode()
@@ -94,15 +94,15 @@ def test_log_axes_can_be_linear() -> None:
     made, (panel,) = new_panels()
     plot_area_against_load(panel, LOAD, 10 * VALUE, exponent=0.1)
     (axes,) = draw_figure(
-        settled(made, FigureSettings(x_scale="linear", y_scale="linear", x_range=(0, None)))
+        with_settings(made, FigureSettings(x_scale="linear", y_scale="linear", x_range=(0, None)))
     ).axes
     assert (axes.get_xscale(), axes.get_yscale(), axes.get_xlim()[0]) == ("linear", "linear", 0)
 
 
 def test_one_end_beyond_the_data_is_refused(figure) -> None:
     with pytest.raises(FigureError, match="x_range: the axis would end at .* and begin at 7: give both ends"):
-        draw_figure(settled(figure, FigureSettings(x_range=(7, None))))
-    (axes,) = draw_figure(settled(figure, FigureSettings(x_range=(7, 9)))).axes
+        draw_figure(with_settings(figure, FigureSettings(x_range=(7, None))))
+    (axes,) = draw_figure(with_settings(figure, FigureSettings(x_range=(7, 9)))).axes
     assert axes.get_xlim() == (7, 9)
 
 
@@ -136,8 +136,8 @@ def test_panels_of_several_quantities_keep_their_axes() -> None:
     columns = dict.fromkeys(("time", "load", "area", "semi_major", "semi_minor"), LOAD)
     plot_press(panels, **columns, phase=["loading"] * 4)
     with pytest.raises(FigureError, match="the panels of this figure show 2 quantities"):
-        draw_figure(settled(made, FigureSettings(x_range=(0, 1))))
-    assert len(draw_figure(settled(made, FigureSettings(width_mm=183))).axes) == 4
+        draw_figure(with_settings(made, FigureSettings(x_range=(0, 1))))
+    assert len(draw_figure(with_settings(made, FigureSettings(width_mm=183))).axes) == 4
 
 
 def test_from_the_command_line(figure, tmp_path) -> None:
@@ -217,14 +217,14 @@ def test_the_figure_as_it_is_has_the_drawing_of_the_report(figure) -> None:
 
 
 def test_matplotlib_draws_between_the_ends_of_the_svg(figure) -> None:
-    wanted = settled(figure, FigureSettings(y_scale="log", x_range=(None, 4)))
+    wanted = with_settings(figure, FigureSettings(y_scale="log", x_range=(None, 4)))
     (axes,), (panel,) = draw_figure(wanted).axes, wanted.panels
     assert_allclose(axes.get_xlim(), panel.limits("x"))
     assert_allclose(axes.get_ylim(), panel.limits("y"))
 
 
 def test_text_of_all_formats_has_the_size_that_is_asked(figure) -> None:
-    drawn = draw_figure(settled(figure, FigureSettings(font_pt=15)))
+    drawn = draw_figure(with_settings(figure, FigureSettings(font_pt=15)))
     drawn.canvas.draw()
     (axes,) = drawn.axes
     assert axes.xaxis.label.get_fontsize() == 15

@@ -144,7 +144,7 @@ def figure_file(figure: Figure, kind: Format, settings: FigureSettings) -> bytes
     """
     if kind == "csv":
         return figure_csv(figure).encode()
-    wanted = settled(figure, settings)
+    wanted = with_settings(figure, settings)
     if kind == "svg":
         return f'<?xml version="1.0" encoding="utf-8"?>\n{svg(wanted, "figure")}'.encode()
     with _DRAWING:
@@ -185,7 +185,7 @@ def draw_figure(figure: Figure) -> mpl_figure.Figure:
     return drawn
 
 
-def settled(figure: Figure, settings: FigureSettings) -> Figure:
+def with_settings(figure: Figure, settings: FigureSettings) -> Figure:
     """Return a figure as the settings want it."""
     colours = dict(zip(figure_colours(figure), map(to_hex, settings.colours), strict=False))
     width = settings.width_mm or figure.width_mm
