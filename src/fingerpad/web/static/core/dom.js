@@ -5,14 +5,35 @@ const SVG = "http://www.w3.org/2000/svg";
 const shown = (children) =>
   children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false);
 
+/** Properties that the user changes too: what was set last is remembered. */
+const ENTERED = ["value", "checked"];
+
+function hear(event) {
+  for (const act of this.heard[event.type] ?? []) act.call(this, event);
+}
+
+/** Call `act` on an event. It finds its element as `currentTarget`: `update` hands it to the one that is kept. */
+export function on(node, kind, act) {
+  node.heard ??= {};
+  if (!node.heard[kind]) node.addEventListener(kind, hear);
+  node.heard[kind] = [...(node.heard[kind] ?? []), act];
+}
+
+/** Set a property that the user may change. */
+export function enter(node, key, value) {
+  node.entered = { ...node.entered, [key]: value };
+  node[key] = value;
+}
+
 function fill(node, parts) {
   const [properties, ...children] = parts[0]?.constructor === Object ? parts : [{}, ...parts];
   for (const [key, value] of Object.entries(properties)) {
     if (value === undefined || value === null || value === false) continue;
-    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+    if (key.startsWith("on")) on(node, key.slice(2), value);
     else if (key === "style") Object.assign(node.style, value);
-    else if (key === "value" || key === "checked" || key === "selected" || key === "disabled")
-      node[key] = value;
+    else if (key === "key") node.key = value;
+    else if (ENTERED.includes(key)) enter(node, key, value);
+    else if (key === "selected" || key === "disabled") node[key] = value;
     else node.setAttribute(key, value === true ? "" : value);
   }
   node.append(...shown(children));
@@ -52,36 +73,67 @@ export function render(node, ...children) {
   return node;
 }
 
-const nameOf = (node) => node.getAttribute("aria-label") ?? node.labels?.[0]?.textContent ?? node.textContent;
-
 /**
- * Save the focus; the function returned restores it, to the element of the same name if all were redrawn.
+ * Make the content of an element equal to `children`, and keep the nodes that are there: those with the same
+ * `key`, else the next of the same kind. So the focus, what is being typed, and what is folded open stay.
  */
-export function saveFocus() {
-  const before = /** @type {HTMLInputElement} */ (document.activeElement);
-  const name = nameOf(before);
-  const alike = () =>
-    /** @type {HTMLInputElement[]} */ ([...document.querySelectorAll(before.tagName)]).filter(
-      (node) => nameOf(node) === name,
-    );
-  const at = alike().indexOf(before);
-  return () => {
-    if (before.isConnected) {
-      // Put in its place again, it has lost the focus.
-      if (document.activeElement === document.body) before.focus({ preventScroll: true });
-      return;
-    }
-    const now = alike()[at];
-    now?.focus({ preventScroll: true });
-    now?.select?.();
-  };
+export function update(node, ...children) {
+  /** @type {any[]} */
+  const wanted = shown(children).map((child) =>
+    child instanceof Node ? child : document.createTextNode(String(child)),
+  );
+  const left = new Set([...node.childNodes].filter((old) => !wanted.includes(old)));
+  const kept = wanted.map((child) => {
+    const old =
+      child.parentNode !== node &&
+      [...left].find((/** @type {any} */ one) => one.nodeName === child.nodeName && one.key === child.key);
+    if (!old) return child;
+    left.delete(old);
+    patch(old, child);
+    return old;
+  });
+  for (const old of left) old.remove();
+  let next = node.firstChild;
+  for (const child of kept) {
+    if (child === next) next = next.nextSibling;
+    else node.insertBefore(child, next);
+  }
+  return node;
 }
 
-/** Redraw and keep the focus. */
-export function redraw(draw) {
-  const restoreFocus = saveFocus();
-  draw();
-  restoreFocus();
+/**
+ * Make a node equal to another of its kind.
+ *
+ * @param {any} old
+ * @param {any} now
+ */
+function patch(old, now) {
+  if (old.nodeType !== Node.ELEMENT_NODE) {
+    if (old.data !== now.data) old.data = now.data;
+    return;
+  }
+  for (const { name } of [...old.attributes])
+    if (!now.hasAttribute(name) && name !== "open") old.removeAttribute(name);
+  for (const { name, value } of now.attributes)
+    if (old.getAttribute(name) !== value && name !== "open") old.setAttribute(name, value);
+  for (const kind of Object.keys(now.heard ?? {})) if (!old.heard?.[kind]) old.addEventListener(kind, hear);
+  old.heard = { ...now.heard };
+  update(old, ...now.childNodes);
+  if ("disabled" in now) old.disabled = now.disabled;
+  for (const key of ENTERED) {
+    const [before, after] = [old.entered?.[key], now.entered?.[key]];
+    const typing = old === document.activeElement && key === "value" && old.value !== String(before ?? "");
+    if (before !== after && !typing) {
+      old[key] = now[key];
+      old.setCustomValidity?.("");
+    }
+  }
+  old.entered = now.entered;
+}
+
+/** Show in all fields what was set last, in place of what was refused. */
+export function reset(root) {
+  for (const node of root.querySelectorAll("input, select")) Object.assign(node, node.entered);
 }
 
 /** Set attributes of an SVG element. */

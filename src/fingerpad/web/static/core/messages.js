@@ -1,6 +1,6 @@
 // Messages in the corner, and modal questions.
 
-import { h, render, saveFocus } from "./dom.js";
+import { h, render } from "./dom.js";
 
 /**
  * Show a message for some seconds; errors, and messages with `stays`, stay until they are closed.
@@ -34,13 +34,12 @@ export const clearMessages = () => render(document.getElementById("messages"));
 export const showError = (error) => error.name === "AbortError" || toast(error.message, { kind: "error" });
 
 /**
- * Open a modal dialog. Closed, it is removed, and the focus goes back to where it was.
+ * Open a modal dialog. Closed, it is removed; the browser gives the focus back.
  *
  * @param {HTMLDialogElement} dialog
  */
 export function openDialog(dialog) {
-  const restoreFocus = saveFocus();
-  dialog.addEventListener("close", () => (dialog.remove(), restoreFocus()));
+  dialog.addEventListener("close", () => dialog.remove());
   document.body.append(dialog);
   dialog.showModal();
 }

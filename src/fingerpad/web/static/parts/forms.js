@@ -1,6 +1,6 @@
 // Form controls with labels and units.
 
-import { h, newId } from "../core/dom.js";
+import { enter, h, newId, on } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { readNumber } from "../core/quantity.js";
 
@@ -36,10 +36,10 @@ function withoutUnit(cell, unit) {
  * Fill pasted cells into a field and those below it in its table. A browser would join several lines into one
  * number.
  *
- * @param {HTMLInputElement} input
  * @param {ClipboardEvent} event
  */
-function fillDown(input, event) {
+function fillDown(event) {
+  const input = /** @type {HTMLInputElement} */ (event.currentTarget);
   const cells = event.clipboardData
     .getData("text")
     .trim()
@@ -93,7 +93,7 @@ export function number({ value, onset, min, above, max, placeholder, label }) {
     "aria-label": label,
   });
   let last = input.value;
-  const check = () => {
+  const check = ({ currentTarget: input }) => {
     const { value: typed, problem } = readNumber(input.value);
     const wrong =
       typed !== null &&
@@ -102,8 +102,9 @@ export function number({ value, onset, min, above, max, placeholder, label }) {
         (typed > max && `Enter ${max} or less.`));
     input.setCustomValidity(problem || wrong || "");
   };
-  const set = () => {
-    check();
+  const set = (event) => {
+    const input = event.currentTarget;
+    check(event);
     if (!input.reportValidity()) return;
     // It shows the number as it was understood.
     input.value = input.value.trim().replace(",", ".").replace("−", "-");
@@ -111,10 +112,10 @@ export function number({ value, onset, min, above, max, placeholder, label }) {
     last = input.value;
     onset?.(numberIn(input));
   };
-  input.addEventListener("input", check);
-  input.addEventListener("change", set);
-  input.addEventListener("paste", (event) => fillDown(input, event));
-  input.addEventListener("keydown", (event) => event.key === "Enter" && set());
+  on(input, "input", check);
+  on(input, "change", set);
+  on(input, "paste", fillDown);
+  on(input, "keydown", (event) => event.key === "Enter" && set(event));
   return input;
 }
 
@@ -127,7 +128,7 @@ export const asName = (words) => words.trim().replace(/\s+/g, "_");
 /**
  * A field for text; `pattern` is what it may be.
  *
- * @param {{ value?: string | null, onset?: (value: string) => any, placeholder?: string, list?: string,
+ * @param {{ value?: string | null, onset?: (value: string, input: HTMLInputElement) => any, placeholder?: string, list?: string,
  *   required?: boolean, label?: string, pattern?: string }} options
  */
 export function text({ value, onset, placeholder, list, required, label, pattern }) {
@@ -144,21 +145,21 @@ export function text({ value, onset, placeholder, list, required, label, pattern
     maxlength: pattern && 60,
   });
   if (pattern) {
-    const say = () => {
+    const say = ({ currentTarget: input }) => {
       const wrong = input.validity.patternMismatch;
       input.title = wrong ? "Letters, digits and . _ + - only, as in left_index" : "";
     };
-    input.addEventListener("input", say);
-    const take = () => {
-      input.value = asName(input.value);
-      say();
-      input.reportValidity();
+    on(input, "input", say);
+    const take = (event) => {
+      event.currentTarget.value = asName(event.currentTarget.value);
+      say(event);
+      event.currentTarget.reportValidity();
     };
-    input.addEventListener("change", take);
-    input.addEventListener("keydown", (event) => event.key === "Enter" && take());
+    on(input, "change", take);
+    on(input, "keydown", (event) => event.key === "Enter" && take(event));
   }
-  if (onset) input.addEventListener("change", () => onset(input.value.trim()));
-  input.addEventListener("paste", (event) => fillDown(input, event));
+  if (onset) on(input, "change", ({ currentTarget: input }) => onset(input.value.trim(), input));
+  on(input, "paste", fillDown);
   return input;
 }
 
@@ -171,13 +172,13 @@ export function text({ value, onset, placeholder, list, required, label, pattern
 export function choose({ value, options, onset, label }) {
   const select = h(
     "select",
-    { "aria-label": label, onchange: () => onset?.(select.value) },
+    { "aria-label": label, onchange: ({ currentTarget }) => onset?.(currentTarget.value) },
     options.map((option) => {
       const [key, words] = Array.isArray(option) ? option : [option, option];
       return h("option", { value: key ?? "", selected: (key ?? "") === (value ?? "") }, words);
     }),
   );
-  select.value = value ?? "";
+  enter(select, "value", value ?? "");
   return select;
 }
 
@@ -203,7 +204,11 @@ export function slider(label, { value, min, max, unit, hint, onset }) {
  * @param {{ checked?: boolean, onset?: (checked: boolean) => any }} [options]
  */
 export function check(label, { checked, onset } = {}) {
-  const box = h("input", { type: "checkbox", checked, onchange: () => onset?.(box.checked) });
+  const box = h("input", {
+    type: "checkbox",
+    checked,
+    onchange: ({ currentTarget }) => onset?.(currentTarget.checked),
+  });
   return h("label.check", box, h("span", label));
 }
 

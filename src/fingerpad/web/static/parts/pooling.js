@@ -1,7 +1,7 @@
 // Whether a contact counts in the pooled radius: why, and its correction.
 
 import { Corrections, withoutDefaults } from "../core/corrections.js";
-import { h, redraw, render } from "../core/dom.js";
+import { h, update } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { ago, plain } from "../core/quantity.js";
 import { button, text } from "./forms.js";
@@ -48,7 +48,7 @@ export function poolingList(pooling) {
   const why = text({ value: "", placeholder: REASON, label: "Reason of the correction" });
   const list = h("ul.pooling-list");
   const draw = () =>
-    render(
+    update(
       list,
       pooling.in_question.map((one) => row(one)),
     );
@@ -62,7 +62,7 @@ export function poolingList(pooling) {
           value && { ...value, why: why.value.trim() || REASON },
         );
         one.correction = correctionOf(document);
-        redraw(draw);
+        draw();
       } catch (error) {
         showError(error);
       }

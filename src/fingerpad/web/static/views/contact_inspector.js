@@ -1,6 +1,6 @@
 // Results, settings and history of a contact image, with the automatic result to compare.
 
-import { h, render } from "../core/dom.js";
+import { h, render, update } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
 import { plain, quantityRow, quantityText } from "../core/quantity.js";
@@ -310,7 +310,7 @@ export class ContactInspector extends Inspector {
     const { change } = this.view.corrections;
     const used = answer?.settings;
     const smooth = this.#isSmooth();
-    render(
+    update(
       this.parts.settings,
       h("h3", "Settings"),
       h(

@@ -1,7 +1,7 @@
 // The panel beside an image: results, accept and reject, and the history of corrections.
 
 import { describeChange } from "../core/corrections.js";
-import { h, render } from "../core/dom.js";
+import { h, render, update } from "../core/dom.js";
 import { ago } from "../core/quantity.js";
 import { adviseCode } from "../core/workspace.js";
 import { button, chip, list, slider, text } from "../parts/forms.js";
@@ -95,7 +95,7 @@ export class Inspector {
    */
   missing(entries) {
     this.parts.missing.hidden = !entries.length;
-    render(this.parts.missing, h("h3", "Missing"), missingList(entries));
+    update(this.parts.missing, h("h3", "Missing"), missingList(entries));
   }
 
   reason() {

@@ -1,7 +1,7 @@
 // New files: what each of them is, entered one by one or for all.
 
 import { get, picture, post, remove } from "../core/api.js";
-import { h, redraw, render } from "../core/dom.js";
+import { h, render, update } from "../core/dom.js";
 import { ask, showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
@@ -18,7 +18,7 @@ import {
   parseScale,
   takeValues,
 } from "./new_files_edits.js";
-import { base, fileRow, KINDS, scaleAsked, scaleCell, takeFace, takes } from "./new_files_row.js";
+import { base, fileRow, KINDS, scaleAsked, takeFace, takes } from "./new_files_row.js";
 import { NewFileTools } from "./new_files_tools.js";
 
 const COLUMNS = [
@@ -106,7 +106,7 @@ export class NewFiles {
     for (const file of this.files) this.#guessScale(file);
     const shown = files.slice(0, 60);
     this.status.textContent = this.toLookAt ? `Looking at ${plural(this.toLookAt)} …` : LOOKED;
-    render(
+    update(
       this.root,
       h(
         "header",
@@ -204,7 +204,7 @@ export class NewFiles {
       .filter(([, problem]) => problem)
       .map(([file, problem]) => `${base(file)}: ${problem}`);
     this.keep();
-    redraw(() => this.draw());
+    this.draw();
     return problems;
   }
 
@@ -229,7 +229,7 @@ export class NewFiles {
       else above = draft[key];
     }
     this.keep();
-    redraw(() => this.draw());
+    this.draw();
   }
 
   /** Join cells of a spreadsheet that are pasted anywhere here; a single column is for the field. */
@@ -270,21 +270,14 @@ export class NewFiles {
     const info = await get("/picture/info", { item: `file:${file}` }).catch(() => null);
     if (info === null) return;
     this.info.set(file, info);
-    const select = this.root.querySelector(`[data-field="${CSS.escape(`${file}:scale`)}"]`);
-    if (!this.drafts.has(file) || !info.resolution_ppi) return;
-    this.#guessScale(file);
-    select?.parentElement.replaceChildren(...scaleCell(this, file));
+    if (this.drafts.has(file)) this.draw();
   }
 
   #common() {
-    // in place: redrawing would remove the field that was just clicked
     const every = (key, value) => {
       this.shared[key] = value;
-      for (const [file, draft] of this.drafts) {
-        draft[key] = value;
-        const control = this.root.querySelector(`[data-field="${CSS.escape(`${file}:${key}`)}"]`);
-        if (control) control.value = value ?? "";
-      }
+      for (const draft of this.drafts.values()) draft[key] = value;
+      this.draw();
     };
     const finger = text({
       value: this.shared.finger,
@@ -292,16 +285,16 @@ export class NewFiles {
       list: "fingers",
       pattern: NAME,
       label: "Finger of all new files",
-      onset: (value) => value && finger.checkValidity() && every("finger", value),
+      onset: (value, input) => value && input.checkValidity() && every("finger", value),
     });
     const scaleFor = (as, words, placeholder) => {
       if (!this.files.some((file) => this.drafts.get(file).as === as)) return null;
-      const field = text({
+      const control = text({
         value: this.shared[`scale_${as}`],
         placeholder,
         list: "new-scales",
         label: `Scale of all new ${words}`,
-        onset: (value) => {
+        onset: (value, field) => {
           const scale = value && parseScale(value);
           field.setCustomValidity(
             value && !scale ? "As in 500 ppi or 0.05 mm/px, or the name of a scale of the study" : "",
@@ -311,10 +304,10 @@ export class NewFiles {
           for (const draft of this.drafts.values())
             if (draft.as === as) Object.assign(draft, { scale, scaleGuess: undefined });
           this.keep();
-          setTimeout(() => redraw(() => this.draw()));
+          this.draw();
         },
       });
-      return h("label", `scale of ${words}`, field);
+      return h("label", `scale of ${words}`, control);
     };
     const wedge = number({
       value: this.shared.wedge_angle_deg,

@@ -1,7 +1,7 @@
 // A row of the table of new files: what a file is, whose finger, and what else it needs.
 
 import { picture } from "../core/api.js";
-import { h, redraw } from "../core/dom.js";
+import { h, on } from "../core/dom.js";
 import { bytes } from "../core/quantity.js";
 import { button, chip, choose, NAME, number, text } from "../parts/forms.js";
 import { FACES } from "../parts/missing_fields.js";
@@ -49,7 +49,7 @@ export function fileRow(files, { file, kind, bytes: size }) {
     onset: (value) => {
       Object.assign(draft, { as: value, asked: false, touched: true });
       takeFace(draft);
-      setTimeout(() => redraw(() => files.draw()));
+      files.draw();
     },
   });
   const finger = text({
@@ -60,14 +60,14 @@ export function fileRow(files, { file, kind, bytes: size }) {
     label: `Finger on ${name}`,
     onset: put("finger"),
   });
-  finger.addEventListener("input", () => (draft.finger = finger.value.trim()));
+  on(finger, "input", ({ currentTarget }) => (draft.finger = currentTarget.value.trim()));
   const face = choose({
     value: draft.face ?? "",
     options: [["", "–"], ...FACES],
     label: `Face on ${name}`,
     onset: (value) => {
       Object.assign(draft, { face: value || undefined, faceAsked: false });
-      face.nextElementSibling?.remove();
+      files.draw();
     },
   });
   const wedge = number({
@@ -85,13 +85,9 @@ export function fileRow(files, { file, kind, bytes: size }) {
   });
   load.dataset.unit = "N";
   wedge.dataset.unit = "°";
-  for (const [control, key] of [
-    [finger, "finger"],
-    [wedge, "wedge_angle_deg"],
-  ])
-    control.dataset.field = `${file}:${key}`;
   return h(
     "tr",
+    { key: file },
     h(
       "td",
       kind === "picture"
@@ -136,7 +132,7 @@ function coinChoice(files, file) {
   const set = (value) => {
     draft.diameter_mm = value ?? undefined;
     files.keep();
-    setTimeout(() => redraw(() => files.draw()));
+    files.draw();
   };
   const known = String(draft.diameter_mm ?? "");
   return h(
@@ -180,10 +176,9 @@ export function scaleCell(files, file) {
     label: `Scale of ${base(file)}`,
     onset: (value) => {
       Object.assign(draft, { scale: value, scaleGuess: undefined });
-      select.nextElementSibling?.remove();
+      files.draw();
     },
   });
-  select.dataset.field = `${file}:scale`;
   return [select, ...(scaleAsked(draft) ? [guessed()] : [])];
 }
 

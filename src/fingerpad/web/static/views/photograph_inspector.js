@@ -1,6 +1,6 @@
 // Results of one face, and of all faces of the finger combined.
 
-import { h, render, s } from "../core/dom.js";
+import { h, render, s, update } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
 import { plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
@@ -196,7 +196,7 @@ export class PhotographInspector extends Inspector {
           onset: (value) => this.view.set(key, value || null),
         }),
       );
-    render(
+    update(
       this.parts.settings,
       h("h3", "Settings"),
       h(

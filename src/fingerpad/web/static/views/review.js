@@ -2,7 +2,7 @@
 
 import { get, LatestRequest, picture } from "../core/api.js";
 import { Corrections, withoutDefaults } from "../core/corrections.js";
-import { h, redraw, render } from "../core/dom.js";
+import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { EllipseEditor } from "../parts/ellipse_editor.js";
@@ -265,7 +265,7 @@ export class Review {
     const before = JSON.stringify(this.lacking);
     this.lacking = this.missing();
     if (JSON.stringify(this.lacking) === before) return;
-    redraw(() => this.inspector.missing(this.lacking));
+    this.inspector.missing(this.lacking);
     if (before !== undefined) this.remeasure();
   }
 

@@ -1,6 +1,6 @@
 // The study: its contents, missing entries, and settings.
 
-import { h, redraw, render } from "../core/dom.js";
+import { h, render, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
@@ -28,6 +28,9 @@ class StudyView {
     this.side = h("aside.stack.study-side", {
       "aria-label": "Missing entries and settings of the study",
     });
+    this.problems = Object.fromEntries(
+      ["study", "uncertainty", "apparatus"].map((key) => [key, h("div", { key })]),
+    );
     this.heading = h("div");
     this.ready = h("div.actions");
     render(
@@ -35,7 +38,6 @@ class StudyView {
       h("header.head", this.heading, this.ready),
       h(
         "div.scroll.study-grid",
-        this.#whileTyping(),
         h("div.stack.across", this.drop.root, this.files.root),
         h("div.stack", this.tables.root, this.files.rest),
         this.side,
@@ -55,29 +57,11 @@ class StudyView {
     first?.focus();
   }
 
-  /** Delay updates while the user types, and while a refused entry is still in its field. */
-  #whileTyping() {
-    const done = () => {
-      this.typing = null;
-      if (this.behind) setTimeout(() => this.update());
-    };
-    return {
-      oninput: ({ target }) => (this.typing = target),
-      onchange: ({ target }) => target.matches(":invalid") || done(),
-      onfocusout: done,
-    };
-  }
-
   update() {
-    this.behind = Boolean(this.typing?.isConnected);
-    if (!this.behind) redraw(() => this.#draw());
-  }
-
-  #draw() {
     const { study } = workspace;
     const all = study.observations.length + study.sequences.length;
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
-    render(
+    update(
       this.heading,
       h("h1", study.title || study.name),
       h(
@@ -92,7 +76,7 @@ class StudyView {
           .join(", "),
       ),
     );
-    render(
+    update(
       this.ready,
       study.ready
         ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
@@ -105,7 +89,7 @@ class StudyView {
     );
     this.files.draw();
     this.tables.draw();
-    render(this.side, this.#missing(), this.#uncertainty(), this.#settings(), this.#apparatus());
+    update(this.side, this.#missing(), this.#uncertainty(), this.#settings(), this.#apparatus());
   }
 
   #missing() {
@@ -147,7 +131,8 @@ class StudyView {
     );
   }
 
-  async #change(kind, set, problem) {
+  async #change(kind, set) {
+    const problem = this.problems[kind];
     render(problem);
     try {
       await workspace.edit({ kind, key: "", set });
@@ -158,14 +143,13 @@ class StudyView {
 
   #uncertainty() {
     const { uncertainty: now, stated } = workspace.study;
-    const problem = h("div");
     const of = (key, max) =>
       number({
         value: stated.includes(key) ? now[key] : null,
         min: 0,
         max,
         placeholder: `${now[key]} assumed`,
-        onset: (value) => this.#change("uncertainty", { [key]: value }, problem),
+        onset: (value) => this.#change("uncertainty", { [key]: value }),
       });
     return h(
       "section.card",
@@ -186,26 +170,24 @@ class StudyView {
               ["first_order", "linear (first order)"],
               ["monte_carlo", "Monte Carlo"],
             ],
-            onset: (value) => this.#change("uncertainty", { method: value }, problem),
+            onset: (value) => this.#change("uncertainty", { method: value }),
           }),
           { wide: true },
         ),
       ),
-      problem,
+      this.problems.uncertainty,
     );
   }
 
   /** What the methods section of the report says of the experiment. */
   #apparatus() {
     const now = workspace.study.apparatus;
-    const problem = h("div");
-    const onset = (key) => (value) => this.#change("apparatus", { [key]: value || null }, problem);
+    const onset = (key) => (value) => this.#change("apparatus", { [key]: value || null });
     return h(
       "section.card",
       { "aria-label": "Apparatus" },
       h(
         "details",
-        { open: this.apparatusOpen, ontoggle: (event) => (this.apparatusOpen = event.target.open) },
         h("summary", h("strong", "Apparatus"), " – for the methods section of the report"),
         h(
           "div.fields.two",
@@ -221,14 +203,13 @@ class StudyView {
             unit: "s",
           }),
         ),
-        problem,
+        this.problems.apparatus,
       ),
     );
   }
 
   #settings() {
     const { study } = workspace;
-    const problem = h("div");
     return h(
       "section.card",
       { "aria-label": "Study settings" },
@@ -237,7 +218,7 @@ class StudyView {
         "div.fields.two",
         field(
           "Title",
-          text({ value: study.title, onset: (title) => title && this.#change("study", { title }, problem) }),
+          text({ value: study.title, onset: (title) => title && this.#change("study", { title }) }),
           { wide: true },
         ),
         field(
@@ -247,7 +228,7 @@ class StudyView {
             placeholder: "0.5",
             min: 0,
             max: 0.5,
-            onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }, problem),
+            onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }),
           }),
         ),
         field(
@@ -255,12 +236,12 @@ class StudyView {
           choose({
             value: study.surface,
             options: SURFACES,
-            onset: (surface) => this.#change("study", { surface }, problem),
+            onset: (surface) => this.#change("study", { surface }),
           }),
         ),
       ),
       study.description && h("details", h("summary", "Description"), h("p.soft", study.description)),
-      problem,
+      this.problems.study,
       h("p.soft.folder", "Folder: ", h("code", study.name)),
     );
   }

@@ -1,6 +1,6 @@
 // The table of contacts: whose they are, wedge, load and scale.
 
-import { h, redraw } from "../core/dom.js";
+import { h } from "../core/dom.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { chip, choose, number, synthetic } from "../parts/forms.js";
 import { scaleChoice } from "../parts/scale_choice.js";
@@ -15,20 +15,21 @@ export class ContactTable {
   constructor(tables) {
     this.tables = tables;
     this.page = 0;
-    this.find = h("input", {
-      type: "search",
-      placeholder: "name or finger",
-      "aria-label": "Find contacts",
-      oninput: (event) => {
-        event.stopPropagation(); // the study is not being edited
-        this.#turn(0);
-      },
-    });
+    this.wanted = "";
+  }
+
+  #find() {
+    const oninput = ({ currentTarget }) => {
+      this.wanted = currentTarget.value.trim().toLowerCase();
+      this.#turn(0);
+    };
+    const words = { placeholder: "name or finger", "aria-label": "Find contacts" };
+    return h("input", { type: "search", ...words, oninput });
   }
 
   #turn(page) {
     this.page = page;
-    redraw(() => this.tables.draw());
+    this.tables.draw();
   }
 
   /** @param {Observation[]} observations */
@@ -37,7 +38,7 @@ export class ContactTable {
       observations.some(({ roll_angle_deg: roll }) => roll) ||
       workspace.study.uncertainty.roll_angle_deg_std > 0;
     const many = observations.length > FEW;
-    const wanted = many ? this.find.value.trim().toLowerCase() : "";
+    const wanted = many ? this.wanted : "";
     const found = observations.filter((one) =>
       [one.item, one.finger ?? ""].some((words) => words.toLowerCase().includes(wanted)),
     );
@@ -45,7 +46,7 @@ export class ContactTable {
     return card(
       "Contacts",
       wanted ? `${found.length} of ${observations.length}` : `${observations.length} in all`,
-      (many || pager) && [many && this.find, pager],
+      (many || pager) && [many && this.#find(), pager],
       observations.length
         ? table(
             "Contacts",

@@ -1,7 +1,7 @@
 // The table of fingers: semi-axes, thickness and photographs.
 
 import { picture } from "../core/api.js";
-import { h, redraw } from "../core/dom.js";
+import { h } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
@@ -23,7 +23,7 @@ export class FingerTable {
   draw(fingers) {
     const { shown, pager } = paged(fingers, this.page, PAGE, (page) => {
       this.page = page;
-      redraw(() => this.tables.draw());
+      this.tables.draw();
     });
     return card(
       "Fingers",

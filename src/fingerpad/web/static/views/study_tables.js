@@ -1,6 +1,6 @@
 // Tables of fingers, contacts, sequences and loading data, edited in place.
 
-import { h, redraw, render } from "../core/dom.js";
+import { h, render, reset, update } from "../core/dom.js";
 import { ask } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
 import { button, faultList } from "../parts/forms.js";
@@ -20,7 +20,7 @@ export class StudyTables {
 
   draw() {
     const { fingers, observations, sequences, curves } = workspace.study;
-    render(
+    update(
       this.root,
       this.problem,
       this.fingers.draw(fingers),
@@ -35,7 +35,8 @@ export class StudyTables {
     try {
       await workspace.edit({ kind, key, set });
     } catch (error) {
-      redraw(() => this.draw()); // fields show the stored values again
+      reset(this.root);
+      this.draw();
       render(this.problem, faultList(error));
       this.problem.scrollIntoView({ block: "nearest" });
     }
