@@ -124,7 +124,7 @@ function patch(old, now) {
     const [before, after] = [old.entered?.[key], now.entered?.[key]];
     const typing = old === document.activeElement && key === "value" && old.value !== String(before ?? "");
     if (before !== after && !typing) {
-      old[key] = now[key];
+      old[key] = after ?? (key === "value" ? "" : false);
       old.setCustomValidity?.("");
     }
   }
