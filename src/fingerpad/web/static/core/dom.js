@@ -8,6 +8,11 @@ const shown = (children) =>
 /** Properties that the user changes too: what was set last is remembered. */
 const ENTERED = ["value", "checked"];
 
+// The field whose text was typed and is not confirmed yet.
+let typed = null;
+document.addEventListener("input", ({ target }) => (typed = target), true);
+document.addEventListener("change", () => (typed = null), true);
+
 function hear(event) {
   for (const act of this.heard[event.type] ?? []) act.call(this, event);
 }
@@ -122,8 +127,7 @@ function patch(old, now) {
   if ("disabled" in now) old.disabled = now.disabled;
   for (const key of ENTERED) {
     const [before, after] = [old.entered?.[key], now.entered?.[key]];
-    const typing = old === document.activeElement && key === "value" && old.value !== String(before ?? "");
-    if (before !== after && !typing) {
+    if (before !== after && !(key === "value" && typed === old && old === document.activeElement)) {
       old[key] = after ?? (key === "value" ? "" : false);
       old.setCustomValidity?.("");
     }

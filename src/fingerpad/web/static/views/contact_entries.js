@@ -2,7 +2,7 @@
 
 import { plain } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
-import { reviewMarks } from "./review.js";
+import { reviewMarks } from "./review_layout.js";
 
 export const FILTERS = [
   ["", "all"],

@@ -4,13 +4,14 @@ import { LatestRequest, post } from "../core/api.js";
 import { h, render, s } from "../core/dom.js";
 import { quantityText } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
+import { handle } from "../editor/handle.js";
+import { Click, Line } from "../editor/tools.js";
 import { empty } from "../parts/forms.js";
-import { handle } from "../parts/handle.js";
 import { icon } from "../parts/icons.js";
 import { missingOf } from "../parts/missing_fields.js";
-import { Click, Line } from "../parts/tools.js";
 import { faceWords, PhotographInspector } from "./photograph_inspector.js";
-import { Review, reviewMarks } from "./review.js";
+import { Review } from "./review.js";
+import { reviewMarks } from "./review_layout.js";
 
 /** @type {Parameters<typeof import("../parts/forms.js").segments>[1]} */
 const TOOLS = [

@@ -5,7 +5,7 @@ import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { withStd } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
-import { groupHeader } from "../parts/group_header.js";
+import { groupHeader } from "../parts/results.js";
 import { tableOf } from "../parts/tables.js";
 
 const percent = (share) => `${(100 * share).toFixed(1)} %`;

@@ -7,9 +7,8 @@ import { plain, unitOf, withStd, withTotal, withUnit } from "../core/quantity.js
 import { workspace } from "../core/workspace.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, list } from "../parts/forms.js";
-import { groupHeader } from "../parts/group_header.js";
 import { poolingList } from "../parts/pooling.js";
-import { checkList, verdictChip } from "../parts/verdict.js";
+import { checkList, groupHeader, verdictChip } from "../parts/results.js";
 
 // Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
 /** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */

@@ -5,28 +5,14 @@ import { Corrections, withoutDefaults } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
-import { EllipseEditor } from "../parts/ellipse_editor.js";
-import { Filmstrip } from "../parts/filmstrip.js";
+import { EllipseEditor } from "../editor/ellipse_editor.js";
+import { Filmstrip } from "../editor/filmstrip.js";
+import { Stage } from "../editor/stage.js";
+import { Box, Brush } from "../editor/tools.js";
 import { segments } from "../parts/forms.js";
-import { whoButton } from "../parts/person.js";
-import { Stage } from "../parts/stage.js";
-import { Box, Brush } from "../parts/tools.js";
+import { keysOf, panesOf } from "./review_layout.js";
 
 const VERDICTS = ["accepted", "rejected", "pooling"];
-
-/**
- * Marks of a thumbnail for what a person did: kind and text.
- *
- * @param {Partial<Pick<Answers["FrameEntry"], "corrected" | "accepted" | "rejected" | "interpolated">>} entry
- */
-export function reviewMarks({ corrected, accepted, rejected, interpolated }) {
-  return [
-    corrected && !interpolated && ["corrected", "corrected"],
-    accepted && ["accepted", "accepted"],
-    rejected && ["rejected", `rejected: ${rejected}`],
-    interpolated && ["interpolated", "interpolated between key frames"],
-  ].filter(Boolean);
-}
 
 /**
  * Base class of the views of contact images and of photographs.
@@ -110,45 +96,12 @@ export class Review {
       (error) => this.stage.setMessage(error.message, "bad"),
     );
     this.inspector = inspector;
-    render(
-      this.root,
-      h("header.head", h("div", h("h1", title), h("p", words)), h("div.actions", whoButton())),
-      h(
-        "div.panes",
-        this.toolbar,
-        this.stage.root,
-        h(
-          "aside.inspector",
-          { "aria-label": "Selected image", tabindex: 0 },
-          inspector.root,
-          inspector.footer,
-        ),
-        h("section.filmstrip-panel", { "aria-label": "All images" }, bar, this.strip.root),
-      ),
-    );
+    render(this.root, panesOf(this, title, words, bar));
   }
 
   /** Bind the keys of all reviews and those of the subclass. */
   bind(own) {
-    bindHere([
-      ["Enter", "Accept, next image", () => this.accept()],
-      ["ArrowRight .", "Next image", () => this.step(1)],
-      ["ArrowLeft ,", "Previous image", () => this.step(-1)],
-      ["x", "Reject, or undo the rejection", () => this.reject()],
-      ["u Ctrl+z", "Undo", () => this.undo()],
-      ["r Ctrl+y Ctrl+Z", "Redo", () => this.redo()],
-      ["v", "Drag the ellipse", () => this.use("ellipse")],
-      ["o", "Region of interest", () => this.use("box")],
-      ...own,
-      [
-        "[ ]",
-        "Smaller or larger brush",
-        ({ key }) => this.setRadius(key === "]" ? this.radius * 1.25 + 0.5 : this.radius * 0.8 - 0.5),
-      ],
-      ["+ - 0", "Zoom in, zoom out, fit the image", null],
-      ["Tab", "Select a handle; arrow keys move it, Shift ×10, Alt ×⅕", null],
-      ["Space", "Use the tool at the cross-hair", null],
-    ]);
+    bindHere(keysOf(this, own));
   }
 
   get entry() {

@@ -6,10 +6,10 @@ import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { plain, withStd } from "../core/quantity.js";
 import { adviseCode, workspace } from "../core/workspace.js";
-import { button, chip, choose, faultList, field, NAME, segments, text } from "../parts/forms.js";
+import { Stage } from "../editor/stage.js";
+import { Line, ThreePoints } from "../editor/tools.js";
+import { button, chip, choose, faultList, field, list, NAME, segments, text } from "../parts/forms.js";
 import { definitionOf, lackingOf, scaleWords, WAYS, wayOf } from "../parts/scale_ways.js";
-import { Stage } from "../parts/stage.js";
-import { Line, ThreePoints } from "../parts/tools.js";
 import { gridWords, rectification } from "./scale_grid.js";
 import { ScaleImages } from "./scale_images.js";
 
@@ -153,6 +153,7 @@ class Scales {
 
   #drawForm() {
     const pictures = this.#pictures();
+    const options = pictures.length ? pictures : [["", "no images"]];
     this.images = new ScaleImages(this.old?.name);
     this.fields = h("div.fields");
     this.nameField = text({
@@ -182,17 +183,9 @@ class Scales {
       WAYS[this.way].picture &&
         h(
           "section",
-          field(
-            "Image",
-            choose({
-              value: this.file,
-              options: pictures.length ? pictures : [["", "no images"]],
-              onset: (file) => this.#take(file),
-            }),
-            {
-              hint: WAYS[this.way].picture,
-            },
-          ),
+          field("Image", choose({ value: this.file, options, onset: (file) => this.#take(file) }), {
+            hint: WAYS[this.way].picture,
+          }),
         ),
       h("section", this.fields),
       h("section", this.result),
@@ -202,10 +195,7 @@ class Scales {
       this.footer,
       h(
         "div.actions",
-        (this.keepButton = button("Save scale", () => this.#keep(), {
-          kind: "primary",
-          key: "Ctrl+Enter",
-        })),
+        button("Save scale", () => this.#keep(), { kind: "primary", key: "Ctrl+Enter" }),
         this.old && button("Delete", () => this.#delete(), { kind: "bad" }),
       ),
       (this.problem = h("div")),
@@ -233,12 +223,15 @@ class Scales {
     this.answer = null;
     this.#drawForm();
     this.form.querySelector("[role=radio][aria-checked=true]")?.focus();
-    this.coin.setAttribute("d", "");
-    this.grid.setAttribute("d", "");
+    this.#clearMarks();
     this.line.set(way === "line" ? (this.table.line ?? null) : null);
     this.#useTool();
     if (!this.stage.root.hidden) this.#show(this.file);
     this.#ask();
+  }
+
+  #clearMarks() {
+    for (const mark of [this.coin, this.grid]) mark.setAttribute("d", "");
   }
 
   /** The tool of this type of scale; the others' marks are hidden. */
@@ -251,8 +244,7 @@ class Scales {
     this.live.cancel();
     this.file = file;
     if (this.way === "coin" || this.way === "grid") this.table[this.way] = file;
-    this.coin.setAttribute("d", "");
-    this.grid.setAttribute("d", "");
+    this.#clearMarks();
     this.line.set(null);
     delete this.table.line;
     this.rim.set([]);
@@ -325,9 +317,9 @@ class Scales {
         ),
       answer.grid && gridWords(answer.grid),
       answer.flags?.length > 0 &&
-        h(
-          "div.note",
-          answer.flags.map((flag) => h("p", adviseCode(flag))),
+        list(
+          answer.flags.map((flag) => adviseCode(flag)),
+          "ul.note",
         ),
       answer.grid &&
         rectification(

@@ -1,7 +1,10 @@
-// Whether the model holds: one word, and the checks behind it.
+// The header of a card of results, and whether the model holds: one word, and the checks behind it.
 
-import { probability } from "../core/quantity.js";
-import { chip, list } from "./forms.js";
+import { h } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
+import { plain, probability } from "../core/quantity.js";
+import { figureButton } from "./figure_settings.js";
+import { chip, list, synthetic } from "./forms.js";
 
 // The symbols differ without colour too.
 const SYMBOL = { holds: "●", strained: "◐", fails: "○" };
@@ -30,3 +33,24 @@ export function verdictChip({ verdict, checks }) {
 
 /** @param {Answers["ValidityRecord"]} validity */
 export const checkList = ({ checks }) => list(checks.map(words), "ul.note");
+
+/**
+ * The header of a card of a finger at a placement: with a button for its figure, if the report has it.
+ *
+ * @param {Answers["PlottedGroup"] | Answers["BudgetGroup"]} group
+ * @param {Answers["Figures"]["figures"]} figures
+ * @param {string} kind of the figure
+ */
+export const groupHeader = (group, figures, kind) =>
+  h(
+    "header",
+    h(
+      "h2",
+      `${group.finger}, `,
+      symbol("θ"),
+      ` = ${plain(group.wedge_angle_deg)}°`,
+      group.roll_angle_deg ? [", ", symbol("φ"), ` = ${plain(group.roll_angle_deg)}°`] : "",
+    ),
+    synthetic(group.synthetic),
+    h("div.actions", figureButton(figures.find(({ name }) => name === `${group.figure}_${kind}`))),
+  );

@@ -4,7 +4,7 @@ import { Corrections } from "../core/corrections.js";
 import { h, render, s } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { ago, plain } from "../core/quantity.js";
-import { text } from "./forms.js";
+import { text } from "../parts/forms.js";
 
 const REASON = "no reason given";
 /** A move by keys is saved after this pause. */

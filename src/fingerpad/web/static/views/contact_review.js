@@ -1,0 +1,189 @@
+// The editor of a contact image: measurement, outline, tools, and the histogram of its levels.
+
+import { post } from "../core/api.js";
+import { withoutDefaults } from "../core/corrections.js";
+import { showError, toast } from "../core/messages.js";
+import { describeCode } from "../core/workspace.js";
+import { ContactOverlay } from "../editor/contact_overlay.js";
+import { Lasso, Polygon } from "../editor/lasso.js";
+import { Click } from "../editor/tools.js";
+import { Review } from "./review.js";
+import { applyToSimilar } from "./similar.js";
+
+/**
+ * Whether a person outlined the contact themselves.
+ *
+ * @param {Partial<Change>} change
+ */
+const outlined = ({ ellipse_px: ellipse, threshold, strokes }) =>
+  Boolean(ellipse || threshold || strokes?.some(({ action }) => action === "replace"));
+
+/** Review of contact images, whatever list they are chosen from. */
+export class ContactReview extends Review {
+  /** @type {"add" | "remove" | "replace"} */
+  action = "replace";
+  /** @type {Lasso | Polygon | null} */
+  area = null;
+  /** @type {Answers["ContactLevels"] | null} */
+  levels = null;
+  levelsKey = "";
+  /** @type {ContactMeasurement | null} the last result that no hand was moving */
+  lastShown = null;
+
+  /** @type {Answers["SecondOperator"] | null} */
+  agreement = null;
+  /** @type {"first" | "second"} */
+  operator = "first";
+
+  nothingToAccept = "No contact was found. Reject the image, or set threshold, polarity or seed point.";
+  /** Whether the person works without seeing any outline but their own. */
+  get blind() {
+    return this.operator === "second";
+  }
+
+  addOverlay() {
+    this.overlay = new ContactOverlay(this.stage);
+  }
+
+  async measure(item, newest) {
+    const change = this.blind ? this.corrections.change : undefined;
+    if (this.blind && !outlined(change)) {
+      this.measured = null;
+      this.editor.hide();
+      this.overlay.clear();
+      this.area?.dry();
+      this.inspector.blind();
+    } else {
+      const answer = await post("/measure/contact", { item, change });
+      if (!newest()) return;
+      this.show(answer);
+    }
+    await this.#levels(item, newest);
+  }
+
+  /** Show the histogram; only some corrections change it. */
+  async #levels(item, newest) {
+    const { threshold, dark_on_light, seed_px, mask_px, region_of_interest_px } = this.corrections.change;
+    const change = withoutDefaults({ dark_on_light, seed_px, mask_px, region_of_interest_px });
+    const key = JSON.stringify([item, change]);
+    if (key !== this.levelsKey) {
+      const levels = await post("/measure/levels", { item, change }).catch(() => null);
+      if (!newest()) return;
+      [this.levels, this.levelsKey] = [levels, key];
+    }
+    const levels = this.levels && { ...this.levels };
+    if (levels && this.blind) levels.automatic_threshold = null;
+    this.inspector.levels(levels, threshold ?? null);
+  }
+
+  /** The correction with another threshold, while it is moved. */
+  tryThreshold(threshold) {
+    this.editor.hide();
+    this.tryOut(withoutDefaults({ ...this.corrections.change, threshold, accepted: false, rejected: null }));
+  }
+
+  setThreshold(threshold) {
+    this.held = false;
+    this.set("threshold", threshold);
+  }
+
+  /**
+   * @param {ContactMeasurement} answer
+   * @param {{ live?: boolean }} [options]
+   */
+  show(answer, { live = false } = {}) {
+    if (!live) this.#say(answer);
+    this.measured = answer;
+    this.stage.setScale(answer.mm_per_px);
+    this.overlay.region(answer.outline_px);
+    if (!live) {
+      const { centre_px: centre, major_ends_px: major, minor_ends_px: minor } = answer.handles;
+      this.stage.setMessage("");
+      this.editor.show(centre, major[0], minor[0]);
+      this.showTool();
+      this.brush?.dry();
+      this.area?.dry();
+    }
+    this.inspector.show(answer);
+  }
+
+  /** Say that a correction leaves the contact out: the reason may stand below what is in view. */
+  #say(answer) {
+    const { item, pooling } = answer;
+    const left = this.lastShown?.item === item && this.lastShown.pooling?.pooled && !pooling?.pooled;
+    this.lastShown = answer;
+    if (left && !this.blind && pooling?.excluding_flags.length)
+      toast(`Left out of the pooled radius: ${pooling.excluding_flags.map(describeCode).join("; ")}.`);
+  }
+
+  draw(change) {
+    this.overlay.correction(change);
+  }
+
+  makeTool(tool) {
+    if (tool === "seed") return new Click((at) => this.set("seed_px", at));
+    if (tool === "ellipse" || tool === "threshold") return null;
+    const done = (stroke) => {
+      if (!this.corrections) return;
+      if (this.blind && stroke.action !== "replace" && !outlined(this.corrections.change)) {
+        toast(this.nothingToAccept);
+        this.brush?.dry();
+        this.area?.dry();
+        return;
+      }
+      this.keep((change) => ({
+        ...this.withoutEllipse(change),
+        strokes: [...(stroke.action === "replace" ? [] : (change.strokes ?? [])), stroke],
+      }));
+    };
+    if (tool === "lasso" || tool === "polygon") {
+      this.area = new (tool === "lasso" ? Lasso : Polygon)(this.stage, { action: this.action, done });
+      return this.area;
+    }
+    return this.paint(tool, done);
+  }
+
+  applyToSimilar() {
+    return applyToSimilar(this.entry.item).catch(showError);
+  }
+
+  /** @param {"add" | "remove" | "replace"} action what an area that is drawn around does */
+  setAction(action) {
+    this.action = action;
+    this.area?.setAction(action);
+    this.stage.root.focus({ preventScroll: true });
+  }
+
+  ellipse() {
+    const { centre, lengths } = this.editor.shape;
+    const turned = lengths[1] > lengths[0];
+    return {
+      centre: [...centre],
+      semi_axes: turned ? [lengths[1], lengths[0]] : [...lengths],
+      orientation_deg: this.editor.fromUp + (turned ? 90 : 0),
+    };
+  }
+
+  dragged() {
+    return withoutDefaults({
+      ...this.corrections.change,
+      ellipse_px: this.ellipse(),
+      rejected: null,
+      accepted: false,
+    });
+  }
+
+  dropped() {
+    this.set("ellipse_px", this.ellipse());
+  }
+
+  showAutomatic(show) {
+    if (this.blind) return;
+    const own = this.measured?.automatic;
+    this.overlay.own(show && own ? own.outline_px : null);
+    this.stage.root.classList.toggle("comparing", show);
+    if (show && !own)
+      this.stage.setMessage(this.measured?.automatic_error ?? "No contact was found automatically.");
+    else if (!show) this.stage.setMessage("");
+  }
+}

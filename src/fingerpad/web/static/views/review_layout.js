@@ -1,0 +1,83 @@
+// What reviews of images show and hear: panes, keys, and marks of thumbnails.
+
+import { h, render } from "../core/dom.js";
+import { ask } from "../core/messages.js";
+import { setWho, who } from "../core/workspace.js";
+import { button, field, text } from "../parts/forms.js";
+
+/**
+ * Marks of a thumbnail for what a person did: kind and text.
+ *
+ * @param {Partial<Pick<Answers["FrameEntry"], "corrected" | "accepted" | "rejected" | "interpolated">>} entry
+ */
+export function reviewMarks({ corrected, accepted, rejected, interpolated }) {
+  return [
+    corrected && !interpolated && ["corrected", "corrected"],
+    accepted && ["accepted", "accepted"],
+    rejected && ["rejected", `rejected: ${rejected}`],
+    interpolated && ["interpolated", "interpolated between key frames"],
+  ].filter(Boolean);
+}
+
+/** The name saved with corrections; the browser remembers it. */
+function whoButton() {
+  const shown = button("", askName, { kind: "small", title: "Saved with each correction" });
+  const show = () => render(shown, h("span.soft", "Corrections by"), h("strong", who() || "…"));
+  async function askName() {
+    const name = text({ value: who() });
+    const body = field("Name or initials", name, { hint: "Saved with each correction." });
+    if (await ask("Your name", body, "Save")) setWho(name.value);
+    show();
+  }
+  show();
+  return shown;
+}
+
+/**
+ * The panes of a review.
+ *
+ * @param {import("./review.js").Review} view
+ * @param {string} title
+ * @param {string} words
+ * @param {any} bar above the filmstrip
+ */
+export const panesOf = (view, title, words, bar) => [
+  h("header.head", h("div", h("h1", title), h("p", words)), h("div.actions", whoButton())),
+  h(
+    "div.panes",
+    view.toolbar,
+    view.stage.root,
+    h(
+      "aside.inspector",
+      { "aria-label": "Selected image", tabindex: 0 },
+      view.inspector.root,
+      view.inspector.footer,
+    ),
+    h("section.filmstrip-panel", { "aria-label": "All images" }, bar, view.strip.root),
+  ),
+];
+
+/**
+ * The keys of all reviews, and those of one.
+ *
+ * @param {import("./review.js").Review} view
+ */
+export const keysOf = (view, own) => [
+  ["Enter", "Accept, next image", () => view.accept()],
+  ["ArrowRight .", "Next image", () => view.step(1)],
+  ["ArrowLeft ,", "Previous image", () => view.step(-1)],
+  ["x", "Reject, or undo the rejection", () => view.reject()],
+  ["u Ctrl+z", "Undo", () => view.undo()],
+  ["r Ctrl+y Ctrl+Z", "Redo", () => view.redo()],
+  ["v", "Drag the ellipse", () => view.use("ellipse")],
+  ["o", "Region of interest", () => view.use("box")],
+  ...own,
+  [
+    "[ ]",
+    "Smaller or larger brush",
+    ({ key }) => view.setRadius(key === "]" ? view.radius * 1.25 + 0.5 : view.radius * 0.8 - 0.5),
+  ],
+  ["+ - 0", "Zoom in, zoom out, fit the image", null],
+  ["Tab", "Select a handle; arrow keys move it, Shift ×10, Alt ×⅕", null],
+  ["Space", "Use the tool at the cross-hair", null],
+];
