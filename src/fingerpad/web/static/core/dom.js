@@ -12,6 +12,7 @@ const ENTERED = ["value", "checked"];
 let typed = null;
 document.addEventListener("input", ({ target }) => (typed = target), true);
 document.addEventListener("change", () => (typed = null), true);
+document.addEventListener("keydown", ({ key }) => key === "Enter" && (typed = null), true);
 
 function hear(event) {
   for (const act of this.heard[event.type] ?? []) act.call(this, event);

@@ -1,7 +1,7 @@
 // Run the study, show its progress, and export the results.
 
 import { download, get, post } from "../core/api.js";
-import { h, render } from "../core/dom.js";
+import { h, render, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
@@ -109,13 +109,8 @@ class Run {
   #draw() {
     const run = workspace.run ?? workspace.study.run;
     const { ready, counts, results } = workspace.study;
-    // Redraw only if the structure has changed, so that the focus is kept.
-    const shape = `${run.state}|${ready}|${results?.fresh}|${run.failures?.length}`;
-    if (shape === this.shape && this.busy) return this.#progress(run);
-    this.shape = shape;
     const finished = run.state === "done" && results?.fresh;
-    const hadFocus = this.status.contains(document.activeElement);
-    render(
+    update(
       this.status,
       h(
         "header",
@@ -126,9 +121,12 @@ class Run {
       ),
       this.busy
         ? [
-            (this.bar = h("progress", { "aria-label": "Progress of the run" })),
-            (this.line = h("p.run-line.number")),
-            h("div.actions", (this.main = button("Stop", () => this.#cancel(), { kind: "bad", key: "c" }))),
+            progressOf(run),
+            h(
+              "div.actions",
+              { key: "actions" },
+              button("Stop", () => this.#cancel(), { kind: "bad", key: "c" }),
+            ),
           ]
         : [
             run.error && h("div.note.bad", { role: "alert" }, run.error),
@@ -165,11 +163,12 @@ class Run {
             ),
             h(
               "div.actions",
-              (this.main = button("Run", () => this.#start(), {
+              { key: "actions" },
+              button("Run", () => this.#start(), {
                 kind: finished ? "" : "primary",
                 key: "Enter",
                 disabled: !ready,
-              })),
+              }),
               ["done", "cancelled"].includes(run.state) &&
                 workspace.study.results?.there &&
                 h(finished ? "a.button.primary" : "a.button", { href: "#/results" }, "See the results"),
@@ -183,24 +182,6 @@ class Run {
           list(run.failures.slice(0, 50)),
         ),
       this.problem,
-    );
-    if (this.busy) this.#progress(run);
-    if (hadFocus) this.main.focus();
-    return undefined;
-  }
-
-  /** @param {Answers["RunStatus"]} run */
-  #progress(run) {
-    const measuring = phaseOf(run) === PHASES.measuring;
-    this.bar.max = Math.max(1, run.total);
-    if (measuring) this.bar.value = run.done;
-    else this.bar.removeAttribute("value");
-    const counted = run.total ? `${run.done} of ${run.total} measured · ` : "";
-    const left = run.seconds_left ? `, about ${duration(run.seconds_left)} left` : "";
-    render(
-      this.line,
-      h("span", `${counted}${duration(run.seconds ?? 0)}${left}`),
-      h("span", `${phaseOf(run)} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current))),
     );
   }
 
@@ -262,7 +243,6 @@ class Run {
   }
 
   update() {
-    this.shape = null;
     this.#listBundle().catch(() => {});
     this.#draw();
     this.#drawExports();
@@ -272,6 +252,23 @@ class Run {
     clearTimeout(this.again);
     this.removeListener();
   }
+}
+
+/** @param {Answers["RunStatus"]} run */
+function progressOf(run) {
+  const measuring = phaseOf(run) === PHASES.measuring;
+  const counted = run.total ? `${run.done} of ${run.total} measured · ` : "";
+  const left = run.seconds_left ? `, about ${duration(run.seconds_left)} left` : "";
+  const bar = h("progress", { "aria-label": "Progress of the run", max: Math.max(1, run.total) });
+  if (measuring) bar.setAttribute("value", String(run.done));
+  return [
+    bar,
+    h(
+      "p.run-line.number",
+      h("span", `${counted}${duration(run.seconds ?? 0)}${left}`),
+      h("span", `${phaseOf(run)} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current))),
+    ),
+  ];
 }
 
 /**
