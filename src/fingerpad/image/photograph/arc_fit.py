@@ -199,13 +199,6 @@ def outline_places(points: FloatArray) -> tuple[npt.NDArray[np.int64], float]:
     return np.concatenate([[0], np.cumsum(steps)]).astype(np.int64)[: len(points)], step
 
 
-def block_starts(points: FloatArray, size: int) -> npt.NDArray[np.intp]:
-    """Return the index of the first point of each block: equal lengths of an outline, of so many steps."""
-    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    block = np.floor(np.append(0, np.cumsum(lengths)) / (size * float(np.median(lengths))) + 1e-6)
-    return np.flatnonzero(np.append(True, np.diff(block) > 0))
-
-
 def _start(points: FloatArray, tilt: float) -> Parameters:
     turn = rotation(tilt)
     x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse.parameters

@@ -198,7 +198,16 @@ def with_marked_points(
     (True, 12)
     """
     marks = _check_points("added points", added)
-    arc: FaceArc = _placed_arc(found) if found._arc is None else found._arc
+    arc: FaceArc = found._arc
+    if arc is None:  # without points yet: the ellipse was placed manually
+        arc = FaceArc.given(
+            found.face,
+            np.empty((0, 2)),
+            scale=found.scale,
+            frame=(rotation(found.tilt) @ found.directions, as_float_array(found.centre)),
+            tilt=(found.tilt, found.tilt_std),
+            start=np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.tilt]),
+        )
     places = arc.in_picture(arc.points)
     gone = np.zeros(len(places), dtype=bool)
     for path, radius in erased:
@@ -206,18 +215,6 @@ def with_marked_points(
     if not len(marks) and not (gone & (arc.pad | arc.searched)).any():
         return found
     return replace(face_from_arc(arc.without(gone).with_marks(marks)), _picture=found.picture)
-
-
-def _placed_arc(found: PhotographFit) -> FaceArc:
-    """Return an arc without points yet, of an ellipse that was placed manually."""
-    return FaceArc.given(
-        found.face,
-        np.empty((0, 2)),
-        scale=found.scale,
-        frame=(rotation(found.tilt) @ found.directions, as_float_array(found.centre)),
-        tilt=(found.tilt, found.tilt_std),
-        start=np.array([0.0, 0.0, *(found.semi_axes / found.scale.mm_per_px), found.tilt]),
-    )
 
 
 def _check_points(what: str, points: ArrayLike) -> FloatArray:

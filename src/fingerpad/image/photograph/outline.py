@@ -70,13 +70,10 @@ class HalfWidth(NamedTuple):
 
 
 def half_width(points: FloatArray, pad: FloatArray, across: float, along: float, face: Face) -> HalfWidth:
-    """Return half of an outline's width.
+    """Return half of an outline's width; arguments are those of `contradicted_by_lengths`.
 
     Of a palmar face the widest place lies at the ellipse's centre or above: below, the shaft may be wider
     than the pad. How much wider it is beyond what is common, is the pad's.
-
-    Points (x, y) are about the ellipse's centre, in order, along the finger's axis; in `pad` those that can
-    be pad. `across` and `along` are the ellipse's semi-axes.
     """
     top = int(points[:, 1].argmax())
     way = math.copysign(1, points[-1, 0] - points[0, 0])
@@ -166,11 +163,8 @@ def radius_of_outline(
 ) -> tuple[float, float]:
     """Return the radius of curvature where the outward normal has an angle, and its standard uncertainty.
 
-    In the frame of the normal, a cubic is fitted to the distance of the outline from the ellipse within 0.35
-    radii on either side of the place where the outline's slope vanishes.
-
-    Points (x, y) are in order, in the frame of the ellipse; the angle runs from x towards y, radians. NaN
-    where the outline does not show the place.
+    In the frame of the normal, a cubic is fitted to the outline's distance from the ellipse about the place
+    where its slope vanishes; NaN where that is not shown. Points (x, y) are in order, in the ellipse's frame.
     """
     if len(points) < _MIN_POINTS_OF_RADIUS:
         return _UNSEEN[:2]

@@ -10,7 +10,6 @@ from scipy.special import expit
 
 from fingerpad._arrays import FloatArray
 from fingerpad.image.ellipse import PlaneEllipse
-from fingerpad.image.photograph.arc_fit import block_starts
 from fingerpad.image.photograph.calibration import DOUBT
 
 # Exponents searched, and differences from 2 to start from.
@@ -45,18 +44,16 @@ def average_over_shapes(
     noise: float = math.inf,
     alike: int = BLOCK,
 ) -> ShapeAverage | None:
-    """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse.
+    """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse by odds.
 
-    |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, of standard deviation 0.3 for all
-    quadrants together and 0.15 for each. The semi-axes of both curves are the extents to which they continue
-    the arc. They are averaged by the posterior odds of the two.
+    |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, one for all quadrants together and one
+    for each. The semi-axes of both curves are the extents to which they continue the arc.
 
     Points of the pad, in order, may have been fitted along an arc only by the ellipse, whose semi-axes have
-    the covariance given; `tilt` is that of the finger's axis and its standard uncertainty, radians.
-    `half_width` is half of the finger's width, NaN where this face does not show the pad's, of which the
-    outline does not show the part `hidden`. `noise` is the standard deviation of the points on the ellipse's
-    arc; so many neighbouring points share an error as `alike` says. Lengths are px. None where the points are
-    too few to tell.
+    the covariance given. `half_width` is half of the finger's width, NaN where this face does not show the
+    pad's, of which the outline does not show the part `hidden`. `noise` is the standard deviation of the
+    points on the ellipse's arc; `alike` neighbouring points share an error. Lengths are px. None where the
+    points are too few to tell.
     """
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
     blocks, counts = _blocks(points / size, alike)
@@ -66,12 +63,11 @@ def average_over_shapes(
     given = ellipse.semi_axes
     start = np.array([ellipse.x / size, ellipse.y / size, *np.log(given / size), ellipse.angle])
     width_std = math.hypot(DOUBT.width_std, hidden / ellipse.semi_x)
-    width = (math.log(half_width / size), width_std)
-    curve = _Curve(blocks, weights, tilt, width, DOUBT.least_px / size)
+    curve = _Curve(blocks, weights, tilt, (math.log(half_width / size), width_std), DOUBT.least_px / size)
     bent = min((curve.bent(start, about) for about in (0.0, *_STARTS)), key=lambda fit: fit.cost)
     for _ in range(2):
         deviation = max(DOUBT.least_px / size, curve.deviation(bent.x))
-        curve = _Curve(blocks, weights, tilt, width, deviation)
+        curve = curve._replace(noise=deviation)
         bent = curve.fitted(bent.x)
     plain = curve.fitted(start)
     weight = float(expit(DOUBT.log_odds + _log_evidence(bent) - _log_evidence(plain)))
@@ -85,7 +81,11 @@ def average_over_shapes(
         + DOUBT.missed**2 * np.outer(apart, apart)
         + DOUBT.floor**2 * np.diag(more**2)
     )
-    plain_covariance = _with_width(given, covariance, half_width, width_std) + np.outer(off, off)
+    # What half of the finger's width contradicts beyond chance.
+    gap = 0.0 if math.isnan(half_width) else half_width - given[0]
+    excess = max(gap**2 - covariance[0, 0] - (width_std * given[0]) ** 2, 0.0)
+    along = covariance[:, 0] / covariance[0, 0]
+    plain_covariance = covariance + excess * np.outer(along, along) + np.outer(off, off)
     x, y, _, _, angle = map(float, weight * bent.x[:5] + (1 - weight) * start)
     semi_x, semi_y = map(float, weight * more + (1 - weight) * given)
     in_quadrants = np.bincount(curve.quadrants(bent.x), weights=counts, minlength=4)
@@ -103,39 +103,28 @@ def average_over_shapes(
     )
 
 
-def _with_width(
-    semi_axes: FloatArray, covariance: FloatArray, half_width: float, relative_std: float
-) -> FloatArray:
-    """Return an ellipse's covariance with what half of the finger's width contradicts beyond chance."""
-    gap = 0.0 if math.isnan(half_width) else half_width - semi_axes[0]
-    excess = max(gap**2 - covariance[0, 0] - (relative_std * semi_axes[0]) ** 2, 0.0)
-    along = covariance[:, 0] / covariance[0, 0]
-    return np.asarray(covariance + excess * np.outer(along, along))
-
-
 def _blocks(points: FloatArray, alike: int) -> tuple[FloatArray, FloatArray]:
     """Return the means of points over equal lengths of outline, and the number of points in each."""
-    starts = np.arange(len(points)) if alike == 1 else block_starts(points, alike)
+    starts = np.arange(len(points))
+    if alike > 1:
+        lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        block = np.floor(np.append(0, np.cumsum(lengths)) / (alike * float(np.median(lengths))) + 1e-6)
+        starts = np.flatnonzero(np.append(True, np.diff(block) > 0))
     counts = np.diff(np.append(starts, len(points))).astype(np.float64)
     return np.asarray(np.add.reduceat(points, starts, axis=0) / counts[:, None]), counts
 
 
-class _Curve:
-    """An ellipse (x, y, log a, log b, angle) or, with five more values, a superellipse, through points.
+class _Curve(NamedTuple):
+    """Points near an ellipse (x, y, log a, log b, angle) or, with five more values, a superellipse.
 
     The five are the difference of all exponents from 2, and that of each quadrant from theirs.
     """
 
-    def __init__(
-        self,
-        points: FloatArray,
-        weights: FloatArray,
-        tilt: tuple[float, float],
-        log_width: tuple[float, float],
-        noise: float,
-    ) -> None:
-        self._points, self._weights, self._tilt, self._noise = points, weights, tilt, noise
-        self._log_width = log_width
+    points: FloatArray
+    weights: FloatArray
+    tilt: tuple[float, float]
+    log_width: tuple[float, float]  # NaN where it is not known; and its standard uncertainty
+    noise: float
 
     def fitted(self, start: FloatArray) -> OptimizeResult:
         """Return the values of least squares; what is known beforehand counts as more observations."""
@@ -162,7 +151,7 @@ class _Curve:
 
         Neighbours that err alike count as fewer.
         """
-        off = self._weights * self._distances(values)
+        off = self.weights * self._distances(values)
         most = DOUBT.far * 1.4826 * float(np.median(np.abs(off)))
         off = np.clip(off, -most, most)
         alike = min(max(float(off[1:] @ off[:-1]) / float(off @ off + 1e-30), 0.0), DOUBT.most_alike)
@@ -171,7 +160,7 @@ class _Curve:
     def _local(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the points' places along the axes, over the semi-axes; values may be stacked."""
         cosine, sine = np.cos(values[..., 4, None]), np.sin(values[..., 4, None])
-        x, y = (self._points[:, k] - values[..., k, None] for k in range(2))
+        x, y = (self.points[:, k] - values[..., k, None] for k in range(2))
         log_a, log_b = values[..., 2, None], values[..., 3, None]
         return (x * cosine + y * sine) * np.exp(-log_a), (y * cosine - x * sine) * np.exp(-log_b)
 
@@ -191,11 +180,11 @@ class _Curve:
         return np.asarray((level - 1) / slope)
 
     def _off(self, values: FloatArray) -> FloatArray:
-        off = self._weights * self._distances(values) / (DOUBT.far * self._noise)
+        off = self.weights * self._distances(values) / (DOUBT.far * self.noise)
         robust = DOUBT.far * np.sign(off) * np.sqrt(2 * (np.sqrt(1 + off**2) - 1))
-        known = [(values[..., 4:5] - self._tilt[0]) / self._tilt[1]]
-        if not math.isnan(self._log_width[0]):
-            known += [(values[..., 2:3] - self._log_width[0]) / self._log_width[1]]
+        known = [(values[..., 4:5] - self.tilt[0]) / self.tilt[1]]
+        if not math.isnan(self.log_width[0]):
+            known += [(values[..., 2:3] - self.log_width[0]) / self.log_width[1]]
         if values.shape[-1] > 5:
             known += [values[..., 5:6] / DOUBT.exponent_std, values[..., 6:] / DOUBT.quadrant_std]
         return np.concatenate([robust, *known], axis=-1)
