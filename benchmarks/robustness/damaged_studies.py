@@ -29,8 +29,7 @@ from fingerpad.study.corrections.items import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
 from fingerpad.study.pipeline import run_study
-from fingerpad.web.app import make_app
-from fingerpad.web.routes import ENDPOINTS
+from fingerpad.web.app import make_api, make_app
 from fingerpad.web.security import Access
 from fingerpad.web.workspace import Workspace
 
@@ -286,11 +285,11 @@ async def ask(app: Any, path: str, query: dict[str, Any]) -> tuple[int, bytes]:
 
 def routes() -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the path and query of each question."""
-    for operation in ENDPOINTS:
-        if operation.method == "GET":
-            for query in QUERIES.get(operation.plain_path, ({},)):
+    for path, operations in make_api().openapi()["paths"].items():
+        if "get" in operations:
+            for query in QUERIES.get(path, ({},)):
                 rest = dict(query)
-                yield operation.plain_path.format(study=NAME, path=rest.pop("path", "")), rest
+                yield path.format(study=NAME, path=rest.pop("path", "")), rest
 
 
 async def ask_all(workspace: Workspace, answers: Answers, label: str, *, slow: bool) -> None:

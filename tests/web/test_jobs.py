@@ -361,7 +361,7 @@ def test_closing_the_workspace_stops_its_runs(studies_folder):
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
         client.post("/api/studies/demo/run", json={})
-        study = workspace.study
+        study = workspace.session("demo")
         workspace.close()
         assert study.run_job.describe()["state"] in {"cancelled", "done"}
 

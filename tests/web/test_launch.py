@@ -161,7 +161,7 @@ def test_a_package_that_is_not_installed_is_named_with_the_way_to_it(studies_fol
         "import sys\n"
         "from fingerpad.cli import app\n"
         "from typer.testing import CliRunner\n"
-        "for package in 'starlette', 'uvicorn', 'tomlkit':\n"
+        "for package in 'fastapi', 'uvicorn', 'tomlkit':\n"
         "    before = dict(sys.modules)\n"
         "    sys.modules[package] = None\n"
         "    done = CliRunner().invoke(app, ['app', 'demo', '--no-browser'])\n"
@@ -172,7 +172,7 @@ def test_a_package_that_is_not_installed_is_named_with_the_way_to_it(studies_fol
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=studies_folder, capture_output=True, text=True, timeout=60
     )
-    for package in ("starlette", "uvicorn", "tomlkit"):
+    for package in ("fastapi", "uvicorn", "tomlkit"):
         assert re.search(
             rf"2 {package} .*needs the package {package}\S*: pip install 'fingerpad\[app\]'", done.stdout
         )

@@ -11,7 +11,7 @@ from fingerpad.exceptions import FingerpadError, ManifestError
 if TYPE_CHECKING:
     from fingerpad.web.app import Launch
 
-_NEEDED = {"plotly", "starlette", "tomlkit", "uvicorn"}
+_NEEDED = {"fastapi", "plotly", "tomlkit", "uvicorn"}
 
 
 def app(

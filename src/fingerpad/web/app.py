@@ -16,22 +16,50 @@ from types import FrameType
 from typing import Final, NamedTuple
 
 import uvicorn
-from starlette.applications import Starlette
-from starlette.exceptions import HTTPException
+from fastapi import FastAPI, Security
+from fastapi.security import HTTPBearer
+from fastapi.telemetry import TelemetryConfig
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp, Scope
 
 import fingerpad
 from fingerpad.exceptions import FingerpadError
-from fingerpad.web.endpoints import IMMUTABLE, openapi
-from fingerpad.web.routes import ENDPOINTS
+from fingerpad.web.api import ROUTERS
+from fingerpad.web.api.base import IMMUTABLE, answer_errors
 from fingerpad.web.security import START, Access, Guard, closed_page, cookie_name
 from fingerpad.web.workspace import PLOTLY_ADDRESS, Workspace
 
 STATIC: Final = Path(__file__).parent / "static"
+# Nothing is sent anywhere, whatever the environment says.
+_NO_TELEMETRY: Final[TelemetryConfig] = {
+    "tracing": False,
+    "metrics": False,
+    "logs": False,
+    "operation_spans": False,
+    "auto_configure": False,
+}
+
+
+def make_api() -> FastAPI:
+    """Return the API, of which `openapi` tells the document; a launch gives it a workspace."""
+    app = FastAPI(
+        title="fingerpad",
+        version=fingerpad.__version__,
+        description="The API under the page of fingerpad app.",
+        openapi_url="/api/openapi.json",
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+        telemetry=_NO_TELEMETRY,
+        dependencies=[Security(HTTPBearer(auto_error=False, description="the token of the launch"))],
+    )
+    answer_errors(app)
+    for router in ROUTERS:
+        app.include_router(router)
+    return app
 
 
 def make_app(workspace: Workspace, access: Access) -> ASGIApp:
@@ -59,21 +87,15 @@ def make_app(workspace: Workspace, access: Access) -> ASGIApp:
         answer.set_cookie(name, access.token, httponly=True, samesite="strict", path="/")
         return answer
 
-    def document(_: Request) -> Response:
-        return JSONResponse(openapi(ENDPOINTS, fingerpad.__version__))
-
-    starlette = Starlette(
-        routes=[
-            Route(START, start),
-            Route("/", _page),
-            Route(PLOTLY_ADDRESS, _plotly),
-            Route("/api/openapi.json", document),
-            *(operation.route(workspace) for operation in ENDPOINTS),
-            Mount("/static/{version}", _Static(directory=STATIC)),
-        ],
-        exception_handlers={HTTPException: _not_there},
-    )
-    return Guard(starlette, access)
+    app = make_api()
+    app.state.workspace = workspace
+    app.router.routes += [
+        Route(START, start),
+        Route("/", _page),
+        Route(PLOTLY_ADDRESS, _plotly),
+        Mount("/static/{version}", _Static(directory=STATIC)),
+    ]
+    return Guard(app, access)
 
 
 class _Static(StaticFiles):
@@ -99,12 +121,6 @@ def _plotly(_: Request) -> Response:
     package = distribution("plotly")
     script = str(package.locate_file("plotly/package_data/plotly.min.js"))
     return FileResponse(script, media_type="text/javascript", headers=IMMUTABLE)
-
-
-def _not_there(request: Request, error: Exception) -> Response:
-    assert isinstance(error, HTTPException)
-    words = f"{request.method} {request.url.path}: {error.detail}"
-    return JSONResponse({"error": words}, status_code=error.status_code, headers=error.headers)
 
 
 LOOPBACK: Final = "127.0.0.1"

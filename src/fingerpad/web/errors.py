@@ -3,13 +3,15 @@
 from http import HTTPStatus
 from typing import Any
 
+from starlette.exceptions import HTTPException
 
-class RequestError(Exception):
+
+class RequestError(HTTPException):
     """A request that failed.
 
     Attributes
     ----------
-    status : HTTPStatus
+    status_code : int
         HTTP status.
     words : str
         What is wrong, and what to do.
@@ -18,8 +20,8 @@ class RequestError(Exception):
     """
 
     def __init__(self, status: HTTPStatus, words: str, **more: Any) -> None:
-        super().__init__(words)
-        self.status, self.words, self.more = status, words, more
+        super().__init__(status, words)
+        self.words, self.more = words, more
 
     @classmethod
     def not_there(cls, words: str) -> "RequestError":

@@ -4,7 +4,6 @@ import getpass
 import os
 import re
 import shutil
-from contextvars import ContextVar
 from dataclasses import asdict
 from http import HTTPStatus
 from importlib.metadata import version
@@ -28,10 +27,6 @@ UPLOAD_LIMIT: Final = 4 * 2**30
 NAME: Final = r"^\w[\w.+-]{0,59}$"
 # The version changes the address, so that browsers may keep the script.
 PLOTLY_ADDRESS: Final = f"/static/vendor/plotly-{version('plotly')}.min.js"
-
-
-# Name of the study that the current request is about; None for the one that was opened last.
-REQUESTED: Final[ContextVar[str | None]] = ContextVar("requested", default=None)
 
 
 class Workspace:
@@ -64,17 +59,11 @@ class Workspace:
         self._last: StudySession | None = None
         self._lock = RLock()
 
-    @property
-    def study(self) -> StudySession:
-        """The study that the current request names, opened if it is not; or the one opened last."""
-        name = REQUESTED.get()
+    def session(self, name: str) -> StudySession:
+        """Return a study by its name, opened if it is not."""
         with self._lock:
-            if name is not None:
-                found = next((one for one in self._open.values() if one.name == name), None)
-                return found or self._session(self._folder_of(name))
-            if self._last is None:
-                raise RequestError.not_there("no study is open: create one, or open one")
-            return self._last
+            found = next((one for one in self._open.values() if one.name == name), None)
+            return found or self._session(self._folder_of(name))
 
     def describe(self) -> dict[str, Any]:
         """Return the studies of the workspace and the one that was opened last."""

@@ -1,8 +1,11 @@
 """Parts of all answers, and types that many of them have."""
 
-from typing import Literal, TypeAlias
+from collections.abc import Mapping
+from typing import Any, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict
+
+from fingerpad._json import dumps
 
 Point: TypeAlias = tuple[float, float]
 Point3D: TypeAlias = tuple[float, float, float]
@@ -17,6 +20,12 @@ class Answer(BaseModel):
     """An answer, or a part of one: no key is added or left out."""
 
     model_config = ConfigDict(extra="forbid", json_schema_serialization_defaults_required=True)
+
+    @classmethod
+    def of(cls, content: Mapping[str, Any]) -> Self:
+        """Return the answer with some content: arrays become lists, and NaN becomes null."""
+        # A file's name may hold bytes that are not text.
+        return cls.model_validate_json(dumps(content).encode(errors="replace"))
 
 
 class Fault(BaseModel):

@@ -30,13 +30,14 @@ from fingerpad.study.measuring.fingers import (
     photograph_item,
 )
 from fingerpad.web.answers import measurements as answers
-from fingerpad.web.endpoints import Item, Params, Point, endpoint
+from fingerpad.web.api.base import Item, Opened, Params, Point, study_router
+from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger
 from fingerpad.web.pictures import Cache
-from fingerpad.web.routes.scales import scale_of
 from fingerpad.web.study_session import StudySession
-from fingerpad.web.workspace import Workspace
+
+router = study_router()
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _AUTOMATIC: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
@@ -63,16 +64,10 @@ class PhotographParams(Params):
     with_finger: bool = False
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/measure/photograph",
-    "Measure a photograph under a correction, without storing it",
-    answers.PhotographMeasurement,
-)
-def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str, Any]:
+@router.post("/measure/photograph")
+def measure(opened: Opened, params: PhotographParams) -> answers.PhotographMeasurement:
     """Measure a photograph under a correction; nothing is stored."""
     began = time.perf_counter()
-    opened = workspace.study
     finger, photograph = _table(opened, params)
     change = params.change or photograph_correction(opened.corrections.active_correction(params.item))
     fit = _fit(opened, params.item, photograph, change, params.handles)
@@ -88,15 +83,17 @@ def measure(workspace: Workspace, _: Any, params: PhotographParams) -> dict[str,
     manual = params.handles is not None or change.ellipse_px is not None
     edited = manual or bool(change.edits)
     own = _automatic(opened, params.item, photograph) if edited else None
-    return {
-        "item": params.item,
-        "by": "manual" if manual else "corrected" if edited else "automatic",
-        **described(fit),
-        "automatic": own and _semi_axes(own),
-        "finger": together,
-        "finger_error": error,
-        "milliseconds": 1000 * (time.perf_counter() - began),
-    }
+    return answers.PhotographMeasurement.of(
+        {
+            "item": params.item,
+            "by": "manual" if manual else "corrected" if edited else "automatic",
+            **described(fit),
+            "automatic": own and _semi_axes(own),
+            "finger": together,
+            "finger_error": error,
+            "milliseconds": 1000 * (time.perf_counter() - began),
+        }
+    )
 
 
 def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | None, Photograph]:

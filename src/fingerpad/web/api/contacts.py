@@ -42,15 +42,16 @@ from fingerpad.study.results.rows import PLACEMENT, model_contacts
 from fingerpad.study.results.table import records
 from fingerpad.study.results.validity import HEADLINES
 from fingerpad.web.answers import measurements as answers
-from fingerpad.web.endpoints import Item, Params, endpoint
+from fingerpad.web.api.base import Item, Opened, Params, study_router
+from fingerpad.web.api.corrections import pooling_correction
+from fingerpad.web.api.photographs import measured_finger
+from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import item_row, last_headlines, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
-from fingerpad.web.routes.corrections import pooling_correction
-from fingerpad.web.routes.photographs import measured_finger
-from fingerpad.web.routes.scales import scale_of
 from fingerpad.web.study_session import StudySession, frame_of
-from fingerpad.web.workspace import Workspace
+
+router = study_router()
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
 _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
@@ -66,16 +67,10 @@ class ContactParams(Params):
     scale: ScaleKey | None = None
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/measure/contact",
-    "Measure a contact image under a correction, without storing it",
-    answers.ContactMeasurement,
-)
-def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
+@router.post("/measure/contact")
+def measure(opened: Opened, params: ContactParams) -> answers.ContactMeasurement:
     """Measure a contact image under a correction; nothing is stored."""
     began = time.perf_counter()
-    opened = workspace.study
     contact, complete = _contact(opened, params)
     assert contact.scale is not None
     found = scale_of(opened, contact.scale)
@@ -84,54 +79,52 @@ def measure(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, An
     contact_image = measured_under(prepared, change)
     model = _model(opened, params.item, contact, contact_image, found) if complete else None
     own, error = _automatic(opened, params.item, contact, found) if change.edits else (contact_image, None)
-    return {
-        "item": params.item,
-        "by": _by(change),
-        **_drawn(contact_image, found),
-        "numbers": numbers(contact_image),
-        "automatic": own and {**numbers(own), "outline_px": own.outline.round(2)},
-        "automatic_error": error,
-        "model": model,
-        "settings": {
-            "dark_on_light": contact_image.dark_on_light,
-            "threshold": contact_image.threshold,
-        },
-        "flags": [*doubts_of(contact_image), *found.flags],
-        "pooling": _pooling(
-            opened,
-            params.item,
-            contact,
-            from_contact_image(contact_image, contact, found),
-            plausible=IMPLAUSIBLE_SIZE not in model["range_notes"],
-        )
-        if model is not None
-        else None,
-        "mm_per_px": found.scale.mm_per_px,
-        "mm_per_px_std": found.scale.mm_per_px_std,
-        "milliseconds": 1000 * (time.perf_counter() - began),
-    }
+    return answers.ContactMeasurement.of(
+        {
+            "item": params.item,
+            "by": _by(change),
+            **_drawn(contact_image, found),
+            "numbers": numbers(contact_image),
+            "automatic": own and {**numbers(own), "outline_px": own.outline.round(2)},
+            "automatic_error": error,
+            "model": model,
+            "settings": {
+                "dark_on_light": contact_image.dark_on_light,
+                "threshold": contact_image.threshold,
+            },
+            "flags": [*doubts_of(contact_image), *found.flags],
+            "pooling": _pooling(
+                opened,
+                params.item,
+                contact,
+                from_contact_image(contact_image, contact, found),
+                plausible=IMPLAUSIBLE_SIZE not in model["range_notes"],
+            )
+            if model is not None
+            else None,
+            "mm_per_px": found.scale.mm_per_px,
+            "mm_per_px_std": found.scale.mm_per_px_std,
+            "milliseconds": 1000 * (time.perf_counter() - began),
+        }
+    )
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/measure/levels",
-    "Histogram of an image's levels, to choose a threshold by",
-    answers.ContactLevels,
-)
-def levels(workspace: Workspace, _: Any, params: ContactParams) -> dict[str, Any]:
+@router.post("/measure/levels")
+def levels(opened: Opened, params: ContactParams) -> answers.ContactLevels:
     """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
-    opened = workspace.study
     contact, _ = _contact(opened, params)
     assert contact.scale is not None
     found = scale_of(opened, contact.scale)
     change = (params.change or ContactCorrection()).model_copy(update={"threshold": None})
     prepared = _prepared(opened, params.item, contact, found, change)
     counts, edges = prepared.level_histogram()
-    return {
-        "counts": counts,
-        "edges": edges,
-        "automatic_threshold": None if prepared.reason else prepared.measure().threshold,
-    }
+    return answers.ContactLevels.of(
+        {
+            "counts": counts,
+            "edges": edges,
+            "automatic_threshold": None if prepared.reason else prepared.measure().threshold,
+        }
+    )
 
 
 def _contact(opened: StudySession, params: ContactParams) -> tuple[Contact, bool]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any, Final, get_args
 
 import numpy as np
+from fastapi import Query
 from pydantic import Field
 
 from fingerpad._files import digest_of
@@ -37,7 +38,7 @@ from fingerpad.study.results.summary_file import FingerRecord
 from fingerpad.study.results.table import COLUMNS
 from fingerpad.study.status import item_states, semi_axes_state
 from fingerpad.web.answers import study as answers
-from fingerpad.web.endpoints import Params, endpoint
+from fingerpad.web.api.base import Opened, Params, study_router
 from fingerpad.web.last_results import (
     FRAME_COLUMNS,
     contact_rows,
@@ -48,7 +49,8 @@ from fingerpad.web.last_results import (
 )
 from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.study_session import StudySession, table_content
-from fingerpad.web.workspace import Workspace
+
+router = study_router()
 
 _UNREADABLE: Final = (OSError, StoreError)
 _WORDS: Final[Mapping[str, Any]] = {
@@ -362,10 +364,10 @@ def _files(opened: StudySession) -> list[dict[str, Any]]:
     return [described(name, status.st_size) for name, status in opened.files().items()]
 
 
-@endpoint("GET", "/api/studies/{study}/state", "State of the study", answers.State)
-def state(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@router.get("/state")
+def state(opened: Opened) -> answers.State:
     """Return the state of the open study."""
-    return document(workspace.study)
+    return answers.State.of(document(opened))
 
 
 class FramesParams(Params):
@@ -376,19 +378,20 @@ class FramesParams(Params):
     limit: Annotated[int, Field(ge=1, le=5000)] = 2000
 
 
-@endpoint("GET", "/api/studies/{study}/frames", "Frames of a sequence", answers.Frames)
-def frames(workspace: Workspace, params: FramesParams, _: Any) -> dict[str, Any]:
+@router.get("/frames")
+def frames(opened: Opened, params: Annotated[FramesParams, Query()]) -> answers.Frames:
     """Return frames of a sequence, with the results of the last run."""
-    opened = workspace.study
     name, found = params.sequence, last_results(opened)
     total = opened.count_frames(opened.sequence_file(name)) or 0
     rows = frame_rows(found.table, name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
     active = frame_corrections(opened.corrections.active_corrections(), name, shown)
-    return {
-        "total": total,
-        "frames": [_frame(name, number, rows.get(number), active.get(number)) for number in shown],
-    }
+    return answers.Frames.of(
+        {
+            "total": total,
+            "frames": [_frame(name, number, rows.get(number), active.get(number)) for number in shown],
+        }
+    )
 
 
 def _frame(

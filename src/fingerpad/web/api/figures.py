@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Final
 
+from fastapi import Query, Response
 from pydantic import Field
-from starlette.responses import Response
 
 from fingerpad._files import file_stem
 from fingerpad.figures.marks import Figure
@@ -20,11 +20,13 @@ from fingerpad.figures.publish import (
 )
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web.answers import results as answers
-from fingerpad.web.endpoints import Params, endpoint
+from fingerpad.web.api.base import Opened, Params, study_router
+from fingerpad.web.api.results import require_results
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
-from fingerpad.web.routes.results import require_results
-from fingerpad.web.workspace import Workspace
+from fingerpad.web.study_session import StudySession
+
+router = study_router()
 
 _CAPTION: Final = re.compile(r'aria-label="([^"]*)"')
 _MEDIA: Final = {
@@ -59,16 +61,16 @@ class FigureFileParams(FigureParams):
     attachment: bool = False
 
 
-@endpoint("GET", "/api/studies/{study}/results/figures", "The report's figures", answers.Figures)
-def figures(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@router.get("/results/figures")
+def figures(opened: Opened) -> answers.Figures:
     """Return the report's figures with their captions."""
-    require_results(workspace)
-    names = [name for name in result_files(workspace.study.out) if name.startswith("figures/")]
-    return {"figures": list(_listed(workspace, names))}
+    require_results(opened)
+    names = [name for name in result_files(opened.out) if name.startswith("figures/")]
+    return answers.Figures.of({"figures": list(_listed(opened, names))})
 
 
-def _listed(workspace: Workspace, names: list[str]) -> Iterator[dict[str, Any]]:
-    opened, every = workspace.study, set(names)
+def _listed(opened: StudySession, names: list[str]) -> Iterator[dict[str, Any]]:
+    every = set(names)
     for drawing in (name for name in names if name.endswith(".svg")):
         stem = Path(drawing).stem
         with (opened.out / drawing).open(encoding="utf-8") as file:
@@ -84,33 +86,31 @@ def _listed(workspace: Workspace, names: list[str]) -> Iterator[dict[str, Any]]:
         }
 
 
-@endpoint("GET", "/api/studies/{study}/results/figure", "What can be set of a figure", answers.FigureDetails)
-def figure(workspace: Workspace, params: FigureParams, _: Any) -> dict[str, Any]:
+@router.get("/results/figure")
+def figure(opened: Opened, params: Annotated[FigureParams, Query()]) -> answers.FigureDetails:
     """Return what can be set of a figure, as it is in the report."""
-    found = _read(workspace, params.name)
-    return {
-        "name": params.name,
-        "width_mm": found.width_mm,
-        "height_mm": found.height_mm,
-        "colours": figure_colours(found),
-        "axes": [
-            {
-                "axis": axis,
-                "name": plain_text(getattr(found.panels[0], axis).label),
-                "scale": "log" if getattr(found.panels[0], axis).log else "linear",
-                "settable": len({getattr(panel, axis).label for panel in found.panels}) == 1,
-            }
-            for axis in "xy"
-        ],
-    }
+    found = _read(opened, params.name)
+    return answers.FigureDetails.of(
+        {
+            "name": params.name,
+            "width_mm": found.width_mm,
+            "height_mm": found.height_mm,
+            "colours": figure_colours(found),
+            "axes": [
+                {
+                    "axis": axis,
+                    "name": plain_text(getattr(found.panels[0], axis).label),
+                    "scale": "log" if getattr(found.panels[0], axis).log else "linear",
+                    "settable": len({getattr(panel, axis).label for panel in found.panels}) == 1,
+                }
+                for axis in "xy"
+            ],
+        }
+    )
 
 
-@endpoint(
-    "GET",
-    "/api/studies/{study}/results/figure/file",
-    "A figure as SVG, PDF or PNG for publication, or its data as CSV",
-)
-def figure_download(workspace: Workspace, params: FigureFileParams, _: Any) -> Response:
+@router.get("/results/figure/file", response_class=Response)
+def figure_download(opened: Opened, params: Annotated[FigureFileParams, Query()]) -> Response:
     """Return a figure as a file."""
     settings = FigureSettings(
         width_mm=params.width_mm,
@@ -123,7 +123,7 @@ def figure_download(workspace: Workspace, params: FigureFileParams, _: Any) -> R
         colours=tuple(filter(None, params.colours.split(","))),
         dpi=params.dpi,
     )
-    content = figure_file(_read(workspace, params.name), params.kind, settings)
+    content = figure_file(_read(opened, params.name), params.kind, settings)
     headers = {"cache-control": "private, no-cache"}
     if params.attachment:
         name = file_stem(params.name).encode("ascii", "replace").decode().replace("?", "_")
@@ -131,14 +131,14 @@ def figure_download(workspace: Workspace, params: FigureFileParams, _: Any) -> R
     return Response(content, media_type=_MEDIA[params.kind], headers=headers)
 
 
-def _read(workspace: Workspace, name: str) -> Figure:
+def _read(opened: StudySession, name: str) -> Figure:
     """Return a figure of the results as data."""
-    require_results(workspace)
+    require_results(opened)
     file = f"figures/{name}.json"
-    if file not in result_files(workspace.study.out):
+    if file not in result_files(opened.out):
         raise RequestError.not_there(f"{name[:80]!r}: no figure of the last run that can be set")
-    require_file(workspace.study, file)
+    require_file(opened, file)
     try:
-        return Figure.of_json((workspace.study.out / file).read_text(encoding="utf-8"))
+        return Figure.of_json((opened.out / file).read_text(encoding="utf-8"))
     except ValueError as error:
         raise RequestError.conflict(f"{file}: is damaged: {RERUN}") from error

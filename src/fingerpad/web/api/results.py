@@ -7,6 +7,7 @@ from typing import Annotated, Any, Final
 
 import numpy as np
 import pandas as pd
+from fastapi import Query
 from pydantic import Field
 
 from fingerpad._arrays import BoolArray
@@ -21,16 +22,19 @@ from fingerpad.study.results.rows import PLACEMENT
 from fingerpad.study.results.summary_file import PlacementRecord
 from fingerpad.study.results.table import COLUMNS, Column, items, records
 from fingerpad.web.answers import results as answers
-from fingerpad.web.endpoints import Params, endpoint
+from fingerpad.web.api.base import Opened, Params, api_router, study_router
+from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results, results_faults
-from fingerpad.web.routes.corrections import pooling_correction
-from fingerpad.web.workspace import Workspace
+from fingerpad.web.study_session import StudySession
+
+router = study_router()
+here = api_router("/api")
 
 _MOST_IN_QUESTION: Final = 200
 
 
-def require_results(workspace: Workspace) -> Results:
+def require_results(opened: StudySession) -> Results:
     """Return the results of the last run.
 
     Raises
@@ -38,9 +42,9 @@ def require_results(workspace: Workspace) -> Results:
     RequestError
         If there are none, or they are damaged.
     """
-    found = last_results(workspace.study)
+    found = last_results(opened)
     if found is None:
-        faults = results_faults(workspace.study)
+        faults = results_faults(opened)
         if faults:
             raise RequestError.conflict(f"{'; '.join(faults[:3])}: {RERUN}")
         raise RequestError.not_there("there are no results yet: run the study")
@@ -62,10 +66,10 @@ class RowsParams(Params):
     columns: Annotated[str, Field(max_length=4000)] = ""
 
 
-@endpoint("GET", "/api/studies/{study}/results/rows", "Rows of the results", answers.Rows)
-def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
+@router.get("/results/rows")
+def rows(opened: Opened, params: Annotated[RowsParams, Query()]) -> answers.Rows:
     """Return some rows of the results."""
-    found = require_results(workspace)
+    found = require_results(opened)
     chosen = found.table[_chosen(found.table, params)]
     if params.sort:
         key = params.sort.lstrip("-")
@@ -74,15 +78,17 @@ def rows(workspace: Workspace, params: RowsParams, _: Any) -> dict[str, Any]:
         chosen = chosen.sort_values(key, ascending=not params.sort.startswith("-"), kind="stable")
     columns = [name for name in params.columns.split(",") if name in found.table] or list(found.table)
     shown = chosen[params.offset : params.offset + params.limit]
-    return {
-        "total": len(found.table),
-        "matching": len(chosen),
-        "columns": [_column(COLUMNS[name]) for name in columns],
-        "rows": [
-            {"item": item, **row}
-            for item, row in zip(items(shown["observation"]), records(shown, *columns), strict=True)
-        ],
-    }
+    return answers.Rows.of(
+        {
+            "total": len(found.table),
+            "matching": len(chosen),
+            "columns": [_column(COLUMNS[name]) for name in columns],
+            "rows": [
+                {"item": item, **row}
+                for item, row in zip(items(shown["observation"]), records(shown, *columns), strict=True)
+            ],
+        }
+    )
 
 
 def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
@@ -117,17 +123,17 @@ class PlotParams(Params):
     finger: str | None = None
 
 
-@endpoint("GET", "/api/studies/{study}/results/plot", "Data to plot", answers.Plot)
-def plot(workspace: Workspace, params: PlotParams, _: Any) -> dict[str, Any]:
+@router.get("/results/plot")
+def plot(opened: Opened, params: Annotated[PlotParams, Query()]) -> answers.Plot:
     """Return the data to plot for each finger and placement."""
-    found = require_results(workspace)
-    active_corrections = workspace.study.corrections.active_corrections()
+    found = require_results(opened)
+    active_corrections = opened.corrections.active_corrections()
     groups = [
         _group(one, found.table, active_corrections)
         for one in found.summary.summaries
         if params.finger in {None, one.finger}
     ]
-    return {"groups": groups}
+    return answers.Plot.of({"groups": groups})
 
 
 def _placed(of: PlacementRecord) -> dict[str, Any]:
@@ -208,22 +214,24 @@ def _pooling(
     }
 
 
-@endpoint("GET", "/api/studies/{study}/results/budget", "Uncertainty budgets", answers.Budget)
-def budget(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@router.get("/results/budget")
+def budget(opened: Opened) -> answers.Budget:
     """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
-    return {
-        "groups": [
-            {
-                **_placed(one),
-                "pooled": one.radius_from_indentation_variance_shares,
-                "check": one.uncertainty_check and one.uncertainty_check.model_dump(),
-            }
-            for one in require_results(workspace).summary.summaries
-        ]
-    }
+    return answers.Budget.of(
+        {
+            "groups": [
+                {
+                    **_placed(one),
+                    "pooled": one.radius_from_indentation_variance_shares,
+                    "check": one.uncertainty_check and one.uncertainty_check.model_dump(),
+                }
+                for one in require_results(opened).summary.summaries
+            ]
+        }
+    )
 
 
-@endpoint("GET", "/api/published", "Audit of the published tables", answers.Audit)
-def published(_: Workspace, __: Any, ___: Any) -> dict[str, Any]:
+@here.get("/published")
+def published() -> answers.Audit:
     """Return the audit of the numbers that Dzidek et al. (2017) print."""
-    return {"items": [asdict(item) for item in audit()]}
+    return answers.Audit.of({"items": [asdict(item) for item in audit()]})

@@ -12,23 +12,35 @@ from tempfile import NamedTemporaryFile
 from typing import Annotated, Any, Final
 from uuid import uuid4
 
+from fastapi import Path as PathParameter
+from fastapi import Query, Response
 from pydantic import Field
 from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import FileResponse, Response, StreamingResponse
+from starlette.responses import FileResponse, StreamingResponse
 
 from fingerpad.study.share import Bundle, pack, unpack
 from fingerpad.web.answers.files import BundleContents, UploadedFile
-from fingerpad.web.answers.study import State, StateAfterRemoval, StateAfterRestore
-from fingerpad.web.endpoints import Params, endpoint
+from fingerpad.web.answers.study import (
+    CorrectionsEvent,
+    RunStatus,
+    State,
+    StateAfterRemoval,
+    StateAfterRestore,
+    StudyEvent,
+)
+from fingerpad.web.api.base import Here, Opened, Params, api_router, study_router
+from fingerpad.web.api.state import document
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
-from fingerpad.web.routes.state import document
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.uploads import FOLDER, kept, placed, plain_name, stored
-from fingerpad.web.workspace import NAME, Workspace
+from fingerpad.web.workspace import NAME
+
+router = study_router()
+here = api_router("/api")
 
 # Hidden, so that its contents do not count as files of the study.
 _REMOVED: Final = ".removed"
@@ -56,6 +68,15 @@ _DRAWN: Final = re.compile(
 )
 
 
+FilePath = Annotated[str, PathParameter(max_length=300)]
+
+
+class EventStream(StreamingResponse):
+    """Server-sent events."""
+
+    media_type = "text/event-stream"
+
+
 class UploadParams(Params):
     """Name of a file, and the folder for the frames of a sequence."""
 
@@ -81,19 +102,20 @@ class RestoreParams(Params):
     removed: Annotated[str, Field(pattern=r"^\d{8}T\d{6}-[0-9a-f]{8}$")]
 
 
-@endpoint(
-    "POST", "/api/studies/{study}/files", "Add a file to the study", UploadedFile, status=HTTPStatus.CREATED
-)
+@router.post("/files", status_code=HTTPStatus.CREATED)
 async def upload(
-    workspace: Workspace, params: UploadParams, request: Request
-) -> tuple[dict[str, Any], HTTPStatus]:
+    opened: Opened,
+    workspace: Here,
+    params: Annotated[UploadParams, Query()],
+    request: Request,
+    answer: Response,
+) -> UploadedFile:
     """Add a file to the study."""
-    opened = workspace.study
     name = plain_name(params.name)
     target = opened.folder / FOLDER if params.folder is None else opened.folder / FOLDER / params.folder
     path, digest = await stored(request, workspace.upload_limit, target)
 
-    def keep() -> tuple[dict[str, Any], HTTPStatus]:
+    def keep() -> dict[str, Any]:
         try:
             record, new = kept(opened, path, digest, name)
         finally:
@@ -103,20 +125,16 @@ async def upload(
             if new:
                 (opened.folder / record["file"]).unlink(missing_ok=True)
             raise RequestError.impossible(record["problem"])
-        workspace.study.events.send("study", {"digest": opened.read().digest})
-        return record, HTTPStatus.CREATED if new else HTTPStatus.OK
+        opened.events.send("study", {"digest": opened.read().digest})
+        if not new:
+            answer.status_code = HTTPStatus.OK
+        return record
 
-    return await run_in_threadpool(keep)
+    return UploadedFile.of(await run_in_threadpool(keep))
 
 
-@endpoint(
-    "POST",
-    "/api/session/import",
-    "Import a study from a ZIP, and open it",
-    State,
-    status=HTTPStatus.CREATED,
-)
-async def import_study(workspace: Workspace, params: ImportParams, request: Request) -> dict[str, Any]:
+@here.post("/session/import", status_code=HTTPStatus.CREATED)
+async def import_study(workspace: Here, params: Annotated[ImportParams, Query()], request: Request) -> State:
     """Import a study from a ZIP, and open it."""
     folder = workspace.new_folder(params.name)
     path, _ = await stored(request, workspace.room, workspace.workspace)
@@ -128,24 +146,22 @@ async def import_study(workspace: Workspace, params: ImportParams, request: Requ
         finally:
             path.unlink(missing_ok=True)
 
-    return await run_in_threadpool(open_it)
+    return State.of(await run_in_threadpool(open_it))
 
 
-@endpoint("GET", "/api/studies/{study}/events", "Server-sent events", media="text/event-stream")
-async def listen(workspace: Workspace, _: Any, __: Request) -> Response:
-    """Stream events."""
-    return StreamingResponse(workspace.study.events.listen(), media_type="text/event-stream")
-
-
-@endpoint(
-    "DELETE",
-    "/api/studies/{study}/files",
-    "Remove an uploaded file that is not used; it can be restored",
-    StateAfterRemoval,
+@router.get(
+    "/events",
+    response_class=EventStream,
+    responses={200: {"model": StudyEvent | CorrectionsEvent | RunStatus}},
 )
-def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]:
+async def listen(opened: Opened) -> Response:
+    """Stream events, each with its kind: ``study``, ``corrections`` or ``run``."""
+    return EventStream(opened.events.listen())
+
+
+@router.delete("/files")
+def remove(opened: Opened, params: RemoveParams) -> StateAfterRemoval:
     """Move an uploaded file that is not used into a hidden folder."""
-    opened = workspace.study
     path = opened.file(params.file)
     named = opened.read().files()
     used = {(opened.folder / name).resolve() for name in named if os.path.exists(opened.folder / name)}
@@ -159,13 +175,12 @@ def remove(workspace: Workspace, _: Any, params: RemoveParams) -> dict[str, Any]
     kept = opened.folder / _REMOVED / number / path.relative_to(opened.folder)
     kept.parent.mkdir(parents=True)
     path.rename(kept)
-    return {**document(opened), "removed": number}
+    return StateAfterRemoval.of({**document(opened), "removed": number})
 
 
-@endpoint("POST", "/api/studies/{study}/files/restore", "Restore a removed file", StateAfterRestore)
-def restore(workspace: Workspace, _: Any, params: RestoreParams) -> dict[str, Any]:
+@router.post("/files/restore")
+def restore(opened: Opened, params: RestoreParams) -> StateAfterRestore:
     """Restore a removed file, under another name if its own is taken."""
-    opened = workspace.study
     home = opened.folder / _REMOVED / params.removed
     kept = next((path for path in home.rglob("*") if path.is_file()), None)
     if kept is None:
@@ -174,49 +189,37 @@ def restore(workspace: Workspace, _: Any, params: RestoreParams) -> dict[str, An
     target.parent.mkdir(parents=True, exist_ok=True)
     back = placed(kept, target)
     shutil.rmtree(home, ignore_errors=True)
-    return {**document(opened), "restored": back.relative_to(opened.folder).as_posix()}
+    return StateAfterRestore.of({**document(opened), "restored": back.relative_to(opened.folder).as_posix()})
 
 
-class DownloadParams(Params):
-    """Path of a file of the results."""
-
-    path: Annotated[str, Field(max_length=300)]
-    attachment: bool = False
-
-
-@endpoint(
-    "GET",
-    "/api/studies/{study}/download/{path:path}",
-    "A file of the results, or the whole study as study.zip",
-)
-def download(workspace: Workspace, params: DownloadParams, _: Any) -> Response:
+@router.get("/download/{path:path}", response_class=Response)
+def download(opened: Opened, path: FilePath, *, attachment: bool = False) -> Response:
     """Return a file of the results."""
-    opened = workspace.study
-    if params.path == "study.zip":
-        return _zipped(workspace)
-    if params.path not in _TABLES and not _DRAWN.fullmatch(params.path):
-        raise RequestError.not_there(f"no file {params.path[:80]!r} can be downloaded here")
-    path = opened.out / params.path
-    if not path.is_file() or not path.resolve().is_relative_to(opened.out.resolve()):
-        raise RequestError.not_there(f"{params.path}: not there yet: run the study")
-    require_file(opened, params.path)
-    headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if path.suffix == ".html" else {})
-    if params.attachment:
-        headers["content-disposition"] = f'attachment; filename="{_ascii(path.name)}"'
-    return FileResponse(path, media_type=_TYPES.get(path.suffix, "application/octet-stream"), headers=headers)
+    if path == "study.zip":
+        return _zipped(opened)
+    if path not in _TABLES and not _DRAWN.fullmatch(path):
+        raise RequestError.not_there(f"no file {path[:80]!r} can be downloaded here")
+    file = opened.out / path
+    if not file.is_file() or not file.resolve().is_relative_to(opened.out.resolve()):
+        raise RequestError.not_there(f"{path}: not there yet: run the study")
+    require_file(opened, path)
+    headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if file.suffix == ".html" else {})
+    if attachment:
+        headers["content-disposition"] = f'attachment; filename="{_ascii(file.name)}"'
+    return FileResponse(file, media_type=_TYPES.get(file.suffix, "application/octet-stream"), headers=headers)
 
 
-@endpoint(
-    "GET", "/api/studies/{study}/bundle", "Contents of the study's ZIP, and files left out", BundleContents
-)
-def bundle(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@router.get("/bundle")
+def bundle(opened: Opened) -> BundleContents:
     """Return the contents of the study's ZIP, and the files left out."""
-    found = _bundle(workspace.study)
-    return {
-        "files": len(found.files),
-        "bytes": sum(os.stat(path).st_size for path in found.files.values()),
-        "left_out": [asdict(one) for one in found.left_out],
-    }
+    found = _bundle(opened)
+    return BundleContents.of(
+        {
+            "files": len(found.files),
+            "bytes": sum(os.stat(path).st_size for path in found.files.values()),
+            "left_out": [asdict(one) for one in found.left_out],
+        }
+    )
 
 
 def _bundle(opened: StudySession) -> Bundle:
@@ -224,8 +227,7 @@ def _bundle(opened: StudySession) -> Bundle:
     return Bundle.of(opened.folder, opened.out, loaded.files(), loaded.study.observations_csv)
 
 
-def _zipped(workspace: Workspace) -> Response:
-    opened = workspace.study
+def _zipped(opened: StudySession) -> Response:
     with NamedTemporaryFile(prefix="fingerpad-", suffix=".zip", delete=False) as file:
         target = Path(file.name)
     try:

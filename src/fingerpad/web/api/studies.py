@@ -11,10 +11,13 @@ from fingerpad.study.editing.edit import Edit, create_study
 from fingerpad.study.editing.template import write_example
 from fingerpad.study.manifest.load import STUDY_NAME, Kind
 from fingerpad.web.answers import study as answers
-from fingerpad.web.endpoints import Params, endpoint
+from fingerpad.web.api.base import Here, Opened, Params, api_router, study_router
+from fingerpad.web.api.state import document
 from fingerpad.web.errors import RequestError
-from fingerpad.web.routes.state import document
-from fingerpad.web.workspace import NAME, Workspace
+from fingerpad.web.workspace import NAME
+
+router = study_router()
+here = api_router("/api")
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
 
@@ -39,40 +42,34 @@ class RunParams(Params):
     force: bool = False
 
 
-@endpoint("GET", "/api/session", "The open study, and the studies of the workspace", answers.Session)
-def session(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@here.get("/session")
+def session(workspace: Here) -> answers.Session:
     """Return the studies of the workspace and the open one."""
-    return workspace.describe()
+    return answers.Session.of(workspace.describe())
 
 
-@endpoint("POST", "/api/session/new", "Create a study", answers.State, status=HTTPStatus.CREATED)
-def new(workspace: Workspace, _: Any, params: NewParams) -> dict[str, Any]:
+@here.post("/session/new", status_code=HTTPStatus.CREATED)
+def new(workspace: Here, params: NewParams) -> answers.State:
     """Create a study in a new folder."""
     folder = workspace.new_folder(params.name)
     create_study(folder, params.title or params.name)
-    return document(workspace.open_folder(folder))
+    return answers.State.of(document(workspace.open_folder(folder)))
 
 
-@endpoint(
-    "POST",
-    "/api/session/example",
-    "Create the synthetic example study",
-    answers.State,
-    status=HTTPStatus.CREATED,
-)
-def example(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@here.post("/session/example", status_code=HTTPStatus.CREATED)
+def example(workspace: Here) -> answers.State:
     """Write the example study into a new folder, and open it."""
     taken = {path.name for path in workspace.workspace.iterdir()}
     names = ("example", *(f"example-{number}" for number in range(2, 1000)))
     folder = workspace.new_folder(next(name for name in names if name not in taken))
     write_example(folder)
-    return document(workspace.open_folder(folder))
+    return answers.State.of(document(workspace.open_folder(folder)))
 
 
-@endpoint("POST", "/api/session/open", "Open a study", answers.State)
-def open_study(workspace: Workspace, _: Any, params: OpenParams) -> dict[str, Any]:
+@here.post("/session/open")
+def open_study(workspace: Here, params: OpenParams) -> answers.State:
     """Open a study of the workspace."""
-    return document(workspace.open(params.name))
+    return answers.State.of(document(workspace.open(params.name)))
 
 
 class EditParams(Params):
@@ -90,48 +87,42 @@ class EditsParams(Params):
     edits: Annotated[list[EditParams], Field(min_length=1, max_length=10_000)]
 
 
-@endpoint("POST", "/api/studies/{study}/edits", "Change the manifest: all edits or none", answers.State)
-def edit(workspace: Workspace, _: Any, params: EditsParams) -> dict[str, Any]:
+@router.post("/edits")
+def edit(opened: Opened, params: EditsParams) -> answers.State:
     """Apply all edits to the manifest, or none."""
-    opened = workspace.study
     edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in params.edits]
     try:
         opened.change(edits, params.expected)
     except EditConflict as conflict:
         raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
     found = document(opened)
-    workspace.study.events.send("study", {"digest": found["digest"]})
-    return found
+    opened.events.send("study", {"digest": found["digest"]})
+    return answers.State.of(found)
 
 
-@endpoint("POST", "/api/studies/{study}/run", "Run the study", answers.RunStatus, status=HTTPStatus.ACCEPTED)
-def run(workspace: Workspace, _: Any, params: RunParams) -> dict[str, Any]:
+@router.post("/run", status_code=HTTPStatus.ACCEPTED)
+def run(opened: Opened, params: RunParams) -> answers.RunStatus:
     """Start a run of the study."""
-    opened = workspace.study
     opened.require_complete()
     workers = min(params.workers, os.cpu_count() or 1)
-    return opened.run_job.start(
-        opened.folder / STUDY_NAME,
-        opened.out,
-        workers=workers,
-        force=params.force,
-        when_done=lambda: opened.events.send("study", {"digest": opened.read().digest}),
+    return answers.RunStatus.of(
+        opened.run_job.start(
+            opened.folder / STUDY_NAME,
+            opened.out,
+            workers=workers,
+            force=params.force,
+            when_done=lambda: opened.events.send("study", {"digest": opened.read().digest}),
+        )
     )
 
 
-@endpoint("GET", "/api/studies/{study}/run", "Status of the run", answers.RunStatus)
-def progress(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@router.get("/run")
+def progress(opened: Opened) -> answers.RunStatus:
     """Return the status of the run."""
-    return workspace.study.run_job.describe()
+    return answers.RunStatus.of(opened.run_job.describe())
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/run/cancel",
-    "Stop the run; finished measurements are kept",
-    answers.RunStatus,
-    status=HTTPStatus.ACCEPTED,
-)
-def cancel(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@router.post("/run/cancel", status_code=HTTPStatus.ACCEPTED)
+def cancel(opened: Opened) -> answers.RunStatus:
     """Stop the run; finished measurements are kept."""
-    return workspace.study.run_job.cancel()
+    return answers.RunStatus.of(opened.run_job.cancel())

@@ -1,16 +1,17 @@
 """Images of items: size, previews and thumbnails."""
 
 import hashlib
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 from urllib.parse import urlencode
 
+from fastapi import Query, Response
 from pydantic import Field
-from starlette.responses import Response
 
 from fingerpad.web.answers import files as answers
-from fingerpad.web.endpoints import IMMUTABLE, Item, Params, endpoint
+from fingerpad.web.api.base import IMMUTABLE, Item, Opened, Params, study_router
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_sequence
-from fingerpad.web.workspace import Workspace
+
+router = study_router()
 
 _NO_CACHE: Final = {"cache-control": "private, no-cache"}
 
@@ -28,24 +29,25 @@ class PreviewParams(PictureParams):
     longest_px: Annotated[int, Field(ge=16, le=8192)] = PREVIEW_PX
 
 
-@endpoint("GET", "/api/studies/{study}/picture/info", "Size of an image", answers.PictureInfo)
-def info(workspace: Workspace, params: PictureParams, _: Any) -> dict[str, Any]:
+@router.get("/picture/info")
+def info(opened: Opened, params: Annotated[PictureParams, Query()]) -> answers.PictureInfo:
     """Return the size of an image and the addresses of its previews."""
-    opened = workspace.study
     place = opened.image_location(params.item)
     is_frame = place.colour and is_sequence(place.path)
     picture = opened.pictures.grey(ImageLocation(place.path, frame=0) if is_frame else place)
     rows, columns = picture.pixels.shape
     query = urlencode({"item": params.item, "v": version(place)})
-    return {
-        "item": params.item,
-        "rows_px": rows,
-        "columns_px": columns,
-        "bits": 8 * picture.pixels.itemsize,
-        "resolution_ppi": picture.dots_per_inch,
-        "preview": opened.address(f"/picture/preview?{query}"),
-        "thumbnail": opened.address(f"/picture/thumbnail?{query}"),
-    }
+    return answers.PictureInfo.of(
+        {
+            "item": params.item,
+            "rows_px": rows,
+            "columns_px": columns,
+            "bits": 8 * picture.pixels.itemsize,
+            "resolution_ppi": picture.dots_per_inch,
+            "preview": opened.address(f"/picture/preview?{query}"),
+            "thumbnail": opened.address(f"/picture/thumbnail?{query}"),
+        }
+    )
 
 
 def version(place: ImageLocation) -> str:
@@ -53,16 +55,16 @@ def version(place: ImageLocation) -> str:
     return hashlib.sha256(repr(place.stamp).encode()).hexdigest()[:16]
 
 
-@endpoint("GET", "/api/studies/{study}/picture/preview", "An image in 8 bits", media="image/png")
-def preview(workspace: Workspace, params: PreviewParams, _: Any) -> Response:
+@router.get("/picture/preview", response_class=Response)
+def preview(opened: Opened, params: Annotated[PreviewParams, Query()]) -> Response:
     """Return a preview of an image."""
-    place = workspace.study.image_location(params.item)
-    drawn, kind = workspace.study.pictures.preview(place, params.longest_px)
+    place = opened.image_location(params.item)
+    drawn, kind = opened.pictures.preview(place, params.longest_px)
     return Response(drawn, media_type=kind, headers=IMMUTABLE if params.v else _NO_CACHE)
 
 
-@endpoint("GET", "/api/studies/{study}/picture/thumbnail", "A thumbnail", media="image/webp")
-def thumbnail(workspace: Workspace, params: PictureParams, _: Any) -> Response:
+@router.get("/picture/thumbnail", response_class=Response)
+def thumbnail(opened: Opened, params: Annotated[PictureParams, Query()]) -> Response:
     """Return a thumbnail."""
-    drawn = workspace.study.pictures.thumbnail(workspace.study.image_location(params.item))
+    drawn = opened.pictures.thumbnail(opened.image_location(params.item))
     return Response(drawn, media_type="image/webp", headers=IMMUTABLE if params.v else _NO_CACHE)

@@ -13,11 +13,12 @@ from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
 from fingerpad.web.answers import measurements as answers
-from fingerpad.web.endpoints import Item, Params, Point, endpoint
+from fingerpad.web.api.base import Item, Opened, Params, Point, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession
-from fingerpad.web.workspace import Workspace
+
+router = study_router()
 
 _FOUND: Final[Cache[FoundScale | str]] = Cache(100, lambda _: 1)
 
@@ -55,15 +56,9 @@ class ScaleParams(Params):
     table: ScaleKey
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/measure/scale",
-    "The scale that a table means, without storing it",
-    answers.ScaleMeasurement,
-)
-def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
+@router.post("/measure/scale")
+def scale(opened: Opened, params: ScaleParams) -> answers.ScaleMeasurement:
     """Return the scale that a table means."""
-    opened = workspace.study
     table = params.table
     coin = grid = None
     if isinstance(table, CoinScale):
@@ -78,15 +73,17 @@ def scale(workspace: Workspace, _: Any, params: ScaleParams) -> dict[str, Any]:
         found = FoundScale(scale=grid.scale, flags=grid.flags)
     else:
         found = scale_of(opened, table)
-    return {
-        "mm_per_px": found.scale.mm_per_px,
-        "mm_per_px_std": found.scale.mm_per_px_std,
-        "relative_std": found.scale.relative_std,
-        "resolution_ppi": found.scale.ppi,
-        "flags": list(found.flags),
-        "coin": _circle(table) if isinstance(table, CircleScale) else coin and _coin(coin),
-        "grid": grid and _grid(grid),
-    }
+    return answers.ScaleMeasurement.of(
+        {
+            "mm_per_px": found.scale.mm_per_px,
+            "mm_per_px_std": found.scale.mm_per_px_std,
+            "relative_std": found.scale.relative_std,
+            "resolution_ppi": found.scale.ppi,
+            "flags": list(found.flags),
+            "coin": _circle(table) if isinstance(table, CircleScale) else coin and _coin(coin),
+            "grid": grid and _grid(grid),
+        }
+    )
 
 
 def _measured_grid(opened: StudySession, table: GridScale) -> Grid:
@@ -137,15 +134,9 @@ class RectifyParams(Params):
     files: Annotated[list[Item], Field(min_length=1, max_length=2000)]
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/scale/rectify",
-    "Write pictures as if seen straight on, by a grid in their plane",
-    answers.RectifiedPictures,
-)
-def rectify(workspace: Workspace, _: Any, params: RectifyParams) -> dict[str, Any]:
+@router.post("/scale/rectify")
+def rectify(opened: Opened, params: RectifyParams) -> answers.RectifiedPictures:
     """Write pictures as if seen straight on into the folder ``rectified`` of the study."""
-    opened = workspace.study
     grid = _measured_grid(opened, params.table)
     folder = opened.folder / _RECTIFIED
     folder.mkdir(exist_ok=True)
@@ -162,7 +153,9 @@ def rectify(workspace: Workspace, _: Any, params: RectifyParams) -> dict[str, An
         part.replace(target)
         written[file] = f"{_RECTIFIED}/{target.name}"
     scale = grid.rectified_scale
-    return {"files": written, "mm_per_px": scale.mm_per_px, "relative_std": scale.relative_std}
+    return answers.RectifiedPictures.of(
+        {"files": written, "mm_per_px": scale.mm_per_px, "relative_std": scale.relative_std}
+    )
 
 
 class LengthParams(Params):
@@ -173,11 +166,9 @@ class LengthParams(Params):
     ends_px_std: Annotated[float, Field(ge=0, le=1000)] = 1.0
 
 
-@endpoint("POST", "/api/studies/{study}/measure/length", "The length of a line", answers.LengthMeasurement)
-def length(workspace: Workspace, _: Any, params: LengthParams) -> dict[str, Any]:
+@router.post("/measure/length")
+def length(opened: Opened, params: LengthParams) -> answers.LengthMeasurement:
     """Return the length of a line."""
     start, end = ((row, column) for row, column in params.line_px)
-    found, std = scale_of(workspace.study, params.scale).scale.length(
-        start, end, point_px_std=params.ends_px_std
-    )
-    return {"length_mm": found, "length_mm_std": std}
+    found, std = scale_of(opened, params.scale).scale.length(start, end, point_px_std=params.ends_px_std)
+    return answers.LengthMeasurement.of({"length_mm": found, "length_mm_std": std})

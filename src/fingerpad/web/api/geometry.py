@@ -10,10 +10,12 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web.answers import results as answers
-from fingerpad.web.endpoints import Params, endpoint
+from fingerpad.web.api.base import Opened, Params, study_router
+from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.errors import RequestError
-from fingerpad.web.routes.photographs import measured_finger
-from fingerpad.web.workspace import Workspace
+from fingerpad.web.study_session import StudySession
+
+router = study_router()
 
 _AXES: Final = ("palmar", "distal", "radial_ulnar")
 _Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
@@ -44,15 +46,10 @@ class GeometryParams(PadParams):
     u_deg: _Angles = Field(default=[0, 30, 45, 60, 90])
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/geometry",
-    "A pad on its wedge: point of contact, curvature, and drawing",
-    answers.PadGeometry,
-)
-def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, Any]:
+@router.post("/geometry")
+def geometry(opened: Opened, params: GeometryParams) -> answers.PadGeometry:
     """Return the point of contact, the curvature there, and the drawing."""
-    axes, covariance, angle_stds = _pad(workspace, params)
+    axes, covariance, angle_stds = _pad(opened, params)
     pad = Ellipsoid(*axes)
     wedge, roll = np.radians([params.wedge_angle_deg, params.roll_angle_deg])
     placement = Placement(pad, wedge_angle=wedge, roll_angle=roll)
@@ -60,31 +57,34 @@ def geometry(workspace: Workspace, _: Any, params: GeometryParams) -> dict[str, 
     height = np.linspace(0, np.pi, params.detail + 1)
     mesh = pad.point(turn[:, None], height)
     stds = None if covariance is None else np.sqrt(covariance.diagonal())
-    return {
-        "semi_axes_mm": dict(zip(_AXES, axes, strict=True)),
-        "semi_axes_mm_std": None if stds is None else dict(zip(_AXES, stds, strict=True)),
-        **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
-        "v_deg": np.degrees(placement.v),
-        "contact_point_mm": placement.point,
-        "normal": placement.normal,
-        "principal_directions": placement.curvature.principal_directions,
-        "mesh": {f"{name}_mm": mesh[..., k] for k, name in enumerate("xyz")},
-        "lines": [
-            {"name": name, "points_mm": points} for name, points in _lines(pad, placement, float(max(axes)))
-        ],
-        "platen": {"corners_mm": _platen(placement, float(max(axes)))},
-        "wedge": _wedge(pad, placement),
-        "points": [{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in params.u_deg],
-    }
+    return answers.PadGeometry.of(
+        {
+            "semi_axes_mm": dict(zip(_AXES, axes, strict=True)),
+            "semi_axes_mm_std": None if stds is None else dict(zip(_AXES, stds, strict=True)),
+            **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
+            "v_deg": np.degrees(placement.v),
+            "contact_point_mm": placement.point,
+            "normal": placement.normal,
+            "principal_directions": placement.curvature.principal_directions,
+            "mesh": {f"{name}_mm": mesh[..., k] for k, name in enumerate("xyz")},
+            "lines": [
+                {"name": name, "points_mm": points}
+                for name, points in _lines(pad, placement, float(max(axes)))
+            ],
+            "platen": {"corners_mm": _platen(placement, float(max(axes)))},
+            "wedge": _wedge(pad, placement),
+            "points": [{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in params.u_deg],
+        }
+    )
 
 
-def _pad(workspace: Workspace, params: PadParams) -> tuple[FloatArray, FloatArray | None, FloatArray]:
+def _pad(opened: StudySession, params: PadParams) -> tuple[FloatArray, FloatArray | None, FloatArray]:
     """Return semi-axes (mm), their covariance if known, and standard uncertainties of the angles."""
     if params.finger is None:
         given = np.array([params.palmar_mm, params.distal_mm, params.radial_ulnar_mm], dtype=float)
         return given, None, np.zeros(2)
-    study = workspace.study.study()
-    finger = measured_finger(workspace.study, params.finger)
+    study = opened.study()
+    finger = measured_finger(opened, params.finger)
     if finger is None:
         raise RequestError.impossible(f"{params.finger}: no complete finger of the study has this name")
     of = study.uncertainty

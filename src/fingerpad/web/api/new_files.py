@@ -3,6 +3,7 @@
 from threading import Lock
 from typing import Annotated, Any, Final
 
+from fastapi import Query
 from pydantic import Field
 
 from fingerpad.study.imports import (
@@ -14,9 +15,10 @@ from fingerpad.study.imports import (
     read_file_table,
 )
 from fingerpad.web.answers import files as answers
-from fingerpad.web.endpoints import Params, endpoint
+from fingerpad.web.api.base import Opened, Params, study_router
 from fingerpad.web.errors import RequestError
-from fingerpad.web.workspace import Workspace
+
+router = study_router()
 
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]
 # One at a time: together pictures could take more memory than the limit of each.
@@ -45,61 +47,49 @@ class PatternParams(Params):
     files: Annotated[list[FileName], Field(max_length=20_000)]
 
 
-@endpoint(
-    "GET",
-    "/api/studies/{study}/files/identity",
-    "What a file may be, by its content and its name",
-    answers.FileGuess,
-)
-def identity(workspace: Workspace, params: FileParams, _: Any) -> dict[str, Any]:
+@router.get("/files/identity")
+def identity(opened: Opened, params: Annotated[FileParams, Query()]) -> answers.FileGuess:
     """Guess what a file is."""
-    opened = workspace.study
     path = opened.file(params.file)
     with _READING:
         found = identify_file(path, memory_limit=opened.memory_limit)
-    return {
-        "file": params.file,
-        "contents": list(found.contents),
-        "faces": list(found.faces),
-        "sure": found.is_sure,
-        "face_sure": found.is_face_sure,
-    }
+    return answers.FileGuess.of(
+        {
+            "file": params.file,
+            "contents": list(found.contents),
+            "faces": list(found.faces),
+            "sure": found.is_sure,
+            "face_sure": found.is_face_sure,
+        }
+    )
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/files/table",
-    "Join a spreadsheet to new files by their names",
-    answers.JoinedTable,
-)
-def join(workspace: Workspace, _: Any, params: TableParams) -> dict[str, Any]:
+@router.post("/files/table")
+def join(opened: Opened, params: TableParams) -> answers.JoinedTable:
     """Join a spreadsheet to new files."""
     if params.file is not None:
-        table = read_file_table(workspace.study.file(params.file))
+        table = read_file_table(opened.file(params.file))
     elif params.text is not None:
         table = parse_file_table(params.text)
     else:
         raise RequestError.impossible("give a file or a text")
     found = join_files(table, params.files)
     problems = {id(row.values): "; ".join(row.problems) for row in table.rows}
-    return {
-        "columns": [column._asdict() for column in table.columns],
-        "files": [_stated(file, values, problems[id(values)]) for file, values in found.values.items()],
-        "rows_without_file": [{"line": row.line, "file": row.file} for row in found.rows_without_file],
-        "files_without_row": found.files_without_row,
-    }
+    return answers.JoinedTable.of(
+        {
+            "columns": [column._asdict() for column in table.columns],
+            "files": [_stated(file, values, problems[id(values)]) for file, values in found.values.items()],
+            "rows_without_file": [{"line": row.line, "file": row.file} for row in found.rows_without_file],
+            "files_without_row": found.files_without_row,
+        }
+    )
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/files/pattern",
-    "Read names of new files by a pattern",
-    answers.PatternMatches,
-)
-def match(_: Workspace, __: Any, params: PatternParams) -> dict[str, Any]:
+@router.post("/files/pattern")
+def match(_: Opened, params: PatternParams) -> answers.PatternMatches:
     """Read the names of new files by a pattern."""
     found = match_file_names(params.pattern, params.files)
-    return {"files": [_stated(one.file, one.values, one.problem) for one in found]}
+    return answers.PatternMatches.of({"files": [_stated(one.file, one.values, one.problem) for one in found]})
 
 
 def _stated(file: str, values: FileValues, problem: str) -> dict[str, Any]:

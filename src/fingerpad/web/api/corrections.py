@@ -4,6 +4,7 @@ from collections.abc import Callable
 from http import HTTPStatus
 from typing import Annotated, Any, Literal
 
+from fastapi import Query
 from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
@@ -21,12 +22,13 @@ from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.web.answers.measurements import Corrections, SimilarImages
 from fingerpad.web.answers.study import SecondOperator
-from fingerpad.web.endpoints import Item, Params, Person, endpoint
+from fingerpad.web.api.base import Item, Opened, Params, Person, study_router
+from fingerpad.web.api.state import review_record
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
-from fingerpad.web.routes.state import review_record
 from fingerpad.web.study_session import StudySession
-from fingerpad.web.workspace import Workspace
+
+router = study_router()
 
 _Seen = Annotated[int, Field(ge=0, le=2**53)]
 
@@ -85,72 +87,56 @@ def pooling_correction(active_correction: ActiveCorrection | None) -> dict[str, 
     }
 
 
-@endpoint("GET", "/api/studies/{study}/corrections", "Corrections of an item", Corrections)
-def show(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
+@router.get("/corrections")
+def show(opened: Opened, params: Annotated[ItemParams, Query()]) -> Corrections:
     """Return the corrections of an item."""
-    opened = workspace.study
     kind_of(params.item, opened.with_incomplete())
-    return _document(opened, params)
+    return Corrections.of(_document(opened, params))
 
 
-@endpoint(
-    "POST", "/api/studies/{study}/corrections", "Correct an item", Corrections, status=HTTPStatus.CREATED
-)
-def add(workspace: Workspace, _: Any, params: ChangeParams) -> dict[str, Any]:
+@router.post("/corrections", status_code=HTTPStatus.CREATED)
+def add(opened: Opened, params: ChangeParams) -> Corrections:
     """Save a correction; it is on the disk before the response."""
-    opened = workspace.study
     study = opened.with_incomplete()
     kind_of(params.item, study)
-    return _save(
-        workspace,
-        params,
-        lambda: _log(opened, params).append(
-            params.item,
-            params.change,
-            who=params.who,
-            expected=params.expected,
-            study=study,
-            shape=opened.shape_of(params.item) if params.change else None,
-            picture=opened.picture_digest(params.item),
-        ),
+    return Corrections.of(
+        _save(
+            opened,
+            params,
+            lambda: _log(opened, params).append(
+                params.item,
+                params.change,
+                who=params.who,
+                expected=params.expected,
+                study=study,
+                shape=opened.shape_of(params.item) if params.change else None,
+                picture=opened.picture_digest(params.item),
+            ),
+        )
     )
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/corrections/undo",
-    "Undo the last correction",
-    Corrections,
-    status=HTTPStatus.CREATED,
-)
-def undo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
+@router.post("/corrections/undo", status_code=HTTPStatus.CREATED)
+def undo(opened: Opened, params: StepParams) -> Corrections:
     """Undo the last correction."""
-    log = _log(workspace.study, params)
-    return _save(workspace, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
+    log = _log(opened, params)
+    return Corrections.of(
+        _save(opened, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
+    )
 
 
-@endpoint(
-    "POST",
-    "/api/studies/{study}/corrections/redo",
-    "Redo what was undone",
-    Corrections,
-    status=HTTPStatus.CREATED,
-)
-def redo(workspace: Workspace, _: Any, params: StepParams) -> dict[str, Any]:
+@router.post("/corrections/redo", status_code=HTTPStatus.CREATED)
+def redo(opened: Opened, params: StepParams) -> Corrections:
     """Redo the correction that was undone last."""
-    log = _log(workspace.study, params)
-    return _save(workspace, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
+    log = _log(opened, params)
+    return Corrections.of(
+        _save(opened, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
+    )
 
 
-@endpoint(
-    "GET",
-    "/api/studies/{study}/corrections/similar",
-    "Images of the same finger and device, with what their corrections would become",
-    SimilarImages,
-)
-def similar(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
+@router.get("/corrections/similar")
+def similar(opened: Opened, params: Annotated[ItemParams, Query()]) -> SimilarImages:
     """Return the images that a correction's settings may apply to, with their new corrections."""
-    opened = workspace.study
     study = opened.with_incomplete()
     kind_of(params.item, study)
     source = contact_correction(opened.corrections.active_correction(params.item))
@@ -169,11 +155,10 @@ def similar(workspace: Workspace, params: ItemParams, _: Any) -> dict[str, Any]:
             }
         )
     settings = with_settings_of(source, ContactCorrection()).as_json()
-    return {"item": params.item, "settings": settings, "images": images}
+    return SimilarImages.of({"item": params.item, "settings": settings, "images": images})
 
 
-def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
-    opened = workspace.study
+def _save(opened: StudySession, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
     try:
         keep()
     except CorrectionConflict as conflict:
@@ -181,19 +166,13 @@ def _save(workspace: Workspace, params: StepParams, keep: Callable[[], object]) 
         now = _document(opened, params)
         raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
     found = _document(opened, params)
-    workspace.study.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
+    opened.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
     return found
 
 
-@endpoint(
-    "GET",
-    "/api/studies/{study}/second-operator",
-    "Images for a second operator in random order, and the agreement with the first",
-    SecondOperator,
-)
-def second_operator(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
+@router.get("/second-operator")
+def second_operator(opened: Opened) -> SecondOperator:
     """Return the images in random order with the second operator's review, and the last run's agreement."""
-    opened = workspace.study
     first, second = opened.corrections.active_corrections(), opened.second_operator.active_corrections()
     named = {one.name: one for one in opened.with_incomplete().observations if one.file and one.scale}
     looked = [
@@ -202,9 +181,11 @@ def second_operator(workspace: Workspace, _: Any, __: Any) -> dict[str, Any]:
         if (change := contact_correction(first.get(name))).accepted or (change.edits and not change.rejected)
     ]
     found = last_results(opened)
-    return {
-        "first_operators": sorted({first[name].who for name in looked}),
-        "images": [{"item": name, **review_record(second.get(name))} for name in blind_order(looked)],
-        "unseen": len(named) - len(looked),
-        "agreement": [one.model_dump() for one in found.summary.second_operator] if found else [],
-    }
+    return SecondOperator.of(
+        {
+            "first_operators": sorted({first[name].who for name in looked}),
+            "images": [{"item": name, **review_record(second.get(name))} for name in blind_order(looked)],
+            "unseen": len(named) - len(looked),
+            "agreement": [one.model_dump() for one in found.summary.second_operator] if found else [],
+        }
+    )

@@ -5,6 +5,7 @@ from itertools import pairwise
 from typing import Annotated, Any, Final
 
 import numpy as np
+from fastapi import Query
 from pydantic import Field
 
 from fingerpad._arrays import FloatArray
@@ -14,10 +15,11 @@ from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, rea
 from fingerpad.study.error_text import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.web.answers import study as answers
-from fingerpad.web.endpoints import Params, endpoint
+from fingerpad.web.api.base import Opened, Params, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import frame_rows, last_results
-from fingerpad.web.workspace import Workspace
+
+router = study_router()
 
 _STEPS: Final = 1000
 _SHIFTS: Final = 81
@@ -31,10 +33,9 @@ class SignalParams(Params):
     sequence: Annotated[str, Field(max_length=100)]
 
 
-@endpoint("GET", "/api/studies/{study}/signal", "Force of a sequence", answers.SequenceSignal)
-def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]:
+@router.get("/signal")
+def signal(opened: Opened, params: Annotated[SignalParams, Query()]) -> answers.SequenceSignal:
     """Return the force of a sequence over time, and how well its frames agree with it."""
-    opened = workspace.study
     sequence = opened.sequence(params.sequence)
     if not sequence.force:
         raise RequestError.impossible("state the force of the sequence")
@@ -48,15 +49,17 @@ def signal(workspace: Workspace, params: SignalParams, _: Any) -> dict[str, Any]
     rows = list(frame_rows(found.table, sequence.name).items()) if found else []
     timed = [(frame, row) for frame, row in rows if row["time_s"] is not None]
     drawn, found_phases = _extremes(force), phase_intervals(force.time, force.load)
-    return {
-        "time_s": force.time[drawn].tolist(),
-        "load_N": force.load[drawn].tolist(),
-        "phases": [
-            {"phase": phase, "start_s": start}
-            for phase, start in zip(found_phases.phase, found_phases.start.tolist(), strict=True)
-        ],
-        **_alignment(sequence, force, [frame for frame, _ in timed], [row for _, row in timed]),
-    }
+    return answers.SequenceSignal.of(
+        {
+            "time_s": force.time[drawn].tolist(),
+            "load_N": force.load[drawn].tolist(),
+            "phases": [
+                {"phase": phase, "start_s": start}
+                for phase, start in zip(found_phases.phase, found_phases.start.tolist(), strict=True)
+            ],
+            **_alignment(sequence, force, [frame for frame, _ in timed], [row for _, row in timed]),
+        }
+    )
 
 
 def _extremes(force: ForceSignal) -> Any:
