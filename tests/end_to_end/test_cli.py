@@ -273,7 +273,7 @@ def test_text_output_with_units() -> None:
         ),
         (FIELDS, "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
         ([*FIELDS, "--load-n", "2", "--area-mm2", "90"], "give exactly one"),
-        ([*FIELDS, "--load-n", "2", "--poisson-ratio", "0.6"], "--poisson-ratio must be from 0 to 0.5"),
+        ([*FIELDS, "--load-n", "2", "--poisson-ratio", "0.6"], "less than or equal to 0.5"),
         ([*FIELDS, "--load-n", "90"], "would flatten the pad to its silhouette"),
         ([*FIELDS, "--area-mm2", "12", "--thickness-mm", "0.18"], "at least a tenth of the contact"),
         ([*FIELDS, "--load-n", "2", "--thickness-mm", "400"], "leave it out"),
@@ -644,7 +644,7 @@ def test_measure_sequence(tmp_path: Path) -> None:
         *("--ppi", press.ppi, "--json"),
     )
     assert code == 3
-    assert "column 'displacment_mm' was not read; if it is the displacement, rename it" in err
+    assert "displacement: --column displacement=displacment_mm:mm" in err
     frames = json.loads(out)
     assert [frame["frame"] for frame in frames] == list(range(12))
     assert [frame["time_s"] for frame in frames] == pytest.approx(time)
@@ -657,6 +657,16 @@ def test_measure_sequence(tmp_path: Path) -> None:
     halves = json.loads(out)
     assert "cut_by_mask" in halves[6]["flags"]
     assert halves[6]["gross_area_mm2"] == pytest.approx(press.gross_area[6] / 2, rel=0.05)
+    table = (tmp_path / "force.csv").read_text().replace("Load [N],displacment_mm", "Fz,z")
+    (tmp_path / "other.csv").write_text(table)
+    other = ("--force", tmp_path / "other.csv", "--column")
+    assert "--column force=HEADER:UNIT" in run(*common, *other[:2])[2]
+    named = [frame["load_N"] for frame in json.loads(run(*common, *other, "force=Fz:mN")[1])]
+    assert named == pytest.approx(load / 1000, abs=1e-12)
+    assert (
+        "--column takes QUANTITY=NAME:UNIT with time, force, trigger" in run(*common, *other, "area=A:mm2")[2]
+    )
+    assert "--column names columns of --force" in run(*common, "--column", "force=Fz:mN")[2]
     code, _, err = run(*common, "--start-s", 0.1, "--contact-load-n", 1)
     assert (code, "give either the time of the first frame or the load" in err) == (2, True)
     (tmp_path / "times.csv").write_text("time_s\n0\n1\n")

@@ -8,20 +8,14 @@ import typer
 
 from fingerpad._files import make_folder
 from fingerpad.cli.shared import (
-    Area,
     AsJson,
     Grid,
-    Indentation,
-    Load,
-    RollAngle,
-    SemiAxes,
-    Thickness,
-    WedgeAngle,
-    YoungsModulus,
-    only_one,
+    Pressed,
     placement_of,
+    pressed_of,
     pressed_record,
     print_json,
+    takes,
     tissue_of,
 )
 from fingerpad.exceptions import GeometryError
@@ -29,7 +23,8 @@ from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
     from fingerpad._arrays import FloatArray
-    from fingerpad.contact import ContactField
+    from fingerpad.contact import ContactField, Tissue
+    from fingerpad.geometry import Placement
 
 # Depths of receptors in the fingertip, mm, as the literature has them; they vary from person to person.
 RECEPTORS: Final = {"Meissner": (0.5, 0.7), "Merkel": (0.7, 1.0), "Pacinian": (1.5, 2.5)}
@@ -47,16 +42,12 @@ _COLUMNS: Final = (
 )
 
 
+@takes(placement=placement_of, tissue=tissue_of, pressed=pressed_of)
 def fields(
-    semi_axes_mm: SemiAxes,
-    wedge_deg: WedgeAngle,
-    youngs_modulus_kpa: YoungsModulus,
-    roll_deg: RollAngle = 0.0,
-    poisson_ratio: Annotated[float, typer.Option(help="Poisson's ratio, 0 to 0.5.")] = 0.5,
-    thickness_mm: Thickness = None,
-    load_n: Load = None,
-    area_mm2: Area = None,
-    indentation_mm: Indentation = None,
+    *,
+    placement: "Placement",
+    tissue: "Tissue",
+    pressed: Pressed,
     depth_mm: Annotated[
         list[float] | None,
         typer.Option(
@@ -78,16 +69,13 @@ def fields(
     """
     from fingerpad.contact import ContactField, solve_contact
 
-    only_one({"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm})
-    if not 0 <= poisson_ratio <= 0.5:
-        raise GeometryError(f"--poisson-ratio must be from 0 to 0.5, found {poisson_ratio:g}")
-    tissue = tissue_of(youngs_modulus_kpa, poisson_ratio, thickness_mm)
-    placement = placement_of(semi_axes_mm, wedge_deg, roll_deg)
     depths = _depths(depth_mm, float(tissue.thickness))
-    pressed = {"load": load_n, "area": area_mm2, "indentation": indentation_mm}
-    hertz = ContactField.of_hertz(placement, tissue, **pressed)
-    solved = ContactField.of_solution(solve_contact(placement, tissue, **pressed, points=grid))
-    record = _record(solved, depths) | {"thickness_mm": thickness_mm, "hertz": _record(hertz, depths)}
+    hertz = ContactField.of_hertz(placement, tissue, **pressed.given)
+    solved = ContactField.of_solution(solve_contact(placement, tissue, **pressed.given, points=grid))
+    record = _record(solved, depths) | {
+        "thickness_mm": None if tissue.is_deep else tissue.thickness,
+        "hertz": _record(hertz, depths),
+    }
     if plot is not None:
         _plot_section(solved, hertz, plot)
     if as_json:

@@ -1,6 +1,5 @@
 """Fit one loading curve."""
 
-import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,7 +9,10 @@ import typer
 from fingerpad._plausible import unit_doubts
 from fingerpad.cli.shared import (
     AsJson,
+    Columns,
     WedgeAngle,
+    column_flags,
+    columns_of,
     placement_of,
     print_folder,
     print_json,
@@ -30,12 +32,7 @@ def fit(
         typer.Argument(help="CSV, XLSX, MAT or TDMS file with force and displacement.", show_default=False),
     ],
     *,
-    column: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="QUANTITY=NAME:UNIT", help="A column of another name, as in force=Fz:mN. Repeatable."
-        ),
-    ] = None,
+    column: Columns = None,
     poisson_ratio: Annotated[
         float, typer.Option(min=-0.99, max=0.5, help="Poisson's ratio of the pad.")
     ] = 0.5,
@@ -142,12 +139,12 @@ def fit(
         "--stage-compliance-mm-per-n", stage_compliance_mm_per_n, stage_compliance_mm_per_n_std
     )
     delay = _given("--area-delay-s", area_delay_s, area_delay_s_std)
-    columns = _columns(column or [])
-    with columns_named_by(_column_flags):
+    columns = columns_of(column, "time", "force", "displacement", "area")
+    with columns_named_by(column_flags):
         record = read_loading_curve(curve, columns)
     doubts = unit_doubts(record.load, record.indentation, record.area)
     unread = unread_curve_columns(curve, columns)
-    notes = unread_notes(unread, lambda name, column: f": {_column_flags({name: column})}")
+    notes = unread_notes(unread, lambda name, column: f": {column_flags({name: column})}")
     for note in (*doubts, *notes):
         print_note(note)
     area_std: dict[str, Any] = {} if area_relative_std is None else {"area_relative_std": area_relative_std}
@@ -183,7 +180,7 @@ def fit(
     if semi_axes_mm is not None:
         layer = fit_layer_thickness(
             record,
-            placement=placement_of(semi_axes_mm, wedge_deg, 0.0),
+            placement=placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg),
             radius_std=pad_radius_mm_std,
             poisson_ratio=poisson_ratio,
             poisson_ratio_std=poisson_ratio_std,
@@ -231,28 +228,12 @@ def _given(flag: str, value: float | None, std: float) -> "Estimate | None":
     return None if value is None else Estimate.symmetric(value, std)
 
 
-def _columns(texts: list[str]) -> dict[str, str]:
-    known = ("time", "force", "displacement", "area")
-    columns = {}
-    for text in texts:
-        quantity, _, column = text.partition("=")
-        if quantity not in known or ":" not in column:
-            raise LoadingError(f"--column takes QUANTITY=NAME:UNIT with {', '.join(known)}, found {text!r}")
-        columns[quantity] = column
-    return columns
-
-
 def _thickness(text: str | None) -> float | None:
     """Return a thickness; as text, since numbers on the command line are finite."""
     try:
         return None if text is None else float(text)
     except ValueError:
         raise LoadingError(f"--thickness-mm takes a thickness in mm or inf, found {text!r}") from None
-
-
-def _column_flags(columns: Mapping[str, str]) -> str:
-    """Return what to write after the command to have columns read."""
-    return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
 
 
 def _loads(text: str) -> tuple[float, float]:

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Group, print_json
+from fingerpad.cli.measure.scale import WAYS, scale_of_flags
+from fingerpad.cli.shared import AsJson, Group, print_json, takes
 from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ _SHOWN = 5
 
 
 @app.command("fiji")
-@takes_scale
+@takes(scale=scale_of_flags)
 def import_fiji(
     files: Annotated[
         list[Path],

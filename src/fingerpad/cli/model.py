@@ -45,7 +45,7 @@ def geometry(
     the transverse one that across it. The mean-curvature radius 1/H is R_0g of Dzidek et al. (2017), to be
     corrected by `fingerpad correct`; the geometric mean of the principal radii is that of Hertz theory.
     """
-    placement = placement_of(semi_axes_mm, wedge_deg, roll_deg or 0.0)
+    placement = placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg or 0.0)
     curvature = placement.curvature
     record = {
         "u_deg": np.degrees(placement.u),

@@ -6,6 +6,7 @@ import typer
 
 from fingerpad.cli.shared import (
     AsJson,
+    PoissonRatio,
     RollAngle,
     SemiAxes,
     Thickness,
@@ -26,9 +27,7 @@ def modulus(
     wedge_deg: WedgeAngle,
     load_n: Annotated[float, typer.Option(help="Normal force, N.")],
     roll_deg: RollAngle = 0.0,
-    poisson_ratio: Annotated[
-        float, typer.Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")
-    ] = 0.5,
+    poisson_ratio: PoissonRatio = 0.5,
     thickness_mm: Thickness = None,
     area_mm2: Annotated[float | None, typer.Option(help="Contact area, mm².")] = None,
     indentation_mm: Annotated[
@@ -48,7 +47,7 @@ def modulus(
     only_one({"--area-mm2": area_mm2, "--indentation-mm": indentation_mm})
     for option, value in (("--load-n", load_n), ("--thickness-mm", thickness_mm)):
         require_positive(option, value)
-    gap = plate_gap(placement_of(semi_axes_mm, wedge_deg, roll_deg))
+    gap = plate_gap(placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg))
     paraboloid = plate_gap(Paraboloid(gap.first_radius, gap.second_radius))
     records, flag = [], ""
     for of, thickness in ((paraboloid, None), (gap, thickness_mm)):

@@ -1,12 +1,15 @@
 """Shared by all commands: error messages, exit codes, and printing."""
 
 import math
+import shlex
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from enum import IntEnum
+from functools import wraps
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, TypeAlias
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -14,7 +17,7 @@ from typer.core import TyperCommand, TyperGroup
 from fingerpad._json import dumps, plain
 from fingerpad._plausible import semi_axes_doubt
 from fingerpad._rounding import two_digits, value_with_uncertainty
-from fingerpad.exceptions import FingerpadError, GeometryError, is_interrupt, reason_of
+from fingerpad.exceptions import FingerpadError, GeometryError, LoadingError, is_interrupt, reason_of
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
@@ -22,6 +25,13 @@ if TYPE_CHECKING:
     from fingerpad.geometry import Ellipsoid, Placement
 
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+
+Columns: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="QUANTITY=NAME:UNIT", help="A column of another name, as in force=Fz:mN. Repeatable."
+    ),
+]
 
 # A pad on its wedge, and how it is pressed.
 SemiAxes: TypeAlias = Annotated[
@@ -41,6 +51,9 @@ Thickness: TypeAlias = Annotated[
     float | None,
     typer.Option(help="Effective thickness of the tissue over bone, mm.", show_default="half-space"),
 ]
+PoissonRatio: TypeAlias = Annotated[
+    float, typer.Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")
+]
 Load: TypeAlias = Annotated[float | None, typer.Option(help="Normal force, N.")]
 Area: TypeAlias = Annotated[float | None, typer.Option(help="Contact area, mm², instead of --load-n.")]
 Indentation: TypeAlias = Annotated[float | None, typer.Option(help="Indentation, mm, instead of --load-n.")]
@@ -50,6 +63,43 @@ Grid: TypeAlias = Annotated[int, typer.Option(min=64, max=1024, help="Grid cells
 _ROUND: Final = 1.001  # aspect ratio below which an ellipse has no direction
 _SMALLEST: Final = 1e-9
 _LARGEST: Final = 1e9
+
+
+class Pressed(NamedTuple):
+    """How a pad is pressed: arguments of a contact, one of which is not None, and its flag."""
+
+    given: dict[str, float | None]
+    flag: str
+
+    def __str__(self) -> str:
+        """Return the flag and its value."""
+        return f"{self.flag} {next(value for value in self.given.values() if value is not None):g}"
+
+
+def takes(**groups: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the flags of functions, and pass it what these return, each by its name.
+
+    Flags stand where the command has that name; those without a default come first.
+    """
+
+    def with_groups(command: Callable[..., None]) -> Callable[..., None]:
+        own, flags = signature(command), {name: signature(make).parameters for name, make in groups.items()}
+
+        @wraps(command)
+        def called(**given: Any) -> None:
+            values = {name: {flag: given.pop(flag) for flag in flags[name]} for name in groups}
+            command(**given, **{name: make(**values[name]) for name, make in groups.items()})
+
+        parts = (flags[name].values() if name in flags else [one] for name, one in own.parameters.items())
+        ordered = sorted(
+            (one for part in parts for one in part), key=lambda one: one.default is not one.empty
+        )
+        parameters = [one.replace(kind=Parameter.KEYWORD_ONLY) for one in ordered]
+        called.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
+        called.__annotations__ = {one.name: one.annotation for one in parameters}
+        return called
+
+    return with_groups
 
 
 class Exit(IntEnum):
@@ -189,7 +239,7 @@ def checked_pad(semi_axes_mm: tuple[float, float, float]) -> "Ellipsoid":
     return Ellipsoid(*semi_axes_mm)
 
 
-def placement_of(semi_axes_mm: tuple[float, float, float], wedge_deg: float, roll_deg: float) -> "Placement":
+def placement_of(*, semi_axes_mm: SemiAxes, wedge_deg: WedgeAngle, roll_deg: RollAngle = 0.0) -> "Placement":
     """Return the pad on its wedge."""
     from fingerpad.geometry import Placement
 
@@ -198,7 +248,9 @@ def placement_of(semi_axes_mm: tuple[float, float, float], wedge_deg: float, rol
     )
 
 
-def tissue_of(youngs_modulus_kpa: float, poisson_ratio: float, thickness_mm: float | None) -> "Tissue":
+def tissue_of(
+    *, youngs_modulus_kpa: YoungsModulus, poisson_ratio: PoissonRatio = 0.5, thickness_mm: Thickness = None
+) -> "Tissue":
     """Return the tissue of ``--youngs-modulus-kpa`` and its other options, in MPa and mm."""
     from fingerpad.contact import Tissue
 
@@ -211,6 +263,22 @@ def tissue_of(youngs_modulus_kpa: float, poisson_ratio: float, thickness_mm: flo
     )
 
 
+def columns_of(texts: list[str] | None, *known: str) -> dict[str, str]:
+    """Return the columns of ``--column`` by quantity."""
+    columns = {}
+    for text in texts or []:
+        quantity, _, column = text.partition("=")
+        if quantity not in known or ":" not in column:
+            raise LoadingError(f"--column takes QUANTITY=NAME:UNIT with {', '.join(known)}, found {text!r}")
+        columns[quantity] = column
+    return columns
+
+
+def column_flags(columns: Mapping[str, str]) -> str:
+    """Return what to write after the command to have columns read."""
+    return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
+
+
 def require_positive(flag: str, value: float | None) -> None:
     """Refuse a value that is given but not positive and finite."""
     if value is not None and not (value > 0 and math.isfinite(value)):
@@ -220,6 +288,12 @@ def require_positive(flag: str, value: float | None) -> None:
 def print_json(value: Any) -> None:
     """Print one JSON document."""
     typer.echo(dumps(value))
+
+
+def pressed_of(*, load_n: Load = None, area_mm2: Area = None, indentation_mm: Indentation = None) -> Pressed:
+    """Return the one of load, area and indentation that is given."""
+    option = only_one({"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm})
+    return Pressed({"load": load_n, "area": area_mm2, "indentation": indentation_mm}, option)
 
 
 def only_one(given: Mapping[str, float | None]) -> str:

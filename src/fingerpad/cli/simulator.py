@@ -9,6 +9,7 @@ import typer
 
 from fingerpad.cli.shared import (
     AsJson,
+    PoissonRatio,
     RollAngle,
     Thickness,
     WedgeAngle,
@@ -46,9 +47,7 @@ def simulator(
         float | None, typer.Option(help="Young's modulus E of the tissue, kPa.", show_default=False)
     ] = None,
     thickness_mm: Thickness = None,
-    poisson_ratio: Annotated[
-        float, typer.Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")
-    ] = 0.5,
+    poisson_ratio: PoissonRatio = 0.5,
     roll_deg: RollAngle = 0.0,
     load_n: Annotated[
         tuple[float, float], typer.Option(help="Lowest and highest load of the range that matters, N.")
@@ -86,8 +85,10 @@ def simulator(
         if semi_axes_mm is None or youngs_modulus_kpa is None:
             missing = "--semi-axes-mm" if semi_axes_mm is None else "--youngs-modulus-kpa"
             raise typer.BadParameter(f"give {missing}, or the output folder of a finished run")
-        placement = placement_of(semi_axes_mm, wedge_deg, roll_deg)
-        tissue = tissue_of(youngs_modulus_kpa, poisson_ratio, thickness_mm)
+        placement = placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg)
+        tissue = tissue_of(
+            youngs_modulus_kpa=youngs_modulus_kpa, poisson_ratio=poisson_ratio, thickness_mm=thickness_mm
+        )
         stds = {"youngs_modulus": youngs_modulus_kpa_std / KPA_PER_MPA, "thickness": thickness_mm_std}
         stds |= dict.fromkeys(("palmar", "distal", "radial_ulnar"), semi_axes_mm_std)
         stds = {name: std for name, std in stds.items() if std}

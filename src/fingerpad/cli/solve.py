@@ -1,45 +1,37 @@
 """The contact of a whole pad, solved on a grid, beside fast laws and Hertz theory."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from fingerpad._json import plain
 from fingerpad.cli.shared import (
-    Area,
     AsJson,
     Grid,
-    Indentation,
-    Load,
-    RollAngle,
-    SemiAxes,
-    Thickness,
-    WedgeAngle,
-    YoungsModulus,
+    Pressed,
     contact_record,
-    only_one,
     placement_of,
+    pressed_of,
     print_json,
     print_law_flag,
     print_side_by_side,
+    takes,
     tissue_of,
 )
 from fingerpad.exceptions import ConvergenceError, GeometryError
 
+if TYPE_CHECKING:
+    from fingerpad.contact import Tissue
+    from fingerpad.geometry import Placement
 
+
+@takes(placement=placement_of, tissue=tissue_of, pressed=pressed_of)
 def solve(
-    semi_axes_mm: SemiAxes,
-    wedge_deg: WedgeAngle,
-    youngs_modulus_kpa: YoungsModulus,
-    roll_deg: RollAngle = 0.0,
-    poisson_ratio: Annotated[
-        float, typer.Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")
-    ] = 0.5,
-    thickness_mm: Thickness = None,
-    load_n: Load = None,
-    area_mm2: Area = None,
-    indentation_mm: Indentation = None,
+    *,
+    placement: "Placement",
+    tissue: "Tissue",
+    pressed: Pressed,
     grid: Grid = 256,
     as_json: AsJson = False,
 ) -> None:
@@ -53,18 +45,13 @@ def solve(
     from fingerpad.contact import fast_contact, hertz_contact, solve_contact
     from fingerpad.contact.fast_laws import ERROR_OF_BOTH, ERROR_OF_PAD
 
-    given = {"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm}
-    option = only_one(given)
-    tissue = tissue_of(youngs_modulus_kpa, poisson_ratio, thickness_mm)
-    placement = placement_of(semi_axes_mm, wedge_deg, roll_deg)
-    pressed = {"load": load_n, "area": area_mm2, "indentation": indentation_mm}
     try:
-        solved = solve_contact(placement, tissue, **pressed, points=grid)
+        solved = solve_contact(placement, tissue, **pressed.given, points=grid)
     except (ConvergenceError, GeometryError) as error:
         way_out = "; try another --grid" if isinstance(error, ConvergenceError) else ""
-        raise type(error)(f"{option} {given[option]:g}: {error}{way_out}") from None
-    fast = fast_contact(placement, tissue, **pressed)
-    hertz = hertz_contact(placement, tissue, **pressed)
+        raise type(error)(f"{pressed}: {error}{way_out}") from None
+    fast = fast_contact(placement, tissue, **pressed.given)
+    hertz = hertz_contact(placement, tissue, **pressed.given)
     flag, error_of_laws = str(fast.flags), ERROR_OF_PAD if tissue.is_deep else ERROR_OF_BOTH
     departures = (
         abs(getattr(hertz, name) / getattr(solved, name) - 1) for name in ("load", "area", "indentation")

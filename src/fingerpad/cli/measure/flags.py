@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal, TypeAlias
 
 import typer
 
+from fingerpad.cli.shared import require_positive
 from fingerpad.exceptions import ImageError
 
 if TYPE_CHECKING:
@@ -15,30 +16,6 @@ if TYPE_CHECKING:
 _MOST_PX: Final = 1e9
 
 Overlay: TypeAlias = Annotated[Path | None, typer.Option(help="Folder for pictures of the measurement.")]
-DarkOnLight: TypeAlias = Annotated[
-    bool | None,
-    typer.Option("--dark-on-light/--light-on-dark", help="Polarity, where it is not detected automatically."),
-]
-Background: TypeAlias = Annotated[
-    Path | None, typer.Option(help="Picture of the empty platen, which is divided out.")
-]
-Seed: TypeAlias = Annotated[
-    str | None, typer.Option(metavar="ROW,COLUMN", help="A point inside the contact that is meant, px.")
-]
-Threshold: TypeAlias = Annotated[
-    float | None,
-    typer.Option(
-        min=1e-6, max=65535, help="Grey levels from background to ridge, instead of half the contrast."
-    ),
-]
-SurfaceFlag: TypeAlias = Annotated[
-    Literal["ridged", "smooth"],
-    typer.Option("--surface", help="Whether the contact has ridges, or none, as of a silicone fingertip."),
-]
-Mask: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(help="CSV of corners round the contact, with the header row_px,column_px."),
-]
 Roi: TypeAlias = Annotated[
     str | None, typer.Option(metavar="R0,C0,R1,C1", help="Rows and columns of the part to look at, px.")
 ]
@@ -65,17 +42,38 @@ def region_of(text: str | None) -> tuple[int, int, int, int] | None:
 
 def contact_options(
     *,
-    background: Path | None,
-    seed_px: str | None,
-    mask: Path | None,
-    roi_px: str | None,
-    dark_on_light: bool | None,
-    threshold: float | None,
-    surface: Literal["ridged", "smooth"] = "ridged",
+    dark_on_light: Annotated[
+        bool | None,
+        typer.Option(
+            "--dark-on-light/--light-on-dark", help="Polarity, where it is not detected automatically."
+        ),
+    ] = None,
+    background: Annotated[
+        Path | None, typer.Option(help="Picture of the empty platen, which is divided out.")
+    ] = None,
+    surface: Annotated[
+        Literal["ridged", "smooth"],
+        typer.Option(help="Whether the contact has ridges, or none, as of a silicone fingertip."),
+    ] = "ridged",
+    seed_px: Annotated[
+        str | None, typer.Option(metavar="ROW,COLUMN", help="A point inside the contact that is meant, px.")
+    ] = None,
+    threshold: Annotated[
+        float | None,
+        typer.Option(
+            min=1e-6, max=65535, help="Grey levels from background to ridge, instead of half the contrast."
+        ),
+    ] = None,
+    mask: Annotated[
+        Path | None,
+        typer.Option(help="CSV of corners round the contact, with the header row_px,column_px."),
+    ] = None,
+    roi_px: Roi = None,
 ) -> "ContactImageOptions":
     """Return how a contact image is measured."""
     from fingerpad.image import read_colour_image, read_image
 
+    require_positive("--threshold", threshold)
     seed = None if seed_px is None else numbers_of("--seed-px", seed_px, 2)
     ground = None
     if background is not None:

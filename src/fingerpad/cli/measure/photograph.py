@@ -7,15 +7,15 @@ import typer
 
 from fingerpad.cli.measure.flags import Overlay, Roi, region_of
 from fingerpad.cli.measure.records import overlay_files, print_flags, print_if_exact, record_of
-from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, print_folder, print_record
+from fingerpad.cli.measure.scale import WAYS, scale_of_flags
+from fingerpad.cli.shared import AsJson, Exit, print_folder, print_record, takes
 from fingerpad.exceptions import CalibrationError, ImageError
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
 
 
-@takes_scale
+@takes(scale=scale_of_flags)
 def measure_photo(
     *,
     image: Annotated[Path, typer.Argument(help="Photograph of one face.", show_default=False)],

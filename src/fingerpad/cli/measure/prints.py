@@ -5,17 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fingerpad.cli.measure.flags import (
-    Background,
-    DarkOnLight,
-    Mask,
-    Overlay,
-    Roi,
-    Seed,
-    SurfaceFlag,
-    Threshold,
-    contact_options,
-)
+from fingerpad.cli.measure.flags import Overlay, contact_options
 from fingerpad.cli.measure.records import (
     overlay_files,
     print_flags,
@@ -24,25 +14,19 @@ from fingerpad.cli.measure.records import (
     record_of,
     tracked,
 )
-from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, print_folder, print_text, require_positive
+from fingerpad.cli.measure.scale import WAYS, scale_of_flags
+from fingerpad.cli.shared import AsJson, Exit, print_folder, print_text, takes
 from fingerpad.exceptions import CalibrationError
 
 if TYPE_CHECKING:
-    from fingerpad.image import Picture, Scale
+    from fingerpad.image import ContactImageOptions, Picture, Scale
 
 
-@takes_scale
+@takes(options=contact_options, scale=scale_of_flags)
 def measure_prints(
     *,
     images: Annotated[list[Path], typer.Argument(help="Contact images.", show_default=False)],
-    dark_on_light: DarkOnLight = None,
-    background: Background = None,
-    surface: SurfaceFlag = "ridged",
-    seed_px: Seed = None,
-    threshold: Threshold = None,
-    mask: Mask = None,
-    roi_px: Roi = None,
+    options: "ContactImageOptions",
     overlay_dir: Overlay = None,
     as_json: AsJson = False,
     scale: "Scale | None",
@@ -55,22 +39,12 @@ def measure_prints(
     """
     from fingerpad.image import measure_contact_image, read_colour_image, read_image, write_overlay
 
-    require_positive("--threshold", threshold)
-    options = contact_options(
-        background=background,
-        seed_px=seed_px,
-        mask=mask,
-        roi_px=roi_px,
-        dark_on_light=dark_on_light,
-        threshold=threshold,
-        surface=surface,
-    )
     overlays = overlay_files(images, overlay_dir)
 
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)
         used = scale or _stated_scale(path, picture)
-        pixels = read_colour_image(path) if surface == "smooth" else picture.pixels
+        pixels = read_colour_image(path) if options["surface"] == "smooth" else picture.pixels
         contact_image = measure_contact_image(pixels, used, **options)
         if path in overlays:
             write_overlay(overlays[path], picture.pixels, contact_image)

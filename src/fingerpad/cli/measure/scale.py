@@ -1,8 +1,6 @@
 """The flags that give a picture its scale, the same for every command that measures."""
 
-from collections.abc import Callable, Mapping
-from functools import wraps
-from inspect import signature
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
@@ -45,23 +43,6 @@ _WAYS: Final[Mapping[str, Mapping[str, str]]] = {
 
 _Std: TypeAlias = Annotated[float | None, typer.Option(help="Its standard uncertainty.")]
 _PointStd: TypeAlias = Annotated[float | None, typer.Option(help="Standard uncertainty of each point, px.")]
-
-
-def takes_scale(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the flags of `scale_of_flags`, and pass the result as `scale`, None for none."""
-    flags = signature(scale_of_flags).parameters
-    own = signature(command)
-
-    @wraps(command)
-    def with_scale(**given: Any) -> None:
-        scale = scale_of_flags(**{name: given.pop(name) for name in flags})
-        command(**given, scale=scale)
-
-    kept = [parameter for name, parameter in own.parameters.items() if name != "scale"]
-    parameters = [*kept, *flags.values()]
-    with_scale.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
-    with_scale.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-    return with_scale
 
 
 def scale_of_flags(

@@ -7,31 +7,31 @@ import typer
 
 from fingerpad._files import make_folder
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.cli.measure.flags import (
-    Background,
-    DarkOnLight,
-    Mask,
-    Overlay,
-    Roi,
-    Seed,
-    SurfaceFlag,
-    Threshold,
-    contact_options,
-)
+from fingerpad.cli.measure.flags import Overlay, contact_options
 from fingerpad.cli.measure.records import print_if_exact, printed, tracked
-from fingerpad.cli.measure.scale import WAYS, takes_scale
-from fingerpad.cli.shared import AsJson, Exit, print_folder, print_note, require_positive
+from fingerpad.cli.measure.scale import WAYS, scale_of_flags
+from fingerpad.cli.shared import (
+    AsJson,
+    Columns,
+    Exit,
+    column_flags,
+    columns_of,
+    print_folder,
+    print_note,
+    takes,
+)
 from fingerpad.exceptions import CalibrationError, LoadingError
 
 if TYPE_CHECKING:
-    from fingerpad.image import ForceSignal, FrameClock, FrameResult, Scale
+    from fingerpad.image import ContactImageOptions, ForceSignal, FrameClock, FrameResult, Scale
 
 
-@takes_scale
+@takes(options=contact_options, scale=scale_of_flags)
 def measure_frames(
     *,
     path: Annotated[Path, typer.Argument(help="Folder, TIFF or video.", show_default=False)],
     force: Annotated[Path | None, typer.Option(help="CSV, XLSX, MAT or TDMS with time_s,force_N.")] = None,
+    column: Columns = None,
     frames_per_second: Annotated[
         float | None, typer.Option(min=1e-6, help="Frames per second, as they were taken.")
     ] = None,
@@ -43,13 +43,7 @@ def measure_frames(
         typer.Option(help="Load, N, that the force passes in the first-contact frame: aligns the two."),
     ] = None,
     times: Annotated[Path | None, typer.Option(help="CSV of the frames' own times, time_s.")] = None,
-    dark_on_light: DarkOnLight = None,
-    background: Background = None,
-    surface: SurfaceFlag = "ridged",
-    seed_px: Seed = None,
-    threshold: Threshold = None,
-    mask: Mask = None,
-    roi_px: Roi = None,
+    options: "ContactImageOptions",
     overlay_dir: Overlay = None,
     as_json: AsJson = False,
     scale: "Scale | None",
@@ -75,22 +69,15 @@ def measure_frames(
 
     if scale is None:
         raise CalibrationError(f"a sequence needs a scale: give {WAYS}")
-    require_positive("--threshold", threshold)
     frames = open_frames(path)
-    with columns_named_by(lambda _: ""):  # no flag of this command does
-        signal = None if force is None else read_force_signal(force)
+    columns = columns_of(column, "time", "force", "trigger", "displacement")
+    if columns and force is None:
+        raise LoadingError("--column names columns of --force: give it too")
+    with columns_named_by(column_flags):
+        signal = None if force is None else read_force_signal(force, columns)
     clock = _clock(frames.frames_per_second, frames_per_second, signal, start_s, contact_load_n, times)
-    options = contact_options(
-        background=background,
-        seed_px=seed_px,
-        mask=mask,
-        roi_px=roi_px,
-        dark_on_light=dark_on_light,
-        threshold=threshold,
-        surface=surface,
-    )
-    unread = {} if force is None else unread_force_columns(force)
-    for note in unread_notes(unread, lambda *_: ", rename it in the first line"):
+    unread = {} if force is None else unread_force_columns(force, columns)
+    for note in unread_notes(unread, lambda name, column: f": {column_flags({name: column})}"):
         print_note(note)
     if overlay_dir is not None:
         make_folder(overlay_dir)
