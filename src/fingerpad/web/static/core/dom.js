@@ -18,7 +18,7 @@ function hear(event) {
   for (const act of this.heard[event.type] ?? []) act.call(this, event);
 }
 
-/** Call `act` on an event. It finds its element as `currentTarget`: `update` hands it to the one that is kept. */
+/** Call `act` on an event, with its element as `currentTarget`: `update` hands it to the one that is kept. */
 export function on(node, kind, act) {
   node.heard ??= {};
   if (!node.heard[kind]) node.addEventListener(kind, hear);

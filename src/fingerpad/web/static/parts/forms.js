@@ -128,8 +128,8 @@ export const asName = (words) => words.trim().replace(/\s+/g, "_");
 /**
  * A field for text; `pattern` is what it may be.
  *
- * @param {{ value?: string | null, onset?: (value: string, input: HTMLInputElement) => any, placeholder?: string, list?: string,
- *   required?: boolean, label?: string, pattern?: string }} options
+ * @param {{ value?: string | null, onset?: (value: string, input: HTMLInputElement) => any,
+ *   placeholder?: string, list?: string, required?: boolean, label?: string, pattern?: string }} options
  */
 export function text({ value, onset, placeholder, list, required, label, pattern }) {
   const input = h("input", {

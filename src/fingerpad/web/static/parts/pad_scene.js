@@ -1,5 +1,5 @@
-// The pad in three dimensions: pad, platen and wedge are painted on a canvas, the farthest faces first; lines and
-// names are SVG above them.
+// The pad in three dimensions: pad, platen and wedge are painted on a canvas, the farthest faces first; lines
+// and names are SVG above them.
 
 import { attributes, h, render, s } from "../core/dom.js";
 
