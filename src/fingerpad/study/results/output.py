@@ -238,14 +238,15 @@ def _placement(
     validity: Validity,
     loading: LoadingRadius | None,
 ) -> PlacementRecord:
-    first, contacts, radius = summary.rows.iloc[0], summary.contacts, validity.headlines[RADIUS]
+    first, framed = summary.first, summary.column("frame").notna()
+    radius = validity.headlines[RADIUS]
     return PlacementRecord(
         finger=summary.finger,
         wedge_angle_deg=summary.wedge_angle_deg,
         roll_angle_deg=summary.roll_angle_deg,
         synthetic=summary.synthetic,
-        count=len(contacts),
-        frames=len(summary.rows) - len(contacts),
+        count=int((~framed).sum()),
+        frames=int(framed.sum()),
         mean_curvature_radius_mm=first["mean_curvature_radius_mm"],
         mean_curvature_radius_mm_std=first["mean_curvature_radius_mm_std"],
         geometric_mean_radius_mm=first["geometric_mean_radius_mm"],

@@ -372,9 +372,18 @@ class Summary:
         """The rows, by load: single contacts and frames of sequences."""
         return self.table.iloc[self.places]
 
+    @property
+    def first(self) -> pd.Series:
+        """The row at the lowest load."""
+        return self.table.iloc[self.places[0]]
+
     def column(self, name: str) -> pd.Series:
         """Return one column of `rows`, without a copy of the others."""
         return self.table[name].iloc[self.places]
+
+    def of_observation(self, name: str) -> pd.DataFrame:
+        """Return the rows of one observation."""
+        return self.table.iloc[self.places[self.column("observation") == name]]
 
     @property
     def contacts(self) -> pd.DataFrame:

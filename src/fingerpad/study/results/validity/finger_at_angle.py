@@ -57,13 +57,12 @@ class Place(NamedTuple):
     ) -> Self:
         """Gather what is known of a summary's finger at its angle."""
         highest = rows.highest_load.get(summary.key)
-        of = summary.rows
         return cls(
             study=study,
             pad=fingers[summary.finger],
             summary=summary,
             highest=highest,
-            highest_row=highest and first_record(of[of["observation"] == highest.observation]),
+            highest_row=highest and first_record(summary.of_observation(highest.observation)),
             loading=loading_radius(curves, summary.place),
             fits=tuple(_fits(curves, summary)),
         )

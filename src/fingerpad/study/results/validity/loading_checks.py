@@ -75,7 +75,7 @@ def _radius_check(place: Place) -> ValidityCheck:
     if loading is None or pooled is None:
         return _missing(RADIUS, NO_CURVE if loading is None else NOTHING_COUNTS)
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
-    first = place.summary.rows.iloc[0]
+    first = place.summary.first
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
     reference, note = without_misfit(loading)
     log_std = None

@@ -224,10 +224,11 @@ def with_verdicts(
     stds = [f"{name}_{part}_std" for name in HEADLINES for part in ("model", "total")]
     columns = {name: table[name].to_numpy(copy=True) for name in ("model_verdict", *stds)}
     for summary, validity in zip(summaries, validities, strict=True):
-        rows, places = summary.rows, summary.places
+        places = summary.places
         columns["model_verdict"][places] = validity.verdict
         for name in HEADLINES:
-            model_std = validity.relative_stds[name] * rows[name].to_numpy()
+            model_std = validity.relative_stds[name] * summary.column(name).to_numpy()
             columns[f"{name}_model_std"][places] = model_std
-            columns[f"{name}_total_std"][places] = np.hypot(rows[f"{name}_std"], np.nan_to_num(model_std))
+            std = summary.column(f"{name}_std")
+            columns[f"{name}_total_std"][places] = np.hypot(std, np.nan_to_num(model_std))
     return table.assign(**{name: COLUMNS[name].series(array) for name, array in columns.items()})
