@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import fingerpad as fp
 from fingerpad.cli import app
-from fingerpad.study.results import measured_pad as of_run
+from fingerpad.study.results import load as of_run
 from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, ThicknessFitRecord
 
 PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30)

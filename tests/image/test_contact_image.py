@@ -1,11 +1,13 @@
 """Measured imprints: known truth, invariances, disturbances, real prints, and what cannot be measured."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from benchmarks.truth.independent_images import CONDITIONS, render
 from PIL import Image
 from skimage.measure import label, regionprops
 
@@ -148,13 +150,16 @@ def test_noise_edge_and_scale_add_up():
 
 
 def test_the_edge_is_less_certain_where_ridges_fade_not_where_a_picture_is_noisy():
-    fades = {"thinning": (1.0, 0.1), "fading": (1.0, 0.1)}
+    clean = CONDITIONS["clean, sharp edge"]
     sharp, noisy, soft = (
-        measure_contact_image(render_contact_image(seed=1, **more).pixels, PPI_500)
-        for more in ({"noise_std": 4}, {"noise_std": 12}, {"noise_std": 4, **fades})
+        measure_contact_image(image.pixels, image.mm_per_px)
+        for image in (
+            render(np.random.default_rng(1), replace(clean, **more))
+            for more in ({}, {"noise": 0.04}, {"width_fade": 1.0, "contrast_fade": 1.0})
+        )
     )
-    assert noisy.edge_offset_std == pytest.approx(sharp.edge_offset_std, rel=0.05)
-    assert soft.edge_offset_std > 1.3 * sharp.edge_offset_std
+    assert noisy.edge_offset_std == pytest.approx(sharp.edge_offset_std, rel=0.1)
+    assert soft.edge_offset_std > 2 * sharp.edge_offset_std
     assert soft.noise_covariance[2, 2] > 1.5 * sharp.noise_covariance[2, 2]
 
 

@@ -139,13 +139,12 @@ export class ContactInspector extends Inspector {
    * @param {number | null} threshold
    */
   levels(levels, threshold) {
-    const shown = levels !== null && !this.#isSmooth();
-    this.histogram.root.hidden = !shown;
-    if (shown) this.histogram.show(levels, threshold);
+    this.histogram.root.hidden = levels === null;
+    if (levels !== null) this.histogram.show(levels, threshold);
   }
 
   /** Whether the contact has no ridges, as its table or the study says. */
-  #isSmooth() {
+  isSmooth() {
     return (this.view.sequence ?? this.view.entry)?.surface === "smooth";
   }
 
@@ -170,7 +169,7 @@ export class ContactInspector extends Inspector {
         h("h2", entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
         h(
           "span",
-          this.#isSmooth() && chip("smooth surface"),
+          this.isSmooth() && chip("smooth surface"),
           synthetic(entry.synthetic ?? this.view.sequence?.synthetic),
         ),
       ),
@@ -247,8 +246,8 @@ export class ContactInspector extends Inspector {
       h(
         "dl.readings",
         { "data-live": "numbers" },
-        QUANTITIES_SHOWN.filter(([key]) => key !== "ridge_area_mm2" || !this.#isSmooth()).map(line),
-        !this.#isSmooth() && quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
+        QUANTITIES_SHOWN.filter(([key]) => key !== "ridge_area_mm2" || !this.isSmooth()).map(line),
+        !this.isSmooth() && quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
         quantityRow(
           [symbol("IoU"), " of ellipse and region"],
           numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
@@ -309,7 +308,7 @@ export class ContactInspector extends Inspector {
   settings(answer) {
     const { change } = this.view.corrections;
     const used = answer?.settings;
-    const smooth = this.#isSmooth();
+    const smooth = this.isSmooth();
     update(
       this.parts.settings,
       h("h3", "Settings"),

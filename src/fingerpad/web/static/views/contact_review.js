@@ -65,9 +65,10 @@ export class ContactReview extends Review {
   async #levels(item, newest) {
     const { threshold, dark_on_light, seed_px, mask_px, region_of_interest_px } = this.corrections.change;
     const change = withoutDefaults({ dark_on_light, seed_px, mask_px, region_of_interest_px });
-    const key = JSON.stringify([item, change]);
+    const smooth = this.inspector.isSmooth(); // then no level tells the contact from the ground
+    const key = JSON.stringify([item, change, smooth]);
     if (key !== this.levelsKey) {
-      const levels = await post("/measure/levels", { item, change }).catch(() => null);
+      const levels = smooth ? null : await post("/measure/levels", { item, change }).catch(() => null);
       if (!newest()) return;
       [this.levels, this.levelsKey] = [levels, key];
     }
