@@ -2,7 +2,7 @@
 
 ``claims``
     One module for each table: ``python -m benchmarks NAME`` prints it and writes it to ``results/NAME.md``
-    with its date, commit and sample; the documentation includes these files.
+    with its date, commit and sample.
 ``derive``
     Constants of the library fitted again: ``python -m benchmarks.derive NAME``.
 ``robustness``

@@ -59,7 +59,9 @@ def main() -> None:
         return
     sample = {}
     for text in given.sample:
-        key, _, value = text.partition("=")
+        key, equals, value = text.partition("=")
+        if not equals:
+            parser.error(f"{text}: write KEY=VALUE, as seed=3")
         try:
             sample[key] = ast.literal_eval(value)
         except (SyntaxError, ValueError):

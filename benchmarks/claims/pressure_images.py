@@ -108,12 +108,6 @@ class PressureImage:
     skin: Skin
     optics: Optics
 
-    @property
-    def boundary_px(self) -> npt.NDArray[np.floating[Any]]:
-        """True boundary, (row, column); pixel centres are whole numbers."""
-        middle = (np.array(self.pixels.shape) - 1) / 2
-        return np.asarray(middle + self.contact.boundary[:, ::-1] / self.mm_per_px)
-
 
 def pressure_image(name: str, number: int, area: float | None = None, **skin: Any) -> PressureImage:
     """Make an image of a condition; `area` in mm² and `skin` override what it draws at random."""

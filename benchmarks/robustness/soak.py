@@ -116,6 +116,9 @@ def kill_runs(count: int = 100, seed: int = 1) -> Counter[str]:
     return found
 
 
+_API = "/api/studies/study"  # of the study in the folder of that name
+
+
 class _Server:
     """The page of a study in a process of its own, asked over one connection."""
 
@@ -173,21 +176,21 @@ def _change(server: _Server, number: int, confirmed: dict[str, Any]) -> bool:
     """Edit the manifest, correct a picture or upload a file, and note what was confirmed."""
     kind = ("load", "correction", "upload")[number % 3]
     if kind == "load":
-        _, state = server.ask("GET", "/api/study")
+        _, state = server.ask("GET", f"{_API}/state")
         edit = {"kind": "observation", "key": "o0", "set": {"load_N": float(number)}}
         body = {"expected": state["digest"], "edits": [edit]}
-        status, _ = server.ask("POST", "/api/study/edits", body)
+        status, _ = server.ask("POST", f"{_API}/edits", body)
         value: Any = float(number)
     elif kind == "correction":
-        _, known = server.ask("GET", "/api/corrections?item=o1")
+        _, known = server.ask("GET", f"{_API}/corrections?item=o1")
         change = {"threshold": float(number)}
         body = {"item": "o1", "expected": known["last_id"], "who": "soak", "change": change}
-        status, _ = server.ask("POST", "/api/corrections", body)
+        status, _ = server.ask("POST", f"{_API}/corrections", body)
         value = change
     else:
         value = b"x_mm,y_mm\n" + b"1,2\n" * number
         name = quote(f"table_{number}.csv")
-        status, record = server.ask("POST", f"/api/files?name={name}", value)
+        status, record = server.ask("POST", f"{_API}/files?name={name}", value)
         if status < 300:
             confirmed.setdefault("files", {})[record["file"]] = value
             return True
@@ -198,9 +201,9 @@ def _change(server: _Server, number: int, confirmed: dict[str, Any]) -> bool:
 
 def _lost(server: _Server, study: Path, confirmed: dict[str, Any]) -> int:
     """Return how much of what was confirmed is not there; the newest unconfirmed change may be."""
-    _, state = server.ask("GET", "/api/study")
+    _, state = server.ask("GET", f"{_API}/state")
     load = next(one["load_N"] for one in state["observations"] if one["item"] == "o0")
-    _, known = server.ask("GET", "/api/corrections?item=o1")
+    _, known = server.ask("GET", f"{_API}/corrections?item=o1")
     said = [one["change"] for one in known["history"]]
     files = confirmed.get("files", {})
     return sum(

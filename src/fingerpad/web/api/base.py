@@ -86,7 +86,7 @@ def _workspace(request: Request) -> Workspace:
     return cast(Workspace, request.app.state.workspace)
 
 
-async def _opened(study: str, request: Request) -> StudySession:
+def _opened(study: str, request: Request) -> StudySession:
     return _workspace(request).session(study)
 
 

@@ -128,7 +128,11 @@ function patch(old, now) {
   if ("disabled" in now) old.disabled = now.disabled;
   for (const key of ENTERED) {
     const [before, after] = [old.entered?.[key], now.entered?.[key]];
-    if (before !== after && !(key === "value" && typed === old && old === document.activeElement)) {
+    const isTyped = key === "value" && typed === old && old === document.activeElement;
+    // Options that move under a list change what it shows, though what was entered is the same.
+    const moved =
+      key === "value" && old.nodeName === "SELECT" && old.value !== after && !old.validationMessage;
+    if ((before !== after || moved) && !isTyped) {
       old[key] = after ?? (key === "value" ? "" : false);
       old.setCustomValidity?.("");
     }

@@ -162,7 +162,7 @@ function coinChoice(files, file) {
  *
  * @param {import("./new_files.js").NewFiles} files
  */
-export function scaleCell(files, file) {
+function scaleCell(files, file) {
   const draft = files.drafts.get(file);
   const ppi = files.info.get(file)?.resolution_ppi;
   const options = [["", "– later –"], ...scaleNames().map((name) => [name, name])];
