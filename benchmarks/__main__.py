@@ -27,7 +27,10 @@ class _Copied(StringIO):
 def measure(name: str, sample: dict[str, int | str | bool]) -> None:
     """Run a benchmark, and store what it prints with its date, commit and sample."""
     report = importlib.import_module(modules()[name]).report
-    drawn = inspect.signature(report).bind(**sample)
+    try:
+        drawn = inspect.signature(report).bind(**sample)
+    except TypeError as error:
+        sys.exit(f"{name}: {error}; it takes {inspect.signature(report)}")
     drawn.apply_defaults()
     commit = subprocess.run(
         ["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False

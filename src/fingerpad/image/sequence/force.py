@@ -487,7 +487,7 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
     Parameters
     ----------
     path : path-like
-        A CSV, XLSX or MAT file, with a header line or names of vectors that names quantities and units.
+        A CSV, XLSX, MAT or TDMS file, with a header line or names of vectors that names quantities and units.
     columns : mapping, optional
         From a quantity (``time``, ``force``, ``trigger``, ``displacement``) to ``"HEADER:UNIT"`` where
         headers differ.
@@ -558,7 +558,7 @@ def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | No
     Parameters
     ----------
     path : path-like
-        A CSV, XLSX or MAT file.
+        A CSV, XLSX, MAT or TDMS file.
     columns : mapping, optional
         ``{"time": "HEADER:UNIT"}`` where the header differs.
 

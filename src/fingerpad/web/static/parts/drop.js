@@ -50,8 +50,8 @@ export class Drop {
         h("strong", "Drop photographs, contact images, sequences and curves here"),
         h(
           "p.soft",
-          "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames; curves and forces as CSV, XLSX or MAT; a " +
-            "spreadsheet (CSV, XLSX) that says what they are. Files stay on this computer.",
+          "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames; curves and forces as CSV, XLSX, MAT " +
+            "or TDMS; a spreadsheet (CSV, XLSX) that says what they are. Files stay on this computer.",
         ),
       ),
       button("Choose files", () => this.chooser.click(), { kind: "primary" }),
