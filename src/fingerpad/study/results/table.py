@@ -69,11 +69,11 @@ class Column:
         """Return an array in which nothing is known; truths are false."""
         return np.full(size, _UNKNOWN[self.dtype], dtype=_NUMPY[self.dtype])
 
-    def series(self, array: ColumnArray) -> pd.Series:
-        """Return an array as a column of a table."""
+    def series(self, array: ColumnArray, index: pd.Index | None = None) -> pd.Series:
+        """Return an array as a column of a table, whose index it may share."""
         if self.dtype == "int":
-            return pd.Series(pd.arrays.IntegerArray(array, array == _UNKNOWN["int"]))
-        return pd.Series(array, dtype=array.dtype, copy=False)
+            return pd.Series(pd.arrays.IntegerArray(array, array == _UNKNOWN["int"]), index=index)
+        return pd.Series(array, index=index, dtype=array.dtype, copy=False)
 
 
 def _text(name: str, meaning: str) -> Column:
@@ -328,8 +328,11 @@ def table_of(batches: Iterable[Mapping[str, ColumnArray]], names: Iterable[str] 
             elif column.dtype == "text":  # each word is kept once
                 array = column.array(words.setdefault(word, word) for word in array)
             grown.add(array)
+    arrays = {name: grown.array for name, grown in columns.items()}
+    # With one index, pandas need not align the columns, which takes longer than the model of a contact.
+    index = pd.RangeIndex(len(next(iter(arrays.values()), ())))
     return pd.DataFrame(
-        {name: COLUMNS[name].series(grown.array) for name, grown in columns.items()}, copy=False
+        {name: COLUMNS[name].series(array, index) for name, array in arrays.items()}, index=index, copy=False
     )
 
 

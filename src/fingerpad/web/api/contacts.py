@@ -39,7 +39,7 @@ from fingerpad.study.measuring.contacts import (
 )
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contacts
-from fingerpad.study.results.table import records
+from fingerpad.study.results.table import COLUMNS, records
 from fingerpad.study.results.validity import HEADLINES
 from fingerpad.web.answers import measurements as answers
 from fingerpad.web.api.base import Item, Opened, Params, study_router
@@ -55,6 +55,11 @@ router = study_router()
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
 _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
+# What the page shows of a contact's row, and what that is made of.
+_MODEL_COLUMNS: Final = COLUMNS.keys() & {
+    *(*PLACEMENT, *HEADLINES, *answers.ContactModel.model_fields),
+    *(f"{name}_std" for name in HEADLINES),
+}
 # A sequence may have thousands of frames; some of them suffice to estimate its settings.
 _SAMPLED_FRAMES: Final = 200
 
@@ -275,7 +280,8 @@ def _model(
         return None
     seen = from_contact_image(contact_image, contact, found)
     measured = replace(seen, observation=item, load_N=load)
-    (row,) = records(model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table)
+    table = model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table
+    (row,) = records(table, *_MODEL_COLUMNS)
     headlines = last_headlines(opened, tuple(row[name] for name in PLACEMENT))
     for name in HEADLINES:
         if (std := row[f"{name}_std"]) is not None:
