@@ -435,6 +435,14 @@ def test_bad_requests_get_messages(standing, method, path, body, status):
     assert "Traceback" not in answer.text
 
 
+@pytest.mark.parametrize("body", [{"workers": "2"}, {"force": "yes"}, {"force": 1}])
+def test_bodies_are_not_converted(standing, body):
+    """A number as text is a mistake of who asks."""
+    answer = standing.post("/api/studies/demo/run", json=body)
+    assert answer.status_code == 400
+    assert answer.json()["faults"][0]["place"] == next(iter(body))
+
+
 @pytest.mark.parametrize(
     "content",
     [b"", b"{", b"[]", b"null", b"\xff\xfe", b'{"item": NaN}', b'{"item": "a", "item": ' + b"[" * 5000],

@@ -1,16 +1,18 @@
 """What all endpoints of the API share: parameters, the study that a request names, and errors."""
 
+import json
 import os
 from collections.abc import Callable, Coroutine
 from http import HTTPStatus
 from pathlib import PurePath
-from typing import Annotated, Any, Final, TypeAlias, cast
+from typing import Annotated, Any, Final, TypeAlias, TypeVar, cast
 
 import cv2
 from fastapi import APIRouter, Depends, FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, ValidationError
+from pydantic_core import core_schema
 from starlette.exceptions import HTTPException
 
 from fingerpad._json import dumps
@@ -31,6 +33,24 @@ class Params(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+
+class _Strictly:
+    """Validates a body as the JSON that it was: no number is given as text."""
+
+    def __get_pydantic_core_schema__(
+        self, source: type[Params], handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        # FastAPI hands over what it has parsed; strict validation of that would refuse lists for tuples.
+        def strictly(value: Any) -> Any:
+            if isinstance(value, dict):
+                return source.model_validate_json(json.dumps(value), strict=True)
+            return value
+
+        return core_schema.no_info_before_validator_function(strictly, handler(source))
+
+
+_P = TypeVar("_P", bound=Params)
+Body: TypeAlias = Annotated[_P, _Strictly()]
 
 Point: TypeAlias = tuple[Pixel, Pixel]
 Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]

@@ -42,7 +42,7 @@ from fingerpad.study.results.rows import PLACEMENT, model_contacts
 from fingerpad.study.results.table import COLUMNS, records
 from fingerpad.study.results.validity import HEADLINES
 from fingerpad.web.answers import measurements as answers
-from fingerpad.web.api.base import Item, Opened, Params, study_router
+from fingerpad.web.api.base import Body, Item, Opened, Params, study_router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.api.scales import scale_of
@@ -73,7 +73,7 @@ class ContactParams(Params):
 
 
 @router.post("/measure/contact")
-def measure(opened: Opened, params: ContactParams) -> answers.ContactMeasurement:
+def measure(opened: Opened, params: Body[ContactParams]) -> answers.ContactMeasurement:
     """Measure a contact image under a correction; nothing is stored."""
     began = time.perf_counter()
     contact, complete = _contact(opened, params)
@@ -115,7 +115,7 @@ def measure(opened: Opened, params: ContactParams) -> answers.ContactMeasurement
 
 
 @router.post("/measure/levels")
-def levels(opened: Opened, params: ContactParams) -> answers.ContactLevels:
+def levels(opened: Opened, params: Body[ContactParams]) -> answers.ContactLevels:
     """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
     contact, _ = _contact(opened, params)
     assert contact.scale is not None

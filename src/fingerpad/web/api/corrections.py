@@ -22,7 +22,7 @@ from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.web.answers.measurements import Corrections, SimilarImages
 from fingerpad.web.answers.study import SecondOperator
-from fingerpad.web.api.base import Item, Opened, Params, Person, study_router
+from fingerpad.web.api.base import Body, Item, Opened, Params, Person, study_router
 from fingerpad.web.api.state import review_record
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
@@ -95,7 +95,7 @@ def show(opened: Opened, params: Annotated[ItemParams, Query()]) -> Corrections:
 
 
 @router.post("/corrections", status_code=HTTPStatus.CREATED)
-def add(opened: Opened, params: ChangeParams) -> Corrections:
+def add(opened: Opened, params: Body[ChangeParams]) -> Corrections:
     """Save a correction; it is on the disk before the response."""
     study = opened.with_incomplete()
     kind_of(params.item, study)
@@ -117,7 +117,7 @@ def add(opened: Opened, params: ChangeParams) -> Corrections:
 
 
 @router.post("/corrections/undo", status_code=HTTPStatus.CREATED)
-def undo(opened: Opened, params: StepParams) -> Corrections:
+def undo(opened: Opened, params: Body[StepParams]) -> Corrections:
     """Undo the last correction."""
     log = _log(opened, params)
     return Corrections.of(
@@ -126,7 +126,7 @@ def undo(opened: Opened, params: StepParams) -> Corrections:
 
 
 @router.post("/corrections/redo", status_code=HTTPStatus.CREATED)
-def redo(opened: Opened, params: StepParams) -> Corrections:
+def redo(opened: Opened, params: Body[StepParams]) -> Corrections:
     """Redo the correction that was undone last."""
     log = _log(opened, params)
     return Corrections.of(

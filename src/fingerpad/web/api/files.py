@@ -30,7 +30,7 @@ from fingerpad.web.answers.study import (
     StateAfterRestore,
     StudyEvent,
 )
-from fingerpad.web.api.base import Here, Opened, Params, api_router, study_router
+from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
 from fingerpad.web.api.state import document
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
@@ -160,7 +160,7 @@ async def listen(opened: Opened) -> Response:
 
 
 @router.delete("/files")
-def remove(opened: Opened, params: RemoveParams) -> StateAfterRemoval:
+def remove(opened: Opened, params: Body[RemoveParams]) -> StateAfterRemoval:
     """Move an uploaded file that is not used into a hidden folder."""
     path = opened.file(params.file)
     named = opened.read().files()
@@ -179,7 +179,7 @@ def remove(opened: Opened, params: RemoveParams) -> StateAfterRemoval:
 
 
 @router.post("/files/restore")
-def restore(opened: Opened, params: RestoreParams) -> StateAfterRestore:
+def restore(opened: Opened, params: Body[RestoreParams]) -> StateAfterRestore:
     """Restore a removed file, under another name if its own is taken."""
     home = opened.folder / _REMOVED / params.removed
     kept = next((path for path in home.rglob("*") if path.is_file()), None)

@@ -10,7 +10,7 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web.answers import results as answers
-from fingerpad.web.api.base import Opened, Params, study_router
+from fingerpad.web.api.base import Body, Opened, Params, study_router
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.errors import RequestError
 from fingerpad.web.study_session import StudySession
@@ -47,7 +47,7 @@ class GeometryParams(PadParams):
 
 
 @router.post("/geometry")
-def geometry(opened: Opened, params: GeometryParams) -> answers.PadGeometry:
+def geometry(opened: Opened, params: Body[GeometryParams]) -> answers.PadGeometry:
     """Return the point of contact, the curvature there, and the drawing."""
     axes, covariance, angle_stds = _pad(opened, params)
     pad = Ellipsoid(*axes)

@@ -15,7 +15,7 @@ from fingerpad.study.imports import (
     read_file_table,
 )
 from fingerpad.web.answers import files as answers
-from fingerpad.web.api.base import Opened, Params, study_router
+from fingerpad.web.api.base import Body, Opened, Params, study_router
 from fingerpad.web.errors import RequestError
 
 router = study_router()
@@ -65,7 +65,7 @@ def identity(opened: Opened, params: Annotated[FileParams, Query()]) -> answers.
 
 
 @router.post("/files/table")
-def join(opened: Opened, params: TableParams) -> answers.JoinedTable:
+def join(opened: Opened, params: Body[TableParams]) -> answers.JoinedTable:
     """Join a spreadsheet to new files."""
     if params.file is not None:
         table = read_file_table(opened.file(params.file))
@@ -86,7 +86,7 @@ def join(opened: Opened, params: TableParams) -> answers.JoinedTable:
 
 
 @router.post("/files/pattern")
-def match(_: Opened, params: PatternParams) -> answers.PatternMatches:
+def match(_: Opened, params: Body[PatternParams]) -> answers.PatternMatches:
     """Read the names of new files by a pattern."""
     found = match_file_names(params.pattern, params.files)
     return answers.PatternMatches.of({"files": [_stated(one.file, one.values, one.problem) for one in found]})

@@ -30,7 +30,7 @@ from fingerpad.study.measuring.fingers import (
     photograph_item,
 )
 from fingerpad.web.answers import measurements as answers
-from fingerpad.web.api.base import Item, Opened, Params, Point, study_router
+from fingerpad.web.api.base import Body, Item, Opened, Params, Point, study_router
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger
@@ -65,7 +65,7 @@ class PhotographParams(Params):
 
 
 @router.post("/measure/photograph")
-def measure(opened: Opened, params: PhotographParams) -> answers.PhotographMeasurement:
+def measure(opened: Opened, params: Body[PhotographParams]) -> answers.PhotographMeasurement:
     """Measure a photograph under a correction; nothing is stored."""
     began = time.perf_counter()
     finger, photograph = _table(opened, params)

@@ -13,7 +13,7 @@ from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
 from fingerpad.web.answers import measurements as answers
-from fingerpad.web.api.base import Item, Opened, Params, Point, study_router
+from fingerpad.web.api.base import Body, Item, Opened, Params, Point, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession
@@ -57,7 +57,7 @@ class ScaleParams(Params):
 
 
 @router.post("/measure/scale")
-def scale(opened: Opened, params: ScaleParams) -> answers.ScaleMeasurement:
+def scale(opened: Opened, params: Body[ScaleParams]) -> answers.ScaleMeasurement:
     """Return the scale that a table means."""
     table = params.table
     coin = grid = None
@@ -135,7 +135,7 @@ class RectifyParams(Params):
 
 
 @router.post("/scale/rectify")
-def rectify(opened: Opened, params: RectifyParams) -> answers.RectifiedPictures:
+def rectify(opened: Opened, params: Body[RectifyParams]) -> answers.RectifiedPictures:
     """Write pictures as if seen straight on into the folder ``rectified`` of the study."""
     grid = _measured_grid(opened, params.table)
     folder = opened.folder / _RECTIFIED
@@ -167,7 +167,7 @@ class LengthParams(Params):
 
 
 @router.post("/measure/length")
-def length(opened: Opened, params: LengthParams) -> answers.LengthMeasurement:
+def length(opened: Opened, params: Body[LengthParams]) -> answers.LengthMeasurement:
     """Return the length of a line."""
     start, end = ((row, column) for row, column in params.line_px)
     found, std = scale_of(opened, params.scale).scale.length(start, end, point_px_std=params.ends_px_std)

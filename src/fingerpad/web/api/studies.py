@@ -11,7 +11,7 @@ from fingerpad.study.editing.edit import Edit, create_study
 from fingerpad.study.editing.template import write_example
 from fingerpad.study.manifest.load import STUDY_NAME, Kind
 from fingerpad.web.answers import study as answers
-from fingerpad.web.api.base import Here, Opened, Params, api_router, study_router
+from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
 from fingerpad.web.api.state import document
 from fingerpad.web.errors import RequestError
 from fingerpad.web.workspace import NAME
@@ -49,7 +49,7 @@ def session(workspace: Here) -> answers.Session:
 
 
 @here.post("/session/new", status_code=HTTPStatus.CREATED)
-def new(workspace: Here, params: NewParams) -> answers.State:
+def new(workspace: Here, params: Body[NewParams]) -> answers.State:
     """Create a study in a new folder."""
     folder = workspace.new_folder(params.name)
     create_study(folder, params.title or params.name)
@@ -67,7 +67,7 @@ def example(workspace: Here) -> answers.State:
 
 
 @here.post("/session/open")
-def open_study(workspace: Here, params: OpenParams) -> answers.State:
+def open_study(workspace: Here, params: Body[OpenParams]) -> answers.State:
     """Open a study of the workspace."""
     return answers.State.of(document(workspace.open(params.name)))
 
@@ -88,7 +88,7 @@ class EditsParams(Params):
 
 
 @router.post("/edits")
-def edit(opened: Opened, params: EditsParams) -> answers.State:
+def edit(opened: Opened, params: Body[EditsParams]) -> answers.State:
     """Apply all edits to the manifest, or none."""
     edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in params.edits]
     try:
@@ -101,7 +101,7 @@ def edit(opened: Opened, params: EditsParams) -> answers.State:
 
 
 @router.post("/run", status_code=HTTPStatus.ACCEPTED)
-def run(opened: Opened, params: RunParams) -> answers.RunStatus:
+def run(opened: Opened, params: Body[RunParams]) -> answers.RunStatus:
     """Start a run of the study."""
     opened.require_complete()
     workers = min(params.workers, os.cpu_count() or 1)
