@@ -235,3 +235,20 @@ def test_the_page_rounds_as_python_does(tab: Tab) -> None:
     )
     plain = [text.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-") for text in shown]
     assert plain == [value_with_uncertainty(*pair) for pair in _ROUNDED]
+
+
+def test_a_list_shows_what_it_holds_when_its_options_move(tab: Tab) -> None:
+    shown = tab.open().evaluate(
+        """async () => {
+          const { h, update } = await import("/static/-/core/dom.js");
+          const { choose } = await import("/static/-/parts/forms.js");
+          const root = document.body.appendChild(h("div"));
+          const values = [["x", "z"], ["z"], ["a", "z", "b"], ["b", "z", "a"], ["z", "x"]].map((options) => {
+            update(root, choose({ value: "z", options: [["", "later"], ...options] }));
+            return root.firstChild.value;
+          });
+          root.remove();
+          return values;
+        }"""
+    )
+    assert shown == 5 * ["z"]

@@ -129,10 +129,7 @@ function patch(old, now) {
   for (const key of ENTERED) {
     const [before, after] = [old.entered?.[key], now.entered?.[key]];
     const isTyped = key === "value" && typed === old && old === document.activeElement;
-    // Options that move under a list change what it shows, though what was entered is the same.
-    const moved =
-      key === "value" && old.nodeName === "SELECT" && old.value !== after && !old.validationMessage;
-    if ((before !== after || moved) && !isTyped) {
+    if (before !== after && !isTyped) {
       old[key] = after ?? (key === "value" ? "" : false);
       old.setCustomValidity?.("");
     }

@@ -175,7 +175,11 @@ export function choose({ value, options, onset, label }) {
     { "aria-label": label, onchange: ({ currentTarget }) => onset?.(currentTarget.value) },
     options.map((option) => {
       const [key, words] = Array.isArray(option) ? option : [option, option];
-      return h("option", { value: key ?? "", selected: (key ?? "") === (value ?? "") }, words);
+      return h(
+        "option",
+        { key: key ?? "", value: key ?? "", selected: (key ?? "") === (value ?? "") },
+        words,
+      );
     }),
   );
   enter(select, "value", value ?? "");
