@@ -293,6 +293,32 @@ def test_reject_with_a_reason_and_undo(tab: Tab, demo) -> None:
     assert corrections(demo)[-1]["change"] == {}
 
 
+def test_an_image_is_judged_by_its_own_corrections(tab: Tab, demo) -> None:
+    page = tab.open(f"contacts/images/{PRINT}")
+    numbers(page)
+    page.locator("h1").click()
+    page.keyboard.press("x")
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    # A key that comes before the corrections undoes the rejection they tell of.
+    late = Late(page, "**/api/studies/*/corrections?*", lambda asked: PRINT in asked.url)
+    page.keyboard.press("ArrowLeft")
+    late.wait()
+    page.keyboard.press("x")
+    late.let_go()
+    expect(page.locator(".history li")).to_have_count(2)
+    assert corrections(demo)[-1]["change"] == {}
+    # An image is not shown as rejected because the one before it is.
+    page.keyboard.press("x")
+    page.wait_for_url(re.compile("synthetic_30deg_4N"))
+    page.keyboard.press("ArrowLeft")
+    page.locator(".stage.rejected").wait_for()
+    late = Late(page, "**/api/studies/*/corrections?*", lambda asked: "synthetic_30deg_4N" in asked.url)
+    page.keyboard.press("ArrowRight")
+    late.wait()
+    assert page.locator(".stage.rejected").count() == 0
+    late.let_go()
+
+
 def test_frames_of_a_sequence(tab: Tab, demo) -> None:
     page = tab.open("contacts/sequence:synthetic_press_30deg")
     numbers(page)

@@ -126,6 +126,7 @@ export class Review {
     });
     this.#turned();
     this.measured = null;
+    this.stage.root.classList.remove("rejected"); // the image before may have been
     this.inspector.root.hidden = this.inspector.footer.hidden = false;
     this.editor.hide();
     this.box.set(null);
@@ -336,12 +337,12 @@ export class Review {
     if (turn === this.#turn) await this.remeasure(turn);
   }
 
-  /** Save a verdict; whether it was saved, and its image is still shown. */
+  /** Save the verdict on a change that may still load; whether it was, and its image is still shown. */
   async #judge(verdict) {
     const mine = this.corrections;
     if (mine.judging) return false;
     mine.judging = true;
-    const saved = mine.keep((change) => withoutDefaults({ ...change, ...verdict }));
+    const saved = mine.keep((change) => withoutDefaults({ ...change, ...verdict(change) }));
     const done = await saved.then(() => true, showError).finally(() => (mine.judging = false));
     return done === true && this.corrections === mine;
   }
@@ -349,21 +350,31 @@ export class Review {
   async accept() {
     if (!this.entry) return;
     if (!this.measured) toast(this.unreached?.message ?? this.nothingToAccept, { kind: "error" });
-    else if (this.corrections.change.accepted || (await this.#judge({ accepted: true, rejected: null })))
+    else if (
+      this.corrections.change.accepted ||
+      (await this.#judge(() => ({ accepted: true, rejected: null })))
+    )
       this.#next();
   }
 
   /** Reject the image, or undo its rejection. */
-  async reject() {
-    if (!this.entry) return;
-    if (this.corrections.change.rejected) await this.#judge({ rejected: null });
-    else await this.rejectFor(this.inspector.reason());
+  reject() {
+    const reason = this.inspector.reason();
+    return this.#reject(({ rejected }) => (rejected ? null : reason));
   }
 
   /** Reject the image for a reason, whether it was rejected or not. */
-  async rejectFor(reason) {
-    if (this.entry && (await this.#judge({ accepted: false, rejected: reason })) && this.entries[this.at + 1])
-      this.step(1);
+  rejectFor(reason) {
+    return this.#reject(() => reason);
+  }
+
+  async #reject(reasonFor) {
+    if (!this.entry) return;
+    const judged = await this.#judge((change) => {
+      const rejected = reasonFor(change);
+      return rejected ? { accepted: false, rejected } : { rejected };
+    });
+    if (judged && this.corrections.change.rejected && this.entries[this.at + 1]) this.step(1);
   }
 
   #next() {
