@@ -1,7 +1,6 @@
 """Writing a study's tables: one row per contact, one per load, scatter of repeats, and summary.json."""
 
 import csv
-import math
 from collections.abc import Mapping, Sequence
 from json.encoder import encode_basestring
 from pathlib import Path
@@ -26,11 +25,9 @@ from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary
 from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import (
-    AgreementRecord,
     AtLoadRecord,
     CheckRecord,
     ContactRepeatabilityRecord,
-    CurveFitRecord,
     CurveOnLayerRecord,
     CurveRecord,
     FaceRecord,
@@ -40,7 +37,6 @@ from fingerpad.study.results.summary_file import (
     LayerValidityRecord,
     OnLayerRecord,
     OperatorAgreementRecord,
-    OverlayRecord,
     PhotographRecord,
     PlacementRecord,
     PooledOnLayerRecord,
@@ -51,7 +47,6 @@ from fingerpad.study.results.summary_file import (
     ScatterRecord,
     SequenceRecord,
     SummaryFile,
-    ThicknessFitRecord,
     UncertaintyCheckRecord,
     ValidityRecord,
 )
@@ -152,11 +147,7 @@ def summary_of(result: StudyResult) -> SummaryFile:
         scales={
             name: ScaleRecord(reason=scale)
             if isinstance(scale, str)
-            else ScaleRecord(
-                mm_per_px=scale.scale.mm_per_px,
-                mm_per_px_std=scale.scale.mm_per_px_std,
-                flags=list(scale.flags),
-            )
+            else ScaleRecord.of(scale.scale, flags=scale.flags)
             for name, scale in result.scales.items()
         },
         curves=[
@@ -184,23 +175,17 @@ def _placements(result: StudyResult) -> list[PlacementRecord]:
 def _finger(finger: FingerResult) -> FingerRecord:
     outlines = finger.outlines
     palmar, distal, radial_ulnar = finger.semi_axes.tolist()
-    return FingerRecord(
+    return FingerRecord.of(
+        finger,
+        outlines,
         finger=finger.name,
-        person=finger.person,
-        source=finger.source,
-        synthetic=finger.synthetic,
         palmar_mm=palmar,
         distal_mm=distal,
         radial_ulnar_mm=radial_ulnar,
         covariance_mm2=finger.covariance.tolist(),
-        scale=finger.scale,
-        chi_square=outlines.chi_square if outlines else math.nan,
-        degrees_of_freedom=outlines.degrees_of_freedom if outlines else None,
-        p_value=outlines.p_value if outlines else math.nan,
-        between_faces_relative_std=outlines.between_relative_std if outlines else math.nan,
-        faces=_faces(outlines) if outlines else None,
+        between_faces_relative_std=outlines and outlines.between_relative_std,
+        faces=outlines and _faces(outlines),
         photographs=[_photograph(one) for one in finger.photographs],
-        reason=finger.reason,
     )
 
 
@@ -218,17 +203,13 @@ def _faces(outlines: PadSemiAxes) -> list[FaceRecord]:
 
 
 def _photograph(one: PhotographResult) -> PhotographRecord:
-    exponent, exponent_std = one.exponent or (math.nan, math.nan)
-    assert one.manifest.file is not None  # it was measured
-    return PhotographRecord(
-        face=one.manifest.face,
-        file=one.manifest.file,
-        uncertainty_mm_std={term: dict(axes) for term, axes in one.uncertainty.items()},
-        arc_deg=one.arc_deg,
+    exponent, exponent_std = one.exponent or (None, None)
+    return PhotographRecord.of(
+        one,
+        one.manifest,
+        uncertainty_mm_std=one.uncertainty,
         exponent=exponent,
         exponent_std=exponent_std,
-        outline_radii_deg_mm=list(one.outline_radii),
-        flags=list(one.flags),
     )
 
 
@@ -240,11 +221,8 @@ def _placement(
 ) -> PlacementRecord:
     first, framed = summary.first, summary.column("frame").notna()
     radius = validity.headlines[RADIUS]
-    return PlacementRecord(
-        finger=summary.finger,
-        wedge_angle_deg=summary.wedge_angle_deg,
-        roll_angle_deg=summary.roll_angle_deg,
-        synthetic=summary.synthetic,
+    return PlacementRecord.of(
+        summary,
         count=int((~framed).sum()),
         frames=int(framed.sum()),
         mean_curvature_radius_mm=first["mean_curvature_radius_mm"],
@@ -253,9 +231,9 @@ def _placement(
         geometric_mean_radius_mm_std=first["geometric_mean_radius_mm_std"],
         **_pooled("radius_from_indentation", summary.corrected_radius),
         **_pooled("radius_from_compliance", summary.compliance_radius),
-        on_layer=_on_layer(summary.layer) if summary.layer else None,
-        loading_radius_mm=loading.value if loading else math.nan,
-        loading_radius_mm_std=loading.std if loading else math.nan,
+        on_layer=summary.layer and _on_layer(summary.layer),
+        loading_radius_mm=loading and loading.value,
+        loading_radius_mm_std=loading and loading.std,
         **_exponent(summary.contacts_or_frames),
         uncertainty_check=check,
         radius_from_indentation_mm_model_std=radius.model_std,
@@ -295,11 +273,8 @@ def _on_layer(layer: LayerSummary) -> OnLayerRecord:
     return OnLayerRecord(
         effective_thickness_mm=layer.thickness,
         effective_thickness_mm_std=layer.thickness_std,
-        highest_load=HighestLoadOnLayer(
-            observation=layer.observation,
-            load_N=layer.load,
-            layer_flag=layer.flag,
-            **_on_layer_quantities(layer.at_highest_load),
+        highest_load=HighestLoadOnLayer.of(
+            layer, layer_flag=layer.flag, **_on_layer_quantities(layer.at_highest_load)
         ),
         pooled=PooledOnLayerRecord(**means),
     )
@@ -320,21 +295,11 @@ def _on_layer_quantity(name: str, quantity: LayerQuantity | None) -> dict[str, A
 
 def _validity(validity: Validity) -> ValidityRecord:
     layer = [_check(one) for one in validity.layer_checks]
-    return ValidityRecord(
+    return ValidityRecord.of(
+        validity,
         model="Hertz theory",
-        verdict=validity.verdict,
-        observation=validity.observation,
-        load_N=validity.load,
         headlines={
-            name: HeadlineRecord(
-                verdict=one.verdict,
-                value=one.value,
-                value_std=one.std,
-                model_std=one.model_std,
-                total_std=one.total_std,
-                model_relative_std=validity.relative_stds[name],
-                model_from=one.model_from,
-            )
+            name: HeadlineRecord.of(one, value_std=one.std, model_relative_std=validity.relative_stds[name])
             for name, one in validity.headlines.items()
         },
         checks=[_check(one) for one in validity.checks],
@@ -343,35 +308,17 @@ def _validity(validity: Validity) -> ValidityRecord:
 
 
 def _check(one: ValidityCheck) -> CheckRecord:
-    return CheckRecord(
-        check=one.name,
-        compared=one.compared,
-        headlines=list(one.quantities),
-        verdict=one.verdict,
-        unit=one.unit,
-        value=one.value,
-        value_std=one.value_std,
-        reference=one.reference,
-        reference_std=one.reference_std,
-        difference=one.difference,
-        relative_difference=one.relative_difference,
-        difference_of=one.difference_of,
-        deviations=one.deviations,
-        p_value=one.p_value,
-        note=one.note,
-    )
+    return CheckRecord.of(one, check=one.name, headlines=one.quantities)
 
 
 def _contact_repeatability(one: ContactRepeatability, *, synthetic: bool) -> ContactRepeatabilityRecord:
-    return ContactRepeatabilityRecord(
+    return ContactRepeatabilityRecord.of(
+        one,
         synthetic=synthetic,
-        contact_area_log_std=one.area_std if one.known else math.nan,
-        aspect_ratio_log_std=one.aspect_ratio_std if one.known else math.nan,
+        contact_area_log_std=one.area_std if one.known else None,
+        aspect_ratio_log_std=one.aspect_ratio_std if one.known else None,
         log_radius_and_elongation_covariance=one.covariance.tolist() if one.known else None,
         degrees_of_freedom=one.freedom,
-        groups=one.groups,
-        count=one.count,
-        missing=one.missing,
     )
 
 
@@ -384,23 +331,20 @@ def scatter_record(one: StudyScatter) -> ScatterRecord:
     components = one.scatter.components
     outwards = np.array([level.std for level in reversed(components.values())])
     limits = LIMIT_FACTOR * np.sqrt(np.nancumsum(outwards**2))[::-1]
-    return ScatterRecord(
-        quantity=one.quantity,
-        synthetic=one.synthetic,
+    return ScatterRecord.of(
+        one,
         icc=one.scatter.icc,
         icc_ci95=one.scatter.icc_interval,
         levels=[
-            ScatterLevelRecord(
-                quantity=one.quantity,
-                synthetic=one.synthetic,
+            ScatterLevelRecord.of(
+                one,
+                found,
                 level=level,
                 log_std=found.std,
                 log_std_ci95_low=found.interval[0],
                 log_std_ci95_high=found.interval[1],
-                log_limit_of_agreement=limit if found.known else math.nan,
+                log_limit_of_agreement=limit if found.known else None,
                 degrees_of_freedom=found.freedom,
-                groups=found.groups,
-                count=found.count,
                 includes=" ".join(found.includes),
                 missing=one.missing.get(level, ""),
             )
@@ -411,26 +355,15 @@ def scatter_record(one: StudyScatter) -> ScatterRecord:
 
 def _agreement(one: OperatorAgreement) -> OperatorAgreementRecord:
     first, second = one.operators
-    return OperatorAgreementRecord(
-        synthetic=one.synthetic,
-        first_operators=list(first),
-        second_operators=list(second),
-        count=len(one.pairs),
-        iou_mean=one.iou_mean,
-        iou_least=one.iou_least,
-        **{name: AgreementRecord.model_validate(each) for name, each in one.quantities.items()},
+    return OperatorAgreementRecord.of(
+        one, first_operators=first, second_operators=second, count=len(one.pairs), **one.quantities
     )
 
 
 def _at_load(one: AtLoad) -> AtLoadRecord:
-    return AtLoadRecord(
-        finger=one.finger,
-        wedge_angle_deg=one.wedge_angle_deg,
-        roll_angle_deg=one.roll_angle_deg,
-        synthetic=one.synthetic,
-        load_N=one.load,
+    return AtLoadRecord.of(
+        one,
         contacts=one.count,
-        sessions=one.sessions,
         **_mean("contact_area_mm2", one.area),
         **_mean("youngs_modulus_kpa", one.modulus),
         youngs_modulus_kpa_model_std=one.modulus.model_std,
@@ -466,12 +399,9 @@ def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> SequenceRecord:
             "first_contact_frame": summary.first_contact,
             "notes": list(summary.notes),
         }
-    return SequenceRecord(
+    return SequenceRecord.of(
+        of,
         sequence=of.name,
-        finger=of.finger,
-        wedge_angle_deg=of.wedge_angle_deg,
-        roll_angle_deg=of.roll_angle_deg,
-        synthetic=of.synthetic,
         **counts,
         phases_corrected_by=phases and phases.who,
         phases_corrected_at=phases and phases.when,
@@ -480,7 +410,7 @@ def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> SequenceRecord:
         rows=len(frames),
         pooled=int(frames["pooled"].sum()),
         **_exponent(frames),
-        overlays=[OverlayRecord.model_validate(one) for one in sequence.overlays],
+        overlays=sequence.overlays,
         reason=sequence.reason,
     )
 
@@ -491,25 +421,14 @@ def _exponent(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> CurveRecord:
-    return CurveRecord(
-        file=curve.manifest.file,
-        finger=curve.manifest.finger,
-        wedge_angle_deg=curve.manifest.wedge_angle_deg,
-        synthetic=curve.manifest.synthetic,
-        loading_radius_mm=curve.loading_radius,
-        loading_radius_mm_std=curve.loading_radius_std,
-        velocity_mm_per_s=curve.velocity,
-        reason=curve.reason,
-        fit=CurveFitRecord.model_validate(curve.fit.as_record()) if curve.fit else None,
-        layer=ThicknessFitRecord.model_validate(curve.layer.as_record()) if curve.layer else None,
-        on_layer=CurveOnLayerRecord(
-            load_N=layered.load,
-            indentation_mm=layered.indentation,
-            indentation_mm_std=layered.indentation_std,
-            contact_shift_mm=layered.contact_shift,
-            layer_flag=layered.flag,
-            **_on_layer_quantities(layered.quantities),
-        )
-        if layered
-        else None,
+    on_layer = None
+    if layered is not None:
+        quantities = _on_layer_quantities(layered.quantities)
+        on_layer = CurveOnLayerRecord.of(layered, layer_flag=layered.flag, **quantities)
+    return CurveRecord.of(
+        curve,
+        curve.manifest,
+        fit=curve.fit and curve.fit.as_record(),
+        layer=curve.layer and curve.layer.as_record(),
+        on_layer=on_layer,
     )

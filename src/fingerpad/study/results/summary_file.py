@@ -1,6 +1,7 @@
 """The content of ``summary.json``: written by a run, read by the page, by comparisons and by users."""
 
 import math
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Self, TypeAlias
@@ -69,6 +70,8 @@ _COMPANIONS: Final[Mapping[str, str]] = {
 }  # fmt: skip
 
 
+_UNIT: Final = re.compile(r"_(?:mm_per_s|mm2?|kpa|N|deg)(?=_|$)")
+_MISSING: Final = object()
 _UNITS: Final = {"_mm": ", mm", "_mm2": ", mm²", "_kpa": ", kPa", "_kpa_per_N": ", kPa/N"}
 
 
@@ -87,6 +90,23 @@ class Record(BaseModel):
     """A part of ``summary.json``; keys of another version are passed over."""
 
     model_config = ConfigDict(frozen=True, from_attributes=True, json_schema_extra=_describe)
+
+    @classmethod
+    def of(cls, *sources: object, **given: Any) -> Self:
+        """Return a record of the attributes that objects have under the names of its keys, or without units.
+
+        What is given by name is taken first, then the first source that has it. Where a source is None, what
+        no other has is not known.
+        """
+        absent = None in sources
+        for name, key in cls.model_fields.items():
+            attributes = (name, _UNIT.sub("", name))
+            found = (getattr(of, each) for of in sources for each in attributes if hasattr(of, each))
+            if name not in given and (value := next(found, _MISSING)) is not _MISSING:
+                given[name] = value
+            elif name not in given and absent and key.is_required():
+                given[name] = None
+        return cls.model_validate(given)
 
 
 class Placed(Record):
