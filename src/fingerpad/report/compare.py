@@ -13,17 +13,15 @@ from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import new_panels
 from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_forest
-from fingerpad.report.plot import Plot, save_plot
+from fingerpad.report.plot import Plot, save_plots
 from fingerpad.report.plots import by_wedge_plot
 from fingerpad.report.templates import templates
 from fingerpad.report.text import VERDICT_SYMBOLS
 from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
-from fingerpad.units import MM_PER_INCH
 
 _LONGEST_LABEL: Final = 38
 # More fingers than these make no readable figure: their people are drawn in their place.
 _MOST_ROWS: Final = 100
-_PX_PER_INCH: Final = 140
 _SYMBOLS: Final = {
     "palmar_mm": "ℓ<sub>a</sub>",
     "distal_mm": "ℓ<sub>b</sub>",
@@ -64,12 +62,12 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
                     "values": comparison.of(name)[0],
                     "means": comparison.of(name)[1],
                     "judged": any(value.verdict for value in comparison.of(name)[0]),
-                    "figures": _drawn(forest_plot(comparison, name), out),
+                    "figures": save_plots(forest_plot(comparison, name), out / "figures"),
                 }
                 for name, kind in QUANTITIES.items()
                 if comparison.of(name)[0]
             ],
-            by_wedge=_drawn(wedge_plot(comparison), out),
+            by_wedge=save_plots(wedge_plot(comparison), out / "figures"),
             synthetic=any(value.synthetic for value in comparison.values),
         )
         path.write_text(page, encoding="utf-8")
@@ -233,14 +231,3 @@ def _mark(mean: Mean) -> MeanMark:
         between_std=mean.between_people_std,
         synthetic=mean.synthetic,
     )
-
-
-def _drawn(plots: Iterator[Plot], out: Path) -> list[dict[str, str]]:
-    """Save each plot as files, and return it as SVG for the page."""
-    drawn = []
-    for plot in plots:
-        file = save_plot(plot, out / "figures")
-        _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
-        width_px = round(_PX_PER_INCH * plot.width_mm / MM_PER_INCH)
-        drawn.append({"svg": Markup(drawing), "caption": plot.caption, "width_px": str(width_px)})  # noqa: S704 (drawn here)
-    return drawn

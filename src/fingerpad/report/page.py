@@ -21,7 +21,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.compare import MOST_NAMES, colours_of
 from fingerpad.flags import FLAGS, Flag, flags_in
 from fingerpad.report.layer import comparisons, layer_plots
-from fingerpad.report.plot import Plot, save_plot
+from fingerpad.report.plot import Plot, save_plots
 from fingerpad.report.plots import (
     MOST_POINTS,
     agreement_plots,
@@ -114,8 +114,6 @@ def write_page(
         "face_differences": face_differences,
         "percent": percent,
         "phases": phase_words,
-        # Read as the page is written: all together they would take more memory than all rows.
-        "drawing": _drawing,
         "picture": lambda overlay: _picture(overlays / overlay),
         "outline_doubts": outline_doubts,
         "photograph_flags": photograph_flags,
@@ -126,7 +124,11 @@ def write_page(
         "quantity": _quantity,
         "headlines": HEADLINE_WORDS,
     }
-    path, draw, found = out / name, partial(_drawn, out, on_drawn), answers_of(result)
+    path, draw, found = (
+        out / name,
+        partial(save_plots, folder=out / "figures", on_drawn=on_drawn),
+        answers_of(result),
+    )
     try:
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)
@@ -337,22 +339,6 @@ def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
 def _share(whole: int, count: int) -> int:
     """Return how many each of so many may have of a whole, at least one."""
     return max(1, whole // max(count, 1))
-
-
-def _drawn(out: Path, on_drawn: Callable[[str], None], plots: Iterable[Plot]) -> list[dict[str, Any]]:
-    """Save each plot as files, and return its SVG and caption for the page."""
-    shown = []
-    for plot in plots:
-        file = save_plot(plot, out / "figures")
-        shown.append({"file": file, "caption": plot.caption})
-        on_drawn(plot.name.replace("_", " "))
-    return shown
-
-
-def _drawing(file: Path) -> Markup:
-    """Return a drawing as an element of the page."""
-    _, _, drawing = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
-    return Markup(drawing)  # noqa: S704 (drawn here)
 
 
 def _picture(overlay: Path) -> str:

@@ -1,10 +1,11 @@
-"""A drawn figure with its name and caption."""
+"""Drawn figures with names and captions, and how pages show them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Concatenate, ParamSpec
+from typing import Any, Concatenate, Final, ParamSpec
 
+from markupsafe import Markup
 from matplotlib.figure import Figure as Drawn
 
 from fingerpad.figures import save_figure, save_panels
@@ -12,6 +13,7 @@ from fingerpad.figures.marks import Figure, Panel, new_panels
 from fingerpad.units import MM_PER_INCH
 
 Arguments = ParamSpec("Arguments")
+_PX_PER_INCH: Final = 140  # how large a page shows figures that stand alone
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,13 +34,6 @@ class Plot:
     figure: Figure | Drawn
     caption: str
 
-    @property
-    def width_mm(self) -> float:
-        """Width on paper."""
-        if isinstance(self.figure, Figure):
-            return self.figure.width_mm
-        return MM_PER_INCH * self.figure.get_figwidth()
-
 
 def panel(
     plot: Callable[Concatenate[Panel, Arguments], object], *args: Arguments.args, **kwargs: Arguments.kwargs
@@ -49,9 +44,28 @@ def panel(
     return figure
 
 
-def save_plot(plot: Plot, folder: Path) -> Path:
-    """Write the files of a plot into a folder, and return its SVG."""
-    path = folder / plot.name
-    if isinstance(plot.figure, Figure):
-        return save_panels(plot.figure, path, description=plot.caption)[0]
-    return save_figure(plot.figure, path, description=plot.caption)[0]
+def save_plots(
+    plots: Iterable[Plot], folder: Path, on_drawn: Callable[[str], None] = lambda _: None
+) -> list[dict[str, Any]]:
+    """Write the files of each plot into a folder, and return what a page shows of it.
+
+    `on_drawn` is called with the name of each as it is drawn.
+    """
+    shown = []
+    for plot in plots:
+        path, figure = folder / plot.name, plot.figure
+        if isinstance(figure, Figure):
+            (file, *_), width_mm = save_panels(figure, path, description=plot.caption), figure.width_mm
+        else:
+            file, *_ = save_figure(figure, path, description=plot.caption)
+            width_mm = MM_PER_INCH * figure.get_figwidth()
+        width_px = round(_PX_PER_INCH * width_mm / MM_PER_INCH)
+        shown.append({"file": file, "caption": plot.caption, "width_px": width_px})
+        on_drawn(plot.name.replace("_", " "))
+    return shown
+
+
+def drawing(file: Path) -> Markup:
+    """Return a drawing as an element of a page."""
+    _, _, svg = file.read_text(encoding="utf-8").partition("\n")  # without the XML declaration
+    return Markup(svg)  # noqa: S704 (drawn here)

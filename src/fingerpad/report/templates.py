@@ -14,6 +14,7 @@ from fingerpad._rounding import (
     uncertainty_of_positive,
     value_with_uncertainty,
 )
+from fingerpad.report.plot import drawing
 from fingerpad.report.text import VERDICT_SYMBOLS, probability
 
 
@@ -82,7 +83,8 @@ def templates() -> Environment:
         bytecode_cache=_COMPILED,
     )
     style = files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")
-    environment.filters |= {"typeset": typeset, "probability": probability}
+    # Drawings are read as a page is written: all together they would take more memory than all rows.
+    environment.filters |= {"typeset": typeset, "probability": probability, "drawing": drawing}
     environment.globals |= {
         "pm": signed_with_uncertainty,
         "positive": positive_with_uncertainty,

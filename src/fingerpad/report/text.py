@@ -22,7 +22,6 @@ from fingerpad.study.results.table import items, records
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.study.results.validity.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
 
-# Why a flag, or a range note, leaves a contact out.
 # They differ in shades of grey too.
 VERDICT_SYMBOLS: Final[Mapping[str, str]] = {
     HOLDS: "●",
