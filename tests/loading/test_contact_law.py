@@ -16,7 +16,7 @@ from fingerpad.loading import ContactLaw, LoadingCurve, contact_law
 from fingerpad.loading.law_registry import LAWS, find_law
 from fingerpad.loading.laws import load_at, shape_factors
 from fingerpad.report.loading import loading_plots
-from fingerpad.report.plot import save_plot
+from fingerpad.report.plot import save_plots
 from fingerpad.simulate import simulate_loading_curve
 
 pytestmark = pytest.mark.usefixtures("own_laws")
@@ -227,8 +227,7 @@ def test_drawn_and_reported(tmp_path) -> None:
     curve = record(law, youngs_modulus=0.04, stiffening=2.0)
     fit = fp.fit_loading_curve(curve, law=law)
     assert draw(fit).png
-    (drawn, *_) = loading_plots("press", curve, fit)
-    save_plot(drawn, tmp_path)
+    save_plots(loading_plots("press", curve, fit), tmp_path)
     assert "stiffening" in (tmp_path / "press_load_indentation.json").read_text()
     found = fit.as_record()["law"]
     assert [(each["name"], each["unit"]) for each in found["parameters"]] == [

@@ -247,8 +247,7 @@ def _loads(text: str) -> tuple[float, float]:
 def _draw(folder: Path, name: str, record: Any, found: Any, cycle: int) -> None:
     from fingerpad._files import make_folder
     from fingerpad.report.loading import loading_plots
-    from fingerpad.report.plot import save_plot
+    from fingerpad.report.plot import save_plots
 
     make_folder(folder)
-    for drawn in loading_plots(name, record, found, cycle=cycle):
-        save_plot(drawn, folder)
+    save_plots(loading_plots(name, record, found, cycle=cycle), folder)
