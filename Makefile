@@ -1,5 +1,5 @@
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check docs bench clean
+.PHONY: help setup demo test nightly check docs bench clean
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -23,11 +23,15 @@ demo: setup ## Run the bundled study and write its report to demo-report/
 	$(BIN)/fingerpad run examples/dzidek2017/study.toml --out demo-report
 
 # Linear algebra takes one thread, as in the command line.
-test bench: export OMP_NUM_THREADS = 1
+test nightly bench: export OMP_NUM_THREADS = 1
 
-test: setup ## Run all tests
+test: setup ## Run the tests, but for those of the night
 	sh tools/find-chromium
-	$(BIN)/python -m pytest -n auto --dist worksteal
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not nightly"
+
+nightly: setup ## Run all tests, those at size too, with new examples of Hypothesis
+	sh tools/find-chromium
+	HYPOTHESIS_PROFILE=nightly $(BIN)/python -m pytest -n auto --dist worksteal
 
 check: setup ## Lint and type-check Python and the page's scripts, and check the layers
 	$(BIN)/ruff check .
