@@ -30,6 +30,7 @@ def test_exact_points(arc_deg, tilt):
     assert fit.ellipse.parameters[2:] == pytest.approx((11.8, 13.8, tilt), rel=1e-4, abs=1e-5)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("reach", [0.3, 4.0, 10.0])
 def test_coverage_with_correlated_errors(reach):
     fits = [fit_arc_ellipse(noisy(seed, reach=reach), (0.0, 0.02)) for seed in range(40)]

@@ -93,6 +93,7 @@ def values_of(item):
     )
 
 
+@pytest.mark.nightly
 def test_interval_coverage():
     errors, scores = [], []
     for truth in hard_truths():

@@ -5,6 +5,8 @@ import pytest
 from benchmarks.claims.contact_edge import measured_images, scores_of, sets_of_one_device
 from benchmarks.claims.contact_images import independent_errors
 
+pytestmark = pytest.mark.nightly
+
 
 @pytest.fixture(scope="module")
 def images():

@@ -176,6 +176,7 @@ def test_face_of_other_finger_disagrees():
     assert joint.disagreements[1]["radial_ulnar"] - joint.disagreements[0]["radial_ulnar"] > 0.04
 
 
+@pytest.mark.nightly
 def test_interval_coverage():
     off = []
     for seed in range(12):

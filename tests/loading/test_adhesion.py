@@ -165,6 +165,7 @@ def test_without_a_pull_off_nothing_is_guessed() -> None:
 
 
 # Records of others, in kind and number; `python -m benchmarks adhesion` has more of them.
+@pytest.mark.nightly
 @pytest.mark.parametrize("kind", ["pad", "pad_compliant", "afm", "afm_stage"])
 def test_coverage_on_records_of_others(kind) -> None:
     found = [judged(record) for record in records(seed=3, count=5, kind=kind)]

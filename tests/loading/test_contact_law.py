@@ -73,6 +73,7 @@ def test_own_law_is_fitted_and_preferred() -> None:
     assert fit.law.flags == ()
 
 
+@pytest.mark.nightly
 def test_coverage_of_an_own_law() -> None:
     law, held = stiffening(), []
     for seed in range(12):

@@ -30,6 +30,7 @@ def test_equivalent_radius_at_any_displacement_zero() -> None:
         assert_allclose(fit.value, TRUE_RADIUS, rtol=1e-12)
 
 
+@pytest.mark.nightly
 def test_std_coverage() -> None:
     rng = np.random.default_rng(5)
     # Noise of one size at all loads, as least squares takes it to be.

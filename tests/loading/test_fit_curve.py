@@ -29,6 +29,7 @@ def fit_of_curve() -> LoadingFit:
     return fit_loading_curve(CURVE)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.0)])
 def test_coverage_and_bias(points: int, beta: float) -> None:
     """On a few curves what `benchmarks.claims.loading` measures on many."""

@@ -355,6 +355,7 @@ def test_a_session_measures_nothing_again(tmp_path: Path) -> None:
     assert "done" not in seen
 
 
+@pytest.mark.nightly
 def test_coverage_of_means_at_each_load() -> None:
     """On a few studies what `benchmarks.claims.repeatability` measures on many."""
     found = [repeatability.mean_coverage(of, design, 10) for _, of, design in repeatability.MEANS[1::2]]

@@ -47,6 +47,7 @@ def test_the_truth_is_that_of_the_equations() -> None:
     assert thin.area / (np.pi * thin.indentation) > 1.4 * 14
 
 
+@pytest.mark.nightly
 def test_the_model_holds_where_it_holds() -> None:
     found = scores(60, 0, {"Hertz theory": CASES["Hertz theory"]})["Hertz theory"]
     assert found.share(HOLDS) > 0.87  # 95 % less three standard deviations of 60 studies
@@ -57,6 +58,7 @@ def test_the_model_holds_where_it_holds() -> None:
     assert all(np.mean(covered) > 0.85 for covered in found.covered.values())
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("case", WRONG)
 def test_each_way_to_fail_is_found_and_covered(case: str) -> None:
     found = scores(12, 0, {case: CASES[case]})[case]

@@ -127,6 +127,7 @@ def test_values_without_a_group_are_refused() -> None:
         nested_scatter([1.0, np.nan], {"finger": [0, 1]})
 
 
+@pytest.mark.nightly
 def test_coverage() -> None:
     """On a few studies what the benchmark measures on many: few groups, unbalanced, nested."""
     totals: dict[str, list[int]] = {}
