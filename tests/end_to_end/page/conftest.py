@@ -13,6 +13,12 @@ from tests.end_to_end.page.browser import Tab, served
 from fingerpad.study.editing.template import write_example
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Callable[..., AbstractContextManager[Browser]]]:
     """Starts a browser with some options."""
