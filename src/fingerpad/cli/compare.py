@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fingerpad._rounding import positive_with_uncertainty
-from fingerpad.cli.shared import AsJson, print_json
+from fingerpad.cli.shared import AsJson, print_json, print_rows
 
 if TYPE_CHECKING:
     from fingerpad.study.compare import Comparison, Mean, ValidityVerdict, Value
@@ -54,16 +54,13 @@ def _print_tables(found: "Comparison") -> None:
         typer.echo(f"{name}: {kind.words}")
         rows = [(_who(value), _place(value), _value_text(value)) for value in values]
         rows += [(_mean_of(mean), _place(mean), _mean_text(mean)) for mean in means if len(mean.people) > 1]
-        width, place = (max(len(row[column]) for row in rows) for column in (0, 1))
-        for who, where, text in rows:
-            typer.echo(f"  {who:<{width}}  {where:<{place}}  {text}")
+        print_rows(rows, "  ")
     if found.verdicts:
         typer.echo("validity: whether the model holds, and which checks say so")
-        lines = [(_who(one), _place(one), one.model, one.verdict) for one in found.verdicts]
-        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-        for line, one in zip(lines, found.verdicts, strict=True):
-            cells = "  ".join(f"{text:<{width}}" for text, width in zip(line, widths, strict=True))
-            typer.echo(f"  {cells}  {', '.join(one.checks)}".rstrip())
+        verdicts = ((one, ", ".join(one.checks)) for one in found.verdicts)
+        print_rows(
+            ((_who(one), _place(one), one.model, one.verdict, checks) for one, checks in verdicts), "  "
+        )
     for note in found.notes:
         typer.echo(f"note: {note}")
 

@@ -13,11 +13,12 @@ from fingerpad.cli.shared import (
     WedgeAngle,
     column_flags,
     columns_of,
+    estimate_of,
     placement_of,
     print_folder,
     print_json,
     print_note,
-    require_positive,
+    takes,
 )
 from fingerpad.exceptions import FitError, LoadingError
 
@@ -26,6 +27,35 @@ if TYPE_CHECKING:
     from fingerpad.loading import LawFit, LoadingCurve
 
 
+def _thickness(text: str) -> float:
+    """Return a thickness; as text, since numbers on the command line are finite."""
+    try:
+        return float(text)
+    except ValueError:
+        raise LoadingError(f"--thickness-mm takes a thickness in mm or inf, found {text!r}") from None
+
+
+@takes(
+    loading_radius=estimate_of(
+        "--radius-mm", "Loading radius R_g, mm, where the curve has no area.", "mm", min=1e-6, max=1e6
+    ),
+    stage_compliance=estimate_of(
+        "--stage-compliance-mm-per-n", "By how much the stage yields under load, mm/N.", "mm/N", min=0
+    ),
+    area_delay=estimate_of("--area-delay-s", "By how much the areas are late, s.", "s"),
+    thickness=estimate_of(
+        "--thickness-mm",
+        "Thickness of the layer that is pressed, mm; inf for a half-space, which has none.",
+        "mm",
+        read=_thickness,
+        metavar="MM",
+    ),
+    constraint=estimate_of(
+        "--constraint",
+        "Factor by which bone stiffens the pad; uncertain. Moduli are divided by it.",
+        min=1e-6,
+    ),
+)
 def fit(
     curve: Annotated[
         Path,
@@ -36,11 +66,7 @@ def fit(
     poisson_ratio: Annotated[
         float, typer.Option(min=-0.99, max=0.5, help="Poisson's ratio of the pad.")
     ] = 0.5,
-    radius_mm: Annotated[
-        float | None,
-        typer.Option(min=1e-6, max=1e6, help="Loading radius R_g, mm, where the curve has no area."),
-    ] = None,
-    radius_mm_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, mm.")] = 0.0,
+    loading_radius: "Estimate | None",
     cycle: Annotated[int, typer.Option(min=0, help="Which press of the record, from 0.")] = 0,
     contact_point: Annotated[
         str,
@@ -49,31 +75,13 @@ def fit(
     load_range_n: Annotated[
         str | None, typer.Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
     ] = None,
-    stage_compliance_mm_per_n: Annotated[
-        float | None,
-        typer.Option(min=0, help="By how much the stage yields under load, mm/N.", show_default=False),
-    ] = None,
-    stage_compliance_mm_per_n_std: Annotated[
-        float, typer.Option(min=0, help="Its standard uncertainty, mm/N.")
-    ] = 0.0,
-    area_delay_s: Annotated[
-        float | None, typer.Option(help="By how much the areas are late, s.", show_default=False)
-    ] = None,
-    area_delay_s_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, s.")] = 0.0,
-    thickness_mm: Annotated[
-        str | None,
-        typer.Option(
-            metavar="MM",
-            help="Thickness of the layer that is pressed, mm; inf for a half-space, which has none.",
-            show_default=False,
-        ),
-    ] = None,
-    thickness_mm_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty, mm.")] = 0.0,
+    stage_compliance: "Estimate | None",
+    area_delay: "Estimate | None",
+    thickness: "Estimate | None",
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
         typer.Option(
-            help="Palmar, distal and radial-ulnar semi-axes, mm: the thickness over bone is fitted, too.",
-            show_default=False,
+            help="Palmar, distal and radial-ulnar semi-axes, mm: the thickness over bone is fitted, too."
         ),
     ] = None,
     wedge_deg: WedgeAngle = 0.0,
@@ -92,22 +100,14 @@ def fit(
             min=0,
             max=1,
             help="Relative, of all areas alike, as of their scale; 0.02 for the layer if not given.",
-            show_default=False,
         ),
     ] = None,
-    constraint: Annotated[
-        float | None,
-        typer.Option(
-            min=1e-6, help="Factor by which bone stiffens the pad; uncertain. Moduli are divided by it."
-        ),
-    ] = None,
-    constraint_std: Annotated[float, typer.Option(min=0, help="Its standard uncertainty.")] = 0.0,
+    constraint: "Estimate | None",
     law: Annotated[
         str | None,
         typer.Option(
             metavar="NAME|FILE.py:NAME|MODULE:NAME",
             help="A contact law to fit as well and compare: jkr, where there is a pull-off, or your own.",
-            show_default=False,
         ),
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Folder for the figures, as SVG and JSON.")] = None,
@@ -121,13 +121,11 @@ def fit(
     tissue over bone, and compared with a half-space.
     """
     from fingerpad._columns import columns_named_by, unread_notes
-    from fingerpad.estimate import Estimate
     from fingerpad.flags import flags_in
     from fingerpad.loading import fit_layer_thickness, fit_loading_curve, read_loading_curve
     from fingerpad.loading.curve import unread_curve_columns
 
-    require_positive("--radius-mm", radius_mm)
-    if semi_axes_mm is not None and thickness_mm is not None:
+    if semi_axes_mm is not None and thickness is not None:
         raise LoadingError("--semi-axes-mm fits the thickness that --thickness-mm states; give one of them")
     of_the_layer = wedge_deg or pad_radius_mm_std or poisson_ratio_std or load_relative_std
     if of_the_layer and semi_axes_mm is None:
@@ -135,10 +133,6 @@ def fit(
             "--wedge-deg, --pad-radius-mm-std, --poisson-ratio-std and --load-relative-std go with "
             "--semi-axes-mm"
         )
-    compliance = _given(
-        "--stage-compliance-mm-per-n", stage_compliance_mm_per_n, stage_compliance_mm_per_n_std
-    )
-    delay = _given("--area-delay-s", area_delay_s, area_delay_s_std)
     columns = columns_of(column, "time", "force", "displacement", "area")
     with columns_named_by(column_flags):
         record = read_loading_curve(curve, columns)
@@ -150,13 +144,12 @@ def fit(
     area_std: dict[str, Any] = {} if area_relative_std is None else {"area_relative_std": area_relative_std}
     given: dict[str, Any] = {
         "poisson_ratio": poisson_ratio,
-        "loading_radius": _given("--radius-mm", radius_mm, radius_mm_std),
+        "loading_radius": loading_radius,
         "cycle": cycle,
-        "stage_compliance": compliance,
-        "area_delay": delay,
+        "stage_compliance": stage_compliance,
+        "area_delay": area_delay,
         **area_std,
     }
-    thickness = _given("--thickness-mm", _thickness(thickness_mm), thickness_mm_std)
     asked: dict[str, Any] = {
         "contact_point": contact_point,
         "fit_load_range": None if load_range_n is None else _loads(load_range_n),
@@ -175,7 +168,7 @@ def fit(
         _show(alone.report(), {"file": str(curve), "law": alone.as_record()}, as_json=as_json)
         return
     if constraint is not None:
-        found = found.divide_by_constraint(Estimate.symmetric(constraint, constraint_std))
+        found = found.divide_by_constraint(constraint)
     layer = None
     if semi_axes_mm is not None:
         layer = fit_layer_thickness(
@@ -187,8 +180,8 @@ def fit(
             load_relative_std=load_relative_std,
             **area_std,
             cycle=cycle,
-            stage_compliance=compliance,
-            area_delay=delay,
+            stage_compliance=stage_compliance,
+            area_delay=area_delay,
         )
     if plot is not None:
         _draw(plot, curve.stem, record, found, cycle)
@@ -217,23 +210,6 @@ def _show(text: str, record: Mapping[str, Any], *, as_json: bool) -> None:
         print_json(record)
     else:
         typer.echo(text.replace("or loading_radius", "or --radius-mm"))
-
-
-def _given(flag: str, value: float | None, std: float) -> "Estimate | None":
-    """Return a quantity with its uncertainty, None without it."""
-    from fingerpad.estimate import Estimate
-
-    if not std >= 0 or (std and value is None):
-        raise LoadingError(f"{flag}-std must not be negative, and goes with {flag}")
-    return None if value is None else Estimate.symmetric(value, std)
-
-
-def _thickness(text: str | None) -> float | None:
-    """Return a thickness; as text, since numbers on the command line are finite."""
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        raise LoadingError(f"--thickness-mm takes a thickness in mm or inf, found {text!r}") from None
 
 
 def _loads(text: str) -> tuple[float, float]:

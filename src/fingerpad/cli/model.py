@@ -23,6 +23,7 @@ from fingerpad.cli.shared import (
     print_folder,
     print_json,
     print_record,
+    print_rows,
     require_positive,
 )
 from fingerpad.units import KPA_PER_MPA
@@ -188,10 +189,10 @@ def reproduce(
 
 
 def _print_audit(items: "list[AuditItem]") -> None:
-    width = max(len(item.item) for item in items)
-    typer.echo(f"{'item':<{width}}  {'printed':>7}  {'computed':>8}  unit  verdict")
+    rows = [("item", "printed", "computed", "unit", "verdict")]
     for item in items:
         printed = "–" if item.printed is None else f"{item.printed:.1f}"
         computed = "–" if item.computed is None else f"{item.computed:.2f}"
         verdict = f"{item.verdict} (measured)" if item.computed is None else item.verdict
-        typer.echo(f"{item.item:<{width}}  {printed:>7}  {computed:>8}  {item.unit:<4}  {verdict}")
+        rows.append((item.item, f"{printed:>7}", f"{computed:>8}", item.unit, verdict))
+    print_rows(rows)

@@ -3,11 +3,11 @@
 import math
 import shlex
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from enum import IntEnum
 from functools import wraps
-from inspect import Parameter, signature
+from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, TypeAlias
 
@@ -22,6 +22,7 @@ from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
     from fingerpad.contact import Contact, Tissue
+    from fingerpad.estimate import Estimate
     from fingerpad.geometry import Ellipsoid, Placement
 
 AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
@@ -274,6 +275,34 @@ def columns_of(texts: list[str] | None, *known: str) -> dict[str, str]:
     return columns
 
 
+def estimate_of(
+    flag: str, words: str, unit: str = "", *, read: Callable[[str], float] | None = None, **limits: Any
+) -> Callable[..., "Estimate | None"]:
+    """Return a function of a flag and its standard uncertainty, for `takes`, which returns the two as one.
+
+    Text is read by a function where it is not a finite number.
+    """
+    name = flag[2:].replace("-", "_")
+
+    def make(**given: Any) -> "Estimate | None":
+        value, std = given[name], given[f"{name}_std"]
+        if not std >= 0 or (std and value is None):
+            raise LoadingError(f"{flag}-std must not be negative, and goes with {flag}")
+        if value is None:
+            return None
+        from fingerpad.estimate import Estimate
+
+        return Estimate.symmetric(value if read is None else read(value), std)
+
+    own = Annotated[(str if read else float) | None, typer.Option(help=words, **limits)]
+    std = Annotated[float, typer.Option(min=0, help=f"Its standard uncertainty{unit and ', '}{unit}.")]
+    make.__signature__ = Signature(  # type: ignore[attr-defined]
+        Parameter(each, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+        for each, default, annotation in ((name, None, own), (f"{name}_std", 0.0, std))
+    )
+    return make
+
+
 def column_flags(columns: Mapping[str, str]) -> str:
     """Return what to write after the command to have columns read."""
     return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
@@ -352,9 +381,16 @@ def print_text(record: Mapping[str, Any]) -> None:
             shown[key] = _text(value, values.get(f"{key}_std"))
         elif key.removesuffix("_std") not in values:
             shown[key] = two_digits(value) if isinstance(value, float) and value > 0 else _text(value)
-    width = max(map(len, shown))
-    for key, text in shown.items():
-        typer.echo(f"{key:<{width}}  {text}")
+    print_rows(shown.items())
+
+
+def print_rows(rows: Iterable[Sequence[str]], indent: str = "") -> None:
+    """Print rows of text with their columns below each other."""
+    columns = zip(*(rows := list(rows)), strict=True)
+    widths = [max(map(len, column)) for column in columns]
+    for row in rows:
+        cells = (f"{text:<{width}}" for text, width in zip(row, widths, strict=True))
+        typer.echo(indent + "  ".join(cells).rstrip())
 
 
 def print_side_by_side(records: Mapping[str, Mapping[str, Any]]) -> None:
