@@ -294,11 +294,12 @@ def estimate_of(
 
         return Estimate.symmetric(value if read is None else read(value), std)
 
-    own = Annotated[(str if read else float) | None, typer.Option(help=words, **limits)]
+    kind = str if read else float
+    own = Annotated[kind | None, typer.Option(help=words, **limits)]  # type: ignore[valid-type]
     std = Annotated[float, typer.Option(min=0, help=f"Its standard uncertainty{unit and ', '}{unit}.")]
+    parameters = ((name, None, own), (f"{name}_std", 0.0, std))
     make.__signature__ = Signature(  # type: ignore[attr-defined]
-        Parameter(each, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-        for each, default, annotation in ((name, None, own), (f"{name}_std", 0.0, std))
+        [Parameter(each, Parameter.KEYWORD_ONLY, default=of, annotation=to) for each, of, to in parameters]
     )
     return make
 

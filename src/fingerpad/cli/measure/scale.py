@@ -75,7 +75,7 @@ def _parameter(flag: str, takes: type | str, words: str) -> Parameter:
 
 
 scale_of_flags.__signature__ = Signature(  # type: ignore[attr-defined]
-    [_parameter(flag, *rest) for flag, (_, *rest) in _FLAGS.items()]
+    [_parameter(flag, takes, words) for flag, (_, takes, words) in _FLAGS.items()]
 )
 
 
