@@ -101,6 +101,22 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
     assert study.observations[1].ellipse_mm.semi_minor == 4.2
 
 
+def changed(old: str, new: str) -> str:
+    return VALID.replace(old, new)
+
+
+def image(keys: str) -> str:
+    return changed("ellipse_mm =", f"{keys} #")
+
+
+def scale(keys: str) -> str:
+    return f"{VALID}[scales.s]\n{keys}"
+
+
+def press(keys: str) -> str:
+    return f"{VALID}{PRESS}scale = {{ ppi = 500 }}\n{keys}"
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -111,30 +127,21 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
         ),
         (FINGER + ROW, "study.toml: title: required, but missing"),
         ('title = "T"', "study.toml: fingers: no finger yet: add one"),
-        ('title = "T"\nfingers = []', "fingers: no finger yet: add one"),
         (VALID + "loadN = 3", "observations.0..loadN: unknown key; did you mean 'load_N'"),
         (VALID + "zzz = 3", "observations.0..zzz: unknown key \\(in a\\)$"),
-        (VALID.replace("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
-        (VALID.replace("= 2\n", "= 0\n"), "load_N: expected greater than 0, found 0"),
-        (VALID.replace("= 2\n", "= nan\n"), "load_N: expected a finite number, found nan"),
-        (VALID.replace("= 2\n", "= inf\n"), "load_N: expected a finite number, found inf"),
-        (VALID.replace("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'"),
-        (VALID.replace("= 2\n", "= true\n"), "load_N: expected a valid number, found True"),
-        (VALID.replace("= 2\n", "= 2e9\n"), "load_N: expected less than or equal to 10000, found 2000000000"),
-        (VALID.replace("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),
+        (changed("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
+        (changed("= 2\n", "= nan\n"), "load_N: expected a finite number, found nan"),
+        (changed("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'"),
+        (changed("= 2\n", "= 2e9\n"), "load_N: expected less than or equal to 10000, found 2000000000"),
+        (changed("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),
         (VALID + "scale = { ppi = 500 }", "without an image there is no use for scale"),
-        (VALID.replace('"a"', '"a' + 80 * "x" + '"'), "observations.0..name: String should have at most 60"),
+        (changed('"a"', '"a' + 80 * "x" + '"'), "observations.0..name: String should have at most 60"),
         (
             VALID + ROW.replace('"a"', '"A"'),
             r"observations\[1\].name: 'A' is taken; names must differ by more than case",
         ),
-        (VALID.replace("ellipse_mm =", 'file = "a\\u0000.png"\nscale = { ppi = 500 } #'), "is no file name"),
-        (
-            VALID.replace("ellipse_mm =", f'file = "{"x" * 5000}"\nscale = {{ ppi = 500 }} #'),
-            "is no file name",
-        ),
+        (image('file = "a\\u0000.png"\nscale = { ppi = 500 }'), "is no file name"),
         ("title = " + 3000 * "[", "not valid TOML"),
-        ("title = " + 5000 * "9", "not valid TOML|title"),
         (
             'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar" }]',
             "photographs.0.: give either outline or file",
@@ -149,12 +156,6 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
             "beside an outline there is no use for tip",
         ),
         (
-            'title = "T"\n[[fingers]]\nname = "f"\n'
-            'photographs = [{ face = "palmar", outline = "a.csv", outline_relative_std = 0.01, '
-            "scale = { ppi = 500 } }]",
-            "beside an outline there is no use for outline_relative_std",
-        ),
-        (
             VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30',
             "curves.0.: give file, loading_radius_mm, or both",
         ),
@@ -163,125 +164,60 @@ def test_rows_may_come_from_a_spreadsheet(tmp_path: Path) -> None:
             "loading_radius_mm_std = 3",
             "curves.0.: there is no use for loading_radius_mm_std here",
         ),
-        (
-            VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
-            "area_delay_s_std = 0.1",
-            "curves.0.: there is no use for area_delay_s_std here",
-        ),
-        (
-            VALID.replace("deg = 30", "deg = 91"),
-            "wedge_angle_deg: expected less than or equal to 90, found 91",
-        ),
-        (VALID.replace("deg = 30", "deg = -1"), "wedge_angle_deg: expected greater than or equal to 0"),
-        (VALID.replace("deg = 30", "deg = nan"), "wedge_angle_deg: expected .*found nan"),
-        (VALID.replace("7.9", "5e-300"), "fingers.0..semi_axes_mm.palmar: 5e-300 is too small to be meant"),
-        (VALID.replace("7.9", "0.0"), "fingers.0..semi_axes_mm.palmar: expected greater than 0, found 0"),
-        (VALID.replace("7.9", "inf"), "semi_axes_mm.palmar: expected a finite number, found inf"),
-        (VALID.replace("semi_minor = 5.0", "semi_minor = 9.0"), "ellipse_mm: semi_minor 9 must not exceed"),
-        (VALID.replace('finger = "index"', 'finger = "thumb"'), "no finger is named 'thumb'; there is index"),
-        (VALID.replace('name = "a"', 'name = "../a"'), "observations.0..name: write it with letters"),
-        (VALID + ROW, r"observations\[1\].name: 'a' is taken"),
-        (VALID.replace("semi_axes_mm_std", "# "), "semi_axes_mm and semi_axes_mm_std belong together"),
+        (changed("deg = 30", "deg = 91"), "wedge_angle_deg: expected less than or equal to 90, found 91"),
+        (changed("7.9", "5e-300"), "fingers.0..semi_axes_mm.palmar: 5e-300 is too small to be meant"),
+        (changed("7.9", "0.0"), "fingers.0..semi_axes_mm.palmar: expected greater than 0, found 0"),
+        (changed("semi_minor = 5.0", "semi_minor = 9.0"), "ellipse_mm: semi_minor 9 must not exceed"),
+        (changed('finger = "index"', 'finger = "thumb"'), "no finger is named 'thumb'; there is index"),
+        (changed('name = "a"', 'name = "../a"'), "observations.0..name: write it with letters"),
+        (changed("semi_axes_mm_std", "# "), "semi_axes_mm and semi_axes_mm_std belong together"),
         *(
-            (VALID.replace("[[observations]]", f"{keys}\n[[observations]]"), f"fingers.0.*{words}.*in index")
+            (changed("[[observations]]", f"{keys}\n[[observations]]"), f"fingers.0.*{words}.*in index")
             for keys, words in (
                 ("effective_thickness_mm = 0.4", "expected greater than or equal to 0.5, found"),
-                ("effective_thickness_mm = 51.0", "expected less than or equal to 50, found 51"),
-                ("effective_thickness_mm = nan", "expected .*found nan"),
                 ("effective_thickness_mm = inf", "expected .*found inf"),
-                ("effective_thickness_mm = -8", "expected greater than or equal to 0.5, found"),
-                ("effective_thickness_mm = '8'", "expected a valid number, found '8'"),
                 ("effective_thickness_mm_std = 1.0", "give both"),
-                (
-                    "effective_thickness_mm = 8\neffective_thickness_mm_std = 0",
-                    "_mm_std: expected greater than",
-                ),
                 ("effective_thickness_mm = 8\neffective_thickness_mm_std = 8", "uncertainty below the thick"),
                 ("effective_thicknes_mm = 8", "did you mean 'effective_thickness_mm'"),
             )
         ),
         (VALID + 'file = "x.png"\nscale = { ppi = 500 }', "give either file or ellipse_mm, one of the two"),
-        (VALID.replace("ellipse_mm =", "# "), "give either file or ellipse_mm"),
-        (VALID.replace("ellipse_mm =", 'file = "x.png" #'), "an image needs its scale"),
+        (image('file = "x.png"'), "an image needs its scale"),
+        (image('file = "no.png"\nscale = { ppi = 500 }'), "file: no file 'no.png' in the study"),
+        (image('file = "../x.png"\nscale = { ppi = 500 }'), "'../x.png' leaves the study folder"),
+        (image('file = "/etc/passwd"\nscale = { ppi = 500 }'), "leaves the study folder"),
         (
-            VALID.replace("ellipse_mm =", 'file = "no.png"\nscale = { ppi = 500 } #'),
-            "file: no file 'no.png' in the study",
-        ),
-        (
-            VALID.replace("ellipse_mm =", 'file = "../x.png"\nscale = { ppi = 500 } #'),
-            "'../x.png' leaves the study folder",
-        ),
-        (
-            VALID.replace("ellipse_mm =", 'file = "/etc/passwd"\nscale = { ppi = 500 } #'),
-            "leaves the study folder",
-        ),
-        (
-            VALID.replace("ellipse_mm =", 'file = "x.png"\nppi = 500 #'),
+            image('file = "x.png"\nppi = 500'),
             r"observations.0..ppi: unknown key; write it in the table of a scale, as in scale = \{ ppi",
         ),
+        (scale("ppi = 500\nmm_per_px = 0.05"), "scales.s: give one of .*, found ppi and mm_per_px"),
         (
-            VALID + "[scales.s]\nppi = 500\nmm_per_px = 0.05",
-            "scales.s: give one of .*, found ppi and mm_per_px",
-        ),
-        (
-            VALID + "[scales.s]\nrelative_std = 0.1",
+            scale("relative_std = 0.1"),
             "scales.s: give one of ppi, mm_per_px, line, coin, circle, grid, found none",
         ),
-        (VALID + "[scales.s]\nppi = 0", "scales.s.ppi: expected greater than or equal to 20, found 0"),
-        (VALID + "[scales.s]\nppi = 500\nlength_mm = 5", "scales.s.length_mm: unknown key; write it in the"),
-        (VALID + "[scales.s]\nmm_per_px = 500", "scales.s.mm_per_px: expected less than or equal to 1"),
+        (scale("ppi = 0"), "scales.s.ppi: expected greater than or equal to 20, found 0"),
+        (scale("ppi = 500\nlength_mm = 5"), "scales.s.length_mm: unknown key; write it in the"),
         (VALID + "[scales]\ns = 500", "scales.s: expected a table, as in . ppi = 500 .$"),
-        (VALID + '[scales]\ns = "t"', "scales.s: expected a table"),
         (VALID + '[scales."a b"]\nppi = 500', "scales.a b.*: write it with letters"),
-        (VALID + "[scales.s]\nppi = 500\n[scales.S]\nppi = 400", "scales.S: 'S' is taken; names must differ"),
+        (scale("ppi = 500\n[scales.S]\nppi = 400"), "scales.S: 'S' is taken; names must differ"),
+        (scale("line = [[1, 2], [1, 2]]\nlength_mm = 5"), "scales.s: the line must have two different"),
+        (scale("line = [[1, 2], [1, 5]]\nlength_mm = -5"), "length_mm: expected greater than 0, found -5"),
+        (scale("line = [[1, 2], [1, 5]]"), "scales.s.length_mm: required, but missing"),
+        (scale('coin = "no.png"\ndiameter_mm = 23.25'), "scales.s.coin: no file 'no.png'"),
+        (scale('coin = "study.toml"'), "scales.s.diameter_mm: required, but missing"),
         (
-            VALID + "[scales.s]\nline = [[1, 2], [1, 2]]\nlength_mm = 5",
-            "scales.s: the line must have two different",
-        ),
-        (
-            VALID + "[scales.s]\nline = [[1, -2], [1, 2]]\nlength_mm = 5",
-            "line.0..1.: expected greater than or equal",
-        ),
-        (
-            VALID + "[scales.s]\nline = [[1, 2], [1, 5]]\nlength_mm = -5",
-            "length_mm: expected greater than 0, found -5",
-        ),
-        (VALID + "[scales.s]\nline = [[1, 2], [1, 5]]", "scales.s.length_mm: required, but missing"),
-        (
-            VALID + "[scales.s]\nline = [1, 2, 1, 5]\nlength_mm = 5",
-            "scales.s.line: List should have at most 2 items",
-        ),
-        (VALID + '[scales.s]\ncoin = "no.png"\ndiameter_mm = 23.25', "scales.s.coin: no file 'no.png'"),
-        (VALID + '[scales.s]\ncoin = "study.toml"', "scales.s.diameter_mm: required, but missing"),
-        (
-            VALID.replace("ellipse_mm =", 'file = "study.toml"\nscale = "s" #'),
+            image('file = "study.toml"\nscale = "s"'),
             r"observations.0..scale: no scale is named 's'; write a table .scales.s.",
         ),
         (VALID + PRESS, "sequences.0.: a sequence needs its scale"),
-        (VALID + PRESS + "scale = { ppi = 500 }", "sequences.0..file: no file 'frames' in the study"),
-        (
-            VALID + PRESS + 'scale = { ppi = 500 }\ntimes = "t.csv"\nframes_per_second = 9',
-            "no use for frames_per_second",
-        ),
-        (
-            VALID + PRESS + "scale = { ppi = 500 }\nstart_s = 1\ncontact_load_N = 1",
-            "give either start_s or contact",
-        ),
-        (
-            VALID + PRESS + "scale = { ppi = 500 }\nframes_per_second = 0",
-            "frames_per_second: expected greater than 0",
-        ),
-        (VALID + PRESS + "scale = { ppi = 500 }\nload_N = 2", "sequences.0..load_N: unknown key"),
-        (
-            VALID + PRESS.replace('"p"', '"A"') + "scale = { ppi = 500 }",
-            r"sequences\[0\].name: 'A' is taken",
-        ),
+        (press('times = "t.csv"\nframes_per_second = 9'), "no use for frames_per_second"),
+        (press("start_s = 1\ncontact_load_N = 1"), "give either start_s or contact"),
+        (VALID + PRESS.replace('"p"', '"A"') + "scale = { ppi = 500 }", r"sequences\[0\].name: 'A' is taken"),
         (
             VALID + PRESS.replace('"index"', '"ring"') + "scale = { ppi = 500 }",
             r"sequences\[0\].finger: no finger is named 'ring'; there is index \(in p\)$",
         ),
         ('title = "T"\nobservations_csv = "no.csv"' + FINGER, "observations_csv: no file 'no.csv'"),
-        ('title = "T"\nobservations_csv = "../no.csv"' + FINGER, "leaves the study folder"),
     ],
 )
 def test_names_file_key_and_what_was_expected(tmp_path: Path, text: str, message: str) -> None:
