@@ -170,6 +170,7 @@ def test_two_workers_give_the_rows_of_one_process_though_one_is_killed(
     assert reported[-1].pictures == reported[-1].total == TOTAL
 
 
+@pytest.mark.nightly
 def test_a_killed_scheduler_costs_only_what_was_in_hand(
     unfinished: Path, undisturbed: list[dict], tmp_path: Path
 ) -> None:
@@ -243,6 +244,7 @@ def test_a_worker_of_other_code_is_refused_by_its_name(made: Path, tmp_path: Pat
         run(made, tmp_path / "out", workers.address)
 
 
+@pytest.mark.nightly
 def test_workers_that_are_all_dead_end_the_run_in_words(
     unfinished: Path, undisturbed: list[dict], workers: Workers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -325,6 +327,7 @@ def test_waiting_for_one_result_delays_no_other(workers: Workers) -> None:
     assert came
 
 
+@pytest.mark.nightly
 def test_a_scheduler_of_ones_own(unfinished: Path, undisturbed: list[dict]) -> None:
     out = unfinished.parent / "out"
     assert list(records(run_study(unfinished, out, workers=2, scheduler="local").rows)) == undisturbed

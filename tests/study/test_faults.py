@@ -91,7 +91,7 @@ def test_two_processes_and_a_tiff_give_the_rows_of_one(
 def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path) -> None:
     context, out, kills = get_context("forkserver"), tmp_path / "out", 0
     context.set_forkserver_preload(["tests.study.small_study"])
-    moments = np.random.default_rng(20).uniform(0.0, 1.0, 8)
+    moments = np.random.default_rng(20).uniform(0.0, 1.0, 4)
     took = 3.0
     while kills < moments.size:
         process = context.Process(target=run_here, args=(small_study, out, 1 + kills % 2))

@@ -50,6 +50,7 @@ def test_pad_and_contact_take_the_semi_axes_of_the_photographs(example_tab: Tab)
     expect(page.locator(".pad-scene")).to_be_hidden()
 
 
+@pytest.mark.nightly
 def test_scale_bar_goes_and_drafts_stay(example_tab: Tab, example, tmp_path) -> None:
     example_tab.expected.append("422")  # it shows no coin
     page = example_tab.open("scale")

@@ -134,6 +134,7 @@ def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
     expect(wedge).to_have_attribute("placeholder", "3 assumed")
 
 
+@pytest.mark.nightly
 def test_a_double_press_creates_one_study(empty_tab: Tab) -> None:
     page = empty_tab.open()
     late = Late(page, "**/api/session/new")
@@ -191,6 +192,7 @@ def test_wrong_value_is_refused_with_a_message(tab: Tab, demo) -> None:
     assert (demo / "study.toml").read_text() == before
 
 
+@pytest.mark.nightly
 def test_apparatus_is_stated_for_the_methods_section(tab: Tab, demo) -> None:
     page = tab.open("study")
     card = page.get_by_role("region", name="Apparatus")
@@ -309,6 +311,7 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     assert "# Scales that several pictures share" in manifest
 
 
+@pytest.mark.nightly
 def test_coin_gives_the_scale(tab: Tab, demo) -> None:
     Image.fromarray(render_coin(radius=120, seed=3).pixels).save(demo / "coin.png")
     page = tab.open("scale")
@@ -383,6 +386,7 @@ def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> N
     expect(tab.page.locator("#sidebar .step-state.good").first).to_have_text("complete")
 
 
+@pytest.mark.nightly
 def test_files_left_out_are_listed_and_the_export_is_imported(tab: Tab, demo, tmp_path) -> None:
     (tmp_path / "outside.png").write_bytes(b"x")
     (demo / "outside.png").symlink_to(tmp_path / "outside.png")
@@ -402,6 +406,7 @@ def test_files_left_out_are_listed_and_the_export_is_imported(tab: Tab, demo, tm
     assert not (demo.parent / "demo-2" / "a:b.png").exists()
 
 
+@pytest.mark.nightly
 @pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")
 def test_real_slap_of_four_fingers_can_be_sent(empty_tab: Tab) -> None:
     page = empty_tab.open()

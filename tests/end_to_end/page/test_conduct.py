@@ -172,6 +172,7 @@ def test_each_window_has_its_own_study(tab: Tab, demo) -> None:
     assert [each["uncertainty"]["roll_angle_deg_std"] for each in said] == [0.3, 0.7]
 
 
+@pytest.mark.nightly
 def test_a_study_that_was_left_is_not_opened_again_by_a_late_state(tab: Tab) -> None:
     page = tab.open("study")
     late = Late(page, "**/api/studies/*/state")
@@ -208,6 +209,7 @@ def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) ->
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
+@pytest.mark.nightly
 def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None:
     tab.expected.append("409")
     tab.context.route("**/api/studies/*/events", lambda route: route.abort())
@@ -228,6 +230,7 @@ def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
+@pytest.mark.nightly
 def test_confirmed_edits_survive_a_killed_server(browser, demo) -> None:
     with launched(demo) as (server, process):
         tab = Tab(browser, server)
@@ -257,6 +260,7 @@ def test_confirmed_edits_survive_a_killed_server(browser, demo) -> None:
         tab.close()
 
 
+@pytest.mark.nightly
 def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     study = tmp_path / "long"
     (study / "frames").mkdir(parents=True)
@@ -281,6 +285,7 @@ def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     assert thumbnails < 120
 
 
+@pytest.mark.nightly
 def test_late_state_does_not_replace_a_newer_one(tab: Tab, demo) -> None:
     page = tab.open("study")
     late = Late(page, "**/api/studies/*/state")

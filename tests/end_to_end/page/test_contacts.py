@@ -170,6 +170,7 @@ def test_threshold_slides_on_the_histogram_with_the_outline(tab: Tab, demo) -> N
     assert numbers(page) == less
 
 
+@pytest.mark.nightly
 def test_a_threshold_is_applied_to_similar_images_one_by_one(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
@@ -357,6 +358,7 @@ def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> Non
     expect(page.get_by_role("checkbox", name="Key frame")).not_to_be_checked()
 
 
+@pytest.mark.nightly
 def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
     page = empty_tab.open()
     deep = empty_tab.folder / "deep.tif"
@@ -417,10 +419,9 @@ def begin_with_print(page, picture, mm_per_px: str | None = None) -> None:
 
 
 @pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")
-@pytest.mark.parametrize("name", ["right_index_500ppi.png", "left_ring_500ppi.png"])
-def test_real_contact_image_is_corrected_and_accepted(empty_tab: Tab, name: str) -> None:
+def test_real_contact_image_is_corrected_and_accepted(empty_tab: Tab) -> None:
     page = empty_tab.open()
-    begin_with_print(page, PRINTS / name)
+    begin_with_print(page, PRINTS / "right_index_500ppi.png")
     before = numbers(page)
     assert 120 < value(before, "mm²") < 300
     focus(page, "End of the semi-major axis").press("Shift+ArrowDown")
@@ -453,6 +454,7 @@ def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:
     assert 0.05 < press["start_s"] < 0.3
 
 
+@pytest.mark.nightly
 def test_limits_of_phases_are_moved_manually(tab: Tab, demo) -> None:
     page = tab.open("contacts/sequence:synthetic_press_30deg")
     numbers(page)

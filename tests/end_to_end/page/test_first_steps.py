@@ -124,6 +124,7 @@ def test_a_film_shows_each_frame_with_its_result(tab: Tab) -> None:
     assert page.url.endswith(f"%23{last}")
 
 
+@pytest.mark.nightly
 def test_a_lone_key_frame_says_that_it_needs_another(tab: Tab) -> None:
     page = tab.open(f"{SEQUENCE}/synthetic_press_30deg%234")
     numbers(page)
@@ -202,6 +203,7 @@ def test_a_correction_that_leaves_a_contact_out_says_so(tab: Tab) -> None:
     expect(page.locator(".pooling-note")).to_contain_text("Counts in the pooled radius")
 
 
+@pytest.mark.nightly
 def test_a_scale_can_be_saved_on_a_low_screen(example_tab: Tab) -> None:
     page = example_tab.open("scale")
     page.set_viewport_size({"width": 1024, "height": 600})
@@ -230,6 +232,7 @@ def test_all_columns_of_new_files_are_in_view_and_what_a_file_states_is_read_aft
     page.get_by_text("scale reader, with the resolution in its file").wait_for()
 
 
+@pytest.mark.nightly
 def test_the_picture_keeps_its_height_beside_the_traces(tab: Tab) -> None:
     page = tab.open(SEQUENCE)
     numbers(page)

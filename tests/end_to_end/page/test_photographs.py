@@ -123,6 +123,7 @@ def test_region_of_interest_by_keyboard(tab: Tab, demo) -> None:
     assert numbers(page, "face") == before
 
 
+@pytest.mark.nightly
 def test_a_late_answer_does_not_replace_a_newer_one(tab: Tab) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")

@@ -1,5 +1,6 @@
 """The page at 1366 px, and on small screens: at 390 px, and at 1366 px with 200 %, which are 683."""
 
+import pytest
 from playwright.sync_api import Page, expect
 from tests.end_to_end.page.browser import Tab, box, middle, numbers, settle, stroke
 
@@ -78,6 +79,7 @@ def test_tables_and_names_on_the_pad_fit(tab: Tab) -> None:
                 assert left >= end or start >= right or top >= below or above >= bottom, (width, texts)
 
 
+@pytest.mark.nightly
 def test_words_are_whole_at_1366_pixels(tab: Tab) -> None:
     page = tab.page
     page.set_viewport_size({"width": 1366, "height": 768})
@@ -97,6 +99,7 @@ def test_words_are_whole_at_1366_pixels(tab: Tab) -> None:
     assert undo.evaluate("button => button.scrollWidth <= button.clientWidth")
 
 
+@pytest.mark.nightly
 def test_the_dots_of_the_pad_say_of_which_angle_they_are(example_tab: Tab) -> None:
     page = example_tab.open("pad")
     numbers(page, "u")
@@ -104,6 +107,7 @@ def test_the_dots_of_the_pad_say_of_which_angle_they_are(example_tab: Tab) -> No
     expect(page.locator(".pad-caption")).to_contain_text("parametric angle u")
 
 
+@pytest.mark.nightly
 def test_a_saved_ruler_is_shown_as_it_was_entered(example_tab: Tab) -> None:
     page = example_tab.page
     page.set_viewport_size({"width": 1366, "height": 768})
