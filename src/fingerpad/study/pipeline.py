@@ -226,9 +226,8 @@ def _write_results(
             for record in records_of(tasks, executor, store, new.folder, on_drawn):
                 if (reason := record.get("reason")) is not None:
                     raise FingerpadError(reason)
-            statuses = store.statuses()
-            for task in tasks:
-                _add_drawn(new, store, statuses[task.name].drawn.items())
+            for status in store.statuses(task.name for task in tasks).values():
+                _add_drawn(new, store, status.drawn.items())
 
         written("report")
         with draw_in(new.folder) as executor:

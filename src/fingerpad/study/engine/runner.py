@@ -217,7 +217,7 @@ def records_of(
     StoreError
         If records cannot be stored, or one that is stored is damaged.
     """
-    statuses = store.statuses()
+    statuses = store.statuses(task.name for task in tasks)
     records: dict[str, Record] = {}
 
     def is_done(task: Task) -> bool:

@@ -11,11 +11,11 @@ import hashlib
 import json
 import shutil
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from datetime import UTC, datetime
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, Final, Literal, Self, TypeVar, get_args, get_origin, get_type_hints
 
@@ -172,7 +172,7 @@ class Store:
         self._connection = connection
         self._read_only = read_only
         # Damaged bytes need not be text: they are found by their checksum.
-        connection.text_factory = lambda text: text.decode(errors="surrogateescape")
+        connection.text_factory = partial(str, encoding="utf-8", errors="surrogateescape")
 
     @classmethod
     @contextmanager
@@ -261,11 +261,17 @@ class Store:
         if self._connection.execute("PRAGMA integrity_check(1)").fetchone()[0] != "ok":
             raise sqlite3.DatabaseError("damaged")
 
-    def statuses(self) -> dict[str, TaskStatus]:
-        """Return what is known of every task by its name, without the results themselves."""
-        query = "SELECT task, key, status, seconds, count, drawn, limits FROM result"
+    def statuses(self, tasks: Iterable[str] | None = None) -> dict[str, TaskStatus]:
+        """Return what is known of tasks by their names, all or some, without the results themselves."""
+        query, ask = (
+            "SELECT task, key, status, seconds, count, drawn, limits FROM result",
+            self._connection.execute,
+        )
         with _plain_errors(self.path):
-            rows = self._connection.execute(query).fetchall()
+            if tasks is None:
+                rows = ask(query).fetchall()
+            else:
+                rows = [row for task in tasks for row in ask(f"{query} WHERE task = ?", (task,))]
         found = {}
         for task, *rest in rows:
             with suppress(ValueError, TypeError):  # damaged: as good as not there
@@ -448,13 +454,13 @@ def _is_intact(row: tuple[object, ...]) -> bool:
 
 def _status(row: list[Any]) -> TaskStatus:
     key, status, seconds, count, drawn, limits = row
-    stopped_by = json.loads(limits)
+    stopped_by = None if limits == "null" else json.loads(limits)
     return TaskStatus(
         key=key,
         status=status,
         seconds=float(seconds),
         count=int(count),
-        drawn=json.loads(drawn),
+        drawn={} if drawn == "{}" else json.loads(drawn),  # as of most, and of all that draw nothing
         limits=None if stopped_by is None else Limits(**stopped_by),
     )
 

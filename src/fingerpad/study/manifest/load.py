@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 from unicodedata import normalize
 
-from pydantic import TypeAdapter
+from pydantic import BaseModel, TypeAdapter
 
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ManifestError
@@ -151,6 +151,7 @@ class TableChecks:
         self._fingers: dict[str, str] = {}
         self._contacts: dict[str, str] = {}
         self._incomplete: set[tuple[Kind, str]] = set()
+        self._stated: dict[frozenset[str], set[str]] = {}
 
     def checked(self, table: Table) -> Table:
         """Return the next table with its faults."""
@@ -159,6 +160,8 @@ class TableChecks:
             model, faults = checked(MODELS[table.kind], table.content, strict=bool(table.place))
         if isinstance(model, Observation | ContactSequence) and "surface" not in model.model_fields_set:
             model = model.model_copy(update={"surface": self._surface if model.file else "ridged"})
+        if model is not None:
+            self._share_keys(model)
         faults = (*faults, *self._name_faults(table))
         if model is not None:
             faults = (*faults, *self._reference_faults(model), *_file_faults(model, self._folder))
@@ -166,6 +169,14 @@ class TableChecks:
         if not complete:
             self._incomplete.add((table.kind, table.key))
         return replace(table, faults=faults, model=model, complete=complete)
+
+    def _share_keys(self, model: BaseModel) -> None:
+        """Let tables that state the same keys share the set of them, which is half of what each takes."""
+        stated = self._stated.setdefault(frozenset(model.model_fields_set), model.model_fields_set)
+        object.__setattr__(model, "__pydantic_fields_set__", stated)
+        for value in vars(model).values():
+            if isinstance(value, BaseModel):
+                self._share_keys(value)
 
     def _name_faults(self, table: Table) -> Iterator[Fault]:
         if table.kind == "curve":

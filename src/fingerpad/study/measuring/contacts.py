@@ -142,13 +142,9 @@ class ObservationItem(Item):
 
     def result(self) -> Measurement:
         """Return what was measured, as a person reviewed it."""
-        record = self.record
-        if record.keys() == {"reason"}:
-            seen = Measurement(observation=self.name, reason=record["reason"])
-        else:
-            seen = from_record(Measurement, record)
-        seen = replace(seen, load_N=self.observation.load_N)  # which may have changed since
-        return reviewed(seen, self.context.active_corrections.get(self.name))
+        # The load may have changed since.
+        record = {"observation": self.name, **self.record, "load_N": self.observation.load_N}
+        return reviewed(from_record(Measurement, record), self.context.active_corrections.get(self.name))
 
 
 def _observed(

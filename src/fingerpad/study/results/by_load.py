@@ -14,6 +14,7 @@ from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER
 from fingerpad.study.results.model import STATED_APART
 from fingerpad.study.results.repeats import (
+    QUANTITY_COLUMNS,
     ContactRepeatability,
     StudyScatter,
     contact_quantity,
@@ -189,8 +190,9 @@ def pool_by_load(
         Whether the model holds, by the values of `PLACEMENT`; not tested where it is missing.
     """
     between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
-    table = rows.table[rows.table["pooled"] & rows.table["frame"].isna()]
-    table = table[(table["load_N"] > 0) & (table["youngs_modulus_kpa"] > 0)]
+    counts = rows.table["pooled"] & rows.table["frame"].isna()
+    table = rows.table[list(_COLUMNS)]
+    table = table[counts & (table["load_N"] > 0) & (table["youngs_modulus_kpa"] > 0)]
     found = []
     for key, places in groups(table, *PLACEMENT).items():
         group = table.iloc[places].sort_values("load_N", kind="stable")
@@ -287,6 +289,13 @@ def _on_layer(
 
 
 _PARTS: Final = ("noise", "repeatability", "edge")
+_COLUMNS: Final = (
+    *(*PLACEMENT, "session", "load_N", *QUANTITY_COLUMNS),
+    *("gross_area_mm2_std", "gross_area_mm2_noise_std", "gross_area_mm2_edge_std"),
+    *("semi_major_mm_noise_std", "semi_minor_mm_noise_std", "youngs_modulus_kpa_std"),
+    *(f"youngs_modulus_kpa_{part}_std" for part in _PARTS),
+    f"{_ON_LAYER}_kpa",
+)
 
 
 def _relative(rows: pd.DataFrame, axis: str) -> FloatArray:

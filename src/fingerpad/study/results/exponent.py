@@ -68,7 +68,7 @@ class PressSlope(NamedTuple):
             Which press each is a frame of.
         """
         weights, found = np.zeros(load.size), []
-        for each in np.unique(item):
+        for each in np.flatnonzero(np.bincount(item) >= _LEAST_FRAMES):
             of = np.flatnonzero(item == each)
             x, span = load[of], np.ptp(load[of])
             if np.unique(x).size < _LEAST_FRAMES:

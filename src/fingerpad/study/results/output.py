@@ -105,7 +105,7 @@ def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: P
         between = "\n"
         for batch in batches(rows):
             # To write a float in decimals costs more than all else: once for both files.
-            cells = {name: list(map(csv_cell, items(batch[name]))) for name in names}
+            cells = {name: _cells(batch[name]) for name in names}
             lines.writerows(zip(*cells.values(), strict=True))
             keyed = (
                 [f'  "{name}": {literal}' for literal in _literals(batch, name, cells[name])]
@@ -115,6 +115,16 @@ def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: P
             array.write(between + ",\n".join(objects))
             between = ",\n"
         array.write("\n]\n" if len(rows) else "]\n")
+
+
+def _cells(column: pd.Series) -> list[str]:
+    """Return a column as CSV cells."""
+    if column.dtype != float:
+        return list(map(csv_cell, items(column)))
+    cells = list(map(repr, column.tolist()))
+    for row in np.flatnonzero(~np.isfinite(column.to_numpy())).tolist():
+        cells[row] = ""
+    return cells
 
 
 def _literals(rows: pd.DataFrame, name: str, cells: Sequence[str]) -> list[str]:

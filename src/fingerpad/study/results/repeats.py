@@ -1,9 +1,9 @@
 """Repeats of a contact, recognised by finger, placement and load, and how they scatter."""
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import takewhile
-from typing import Any, Final, Self
+from itertools import islice, takewhile
+from typing import Final, Self
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ from fingerpad.study.manifest import Contact, Observation, Study
 from fingerpad.study.measuring.contacts import RIDGES_MERGE, Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import contact_inputs
-from fingerpad.study.results.table import Places, groups, items, numbered
+from fingerpad.study.results.table import GrowingArray, Places, groups, items, numbered
 from fingerpad.uncertainty import (
     NestedScatter,
     ScatterComponent,
@@ -47,6 +47,11 @@ LEVELS: Final[Mapping[str, str]] = {
 _GAP: Final = (1 + SAME_LOAD) / (1 - SAME_LOAD) * (1 + 1e-9)
 _BETWEEN: Final = ("person", "finger")
 _PLACED: Final = ("wedge_angle_deg", "roll_angle_deg", "synthetic")
+# Columns from which `contact_quantity` finds `SCATTER_OF`.
+QUANTITY_COLUMNS: Final = (
+    *("gross_area_mm2", "semi_major_mm", "semi_minor_mm", "aspect_ratio"),
+    *("ridge_area_mm2", "flags", "youngs_modulus_kpa", "radius_from_indentation_mm"),
+)
 _AT_ONCE: Final = 500
 
 
@@ -166,17 +171,19 @@ def contact_repeatability(
     seen : iterable of (Contact, Measurement)
         What was measured of each contact, observations first.
     """
-    known: dict[bool, list[tuple[Any, ...]]] = {False: [], True: []}
+    known = {False: _Repeats(), True: _Repeats()}
     plausible = {name: not implausible_size(finger.semi_axes).any() for name, finger in fingers.items()}
-    for contact, measured in _repeated(study, seen):
-        finger = fingers[contact.finger]
-        excluding = excluding_flags(contact, measured, plausible=plausible[contact.finger])
-        if finger.reason is None and is_pooled(measured, excluding):
-            synthetic = contact.synthetic or finger.synthetic
-            placed = contact.wedge_angle_deg, contact.roll_angle_deg
-            unit = contact.finger, contact.session
-            known[synthetic].append((contact, measured, placed, unit))
-    return {synthetic: _scatter_of(study, fingers, some) for synthetic, some in known.items()}
+    repeated = iter(_repeated(study, seen))
+    while batch := list(islice(repeated, _AT_ONCE)):
+        pooled: dict[bool, list[tuple[Observation, Measurement]]] = {False: [], True: []}
+        for contact, measured in batch:
+            finger = fingers[contact.finger]
+            excluding = excluding_flags(contact, measured, plausible=plausible[contact.finger])
+            if finger.reason is None and is_pooled(measured, excluding):
+                pooled[contact.synthetic or finger.synthetic].append((contact, measured))
+        for synthetic, some in pooled.items():
+            known[synthetic].add(study, fingers, some)
+    return {synthetic: repeats.scatter() for synthetic, repeats in known.items()}
 
 
 def _repeated(
@@ -193,23 +200,40 @@ def _repeated(
     )
 
 
-def _scatter_of(
-    study: Study, fingers: Mapping[str, FingerResult], known: list[tuple[Any, ...]]
-) -> ContactRepeatability:
-    axes, noise = np.empty((len(known), 2)), np.empty((len(known), 2, 2))
-    for start in range(0, len(known), _AT_ONCE):
-        some = slice(start, start + _AT_ONCE)
-        inputs = contact_inputs(study, fingers, [one[:2] for one in known[some]])
+class _Repeats:
+    """Ellipses of contacts that count, with what each is a repeat of."""
+
+    def __init__(self) -> None:
+        self._axes, self._noise = GrowingArray(np.empty((0, 2))), GrowingArray(np.empty((0, 2, 2)))
+        self._load = GrowingArray(np.empty(0))
+        self._placed: list[tuple[float, float]] = []
+        self._unit: list[tuple[str, str | None]] = []
+
+    def add(
+        self,
+        study: Study,
+        fingers: Mapping[str, FingerResult],
+        seen: Sequence[tuple[Observation, Measurement]],
+    ) -> None:
+        """Add some contacts."""
+        inputs = contact_inputs(study, fingers, seen)
         places = inputs.places(["contact_radius", "elongation"])
         radius = inputs.mean[:, places[0]]
-        axes[some] = np.stack([np.log(radius), inputs.mean[:, places[1]]], axis=-1)
         unit = np.stack([1 / radius, np.ones_like(radius)], axis=-1)
         own = inputs.covariance[:, np.array(places)[:, None], places]
-        noise[some] = own * unit[:, :, None] * unit[:, None, :]
-    usable = np.isfinite(axes).all(axis=-1) & np.isfinite(noise).all(axis=(-2, -1))
-    condition = conditions_of([one[2] for one in known], [one[1].load_N for one in known])
-    group = numbered(zip((one[3] for one in known), condition.tolist(), strict=True))
-    return ContactRepeatability.of(axes[usable], noise[usable], group[usable])
+        self._axes.add(np.stack([np.log(radius), inputs.mean[:, places[1]]], axis=-1))
+        self._noise.add(own * unit[:, :, None] * unit[:, None, :])
+        self._load.add(np.array([measured.load_N for _, measured in seen]))
+        self._placed += [(contact.wedge_angle_deg, contact.roll_angle_deg) for contact, _ in seen]
+        self._unit += [(contact.finger, contact.session) for contact, _ in seen]
+
+    def scatter(self) -> ContactRepeatability:
+        """Return how they scatter."""
+        axes, noise = self._axes.array, self._noise.array
+        usable = np.isfinite(axes).all(axis=-1) & np.isfinite(noise).all(axis=(-2, -1))
+        condition = conditions_of(self._placed, self._load.array)
+        group = numbered(zip(self._unit, condition.tolist(), strict=True))
+        return ContactRepeatability.of(axes[usable], noise[usable], group[usable])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -246,7 +270,9 @@ def study_scatter(study: Study, table: pd.DataFrame) -> list[StudyScatter]:
     table : DataFrame
         All rows.
     """
-    rows = table[table["pooled"] & table["frame"].isna()]
+    # Not all columns: a copy of them is as large as everything else that a run holds.
+    rows = table[["finger", "session", *_PLACED, "load_N", *QUANTITY_COLUMNS]]
+    rows = rows[table["pooled"] & table["frame"].isna()]
     persons = {finger.name: finger.person for finger in study.fingers}
     return [
         _scatter(name, synthetic, rows.iloc[places], persons)

@@ -45,6 +45,7 @@ class Place(NamedTuple):
     highest_row: Row | None
     loading: LoadingRadius | None
     fits: tuple[LoadingFit, ...]
+    loaded: pd.DataFrame
 
     @classmethod
     def of(
@@ -57,6 +58,7 @@ class Place(NamedTuple):
     ) -> Self:
         """Gather what is known of a summary's finger at its angle."""
         highest = rows.highest_load.get(summary.key)
+        compared = summary.contacts_or_frames
         return cls(
             study=study,
             pad=fingers[summary.finger],
@@ -65,13 +67,8 @@ class Place(NamedTuple):
             highest_row=highest and first_record(summary.of_observation(highest.observation)),
             loading=loading_radius(curves, summary.place),
             fits=tuple(_fits(curves, summary)),
+            loaded=compared[compared["pooled"] & (compared["load_N"] > 0)],
         )
-
-    @property
-    def loaded(self) -> pd.DataFrame:
-        """Rows whose areas are compared over loads: contacts, or frames where there are none."""
-        rows = self.summary.contacts_or_frames
-        return rows[rows["pooled"] & (rows["load_N"] > 0)]
 
 
 def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
