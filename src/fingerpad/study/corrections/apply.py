@@ -1,8 +1,9 @@
 """Measuring with manual corrections, and the automatic result beside it."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -373,12 +374,29 @@ def corrected_photograph(
 
 def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
     """Return the picture of the empty view; of smooth contacts in a sequence its first frame."""
+    smooth = contact.surface == "smooth"
+    read: Callable[[Path], npt.ArrayLike] = grey_levels
     if contact.background is not None:
-        colour = contact.surface == "smooth" and isinstance(contact, Observation)
-        return (read_colour_image if colour else grey_levels)(folder / contact.background)
-    if contact.surface == "smooth" and isinstance(contact, ContactSequence):
-        return with_first_frame(open_frames(folder / contact.file), {"surface": "smooth"})["background"]
-    return None
+        path = folder / contact.background
+        if smooth and isinstance(contact, Observation):
+            read = read_colour_image
+    elif smooth and isinstance(contact, ContactSequence):
+        path, read = folder / contact.file, _first_frame
+    else:
+        return None
+    if not path.is_file():  # a folder of frames, or nothing
+        return read(path)
+    return _read_once(read, path, (path.stat().st_mtime_ns, path.stat().st_size))
+
+
+@lru_cache(maxsize=1)
+def _read_once(read: Callable[[Path], npt.ArrayLike], path: Path, _state: tuple[int, int]) -> npt.ArrayLike:
+    """Read the picture that all frames share, again only where its file has changed."""
+    return read(path)
+
+
+def _first_frame(path: Path) -> Any:
+    return with_first_frame(open_frames(path), {"surface": "smooth"})["background"]
 
 
 def _first(wanted: Any, given: Any) -> Any:
