@@ -17,6 +17,7 @@ from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, c
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image.ellipse import half_turn, polygon_moments
 from fingerpad.simulate._disturbances import creases as crease_lines
 from fingerpad.simulate._disturbances import smudge
 from fingerpad.simulate._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
@@ -181,36 +182,20 @@ def render_contact_image(
     if jpeg_quality is not None:
         _, code = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])
         pixels = np.asarray(cv2.imdecode(code, cv2.IMREAD_GRAYSCALE), dtype=np.uint8)
-    centre, turn = np.zeros(2), 0.0
+    centre_up, centre_left = 0.0, 0.0
     if irregularity:
-        centre, ellipse, turn = _equal_area_ellipse(ellipse, t, reach)
-    centre_up, centre_left = centre @ [[cosine, sine], [-sine, cosine]]
+        moments = polygon_moments(outline)
+        ellipse, orientation = Ellipse(*moments.semi_axes.tolist()), math.atan2(*moments.axes[0][::-1])
+        centre_up, centre_left = moments.centroid.tolist()
     return SyntheticContactImage(
         pixels=np.asarray(pixels, dtype=np.uint8),
         ellipse=ellipse,
-        orientation=math.pi / 2 - (math.pi / 2 - orientation - turn) % math.pi,
+        orientation=half_turn(orientation),
         centroid=(_grid_index(centre_up, up[:, 0]), _grid_index(centre_left, left[0])),
         ridge_area=float(np.count_nonzero(ridges)) * mm_per_px**2,
         ridge_period=ridge_period,
         mm_per_px=mm_per_px,
     )
-
-
-def _equal_area_ellipse(
-    ellipse: Ellipse, t: FloatArray, reach: FloatArray
-) -> tuple[FloatArray, Ellipse, float]:
-    """Return the centroid (along, across), equal-area ellipse and its turn of an irregular outline.
-
-    With the ellipse scaled to the unit circle, the integrals over the region are those of reach^n/n over the
-    angle t: n = 2 gives the area, 3 the centroid and 4 the second moments.
-    """
-    unit = np.stack([ellipse.semi_major * np.cos(t), ellipse.semi_minor * np.sin(t)])
-    share = (reach**2).mean()
-    centre = (reach**3 * unit).mean(axis=1) * 2 / 3 / share
-    second = (reach**4 * unit) @ unit.T / t.size / 2 / share - np.outer(centre, centre)
-    (minor, major), axes = np.linalg.eigh(second)
-    radius, stretch = math.sqrt(ellipse.semi_major * ellipse.semi_minor * share), (major / minor) ** 0.25
-    return centre, Ellipse(radius * stretch, radius / stretch), math.atan2(axes[1, 1], axes[0, 1])
 
 
 def _grid_index(length: float, grid: FloatArray) -> float:

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from fingerpad._arrays import Float32Array, FloatArray, as_float32
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
+from fingerpad.image.ellipse import rotation
 from fingerpad.image.levels import linear_light, srgb_levels
 from fingerpad.image.photograph.faces import Direction, Face, face_axes, palmar_directions
 from fingerpad.simulate._finger_shape import FingerShape, finger_shape, pad_arc
@@ -220,8 +221,7 @@ def _frame(
 
 
 def _image_axes(face: Face, tip: Direction, palmar: Direction, tilt: float) -> FloatArray:
-    turn = np.array([[math.cos(tilt), math.sin(tilt)], [-math.sin(tilt), math.cos(tilt)]])
-    return np.asarray(turn @ face_axes(face, tip, palmar), dtype=np.float64)
+    return np.asarray(rotation(tilt).T @ face_axes(face, tip, palmar))
 
 
 def _to_face_plane(seen: FloatArray, camera_tilt: float, rng: np.random.Generator) -> FloatArray:

@@ -29,7 +29,7 @@ from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 
 # Contrast over noise below which the contact hardly stands out from noise.
 LOW_CONTRAST: Final = 5.0
-POOR_OVERLAP: Final = 0.85
+_POOR_OVERLAP: Final = 0.85
 # Share of the contact beyond which its ridges may have been joined by sweat or ink.
 _MANY_RIDGES: Final = 0.59
 # Over windows of so many periods resolved ridges spread by more than so many levels of 255; where their mean
@@ -55,16 +55,10 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
     noise, edge_effect = _outline_uncertainty(view, edge, moments, outline, ridge_area)
     known = ridge_area - unknown / 2
     noise[3, 3] += unknown**2 / 12 + _ridge_area_std(edge, fine, known, moments.area) ** 2
-    overlap = overlap_of(edge.points, _ellipse_points(polygon_moments(edge.points)))
     period = view.ridge_period * scale.mm_per_px
     merged = ridge_area > _MANY_RIDGES * moments.area
     doubts = {
-        # Beyond the edge seen, fading is a guess.
-        "touches_border": view.touches_border(edge.moved(-edge.fade), edge.steps),
-        "cut_by_mask": view.cut_by_mask(edge.points, edge.steps),
         "low_contrast": view.contrast < LOW_CONTRAST * view.noise,
-        "several_regions": region.several,
-        "poor_ellipse": overlap < POOR_OVERLAP,
         "scale_doubtful": not PLAUSIBLE_RIDGE_PERIOD_MM[0] <= period <= PLAUSIBLE_RIDGE_PERIOD_MM[1],
         "not_a_contact_image": not shows_ridges(view.contact, edge.points, scale.mm_per_px, view.step),
         "ridges_merge": merged,
@@ -74,44 +68,55 @@ def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: 
     }
     return contact_result(
         view,
-        outline,
+        region,
+        edge,
         moments,
-        ridge_area=ridge_area,
-        ridge_border=fine.border() * scale.mm_per_px if view.resolved else math.nan,
         noise=noise,
         edge_effect=edge_effect,
-        overlap=overlap,
         threshold=ridges.median_level(region.patch),
         doubts={flag for flag, seen in doubts.items() if seen},
+        ridge_area=ridge_area,
+        ridge_border=fine.border() * scale.mm_per_px if view.resolved else math.nan,
         ridges=fine,
     )
 
 
 def contact_result(
     view: View,
-    outline: FloatArray,
+    region: Region,
+    edge: Edge,
     moments: AreaMoments,
     *,
-    ridge_area: float,
-    ridge_border: float,
     noise: FloatArray,
     edge_effect: FloatArray,
-    overlap: float,
     threshold: float,
     doubts: Set[str],
-    ridges: RidgeMap | None,
+    ridge_area: float = math.nan,
+    ridge_border: float = math.nan,
+    ridges: RidgeMap | None = None,
 ) -> ContactImageResult:
-    """Return what was measured in px of the picture, or mm of the ridges' borders, as a result in mm."""
+    """Return what was measured in px of the picture, or mm of the ridges' borders, as a result in mm.
+
+    Here are the doubts that contacts with ridges and without share.
+    """
     mm_per_px = view.scale.mm_per_px
     units = mm_per_px**_POWERS
     values = np.array([*moments.semi_axes, moments.area, ridge_area]) * units
     semi_major, semi_minor, gross_area, ridge_area = values.tolist()
     column, row = moments.centroid
+    overlap = _overlap(edge.points, view.to_copy(moments.ellipse.points(120)[:, ::-1]))
+    shared = {
+        # Beyond the edge seen, fading is a guess.
+        "touches_border": view.touches_border(edge.moved(-edge.fade), edge.steps),
+        "cut_by_mask": view.cut_by_mask(edge.points, edge.steps),
+        "several_regions": region.several,
+        "poor_ellipse": overlap < _POOR_OVERLAP,
+    }
     return ContactImageResult(
         ellipse=Ellipse(semi_major, semi_minor),
         orientation=moments.orientation,
         centroid=(float(row), float(column)),
-        outline=outline[:, ::-1],
+        outline=view.to_picture(edge.points)[:, ::-1],
         gross_area=gross_area,
         ridge_area=ridge_area,
         ridge_border=ridge_border,
@@ -124,7 +129,7 @@ def contact_result(
         threshold=threshold,
         contrast=view.contrast,
         dark_on_light=view.dark_on_light,
-        flags=tuple(flag for flag in FLAGS["contact"] if flag in doubts),
+        flags=tuple(flag for flag in FLAGS["contact"] if flag in doubts or shared.get(flag, False)),
         surface="smooth" if ridges is None else "ridged",
         _shape=view.shape,
         _ridges=ridges,
@@ -177,14 +182,7 @@ def _blurred_ridges(amount: UInt8, patch: BoolArray, period: float) -> BoolArray
     return patch & (cv2.resize(smooth, patch.shape[::-1], interpolation=cv2.INTER_NEAREST) > 0)
 
 
-def _ellipse_points(moments: AreaMoments) -> FloatArray:
-    """Return points (x, y) of the ellipse of some moments."""
-    t = np.linspace(0, 2 * math.pi, 120, endpoint=False)
-    along, across = moments.semi_axes[:, None, None] * moments.axes[:, None, :]
-    return np.asarray(moments.centroid + along * np.cos(t)[:, None] + across * np.sin(t)[:, None])
-
-
-def overlap_of(outline: FloatArray, ellipse: FloatArray) -> float:
+def _overlap(outline: FloatArray, ellipse: FloatArray) -> float:
     """Return the intersection over union of two outlines (x, y)."""
     corner = np.minimum(outline.min(axis=0), ellipse.min(axis=0)) - 1
     columns, rows = np.ceil(np.maximum(outline.max(axis=0), ellipse.max(axis=0)) - corner).astype(int) + 2

@@ -273,14 +273,10 @@ def _excess_grain(off: Float32Array, amount: Float32Array, inside: BoolArray) ->
 
     `off` is what lies above the means along the ridges. Valleys show the noise.
     """
-    squares = off * off
-    variances = []
-    for where in (amount > RIDGE_LEVEL.crest, amount < 1 - RIDGE_LEVEL.crest):
-        place = as_float32(where & inside).ravel()
-        count = max(float(np.count_nonzero(place)), 1.0)
-        mean = float(place @ off.ravel()) / count
-        variances.append(float(place @ squares.ravel()) / count - mean * mean)
-    ridges, valleys = variances
+    ridges, valleys = (
+        float(cv2.meanStdDev(off, mask=(where & inside).view(np.uint8))[1].item()) ** 2
+        for where in (amount > RIDGE_LEVEL.crest, amount < 1 - RIDGE_LEVEL.crest)
+    )
     return max(0.0, math.sqrt(max(0.0, ridges - valleys)) - RIDGE_LEVEL.usual_grain)
 
 

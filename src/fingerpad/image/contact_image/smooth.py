@@ -25,7 +25,7 @@ from fingerpad.image.contact_image.edge import (
     point_spacings,
     running_mean,
 )
-from fingerpad.image.contact_image.evaluate import POOR_OVERLAP, contact_result, overlap_of
+from fingerpad.image.contact_image.evaluate import contact_result
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps
@@ -96,32 +96,20 @@ def evaluate_smooth(view: View, region: Region, edge: Edge, *, edited: bool) -> 
     extents = np.ptp(outline @ moments.axes.T, axis=0)
     other = extents / 2 - moments.semi_axes
     noise[:2, :2] += np.outer(other, other) / 3
-    overlap = overlap_of(outline, moments.ellipse.points(360)[:, ::-1])
     doubts = set(edge.doubts) if isinstance(edge, SmoothEdge) else set()
-    if view.touches_border(edge.points, edge.steps):
-        doubts.add("touches_border")
-    if view.cut_by_mask(edge.points, edge.steps):
-        doubts.add("cut_by_mask")
-    if region.several:
-        doubts.add("several_regions")
-    if overlap < POOR_OVERLAP:
-        doubts.add("poor_ellipse")
     if edited:
         doubts.add("edited_manually")
     covariance = np.full((4, 4), math.nan)
     covariance[:3, :3] = noise
     return contact_result(
         view,
-        outline,
+        region,
+        edge,
         moments,
-        ridge_area=math.nan,
-        ridge_border=math.nan,
         noise=covariance,
         edge_effect=np.array([offset, offset, offset * edge.steps.sum() * view.step, math.nan]),
-        overlap=overlap,
         threshold=view.contrast / 2,
         doubts=doubts,
-        ridges=None,
     )
 
 

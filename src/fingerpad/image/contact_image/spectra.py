@@ -106,14 +106,17 @@ def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -
     middle = math.floor(math.log2(max(expected / _MIDDLE, 1.0)) + 0.5)
     likely = range(max(0, middle - 1), min(len(copies), middle + 2))
     for levels, count in ((likely, _FEW), (range(len(copies)), _MANY)):
-        best, best_vote, windows = 0, 0.0, np.empty(0)
+        best, best_vote, rest, found = 0, 0.0, np.empty(0), (np.empty(0), np.empty(0))
         for level in levels:
-            textured = _textured_windows(*copies[level])
-            vote = _median_period(_pick_evenly(textured, count))[1]
+            windows = _textured_windows(*copies[level])
+            few = _pick_evenly(np.arange(len(windows)), count)
+            periods, shares = _window_periods(windows[few])
+            vote = _median_period(periods, shares)[1]
             if vote > _CLEARER * best_vote:
-                best, best_vote, windows = level, vote, textured
+                best, best_vote, rest, found = level, vote, np.delete(windows, few, axis=0), (periods, shares)
         if best_vote:
-            return 2.0**best * _median_period(windows)[0]
+            more = _window_periods(rest)
+            return 2.0**best * _median_period(*map(np.append, found, more))[0]
     return math.nan
 
 
@@ -159,23 +162,23 @@ def _window_means(sparse: Float32Array) -> Float32Array:
     return np.asarray(cv2.blur(quarters, (2, 2), anchor=(0, 0))[:-1, :-1], dtype=np.float32)
 
 
-def _median_period(windows: npt.NDArray[Any]) -> tuple[float, float]:
+def _median_period(periods: FloatArray, shares: FloatArray) -> tuple[float, float]:
     """Return the weighted median period of some windows, px, and how clearly they speak for it."""
-    periods, shares = _window_periods(windows.astype(np.float32))
     clear = shares > _MIN_CONCENTRATION
     if np.count_nonzero(clear) < 3:
         return math.nan, 0.0
     return _weighted_median(periods[clear], shares[clear]), float(shares[clear].sum()) / shares.size
 
 
-def _window_periods(windows: Float32Array) -> tuple[Float32Array, Float32Array]:
+def _window_periods(windows: npt.NDArray[Any]) -> tuple[FloatArray, FloatArray]:
     """Return the ridge period of each window, and the share of its power in that peak.
 
     The edge of a smooth contact has its peak below the band: it has no share.
     """
+    windows = windows.astype(np.float32)
     tapered = (windows - windows.mean(axis=(1, 2), keepdims=True)) * _WINDOW_TAPER
     spectrum = fft.fft(fft.rfft(tapered, axis=2)[:, :, :_COLUMNS], axis=1)[:, _ROWS]
-    power = (spectrum.real**2 + spectrum.imag**2).reshape(len(windows), -1)
+    power = (spectrum.real**2 + spectrum.imag**2).reshape(-1, _FREQUENCY.size)
     # Parseval's theorem gives the power of the half of the spectrum; its first column stands for itself.
     square = np.einsum("ijk,ijk->i", tapered, tapered)
     total = (_WINDOW**2 * square + power[:, ::_COLUMNS].sum(axis=1)) / 2 - power @ _LOW + 1e-12
@@ -186,7 +189,7 @@ def _window_periods(windows: Float32Array) -> tuple[Float32Array, Float32Array]:
     return weight / moment, _BAND[peak] * weight / total
 
 
-def _weighted_median(values: Float32Array, weights: Float32Array) -> float:
+def _weighted_median(values: FloatArray, weights: FloatArray) -> float:
     order = np.argsort(values)
     total = np.cumsum(weights[order])
     return float(values[order][np.searchsorted(total, total[-1] / 2)])
