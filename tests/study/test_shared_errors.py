@@ -1,11 +1,14 @@
 """Errors that all contacts of a study share, against a Monte Carlo written from the physics."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fingerpad.exceptions import ManifestError
+from fingerpad.study.compare import compare_studies
+from fingerpad.study.compare.comparison import means_of
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
 
@@ -87,3 +90,34 @@ def test_unstated_errors_change_nothing(tmp_path: Path) -> None:
 def test_what_cannot_be_is_refused(tmp_path: Path, stated: str) -> None:
     with pytest.raises(ManifestError, match=stated.split(maxsplit=1)[0]):
         result(tmp_path, stated)
+
+
+def test_fingers_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> None:
+    people = 6
+    fingers = "".join(
+        f'[[fingers]]\nname = "f{number}"\nperson = "p{number}"\n'
+        "semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }\n"
+        "semi_axes_mm_std = { palmar = 1e-6, distal = 1e-6, radial_ulnar = 1e-6 }\n"
+        f'[[observations]]\nname = "c{number}"\nfinger = "f{number}"\nwedge_angle_deg = 30\nload_N = 2\n'
+        "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.05 }\n"
+        for number in range(people)
+    )
+    (tmp_path / "study.toml").write_text(
+        'title = "T"\n[uncertainty]\nwedge_angle_deg_std = 0\nroll_angle_deg_std = 0\n'
+        f"load_relative_std = 0.03\nload_gain_relative_std = 0.04\n{fingers}"
+    )
+    run_study(tmp_path / "study.toml", tmp_path / "out")
+    values = [one for one in compare_studies([tmp_path / "out"]).values if "youngs" in one.quantity]
+    truth = values[0].value
+    rng, draws = np.random.default_rng(3), 500
+    load = (1 + 0.04 * rng.normal(size=(draws, 1))) * (1 + 0.03 * rng.normal(size=(draws, people)))
+    major, minor = (axis + 0.05 * rng.normal(size=(draws, people)) for axis in (7.4, 5.0))
+    seen = truth * load * (major * minor / 37) ** -1.5
+    means = [
+        means_of(replace(one, value=value) for one, value in zip(values, drawn, strict=True))[0]
+        for drawn in seen.tolist()
+    ]
+    error = np.array([mean.value - truth for mean in means])
+    assert np.mean([mean.std for mean in means]) == pytest.approx(error.std(), rel=0.1)
+    held = np.mean([low <= truth <= high for low, high in (mean.interval for mean in means)])
+    assert 0.92 <= held <= 0.98

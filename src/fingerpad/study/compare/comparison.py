@@ -106,7 +106,7 @@ class Mean(Displayed):
 
 
 class _Level(NamedTuple):
-    """A value with its own standard uncertainty, and what each study's wedge and the model add to it."""
+    """A value with its own standard uncertainty, and what each study's wedge and force, and the model add."""
 
     value: float
     own_std: float
@@ -136,11 +136,12 @@ def _mean(values: Sequence[Value]) -> Mean:
     proportional = QUANTITIES[quantity].proportional
     people: dict[Person, dict[str, list[_Level]]] = {}
     for value in values:
-        own = math.sqrt(max(0.0, value.std**2 - value.shared_std**2 - value.model_std**2))
         shared: dict[Hashable, float] = {
             (value.study, value.wedge_angle_deg): value.shared_std,
+            (value.study, "force"): value.gain_std,
             "model": value.model_std,
         }
+        own = math.sqrt(max(0.0, value.std**2 - sum(std**2 for std in shared.values())))
         level = _Level(value.value, own, shared)
         people.setdefault(value.person, {}).setdefault(value.finger, []).append(level)
     persons, scatters = [], []

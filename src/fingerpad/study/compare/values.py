@@ -179,6 +179,8 @@ class Value(Displayed):
         latter NaN where not known.
     shared_std : float
         What the wedge's angle, which fingers of a study share, does to it.
+    gain_std : float
+        What the gain of the force, which moduli from the contacts of a study share, does to it.
     model_std : float
         What the model's discrepancy does to it, which all values from that model share; zero where nothing
         tells it.
@@ -200,6 +202,7 @@ class Value(Displayed):
     wedge_angle_deg: float | None = None
     roll_angle_deg: float | None = None
     shared_std: float = 0.0
+    gain_std: float = 0.0
     model_std: float = 0.0
     source: str = ""
     velocity_mm_per_s: float = math.nan
@@ -336,6 +339,7 @@ def _of_fingers(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[
 
 
 def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[Value]:
+    gain = study.summary.load_gain_relative_std
     for summary in study.summary.summaries:
         shares = summary.radius_from_indentation_variance_shares or {}
         angles = sum(shares.get(f"{name} angle", 0.0) for name in ("wedge", "jig", "roll"))
@@ -372,6 +376,8 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
                 value=value,
                 std=math.hypot(std, model_std),
                 shared_std=std * math.sqrt(shared.get(quantity, 0.0)),
+                # A modulus from load and area goes with the load, on deep tissue and on a layer.
+                gain_std=gain * value if quantity in {"youngs_modulus_kpa", _ON_LAYER} else 0.0,
                 model_std=model_std,
                 verdict=verdicts.get(quantity, ""),
             )

@@ -136,7 +136,9 @@ def _literals(rows: pd.DataFrame, name: str, cells: Sequence[str]) -> list[str]:
 
 def summary_of(result: StudyResult) -> SummaryFile:
     """Return the content of ``summary.json``."""
+    gain = result.study.uncertainty.load_gain_relative_std
     return SummaryFile(
+        **({"load_gain_relative_std": gain} if gain else {}),
         title=result.study.title,
         fingers=[_finger(finger) for finger in result.fingers.values()],
         summaries=_placements(result),

@@ -663,6 +663,9 @@ class SummaryFile(Record):
     by_load: list[AtLoadRecord] = Field(description="Area and modulus at each load.")
     sequences: list[SequenceRecord] = Field(description="Image sequences.")
     scales: dict[str, ScaleRecord] = Field(description="Named scales.")
+    load_gain_relative_std: Number = Field(
+        default=0.0, description="Relative standard uncertainty of the force's gain, where one is stated."
+    )
     curves: list[CurveRecord] = Field(description="Loading curves.")
     failures: list[str] = Field(description="What failed, and why.")
     methods: MethodsRecord = Field(description="Methods section in words.")
