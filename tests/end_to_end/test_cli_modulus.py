@@ -78,6 +78,32 @@ def test_refusals(given: tuple[object, ...], words: str) -> None:
     assert words in " ".join(err.replace("│", " ").split())
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ((*PAD, "--load-n", 2000, "--area-mm2", 90), "more than 100 N: is the load in millinewtons?"),
+        ((*PAD, "--load-n", 2, "--area-mm2", 0.09), "outside 1–5000 kPa: check load and units"),
+        (("--semi-axes-mm", 13.8, 7.9, 11.8, "--wedge-deg", 30), "palmar 13.8 mm is more than distal"),
+        (("--semi-axes-mm", 0.8, 1.4, 1.2, "--wedge-deg", 30), "0.8 mm is less than any pad has"),
+        (
+            (*PAD[:4], "--wedge-deg", 0.5236),
+            "--wedge-deg: less than 1.6°: angles are in degrees",
+        ),
+    ],
+)
+def test_other_units_and_another_order_are_noted(given: tuple[object, ...], words: str) -> None:
+    press = () if "--load-n" in given else ("--load-n", 2, "--area-mm2", 90)
+    code, _, err = run("modulus", *given, *press)
+    assert (code, words in err) == (0, True)
+    assert run("modulus", *PAD, "--load-n", 2, "--area-mm2", 90)[2] == ""
+
+
+def test_hertz_theory_beyond_its_range_is_said() -> None:
+    wide, usual = (run("modulus", *PAD, "--load-n", 2, "--area-mm2", area)[1] for area in (600, 90))
+    assert "Hertz theory does not hold here: the contact's radius is 1 times that of curvature" in wide
+    assert "does not hold" not in usual
+
+
 def test_hertz_has_a_layer_beside_it() -> None:
     press = ("hertz", "--radii-mm", 12.9, 14.3, "--load-n", 1, "--reduced-modulus-kpa", 90)
     record, plain = run_json(*press, "--thickness-mm", 6, "--poisson-ratio", 0.48), run_json(*press)

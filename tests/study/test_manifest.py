@@ -237,7 +237,10 @@ CELLS = "b,index,45,2,5,4,.1"
         (f"{HEADER}\n\nb,index,45,2,5,4", "rows.csv, line 3: ellipse_mm.std: required, but missing"),
         (f"{HEADER}\n{CELLS},extra", "rows.csv, line 2: more cells than the header has columns"),
         (f"{HEADER.replace(',', ';')}\n{CELLS.replace(',', ';')};x", "line 2: more cells"),
-        (CELLS, "rows.csv: no column finger, load_N, name, wedge_angle_deg in the first line"),
+        (
+            CELLS,
+            "rows.csv: no column finger, load_N, name, wedge_angle_deg in the first line; found b, index",
+        ),
         ("", "rows.csv: no column"),
         (HEADER, "rows.csv: holds no rows"),
         (

@@ -21,6 +21,7 @@ from fingerpad.cli.shared import (
     placement_of,
     pressed_record,
     print_folder,
+    print_if_too_large,
     print_json,
     print_record,
     print_rows,
@@ -110,18 +111,7 @@ def hertz(
         record["on_layer"] = pressed_record(on_layer) | ({"flag": flag or None} if as_json or flag else {})
     print_record(record, as_json)
     if not as_json:
-        _print_if_too_large(size)
-
-
-def _print_if_too_large(size: float) -> None:
-    """Say of a contact as wide as the bodies, by its a/R, that Hertz theory does not hold for it."""
-    from fingerpad.contact.law_factors import WIDEST
-
-    if size > WIDEST:
-        typer.echo(
-            f"Hertz theory does not hold here: the contact's radius is {size:.2g} times that of curvature; "
-            f"beyond {WIDEST:.1f} not even the error is known: check load, modulus and units"
-        )
+        print_if_too_large(size)
 
 
 def correct(

@@ -1,9 +1,11 @@
 """The command that finds a pad's modulus from a load and the contact area or indentation under it."""
 
+import math
 from typing import Annotated
 
 import typer
 
+from fingerpad._plausible import load_doubts
 from fingerpad.cli.shared import (
     AsJson,
     PoissonRatio,
@@ -14,8 +16,10 @@ from fingerpad.cli.shared import (
     only_one,
     placement_of,
     pressed_record,
+    print_if_too_large,
     print_json,
     print_law_flag,
+    print_note,
     print_side_by_side,
     require_positive,
 )
@@ -68,8 +72,11 @@ def modulus(
             }
         )
     hertz, whole = records
+    for doubt in load_doubts(load_n, hertz["youngs_modulus_kpa"] / KPA_PER_MPA):
+        print_note(doubt)
     if as_json:
         print_json({**whole, "flag": flag or None, "thickness_mm": thickness_mm, "hertz": hertz})
     else:
         print_side_by_side({"whole pad": whole, "Hertz": hertz})
         print_law_flag(flag)
+        print_if_too_large(math.sqrt(hertz["area_mm2"] / math.pi / (gap.first_radius * gap.second_radius)))

@@ -229,6 +229,17 @@ def print_note(text: str) -> None:
     typer.echo(f"note: {text}", err=True)
 
 
+def print_if_too_large(size: float) -> None:
+    """Say of a contact as wide as the bodies, by its a/R, that Hertz theory does not hold for it."""
+    from fingerpad.contact.law_factors import WIDEST
+
+    if size > WIDEST:
+        typer.echo(
+            f"Hertz theory does not hold here: the contact's radius is {size:.2g} times that of curvature; "
+            f"beyond {WIDEST:.1f} not even the error is known: check load, modulus and units"
+        )
+
+
 def checked_pad(semi_axes_mm: tuple[float, float, float]) -> "Ellipsoid":
     """Return the pad of ``--semi-axes-mm``, each of which must be positive."""
     from fingerpad.geometry import Ellipsoid
@@ -244,6 +255,8 @@ def placement_of(*, semi_axes_mm: SemiAxes, wedge_deg: WedgeAngle, roll_deg: Rol
     """Return the pad on its wedge."""
     from fingerpad.geometry import Placement
 
+    if 0 < wedge_deg < math.pi / 2:
+        print_note("--wedge-deg: less than 1.6°: angles are in degrees, not radians")
     return Placement(
         checked_pad(semi_axes_mm), wedge_angle=math.radians(wedge_deg), roll_angle=math.radians(roll_deg)
     )

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._plausible import PLAUSIBLE_MODULUS
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading.contact_point import ESTIMATORS
@@ -40,8 +41,8 @@ from fingerpad.loading.rivals import (
     fit_growing,
 )
 
-# Beyond these no finger pad lies, mm and MPa: a wrong unit.
-PLAUSIBLE_RADIUS, PLAUSIBLE_MODULUS = (2.0, 100.0), (0.001, 5.0)
+# Beyond these no finger pad lies, mm: a wrong unit.
+PLAUSIBLE_RADIUS = (2.0, 100.0)
 # A given radius is doubted when the slope of the area is so many standard uncertainties away.
 _CONTRADICTED = 4.0
 _PARAMETERS = ("loading_radius", "initial_modulus", "load_coefficient", "contact_offset")

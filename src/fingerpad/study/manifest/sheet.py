@@ -63,7 +63,10 @@ class Sheet:
         sheet = cls(table)
         missing = {"name", "finger", "wedge_angle_deg", "load_N"} - set(sheet._header)
         if missing:
-            raise ManifestError(f"{name}: no column {', '.join(sorted(missing))} in the first line")
+            raise ManifestError(
+                f"{name}: no column {', '.join(sorted(missing))} in the first line; found "
+                f"{', '.join(sheet._header) or 'none'}: rename the columns, and convert other units"
+            )
         repeated = sorted({key for key in sheet._header if key and sheet._header.count(key) > 1})
         if repeated:
             raise ManifestError(
