@@ -48,11 +48,9 @@ from fingerpad.report.text import (
     implausible_values,
     note_counts,
     outline_doubts,
-    percent,
     phase_words,
     photograph_flags,
     pooling_words,
-    remedies,
     to_do,
 )
 from fingerpad.study.measuring.curves import loading_radius
@@ -112,17 +110,15 @@ def write_page(
         "advice": advice,
         "noted_flags": lambda codes, notes: flags_in(codes, "curve", notes=notes),
         "face_differences": face_differences,
-        "percent": percent,
         "phases": phase_words,
-        "picture": lambda overlay: _picture(overlays / overlay),
         "outline_doubts": outline_doubts,
         "photograph_flags": photograph_flags,
-        "remedies": remedies,
     }
     environment.filters |= filters
     environment.globals |= {
         "quantity": _quantity,
         "headlines": HEADLINE_WORDS,
+        "picture_of": lambda overlay: _picture(overlays / overlay),
     }
     path, draw, found = (
         out / name,

@@ -15,7 +15,7 @@ from fingerpad._rounding import (
     value_with_uncertainty,
 )
 from fingerpad.report.plot import drawing
-from fingerpad.report.text import VERDICT_SYMBOLS, probability
+from fingerpad.report.text import VERDICT_SYMBOLS, percent, probability, remedies
 
 
 class _Compiled(BytecodeCache):
@@ -84,7 +84,14 @@ def templates() -> Environment:
     )
     style = files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")
     # Drawings are read as a page is written: all together they would take more memory than all rows.
-    environment.filters |= {"typeset": typeset, "probability": probability, "drawing": drawing}
+    # Macros are compiled with every page that takes some of them: their filters are known to all pages.
+    environment.filters |= {
+        "typeset": typeset,
+        "probability": probability,
+        "drawing": drawing,
+        "percent": percent,
+        "remedies": remedies,
+    }
     environment.globals |= {
         "pm": signed_with_uncertainty,
         "positive": positive_with_uncertainty,
