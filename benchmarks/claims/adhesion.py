@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.tables import percent, table
 from benchmarks.truth.adhesion import KINDS, records
 from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import LawFit, LoadingCurve, fit_adhesion
@@ -56,18 +57,19 @@ def judged(record: dict[str, Any]) -> dict[str, float]:
 
 def report(count: int = 20, seed: int = 23) -> None:
     """Print one line per kind of record."""
-    print("| records | refused | E held | w held | x0 held | flagged | silent | ± E | ± w | E of Hertz / E |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
-    for kind in KINDS:
+    names = "E", "w", "x0", "flagged", "silent"
+
+    def cells(kind: str) -> tuple[object, ...]:
         found = [judged(record) for record in records(seed=seed, count=count, kind=kind)]
         fitted = [one for one in found if not one["refused"]]
-        line = f"| {kind} | {len(found) - len(fitted)} of {len(found)} |"
-        if fitted:
-            shares = [
-                f"{sum(one[name] for one in fitted):.0f}" for name in ("E", "w", "x0", "flagged", "silent")
-            ]
-            middle = [
-                float(np.nanmedian([one[name] for one in fitted])) for name in ("E std", "w std", "hertz")
-            ]
-            line += f" {' | '.join(shares)} | {middle[0]:.1%} | {middle[1]:.1%} | {middle[2]:.2f} |"
-        print(line, flush=True)
+        if not fitted:
+            return kind, f"{len(found)} of {len(found)}", *8 * ("–",)
+        shares = [f"{sum(one[name] for one in fitted):.0f}" for name in names]
+        modulus, work, hertz = (
+            float(np.nanmedian([one[name] for one in fitted])) for name in ("E std", "w std", "hertz")
+        )
+        refused = f"{len(found) - len(fitted)} of {len(found)}"
+        return kind, refused, *shares, percent(modulus), percent(work), f"{hertz:.2f}"
+
+    held = "E held", "w held", "x₀ held", "flagged", "silent"
+    table(("records", "refused", *held, "± E", "± w", "E of Hertz theory / E"), map(cells, KINDS))

@@ -13,7 +13,6 @@ import math
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any, Final
 
 import cv2
@@ -21,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.claims.finger_shapes import SIDES
+from benchmarks.tables import Row, errors_table
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Face, PhotographFit, Scale, combine_faces, measure_photograph
 from fingerpad.image.photograph.faces import SEMI_AXES
@@ -33,6 +33,10 @@ Support = Callable[[Array], Array]
 FACES: Final[tuple[Face, ...]] = ("palmar", "distal", "radial")
 WEDGES_DEG: Final = (20, 30, 45)
 RADII: Final = ("in_plane_radius", "mean_curvature_radius")
+WORDS: Final = {
+    "in_plane_radius": "Radius along the finger, faces combined",
+    "mean_curvature_radius": "Mean radius of curvature, 1/H, faces combined",
+}
 
 
 def _ellipsoid(axes: Array, centre: tuple[float, float, float] = (0, 0, 0), turn: float = 0.0) -> Support:
@@ -277,21 +281,9 @@ def joint_radii(found: dict[Face, PhotographFit]) -> Array:
     return np.array(rows, dtype=np.float64)
 
 
-def print_errors(title: str, rows: dict[str, list[tuple[float, float, bool]]]) -> None:
-    """Print relative errors with what was stated of them, for each name and all together."""
-    print(f"\n{title}")
-    print("    shape            n    bias     rms   median stated   held   flagged   missed without a flag")
-    for name, some in [*rows.items(), ("all", list(chain(*rows.values())))]:
-        off, std, flagged = np.array(some).T
-        missed = np.abs(off) > 1.96 * std
-        print(f"    {name:<12} {len(some):5}  {off.mean():+6.1%}  {np.sqrt((off**2).mean()):6.1%}", end="")
-        print(f"   {np.median(std):13.2%}   {1 - missed.mean():4.0%}   {flagged.mean():7.0%}", end="")
-        print(f"   {(missed & (flagged == 0)).mean():7.0%}")
-
-
 def report(count: int = 3, seed: int = 1) -> None:
     """Print errors, stated uncertainties and coverage of semi-axes and radii."""
-    tables: dict[str, dict[str, list[tuple[float, float, bool]]]] = {}
+    tables: dict[str, dict[str, list[Row]]] = {}
     refused = 0
     for truth in fingers(count, seed):
         found = measure(truth)
@@ -303,7 +295,8 @@ def report(count: int = 3, seed: int = 1) -> None:
                 rows.append((value / true - 1, one / value, bool(fit.flags)))
         if "radial" in found:
             seen = [found["radial"].outline_radius(math.radians(wedge)) for wedge in WEDGES_DEG]
-            rows = tables.setdefault("Radius along the finger, outline", {}).setdefault(truth.name, [])
+            outline = tables.setdefault("Radius along the finger, by the outline alone", {})
+            rows = outline.setdefault(truth.name, [])
             for (value, one), true in zip(seen, truth.radii[:, 0], strict=True):
                 if math.isfinite(value):
                     rows.append((value / true - 1, one / value, False))
@@ -313,9 +306,8 @@ def report(count: int = 3, seed: int = 1) -> None:
             continue
         flagged = any(fit.flags for fit in found.values())
         for place, name in enumerate(RADII):
-            rows = tables.setdefault(name, {}).setdefault(truth.name, [])
+            rows = tables.setdefault(WORDS[name], {}).setdefault(truth.name, [])
             for (value, one), true in zip(radii[:, place], truth.radii[:, 2 * place], strict=True):
                 rows.append((value / true - 1, one / value, flagged))
-    print(f"{refused} photographs refused")
-    for title, table in tables.items():
-        print_errors(title, table)
+    for title, of_kind in tables.items():
+        errors_table(f"{title}; {refused} photographs refused", of_kind, "kind")

@@ -6,20 +6,21 @@ import cv2
 import numpy as np
 from tests.image.coin_scenes import KINDS, NOT_ONE_COIN, scene
 
+from benchmarks.tables import percent, share, table
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image import measure_coin
+
+COLUMNS = "kind", "n", "refused", "flagged", "over 2 % off, no flag", "rms error", "held", "ms"
 
 
 def report(count: int = 22, first_seed: int = 1000) -> None:
     """Print how often the diameter is found, refused, flagged or wrong, and what its interval holds."""
-    print(f"\nPhotographs of coins and washers, {count} of each kind; errors of the diameter")
-    print("    kind               refused  flagged  over 2 %, unflagged  median  95 % within  covered     ms")
-    rows = []
-    for kind in (*KINDS, *NOT_ONE_COIN):
-        found = [_error(kind, first_seed + seed) for seed in range(count)]
-        rows += found if kind in KINDS else []
-        _print_row(kind, np.array(found))
-    _print_row("all with a coin", np.array(rows))
+    found = {
+        kind: np.array([_error(kind, first_seed + seed) for seed in range(count)])
+        for kind in (*KINDS, *NOT_ONE_COIN)
+    }
+    found["all with a coin"] = np.concatenate([found[kind] for kind in KINDS])
+    table(COLUMNS, (_row(kind, rows) for kind, rows in found.items()))
 
 
 def _error(kind: str, seed: int) -> tuple[float, float, bool, float]:
@@ -39,14 +40,10 @@ def _error(kind: str, seed: int) -> tuple[float, float, bool, float]:
     return error / photograph.semi_major, error / coin.semi_major_std, bool(coin.flags), spent
 
 
-def _print_row(kind: str, rows: np.ndarray) -> None:
-    found = np.isfinite(rows[:, 0])
-    size, pulls = 100 * np.abs(rows[found, 0]), np.abs(rows[found, 1])
-    flagged = rows[found, 2] > 0
-    median, max_draws = np.quantile(size, [0.5, 0.95]) if size.size else (np.nan, np.nan)
-    held = 100 * np.mean(pulls < 1.96) if pulls.size else np.nan
-    print(
-        f"    {kind:<18} {np.count_nonzero(~found):7d}  {np.count_nonzero(flagged):7d}  "
-        f"{np.count_nonzero((size > 2) & ~flagged):19d}  {median:4.2f} %  {max_draws:9.2f} %  {held:5.0f} %  "
-        f"{1e3 * rows[:, 3].mean():6.0f}"
-    )
+def _row(kind: str, rows: np.ndarray) -> tuple[object, ...]:
+    errors, pulls, flagged, _ = rows[np.isfinite(rows[:, 0])].T
+    silent = (np.abs(errors) > 0.02) & (flagged == 0)
+    rms = percent(float(np.sqrt(np.mean(errors**2)))) if errors.size else "–"
+    held, spent = share(np.abs(pulls) < 1.96), f"{1e3 * rows[:, 3].mean():.0f}"
+    refused = len(rows) - len(errors)
+    return kind, len(rows), refused, int(flagged.sum()), int(silent.sum()), rms, held, spent

@@ -6,14 +6,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.simulated import contact, finger, study_of
+from benchmarks.tables import share, table
 from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import ContactImageResult, measure_contact_image
-from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.manifest import Observation
 from fingerpad.study.measuring.contacts import Measurement
-from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.uncertainty import pool
@@ -21,11 +22,8 @@ from fingerpad.uncertainty import pool
 PAD = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
 ELLIPSE = np.array([7.4, 5.0])
 WEDGE_DEG = 30.0
-GIVEN = {"name": "f", "semi_axes_mm": PAD, "semi_axes_mm_std": dict.fromkeys(PAD, 1e-9)}
-STUDY = Study.model_validate({"title": "edge", "fingers": [GIVEN]})
-EXACT = FingerResult(
-    name="f", semi_axes=np.array([*PAD.values()]), covariance=np.zeros((3, 3)), source="given"
-)
+AXES = np.array([*PAD.values()])
+STUDY, EXACT = study_of({"f": None}, AXES), finger("f", AXES)
 
 
 class Measured(NamedTuple):
@@ -75,18 +73,13 @@ def pooled_radius_score(some: Sequence[Measured], *, shared: bool) -> float:
 def _contact(one: Measured, number: int, shared: bool) -> tuple[Observation, Measurement]:
     found, truth = one.found.ellipse, one.truth
     errors = [float(found.semi_major) - truth.semi_major, float(found.semi_minor) - truth.semi_minor]
-    major, minor = ELLIPSE + errors
-    observation = Observation(
-        name=f"c{number}", finger="f", wedge_angle_deg=WEDGE_DEG, load_N=1.0, file="x.png", scale="device"
-    )
-    return observation, Measurement(
-        observation=observation.name,
-        load_N=1.0,
-        semi_major_mm=major,
-        semi_minor_mm=minor,
-        covariance_mm2=one.found.covariance[:2, :2],
+    return contact(
+        f"c{number}",
+        1.0,
+        ELLIPSE + errors,
+        one.found.covariance[:2, :2],
+        wedge_deg=WEDGE_DEG,
         edge_offset_mm_std=one.found.edge_offset_std if shared else 0.0,
-        scale="device",
     )
 
 
@@ -105,12 +98,11 @@ def scores_of(sets: Sequence[Sequence[Measured]], *, shared: bool) -> FloatArray
 def report(count: int = 12, size: int = 6, seed: int = 7) -> None:
     """Print how many 95 % intervals of pooled results hold, with the edge as noise and as shared."""
     sets = list(sets_of_one_device(measured_images(count, seed), size))
-    print(f"\nPooled over {size} images of one device: {len(sets)} sets, {len(CONDITIONS)} conditions")
-    for words, shared in (("as noise of each image", False), ("shared", True)):
+    rows = []
+    for words, shared in (("noise of each image", False), ("shared by all", True)):
         scores = scores_of(sets, shared=shared)
-        held = 100 * np.mean(np.abs(scores) < 1.96, axis=0)
         rms = np.sqrt(np.mean(scores**2, axis=0))
-        print(f"    edge {words:<24}", end="")
-        for name, one, z in zip(("gross area", "corrected radius"), held, rms, strict=True):
-            print(f"{name} {one:5.1f} % held, error over uncertainty {z:.2f}   ", end="")
-        print()
+        cells = [f"{share(np.abs(z) < 1.96)}, {r:.2f}" for z, r in zip(scores.T, rms, strict=True)]
+        rows.append((words, len(sets), *cells))
+    head = "place of the edge", "sets", "mean area: held, error over uncertainty", "pooled radius: the same"
+    table(head, rows, f"Sets of {size} images of one device, {len(CONDITIONS)} conditions")

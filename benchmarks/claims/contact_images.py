@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.claims.contact_edge import Measured, measured_images
+from benchmarks.claims.contact_edge import Measured
+from benchmarks.tables import off, share, table
 from fingerpad.exceptions import ImageError
 from fingerpad.image import ContactImageResult, Scale, measure_contact_image
 from fingerpad.simulate import SyntheticContactImage, render_contact_image
@@ -91,10 +92,6 @@ def _groups_of(number: int, truth: SyntheticContactImage, noise: float) -> tuple
 
 def accuracy_and_coverage(count: int) -> None:
     """Print errors and coverage of the 95 % intervals on rendered pictures, by noise and by look."""
-    print(
-        f"\nContact images of known truth, 500 ppi, 100-300 mm2, irregular, creased, {count} per noise level"
-    )
-    print("    asked: gross area bias 1 %, 95 % within 3 %; axes 2 %; orientation 2 deg; coverage 93-97 %")
     order = ["all", *LOOKS, *(f"noise {noise:.0f}" for noise in NOISES)]
     order += [f"{low}-{high} mm2" for low, high in pairwise(SIZES)]
     groups: dict[str, list[list[Numbers]]] = {name: [] for name in [*order, "smudged", "no ridges"]}
@@ -105,27 +102,28 @@ def accuracy_and_coverage(count: int) -> None:
             "no ridges": population(count // 2, seed=300 + int(noise), noise_std=noise, blur=(0.2, 0.35)),
         }
         for kind, rendered in populations.items():
-            print(f"    noise {noise:.0f} {kind}:", end=" ")
             truths, errors, scores, turns, flags = measured(rendered)
-            flagged = sum(bool(f) for f in flags)
-            print(f"{flagged} of {len(flags)} flagged", sorted({x for f in flags for x in f}))
-            for truth, *row in zip(truths, errors, scores, turns, strict=True):
+            flagged = [bool(f) for f in flags]
+            for truth, *row in zip(truths, errors, scores, turns, flagged, strict=True):
                 for name in (kind,) if kind else _groups_of(*truth, noise):
                     groups[name].append(row)
-    print("    group        quantity      mean error  95 % within   worst   coverage  rms score")
-    for name, rows in groups.items():
-        if not rows:
-            continue
-        errors, scores, turns = (np.array(part) for part in zip(*rows, strict=True))
-        for k, quantity in enumerate(QUANTITIES):
-            e, z = errors[:, k], scores[:, k]
-            print(f"    {name:<12} {quantity:<11} {e.mean():+9.2f} %", end=" ")
-            print(f"{np.quantile(np.abs(e), 0.95):9.2f} % {np.abs(e).max():8.2f} %", end=" ")
-            print(f"{100 * np.mean(np.abs(z) < 1.96):7.1f} % {np.sqrt(np.mean(z**2)):8.2f}")
-        turns = np.abs(turns[np.isfinite(turns)])
-        print(
-            f"    {name:<12} orientation {'':11} {np.quantile(turns, 0.95):9.2f} deg {turns.max():6.2f} deg"
-        )
+    table(
+        (
+            "images",
+            "n",
+            *(f"{q}: bias, rms error, held" for q in QUANTITIES),
+            "turned by",
+            "flagged",
+        ),
+        (_cells(name, rows) for name, rows in groups.items() if rows),
+        f"Rendered contact images, 500 ppi, 100-300 mm², irregular, creased, {count} of each level of noise",
+    )
+
+
+def _cells(name: str, rows: list[list[Numbers]]) -> tuple[object, ...]:
+    errors, scores, turns, flagged = (np.array(part) for part in zip(*rows, strict=True))
+    each = [f"{off(e)}, {share(np.abs(z) < 1.96)}" for e, z in zip(errors.T / 100, scores.T, strict=True)]
+    return name, len(rows), *each, f"{np.nanquantile(np.abs(turns), 0.95):.1f}°", share(flagged)
 
 
 def independent_errors(images: Iterable[Measured]) -> tuple[Numbers, Numbers, list[str]]:
@@ -140,33 +138,11 @@ def independent_errors(images: Iterable[Measured]) -> tuple[Numbers, Numbers, li
     return np.array(errors), np.array(scores), names
 
 
-def independent_accuracy(count: int) -> None:
-    """Print errors and coverage on images that share no model with the measurement, by condition."""
-    errors, scores, names = independent_errors(measured_images(count, seed=7))
-    print(
-        f"\nIndependently rendered contact images, {count} of each condition: mean error, intervals of 95 %"
-    )
-    print(f"    {'condition':<38} {'gross area':>19} {'ridge area':>19}   axes")
-    for name in [*dict.fromkeys(names), "all"]:
-        chosen = np.array([name in {each, "all"} for each in names])
-        held = 100 * np.mean(np.abs(scores[chosen]) < 1.96, axis=0)
-        mean = 100 * np.mean(errors[chosen], axis=0)
-        print(f"    {name:<38}", *(f"{mean[k]:+7.2f} % {held[k]:7.0f} %  " for k in (2, 3)), end=" ")
-        print(*(f"{held[k]:.0f} %" for k in (0, 1)))
-    print(
-        "    rms error",
-        *(
-            f"{q} {100 * e:.2f} %"
-            for q, e in zip(QUANTITIES, np.sqrt(np.mean(errors**2, axis=0)), strict=True)
-        ),
-    )
-
-
 def speed(repeats: int = 60) -> None:
     """Print the processor time of one measurement against that of decoding its PNG, side by side."""
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
-    print("\nOne 1024 x 1024 contact image, one thread, and the decoding of its PNG (asked: 2 x)")
+    rows = []
     for ridge_period in (0.38, 0.45, 0.55):
         truth = render_contact_image(
             semi_major=12.0, semi_minor=10.0, ridge_period=ridge_period, margin=14.0, seed=1
@@ -181,13 +157,14 @@ def speed(repeats: int = 60) -> None:
             measure_contact_image(pixels, SCALE)
             times.append((decoded - start, time.thread_time() - decoded))
         decoding, measuring = 1e3 * np.min(times, axis=0)
-        print(f"    ridges {ridge_period:.2f} mm apart: {measuring:.1f} and {decoding:.1f} ms,", end=" ")
-        print(f"{measuring / decoding:.2f} x")
+        each = f"{ridge_period} mm", f"{measuring:.0f} ms", f"{decoding:.1f} ms"
+        rows.append((*each, f"{measuring / decoding:.1f}"))
+    title = "Processor time of one image of 1024 × 1024 px that its contact nearly fills, one thread"
+    table(("ridges apart", "measured in", "its PNG decoded in", "ratio (asked: 2)"), rows, title)
     cv2.setNumThreads(threads)
 
 
-def report(images: int = 72, independent: int = 12) -> None:
-    """Print errors and coverage on both kinds of images, and speed."""
+def report(images: int = 24) -> None:
+    """Print errors and coverage on the library's own renders, and speed."""
     accuracy_and_coverage(images)
-    independent_accuracy(independent)
     speed()

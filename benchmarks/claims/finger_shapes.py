@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.tables import Row, errors_table, off, share, stated, table
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image import Face, PhotographFit, Scale, measure_photograph
 from fingerpad.image.photograph.faces import Direction
@@ -212,45 +213,38 @@ def print_radii(fingers: Iterable[Finger], wedges_deg: tuple[int, ...] = (15, 30
             ellipse = found.ellipse_radius(angle)
             rows.setdefault(name, []).append((radius / true - 1, std / radius, ellipse / true - 1))
     rows["all"] = [row for some in rows.values() for row in some]
-    print("\nRadius of curvature in a side face, from the outline itself and from the ellipse")
-    print("    shape                 n   seen   median     rms   stated   covered   ellipse: median     rms")
-    for name, some in rows.items():
-        off, std, by_ellipse = np.array(some).T
-        seen = np.isfinite(off)
-        off, std = off[seen], std[seen]
-        print(
-            f"    {name:<18} {len(seen):4} {seen.mean():6.0%}  {100 * np.median(np.abs(off)):5.1f} %", end=""
-        )
-        print(f"  {100 * np.sqrt(np.mean(off**2)):5.1f} %  {100 * np.median(std):5.1f} %", end="")
-        print(
-            f"  {np.mean(np.abs(off) < 1.96 * std):6.0%}   {100 * np.median(np.abs(by_ellipse)):16.1f} %",
-            end="",
-        )
-        print(f"  {100 * np.sqrt(np.mean(by_ellipse**2)):5.1f} %")
+    table(
+        ("shape", "n", "seen", "bias, rms error", "stated, held", "of the ellipse: bias, rms error"),
+        (
+            (
+                name,
+                len(some),
+                share(seen),
+                off(e[seen]),
+                stated(e[seen], s[seen]),
+                off(by_ellipse),
+            )
+            for name, some in rows.items()
+            for e, s, by_ellipse in [np.array(some).T]
+            for seen in [np.isfinite(e)]
+        ),
+        "Radius of curvature where a wedge touches, in the plane of a side face: outline alone",
+    )
 
 
 def print_semi_axes(fingers: Iterable[Finger]) -> None:
     """Print bias, spread, stated uncertainty and coverage of each shape's semi-axes."""
-    rows: dict[str, list[tuple[Array, Array, bool]]] = {}
+    rows: dict[str, list[Row]] = {}
     refused = 0
     for name, truth, found in fingers:
         if found is None:
             refused += 1
             continue
-        off = found.semi_axes / np.array(truth.semi_axes) - 1
-        std = np.sqrt(np.diagonal(found.covariance)) / found.semi_axes
-        rows.setdefault(name, []).append((off, std, "not_an_ellipse" in found.flags))
-    print(f"\nSemi-axes of fingers that are no ellipsoids, {refused} refused")
-    print(
-        "    shape                 n    bias      rms      stated (median)   held by 95 % intervals   flagged"
-    )
-    every = [row for some in rows.values() for row in some]
-    for name, some in [*rows.items(), ("all", every)]:
-        off, std = (np.array([row[k] for row in some]) for k in (0, 1))
-        held = np.mean(np.abs(off) < 1.96 * std)
-        print(f"    {name:<18} {len(some):4} {100 * off.mean():+6.1f} %", end="")
-        print(f"  {100 * np.sqrt((off**2).mean()):5.1f} %   {100 * np.median(std):10.2f} %", end="")
-        print(f"   {100 * held:7.0f} %   {np.mean([row[2] for row in some]):7.0%}")
+        errors = found.semi_axes / np.array(truth.semi_axes) - 1
+        stds = np.sqrt(np.diagonal(found.covariance)) / found.semi_axes
+        flagged = "not_an_ellipse" in found.flags
+        rows.setdefault(name, []).extend((e, s, flagged) for e, s in zip(errors, stds, strict=True))
+    errors_table(f"Semi-axes; {refused} photographs refused", rows)
 
 
 def report(count: int = 24, seed: int = 5) -> None:

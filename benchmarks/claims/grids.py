@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 
+from benchmarks.tables import percent, share, table
 from benchmarks.truth.grids import Scene
 from fingerpad.image import measure_grid
 from fingerpad.image.grid import Pattern
@@ -19,8 +20,7 @@ PATTERNS: tuple[Pattern, ...] = ("checkerboard", "dots")
 
 def report() -> None:
     """Print the table."""
-    print("| pattern | n | error, rms | residual, median | within 2 standard uncertainties |")
-    print("|---|---|---|---|---|")
+    rows = []
     rng = np.random.default_rng(3)
     for pattern in PATTERNS:
         errors, ratios, residuals = [], [], []
@@ -41,7 +41,6 @@ def report() -> None:
             errors.append(found.mm_per_px / truth - 1)
             ratios.append(abs(errors[-1]) / found.relative_std)
             residuals.append(grid.residual)
-        within = np.mean(np.array(ratios) < 1.96)
-        rms = math.sqrt(float(np.mean(np.square(errors))))
-        middle = np.median(residuals)
-        print(f"| {pattern} | {COUNT} | {100 * rms:.2f} % | {middle:.2f} px | {100 * within:.0f} % |")
+        rms, within = math.sqrt(float(np.mean(np.square(errors)))), share(np.array(ratios) < 1.96)
+        rows.append((pattern, COUNT, percent(rms), f"{np.median(residuals):.2f} px", within))
+    table(("pattern", "n", "rms error", "residual, median", "held"), rows)

@@ -4,10 +4,13 @@ import mpmath as mp
 import numpy as np
 from scipy.special import ellipe, ellipk
 
+from benchmarks.tables import table
 from benchmarks.timing import best
 from benchmarks.truth.hertz import RATIOS, exact_contact
 from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
 from fingerpad.geometry import Paraboloid
+
+NAMES = "semi-major axis", "semi-minor axis", "indentation", "peak pressure"
 
 
 def hertz_accuracy() -> None:
@@ -19,12 +22,11 @@ def hertz_accuracy() -> None:
         exact = exact_contact(ratio, 8.0, 2.0, 0.1365)
         error = [abs(float(mp.mpf(float(a)) / b - 1)) for a, b in zip(found, exact, strict=True)]
         worst = np.maximum(worst, error)
-    print("Elliptical Hertz contact against 50 digits, curvature ratios 1, 1 + 1e-15 ... 1e7")
-    print("  largest relative error (asked: 4e-15)")
-    for name, largest in zip(
-        ("semi_major", "semi_minor", "indentation", "peak_pressure"), worst, strict=True
-    ):
-        print(f"    {name:<14} {largest:.1e}")
+    table(
+        ("quantity", "largest relative error"),
+        zip(NAMES, (f"{one:.1e}" for one in worst), strict=True),
+        "Against 50 digits, ratios of curvature of 1, 1 + 1e-15 to 1 + 1e-1, and on to 1e7",
+    )
 
 
 def hertz_speed(count: int = 1_000_000) -> None:
@@ -36,15 +38,17 @@ def hertz_speed(count: int = 1_000_000) -> None:
     m = 1 - solve_contact_ellipse(first, second)[0] ** 2
     bodies, tissue = Paraboloid(first, second), Tissue(modulus)
     floor = best(lambda: (ellipk(m), ellipe(m)))
-    print(f"\n{count:,} contacts, one thread; floor: SciPy ellipk + ellipe, {1e3 * floor:.0f} ms")
-    for name, call in (
-        (
-            "hertz_contact, all distinct (asked: 3)",
-            lambda: hertz_contact(Paraboloid(first, second), Tissue(modulus), load=load),
+    calls = {
+        "`hertz_contact`, bodies and tissue made at each call": lambda: hertz_contact(
+            Paraboloid(first, second), Tissue(modulus), load=load
         ),
-        ("the same of known bodies and tissue", lambda: hertz_contact(bodies, tissue, load=load)),
-    ):
-        print(f"    {name:<40} {best(call) / floor:.2f} x floor")
+        "the same of known bodies and tissue": lambda: hertz_contact(bodies, tissue, load=load),
+    }
+    table(
+        ("call", "time over that of `ellipk` + `ellipe`"),
+        ((name, f"{best(call) / floor:.1f}") for name, call in calls.items()),
+        f"{count:,} distinct contacts, one thread; SciPy's two integrals take {1e3 * floor:.0f} ms",
+    )
 
 
 def report() -> None:

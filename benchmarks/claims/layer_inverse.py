@@ -16,6 +16,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from benchmarks.claims.loading_truth import Condition, make_curve
+from benchmarks.tables import share, table
 from benchmarks.truth.loading_physics import POISSON, Array, Contact, Pad, hertz, layer, pink
 from fingerpad import Estimate
 from fingerpad.contact import Tissue, solve_contact
@@ -140,10 +141,9 @@ def _held(quantity: Estimate, truth: float) -> float:
 
 def report(repeats: int = 40, words: str = "", first_seed: int = 90_000) -> None:
     """Print, of each case named with some words, the share of intervals that hold, and how wide t is."""
-    print(f"\nLayer on bone from loading curves, {repeats} each: 95 % intervals that hold the truth")
-    print(f"  {'':34s}    t     E    x₀   width of t   open above  undetermined  weight of a layer  ms")
     pooled = []
-    for name, case in ((name, case) for name, case in CASES.items() if words in name):
+
+    def cells(name: str, case: Case) -> tuple[object, ...]:
         start, found, refused = time.perf_counter(), [], 0
         for seed in range(first_seed, first_seed + repeats):
             try:
@@ -151,24 +151,24 @@ def report(repeats: int = 40, words: str = "", first_seed: int = 90_000) -> None
             except FingerpadError:
                 refused += 1
         spent = 1000 * (time.perf_counter() - start) / repeats
-        table = np.array(found, dtype=float)
+        rows = np.array(found, dtype=float)
         if "late" not in name:
-            pooled.append(table)
-        width = np.nanmedian(table[:, 3]) if np.isfinite(table[:, 3]).any() else math.nan
-        print(
-            f"  {name:34s} {_shares(table)} {width:10.2f} {_percent(table[:, 4]):>10s} "
-            f"{_percent(table[:, 5]):>13s} {np.median(table[:, 6]):14.3f} {spent:12.0f}"
-            + (f"  {refused} refused" if refused else ""),
-            flush=True,
-        )
+            pooled.append(rows)
+        width = np.nanmedian(rows[:, 3]) if np.isfinite(rows[:, 3]).any() else math.nan
+        above, none = share(rows[:, 4]), share(rows[:, 5])
+        weight = f"{np.median(rows[:, 6]):.3f}"
+        return name, *_held_shares(rows), f"{width:.2f}", above, none, weight, refused, f"{spent:.0f}"
+
+    columns = ("curves", "t held", "E held", "x₀ held", "width of t over t", "open above", "undetermined")
+    table(
+        (*columns, "weight of a layer", "refused", "ms"),
+        (cells(name, case) for name, case in CASES.items() if words in name),
+        f"Thickness and modulus from loading curves, {repeats} each",
+    )
     if pooled:
-        print(f"  {'all but late areas':34s} {_shares(np.concatenate(pooled))}")
+        every = np.concatenate(pooled)
+        print(f"| all but late areas | {' | '.join(_held_shares(every))} |" + " |" * 6)
 
 
-def _shares(table: Array) -> str:
-    return " ".join(_percent(column) for column in table[:, :3].T)
-
-
-def _percent(column: Array) -> str:
-    known = column[np.isfinite(column)]
-    return f"{100 * known.mean():3.0f} %" if known.size else "  –  "
+def _held_shares(rows: Array) -> list[str]:
+    return [share(column[np.isfinite(column)]) for column in rows[:, :3].T]

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.tables import table
 from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import fit_loading_curve
 from fingerpad.simulate import simulate_loading_curve
@@ -22,31 +23,25 @@ QUANTITIES = ("loading_radius", "reduced_modulus", "initial_modulus", "load_coef
 
 def report(repeats: int = 1000, first_seed: int = 10_000) -> None:
     """Print how often stated 95 % intervals hold the truth, and the bias, by number of points."""
-    for beta, name in ((0.0, "Hertz, E = 40 kPa"), (0.02, "E_0g = 40 kPa, beta = 20 kPa/N")):
-        print(
-            f"\n{name}: R_g = 15 mm, {repeats} curves to 2 N each, offsets, drift, noise in all three columns"
+    for beta, name in ((0.0, "Hertz, E = 40 kPa"), (0.02, "E_0g = 40 kPa, β = 20 kPa/N")):
+        table(
+            ("points", "refused", "seconds a fit", *QUANTITIES),
+            (_cells(points, beta, repeats, first_seed) for points in (20, 50, 100, 500, 2000)),
+            f"{name}, R_g = 15 mm, {repeats} curves each to 2 N: held, bias over the stated uncertainty",
         )
-        print("    points  refused  seconds   " + "  ".join(f"{q:>24}" for q in QUANTITIES))
-        for points in (20, 50, 100, 500, 2000):
-            _print_row(points, beta, repeats, first_seed)
 
 
-def _print_row(points: int, beta: float, repeats: int, first_seed: int) -> None:
+def _cells(points: int, beta: float, repeats: int, first_seed: int) -> list[object]:
     rows, refused, start = [], 0, time.perf_counter()
     for seed in range(first_seed, first_seed + repeats):
         try:
             rows.append(coverage_row(points, beta, seed))
         except FingerpadError:
             refused += 1
-    spent = (time.perf_counter() - start) / repeats
-    found = np.array(rows)
-    cells = []
-    for k in range(len(QUANTITIES)):
-        inside, error, std = found[:, k].T
-        cells.append(f"{100 * np.nanmean(inside):6.1f} % bias {np.nanmean(error) / np.nanmedian(std):+.2f} u")
-    print(
-        f"    {points:6d}  {refused:7d}  {spent:7.2f}   " + "  ".join(f"{c:>24}" for c in cells), flush=True
-    )
+    cells: list[object] = [points, refused, f"{(time.perf_counter() - start) / repeats:.2f}"]
+    for inside, error, std in np.array(rows).transpose(1, 2, 0):
+        cells.append(f"{100 * np.nanmean(inside):.1f} %, {np.nanmean(error) / np.nanmedian(std):+.2f}")
+    return cells
 
 
 def coverage_row(points: int, beta: float, seed: int) -> list[tuple[float, float, float]]:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.tables import percent, share, table
 from benchmarks.truth.loading_physics import (
     Array,
     Contact,
@@ -164,36 +165,36 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
 
 
 def report(repeats: int = 200, first_seed: int = 50_000, chosen: str = "") -> None:
-    """Print, of each condition and quantity, the bias, the error over the stated one, coverage and flags."""
-    print(
-        f"{repeats} curves each: median error, its rms over the stated uncertainty, 95 % intervals that hold"
+    """Print, of each condition and quantity, the error, coverage and flags."""
+    table(
+        ("condition", "flagged", "refused", "ms a fit", *(name.replace("_", " ") for name in QUANTITIES)),
+        (_cells(name, repeats, first_seed) for name in CONDITIONS if chosen in name),
+        f"{repeats} curves each: median error; held by 95 % intervals (by those of curves without a flag)",
     )
-    print("the truth, those of curves without a flag, and the share of curves that are flagged")
-    for name, condition in CONDITIONS.items():
-        if chosen not in name:
-            continue
-        start, fits, refused = time.perf_counter(), [], 0
-        for seed in range(first_seed, first_seed + repeats):
-            try:
-                fits.append(fit_errors(condition, seed))
-            except FingerpadError:
-                refused += 1
-        spent = 1000 * (time.perf_counter() - start) / repeats
-        flagged = np.mean([fit[QUANTITIES[0]].flagged for fit in fits])
-        print(f"\n{name}: {100 * flagged:.0f} % flagged, {refused} refused, {spent:.0f} ms a fit")
-        for quantity in QUANTITIES:
-            print(f"  {quantity:16s} {_cells([fit[quantity] for fit in fits])}", flush=True)
 
 
-def _cells(found: list[Found]) -> str:
-    error, ratio, held, flagged = np.array(found, dtype=float).T
+def _cells(name: str, repeats: int, first_seed: int) -> list[object]:
+    start, fits, refused = time.perf_counter(), [], 0
+    for seed in range(first_seed, first_seed + repeats):
+        try:
+            fits.append(fit_errors(CONDITIONS[name], seed))
+        except FingerpadError:
+            refused += 1
+    spent = f"{1000 * (time.perf_counter() - start) / repeats:.0f}"
+    flagged = share([fit[QUANTITIES[0]].flagged for fit in fits])
+    return [
+        name,
+        flagged,
+        refused,
+        spent,
+        *(_cell([fit[quantity] for fit in fits]) for quantity in QUANTITIES),
+    ]
+
+
+def _cell(found: list[Found]) -> str:
+    error, _, held, flagged = np.array(found, dtype=float).T
     there = np.isfinite(error)
     if not there.any():
         return "–"
-    alone = there & (flagged == 0)
-    unflagged = f"{100 * held[alone].mean():5.1f} %" if alone.any() else "    – "
-    return (
-        f"bias {100 * np.median(error[there]):+7.2f} %  rms {np.sqrt(np.mean(ratio[there] ** 2)):6.2f} u  "
-        f"held {100 * held[there].mean():5.1f} %  unflagged {unflagged} of {alone.sum():4d}  "
-        f"undetermined {(~there).sum()}"
-    )
+    without = share(held[there & (flagged == 0)])
+    return f"{percent(float(np.median(error[there])), '+')}; {share(held[there])} ({without})"

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.tables import table
 from benchmarks.truth.independent_images import independent_images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Face, Scale, measure_contact_image
@@ -274,8 +275,9 @@ def rates(seed: int = 0, prints: int = 4) -> dict[str, dict[str, int]]:
 
 def report() -> None:
     """Print how pictures without a contact, and contact images, are taken."""
-    answers = ("refused", FLAG, "other flags", "accepted")
-    print("\nPictures without a contact, and independently rendered contact images: how each is taken")
-    print(f"    {'kind':<30}", *(f"{name:>20}" for name in answers))
-    for kind, counts in rates().items():
-        print(f"    {kind:<30}", *(f"{counts[name]:20}" for name in answers))
+    answers = "refused", FLAG, "other flags", "accepted"
+    counts = rates()
+    table(
+        ("picture of", *(name.replace(FLAG, f"`{FLAG}`") for name in answers)),
+        ((kind, *(taken[name] for name in answers)) for kind, taken in counts.items()),
+    )

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.claims.anatomic_fingers import print_errors
+from benchmarks.tables import Row, errors_table
 from fingerpad.image import Face, face_from_outline
 
 Array = npt.NDArray[np.float64]
@@ -78,7 +78,7 @@ def draw(kind: str, face: Face, rng: np.random.Generator) -> tuple[Array, Array]
 
 def report(count: int = 18, seed: int = 1) -> None:
     """Print errors, stated uncertainties and coverage by kind."""
-    rows: dict[str, list[tuple[float, float, bool]]] = {}
+    rows: dict[str, list[Row]] = {}
     for place, kind in enumerate(KINDS):
         for number in range(count):
             face = FACES[number % len(FACES)]
@@ -87,4 +87,4 @@ def report(count: int = 18, seed: int = 1) -> None:
             stds = np.sqrt(np.diagonal(found.covariance))
             for value, true, std in zip(found.semi_axes, truth, stds, strict=True):
                 rows.setdefault(kind, []).append((value / true - 1, std / value, bool(found.flags)))
-    print_errors("Semi-axes from outlines", rows)
+    errors_table("Semi-axes from outlines", rows)

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.claims import anatomic_fingers, finger_shapes, fingertips, outlines, photographs
+from benchmarks.tables import percent, share, table
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Scale, measure_photograph
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
@@ -31,13 +32,13 @@ _MOST = 0.5
 
 def faces(count: int, seed: int) -> Iterator[Face]:
     """Yield the family of each face, its true semi-axes and the arc of its outline."""
-    for family, shapes in (("superellipses", finger_shapes), ("curvature", fingertips)):
+    for family, shapes in (("superellipses", finger_shapes), ("known curvature", fingertips)):
         for _, truth, found in shapes.measured(count, seed):
             if found is not None:
                 yield family, np.asarray(truth.semi_axes), found._arc
     for finger in anatomic_fingers.fingers(max(count // 3, 2), seed):
         for face, found in anatomic_fingers.measure(finger).items():
-            yield "anatomic", np.asarray(finger.semi_axes[face]), found._arc
+            yield "three-dimensional", np.asarray(finger.semi_axes[face]), found._arc
     for marked in (False, True):
         for number in range(12 * count):
             truth = photographs.random_finger(seed * 1000 + number, 60 if marked else 120)
@@ -59,10 +60,10 @@ def faces(count: int, seed: int) -> Iterator[Face]:
 
 # What takes a function's or a constant's place when a term is off.
 WITHOUT: dict[str, dict[str, Any]] = {
-    "nothing": {},
-    "extension of the arc": {"extend_arc": lambda *given: given[2]},
-    "shape": {"_average_over_shapes": lambda *_: None, "DOUBT": replace(DOUBT, rough_std=0.0)},
-    "lengths": {"_contradicted": lambda *_: (np.zeros(2), 0.0)},
+    "all terms": {},
+    "without the outline beyond the arc": {"extend_arc": lambda *given: given[2]},
+    "without shape": {"_average_over_shapes": lambda *_: None, "DOUBT": replace(DOUBT, rough_std=0.0)},
+    "without lengths": {"_contradicted": lambda *_: (np.zeros(2), 0.0)},
 }
 
 
@@ -88,17 +89,23 @@ def fitted_again(measured: list[Face], fit: Callable[[Any], PhotographFit]) -> d
 
 
 def report(count: int = 4, first_seed: int = 75, seeds: int = 2) -> None:
-    """Print a table for each term."""
+    """Print errors with all terms, and without each."""
     measured = [face for seed in range(first_seed, first_seed + seeds) for face in faces(count, seed)]
+    by_term = {}
     for term in WITHOUT:
         with switched_off(term):
-            rows = fitted_again(measured, face_arc.face_from_arc)
-        print(f"\nwithout {term}\n{'':18}    n  median |error|    rms    std   held  silent")
-        for family, some in rows.items():
-            off, std, flagged = np.abs(some[:, 0]), some[:, 1], some[:, 2] > 0
-            missed = off > 1.96 * std
-            print(
-                f"{family:18} {len(off):4}  {np.median(off):13.2%} "
-                f"{np.sqrt(np.mean(np.minimum(off, _MOST) ** 2)):7.2%} {np.median(std):6.2%} "
-                f"{1 - missed.mean():6.1%} {np.mean(missed & ~flagged):6.1%}"
-            )
+            by_term[term] = fitted_again(measured, face_arc.face_from_arc)
+    table(
+        ("shapes", "n", *WITHOUT),
+        (
+            (family, len(some), *(_cell(rows[family]) for rows in by_term.values()))
+            for family, some in by_term["all terms"].items()
+        ),
+        "Semi-axes: median error, rms error, held at 95 %",
+    )
+
+
+def _cell(rows: Array) -> str:
+    size, stds, _ = np.abs(rows).T
+    rms = float(np.sqrt(np.mean(np.minimum(size, _MOST) ** 2)))
+    return f"{percent(float(np.median(size)))}, {percent(rms)}, {share(size < 1.96 * stds)}"

@@ -5,7 +5,7 @@ light, shadow, blur, noise, tilt in the image and of the camera, JPEG, 0.03 to 0
 beyond the arc.
 """
 
-import time
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -13,6 +13,7 @@ from functools import partial
 import cv2
 import numpy as np
 
+from benchmarks.tables import percent, share, stated, table
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image import Face, Scale, measure_photograph
@@ -84,28 +85,28 @@ def trial(seed: int, *, marked: bool) -> Trial | None:
     )
 
 
-def photograph_accuracy(count: int = 240, *, marked: bool) -> None:
+def photograph_accuracy(count: int, first: int, *, marked: bool) -> None:
     """Print errors, stated uncertainties and coverage by the arc's extent."""
-    start = time.perf_counter()
     with ProcessPoolExecutor(2) as pool:
-        trials = list(pool.map(partial(trial, marked=marked), range(count), chunksize=8))
+        trials = list(pool.map(partial(trial, marked=marked), range(first, first + count), chunksize=8))
     done = [one for one in trials if one is not None]
-    way = "arc from marks at its ends" if marked else "arc found automatically"
-    print(f"\nPhotographs of known truth, {way}: {count}, refused {count - len(done)},", end=" ")
-    print(f"{time.perf_counter() - start:.0f} s")
-    print("    arc, deg     n   median   95 % within   stated   held by 95 % intervals   flagged")
-    for low, high in (*ARCS_DEG, (120, 180), (60, 180)):
-        some = [one for one in done if low <= one.arc_deg <= high]
-        if not some:
-            continue
-        off, std = (np.array([getattr(one, name) for one in some]) for name in ("errors", "stds"))
-        held = np.mean(np.abs(off) < 1.96 * std)
-        print(f"    {low:3}-{high:3}   {len(some):5}   {100 * np.median(np.abs(off)):5.2f} %", end="")
-        print(f"   {100 * np.quantile(np.abs(off), 0.95):9.2f} %   {100 * np.median(std):5.2f} %", end="")
-        print(f"   {100 * held:18.1f} %   {np.mean([one.flagged for one in some]):12.0%}")
+
+    def cells() -> Iterator[tuple[object, ...]]:
+        for low, high in (*ARCS_DEG, (60, 180)):
+            some = [one for one in done if low <= one.arc_deg <= high]
+            if some:
+                errors, stds = (np.array([getattr(one, name) for one in some]) for name in ("errors", "stds"))
+                size = np.abs(errors)
+                middle, most = percent(float(np.median(size))), percent(float(np.quantile(size, 0.95)))
+                flagged = share([one.flagged for one in some])
+                yield f"{low}–{high}°", len(some), middle, most, stated(errors, stds), flagged
+
+    way = "Nine marks, the arc's ends among them" if marked else "Arc found automatically, from 120°"
+    columns = ("arc", "faces", "median error", "95 % within", "stated, held", "flagged")
+    table(columns, cells(), f"{way}: {count} photographs, {count - len(done)} refused")
 
 
-def report(count: int = 240) -> None:
+def report(count: int = 96, first: int = 75_000) -> None:
     """Print the table with marked ends, and without."""
-    photograph_accuracy(count, marked=True)
-    photograph_accuracy(count, marked=False)
+    photograph_accuracy(count, first, marked=True)
+    photograph_accuracy(count, first, marked=False)

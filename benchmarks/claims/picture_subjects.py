@@ -17,8 +17,8 @@ from tests.image import coin_scenes, ruler_scenes
 from benchmarks.claims.fingertips import SHAPES, render
 from benchmarks.claims.non_prints import non_prints
 from benchmarks.claims.photographs import random_finger
-from benchmarks.claims.pressure_images import CONDITIONS, pressure_image
 from benchmarks.truth.independent_images import independent_images
+from benchmarks.truth.pressure_images import CONDITIONS, pressure_image
 from fingerpad.image import Face, guess_subject, read_colour_image
 from fingerpad.simulate import render_coin
 from fingerpad.study.imports.identify import SURE

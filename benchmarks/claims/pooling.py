@@ -11,15 +11,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.simulated import contact, finger, study_of
+from benchmarks.tables import table
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.contact import equivalent_radius_from_compliance, equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, SEMI_AXES, Face, FaceSemiAxes, combine_faces
 from fingerpad.study.compare import Person, Value
 from fingerpad.study.compare.comparison import means_of
-from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.manifest import Observation
 from fingerpad.study.measuring.contacts import Measurement
-from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.uncertainty import pool, pool_random_effects, proportional_stds
@@ -123,16 +124,7 @@ def contacts(count: int, relative_std: float, elongation: float, repeats: int, s
             for radius in (equivalent_radius_from_indentation, equivalent_radius_from_compliance)
         ]
     )
-    names = ("palmar", "distal", "radial_ulnar")
-    finger = {
-        "name": "f",
-        "semi_axes_mm": dict(zip(names, PAD.tolist(), strict=True)),
-        "semi_axes_mm_std": dict.fromkeys(names, 1e-9),
-    }
-    study = Study.model_validate({"title": "simulated", "fingers": [finger]})
-    pads = {
-        "f": FingerResult(name="f", semi_axes=PAD, covariance=1e-18 * np.eye(3), source="given"),
-    }
+    study, pads = study_of({"f": None}, PAD), {"f": finger("f", PAD)}
     random, off, stds = np.random.default_rng([seed, 5]), [], []
     for _ in range(repeats):
         seen = [
@@ -149,28 +141,20 @@ def _contact(
     random: np.random.Generator, load: float, relative_std: float, elongation: float
 ) -> tuple[Observation, Measurement]:
     true = 5 * load**0.3 * np.exp([0.5 * elongation, -0.5 * elongation])
-    major, minor = sorted(true * (1 + relative_std * random.normal(size=2)), reverse=True)
-    name = f"c{load:g}"
-    observation = Observation(name=name, finger="f", wedge_angle_deg=30, load_N=load, file="x.png", scale="s")
-    return observation, Measurement(
-        observation=name,
-        load_N=load,
-        semi_major_mm=major,
-        semi_minor_mm=minor,
-        covariance_mm2=np.diag(np.square([relative_std * major, relative_std * minor])),
-        scale="s",
-    )
+    axes = true * (1 + relative_std * random.normal(size=2))
+    return contact(f"c{load:g}", load, axes, np.diag(np.square(relative_std * np.sort(axes)[::-1])))
 
 
 def report(repeats: int = 1000) -> None:
     """Print bias and coverage of each mean: of its components the largest bias, and each coverage."""
-    print(f"\nPooled means in {repeats} simulations each: asked a bias below 0.1 of the uncertainty, 93-97 %")
-    for words, score in _cases():
-        found = score(repeats)
-        worst = np.argmax(np.abs(found.bias))
-        bias, error = np.ravel(found.bias)[worst], np.ravel(found.error)[worst]
-        covered = " ".join(f"{100 * share:5.1f} %" for share in np.ravel(found.covered))
-        print(f"    {words:<50} bias {bias:+.2f} ± {error:.2f}   covered {covered}", flush=True)
+    rows = ((words, *_cells(score(repeats))) for words, score in _cases())
+    table(("mean", "largest bias, in uncertainties", "held by the 95 % interval"), rows)
+
+
+def _cells(found: Score) -> tuple[str, str]:
+    worst = np.argmax(np.abs(found.bias))
+    bias, error = np.ravel(found.bias)[worst], np.ravel(found.error)[worst]
+    return f"{bias:+.2f} ± {error:.2f}", ", ".join(f"{100 * one:.1f} %" for one in np.ravel(found.covered))
 
 
 def _cases() -> Iterator[tuple[str, Callable[[int], Score]]]:

@@ -10,11 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.simulated import contact, finger, study_of
+from benchmarks.tables import table
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
-from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.manifest import Observation
 from fingerpad.study.measuring.contacts import Measurement
-from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.by_load import AtLoad, pool_by_load
 from fingerpad.study.results.repeats import contact_repeatability, study_scatter
 from fingerpad.study.results.rows import model_contacts
@@ -107,29 +108,10 @@ def mean_coverage(
     """
     rng = np.random.default_rng([seed, 12])
     held = {"area": (0, 0), "modulus": (0, 0)}
-    fingers = [(p, f) for p, of in enumerate(design) for f in range(len(of))]
-    study = Study.model_validate(
-        {
-            "title": "simulated",
-            "fingers": [
-                {
-                    "name": f"f{number}",
-                    "person": f"p{person}",
-                    "semi_axes_mm": dict(
-                        zip(("palmar", "distal", "radial_ulnar"), PAD.tolist(), strict=True)
-                    ),
-                    "semi_axes_mm_std": {"palmar": 1e-9, "distal": 1e-9, "radial_ulnar": 1e-9},
-                }
-                for number, (person, _) in enumerate(fingers)
-            ],
-        }
-    )
-    pads = {
-        one.name: FingerResult(
-            name=one.name, semi_axes=PAD, covariance=1e-18 * np.eye(3), source="given", person=one.person
-        )
-        for one in study.fingers
-    }
+    fingers = [f"p{person}" for person, of in enumerate(design) for _ in of]
+    persons = {f"f{number}": person for number, person in enumerate(fingers)}
+    study = study_of(persons, PAD)
+    pads = {name: finger(name, PAD, person=person) for name, person in persons.items()}
     for _ in range(studies):
         drawn = draw_study(population, design, rng)
         seen, truths = [], {}
@@ -137,10 +119,10 @@ def mean_coverage(
             again = draw_repeats(population, drawn, rng)
             for place, log_radius in enumerate(again + 0.25 * np.log(load)):
                 elongation = ELONGATION + rng.normal(0, population.repeat)
-                finger, session = f"f{drawn.finger[place]:.0f}", f"s{drawn.session[place]:.0f}"
+                where = f"f{drawn.finger[place]:.0f}", f"s{drawn.session[place]:.0f}"
                 log_axes = log_radius + np.array([0.5, -0.5]) * elongation
-                seen.append(_contact(rng, (finger, session), load, log_axes))
-                truths[finger, load] = drawn.of_finger[place] + 0.25 * np.log(load)
+                seen.append(_contact(rng, where, load, log_axes))
+                truths[where[0], load] = drawn.of_finger[place] + 0.25 * np.log(load)
         repeatability = contact_repeatability(study, pads, seen)
         rows = model_contacts(study, pads, seen, repeatability)
         for at in pool_by_load(rows, repeatability, study_scatter(study, rows.table)):
@@ -181,24 +163,9 @@ def _contact(
     rng: np.random.Generator, where: tuple[str, str], load: float, log_axes: FloatArray
 ) -> tuple[Observation, Measurement]:
     axes = np.exp(log_axes) * (1 + NOISE * rng.normal(size=2))
-    name, (finger, session) = f"c{rng.integers(2**60)}", where
-    observation = Observation(
-        name=name,
-        finger=finger,
-        wedge_angle_deg=30,
-        load_N=load,
-        session=session,
-        file="x.png",
-        scale="s",
-    )
-    return observation, Measurement(
-        observation=name,
-        load_N=load,
-        semi_major_mm=axes.max(),
-        semi_minor_mm=axes.min(),
-        covariance_mm2=np.diag(np.square(NOISE * np.sort(axes)[::-1])),
-        scale="s",
-    )
+    covariance = np.diag(np.square(NOISE * np.sort(axes)[::-1]))
+    of, session = where
+    return contact(f"c{rng.integers(2**60)}", load, axes, covariance, finger=of, session=session)
 
 
 _TWO_LEVELS = Population(person=0.1)
@@ -238,24 +205,27 @@ MEANS: tuple[tuple[str, Population, Design], ...] = (
 
 def report(studies: int = 1000, chains: int = 150) -> None:
     """Print the coverage of intervals of standard deviations, of the ICC, and of means at each load."""
-    print(
-        f"\nCoverage of 95 % intervals in {studies} simulated studies each; asked: 93-97 % in all, 85 % each"
-    )
     _print_table(
+        f"Standard deviations and intraclass correlation, {studies} simulated studies each",
         ("repeat", "session", "finger", "person", "icc"),
         [(name, component_coverage(of, design, studies)) for name, of, design in CONDITIONS],
     )
-    print(f"The same of area and modulus at each load, in {chains} studies each")
     _print_table(
-        ("area", "modulus"), [(name, mean_coverage(of, design, chains)) for name, of, design in MEANS]
+        f"Area and modulus at each load, {chains} studies each",
+        ("area", "modulus"),
+        [(name, mean_coverage(of, design, chains)) for name, of, design in MEANS],
     )
 
 
-def _print_table(names: tuple[str, ...], rows: list[tuple[str, dict[str, tuple[int, int]]]]) -> None:
-    print(f"    {'':<38}" + "".join(f"{name:>10}" for name in names))
+def _print_table(
+    title: str, names: tuple[str, ...], rows: list[tuple[str, dict[str, tuple[int, int]]]]
+) -> None:
     pooled = {name: [found[name] for _, found in rows if name in found] for name in names}
     whole = {name: (sum(a for a, _ in some), sum(b for _, b in some)) for name, some in pooled.items()}
-    for title, found in (*rows, ("in all", whole)):
-        cells = (found.get(name, (0, 0)) for name in names)
-        shares = (f"{100 * hits / count:8.1f} %" if count else f"{'–':>10}" for hits, count in cells)
-        print(f"    {title:<38}" + "".join(shares), flush=True)
+
+    def cells(found: dict[str, tuple[int, int]]) -> Iterator[str]:
+        for name in names:
+            hits, count = found.get(name, (0, 0))
+            yield f"{100 * hits / count:.1f} %" if count else "–"
+
+    table(("design", *names), ((of, *cells(found)) for of, found in (*rows, ("in all", whole))), title)

@@ -5,54 +5,44 @@ and from the optics of each device: none of it is shared with the measurement.
 """
 
 import math
+from collections import Counter
 from typing import Any
 
 import numpy as np
 
+from benchmarks.tables import off, stated, table
 from benchmarks.truth.smooth_contacts import KINDS, loading, pictures
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Frame, measure_contact_image, measure_sequence
 from fingerpad.image.levels import luma
 
 
-def accuracy(kind: str, seeds: range, count: int) -> dict[str, Any]:
-    """Return bias, rms error and stated uncertainty of areas in %, coverage, refusals and flags."""
-    rows, flags, refused, silent = [], dict[str, int](), 0, 0
+def accuracy(kind: str, seeds: range, count: int, *, with_background: bool = True) -> dict[str, Any]:
+    """Return errors and stated uncertainties of areas, refusals, flags, and what no contact shows."""
+    rows: list[tuple[float, float]] = []
+    flags, refused, false = Counter[str](), 0, 0
     for seed in seeds:
         for picture in pictures(seed, count, kind):  # type: ignore[no-untyped-call]
-            truth = picture["truth"]
+            truth, background = picture["truth"], picture["background"] if with_background else None
             try:
                 found = measure_contact_image(
-                    picture["image"], picture["mm_per_px"], surface="smooth", background=picture["background"]
+                    picture["image"], picture["mm_per_px"], surface="smooth", background=background
                 )
             except ImageError:
                 refused += 1
                 continue
-            for flag in found.flags:
-                flags[flag] = flags.get(flag, 0) + 1
-            off, std = found.gross_area - truth["area_mm2"], found.gross_area_std
-            silent += not found.flags and abs(off) > max(1.96 * std, 0.05 * found.gross_area)
+            flags.update(found.flags)
+            false += not truth["contact"]
             if truth["contact"]:
-                percent = 100 / truth["area_mm2"]
-                rows.append((off * percent, std * percent, abs(off) < 1.96 * std))
-    table = np.array(rows, dtype=float).reshape(-1, 3)
-    if not len(table):
-        return {"measured": 0, "refused": refused, "flags": flags, "silent": silent}
-    return {
-        "measured": len(table),
-        "refused": refused,
-        "bias": float(table[:, 0].mean()),
-        "rms": math.sqrt(float((table[:, 0] ** 2).mean())),
-        "stated": float(np.median(table[:, 1])),
-        "covered": float(table[:, 2].mean()),
-        "silent": silent,
-        "flags": flags,
-    }
+                area = truth["area_mm2"]
+                rows.append((found.gross_area / area - 1, found.gross_area_std / area))
+    return {"refused": refused, "before touch": false, "missed": 0, "flags": flags, **_errors(rows)}
 
 
 def sequence_accuracy(kind: str, seeds: range, count: int) -> dict[str, Any]:
     """Return the same of the frames of presses, whose first frame, before touch, is the background."""
-    rows, flags, missed, false, refused = [], dict[str, int](), 0, 0, 0
+    rows: list[tuple[float, float]] = []
+    flags, missed, false, refused = Counter[str](), 0, 0, 0
     for seed in seeds:
         press = list(loading(seed, count, kind))  # type: ignore[no-untyped-call]
         frames = [Frame(index=k, pixels=luma(one["image"])) for k, one in enumerate(press)]
@@ -67,33 +57,40 @@ def sequence_accuracy(kind: str, seeds: range, count: int) -> dict[str, Any]:
                 missed += bool(area)
                 false += found.measures is not None
                 continue
-            for flag in found.flags:
-                flags[flag] = flags.get(flag, 0) + 1
-            off, std = found.measures["gross_area_mm2"] - area, found.measures["gross_area_mm2_std"]
-            rows.append((100 * off / area, 100 * std / area, abs(off) < 1.96 * std))
-    table = np.array(rows, dtype=float).reshape(-1, 3)
-    return {
-        "frames": len(table),
-        "missed": missed,
-        "before touch": false,
-        "refused": refused,
-        **(
-            {
-                "bias": float(table[:, 0].mean()),
-                "rms": math.sqrt(float((table[:, 0] ** 2).mean())),
-                "stated": float(np.median(table[:, 1])),
-                "covered": float(table[:, 2].mean()),
-            }
-            if len(table)
-            else {}
-        ),
-        "flags": flags,
-    }
+            flags.update(found.flags)
+            value, std = found.measures["gross_area_mm2"], found.measures["gross_area_mm2_std"]
+            rows.append((value / area - 1, std / area))
+    return {"refused": refused, "before touch": false, "missed": missed, "flags": flags, **_errors(rows)}
+
+
+def _errors(rows: list[tuple[float, float]]) -> dict[str, Any]:
+    errors, stds = np.array(rows).reshape(-1, 2).T
+    rms = 100 * math.sqrt(np.mean(errors**2)) if rows else math.nan
+    held = float(np.mean(np.abs(errors) < 1.96 * stds)) if rows else math.nan
+    return {"rms": rms, "covered": held, "errors": errors, "stds": stds}
+
+
+def _cells(name: str, found: dict[str, Any]) -> tuple[object, ...]:
+    n, flags = len(found["errors"]), ", ".join(f"`{flag}` {count}" for flag, count in found["flags"].items())
+    numbers = (off(found["errors"]), stated(found["errors"], found["stds"])) if n else ("–", "–")
+    return name, n, *numbers, found["refused"], found["missed"], found["before touch"], flags
 
 
 def report(first_seed: int = 200, seeds: int = 4) -> None:
-    """Print errors of single contacts by optics, and of presses."""
-    for each in KINDS:
-        print(each, accuracy(each, range(first_seed, first_seed + seeds), 2), flush=True)
-    for each in KINDS[:5]:
-        print("press,", each, sequence_accuracy(each, range(first_seed, first_seed + seeds), 6), flush=True)
+    """Print errors of single contacts by optics, with and without a first picture, and of presses."""
+    numbers = range(first_seed, first_seed + seeds)
+    head = (
+        "device",
+        "n",
+        "bias, rms error",
+        "stated, held",
+        "refused",
+        "missed",
+        "without contact",
+        "flags",
+    )
+    for title, with_background in (("With a picture of the empty view", True), ("Without", False)):
+        rows = (_cells(k, accuracy(k, numbers, 2, with_background=with_background)) for k in KINDS)
+        table(head, rows, title)
+    presses = (_cells(k, sequence_accuracy(k, numbers, 6)) for k in KINDS[:5])
+    table(head, presses, "Frames of presses")

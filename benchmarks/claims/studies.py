@@ -5,12 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.simulated import contact, finger, study_of
+from benchmarks.tables import table
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation, size_factor
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.manifest import Observation
 from fingerpad.study.measuring.contacts import Measurement
-from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
 
@@ -35,21 +36,10 @@ def simulated_study(seed: int) -> Scores:
     true_wedge = np.radians(wedge + rng.normal(0, WEDGE_STD))
     curvature = Placement(Ellipsoid(*axes), wedge_angle=true_wedge).curvature
     truth = float(equivalent_radius_from_indentation(curvature.mean_curvature_radius, np.exp(-elongation)))
-    study = Study.model_validate(
-        {
-            "title": "simulated",
-            "fingers": [{"name": "f", **_given(axes)}],
-            "uncertainty": {"wedge_angle_deg_std": WEDGE_STD, "load_relative_std": LOAD_STD},
-        }
-    )
-    finger = FingerResult(
-        name="f",
-        semi_axes=axes + rng.normal(0, AXES_STD, 3),
-        covariance=AXES_STD**2 * np.eye(3),
-        source="given",
-    )
+    study = study_of({"f": None}, axes, AXES_STD, wedge_angle_deg_std=WEDGE_STD, load_relative_std=LOAD_STD)
+    seen_axes = axes + rng.normal(0, AXES_STD, 3)
     seen = list(_contacts(rng, wedge, elongation))
-    rows = model_contacts(study, {"f": finger}, seen)
+    rows = model_contacts(study, {"f": finger("f", seen_axes, AXES_STD)}, seen)
     (summary,) = pool_contacts(rows)
     pooled = summary.corrected_radius
     assert pooled is not None  # nothing simulated is doubtful
@@ -62,14 +52,6 @@ def simulated_study(seed: int) -> Scores:
         pooled=(pooled.fixed.value - truth) / pooled.fixed.total_std,
         random=low <= truth <= high,
     )
-
-
-def _given(axes: FloatArray) -> dict[str, dict[str, float]]:
-    names = ("palmar", "distal", "radial_ulnar")
-    return {
-        "semi_axes_mm": dict(zip(names, map(float, axes), strict=True)),
-        "semi_axes_mm_std": dict.fromkeys(names, AXES_STD),
-    }
 
 
 def _size(load: float) -> float:
@@ -88,29 +70,22 @@ def _contacts(
     scale = 1 + rng.normal(0, SCALE_STD)
     for number, load in enumerate(LOADS):
         true = _size(load) * np.exp([0.5 * elongation, -0.5 * elongation])
-        major, minor = sorted(scale * (true + rng.normal(0, EDGE_STD, 2)), reverse=True)
-        observation = Observation(
-            name=f"c{number}", finger="f", wedge_angle_deg=wedge, load_N=load, file="x.png", scale="s"
-        )
-        yield (
-            observation,
-            Measurement(
-                observation=observation.name,
-                load_N=load * (1 + rng.normal(0, LOAD_STD)),
-                semi_major_mm=major,
-                semi_minor_mm=minor,
-                covariance_mm2=EDGE_STD**2 * np.eye(2)
-                + SCALE_STD**2 * np.outer([major, minor], [major, minor]),
-                scale="s",
-                relative_scale_std=SCALE_STD,
-            ),
+        axes = scale * (true + rng.normal(0, EDGE_STD, 2))
+        covariance = EDGE_STD**2 * np.eye(2) + SCALE_STD**2 * np.outer(*2 * (np.sort(axes)[::-1],))
+        yield contact(
+            f"c{number}",
+            load,
+            axes,
+            covariance,
+            measured_load=load * (1 + rng.normal(0, LOAD_STD)),
+            wedge_deg=wedge,
+            relative_scale_std=SCALE_STD,
         )
 
 
 def study_coverage(repeats: int = 1000, first_seed: int = 0) -> dict[str, tuple[float, float]]:
     """Print and return coverage and bias (in stated uncertainties) of radii and modulus."""
     scores = [simulated_study(first_seed + k) for k in range(repeats)]
-    print(f"\nSimulated studies of five loads, {repeats}: asked 93-97 %, bias below 0.2 of the uncertainty")
     found = {}
     for name in ("corrected", "modulus", "pooled"):
         off = np.array([getattr(one, name) for one in scores])
@@ -122,11 +97,14 @@ def study_coverage(repeats: int = 1000, first_seed: int = 0) -> dict[str, tuple[
         "pooled": "pooled radius, inverse variance",
         "random": "pooled radius, random effects",
     }
-    for name, (held, bias) in found.items():
-        print(f"    {words[name]:<34} {100 * held:5.1f} %   bias {bias:+.2f}")
+    table(
+        ("quantity", "held by the 95 % interval", "bias, in stated uncertainties"),
+        ((words[name], f"{100 * held:.1f} %", f"{bias:+.2f}") for name, (held, bias) in found.items()),
+        f"{repeats:,} simulated studies of one pad under five loads",
+    )
     return found
 
 
-def report() -> None:
+def report(repeats: int = 1000, first_seed: int = 0) -> None:
     """Print coverage and bias."""
-    study_coverage()
+    study_coverage(repeats, first_seed)

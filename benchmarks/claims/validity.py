@@ -15,9 +15,11 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from benchmarks.simulated import contact, finger, study_of
+from benchmarks.tables import share, table
 from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid
-from fingerpad.study.manifest import Curve, Observation, Study
+from fingerpad.study.manifest import Curve, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.measuring.fingers import FingerResult
@@ -150,25 +152,18 @@ def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
     axes, wedge = rng.uniform([7, 12.5, 11], [9, 15, 13]), rng.uniform(30, 45)
     true_wedge = np.radians(wedge + rng.normal(0, WEDGE_STD))
     radii = principal_radii(axes, true_wedge)
-    study = Study.model_validate(
-        {
-            "title": "simulated",
-            "fingers": [{"name": "f", **_given(axes)}],
-            "uncertainty": {"wedge_angle_deg_std": WEDGE_STD, "load_relative_std": LOAD_STD},
-        }
-    )
-    finger = FingerResult(
-        name="f",
-        semi_axes=axes + rng.normal(0, AXES_STD, 3),
-        covariance=AXES_STD**2 * np.eye(3),
-        source="given",
+    study = study_of({"f": None}, axes, AXES_STD, wedge_angle_deg_std=WEDGE_STD, load_relative_std=LOAD_STD)
+    pad = finger(
+        "f",
+        axes + rng.normal(0, AXES_STD, 3),
+        AXES_STD,
         effective_thickness=truth.stated_thickness,
         effective_thickness_std=truth.stated_thickness and 0.1 * truth.stated_thickness,
     )
-    rows = model_contacts(study, {"f": finger}, list(_contacts(truth, radii, wedge, rng)))
+    rows = model_contacts(study, {"f": pad}, list(_contacts(truth, radii, wedge, rng)))
     summaries = pool_contacts(rows)
-    curve = _curve(truth, radii, wedge, rng, finger=finger, folder=folder)
-    (validity,) = validity_of(study, {"f": finger}, rows, summaries, [curve])
+    curve = _curve(truth, radii, wedge, rng, finger=pad, folder=folder)
+    (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])
     highest = press(truth, radii, LOADS[-1])
     return SimulatedStudy(
         validity,
@@ -181,14 +176,6 @@ def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
     )
 
 
-def _given(axes: FloatArray) -> dict[str, dict[str, float]]:
-    names = ("palmar", "distal", "radial_ulnar")
-    return {
-        "semi_axes_mm": dict(zip(names, map(float, axes), strict=True)),
-        "semi_axes_mm_std": dict.fromkeys(names, AXES_STD),
-    }
-
-
 def _contacts(
     truth: Truth, radii: tuple[float, float], wedge: float, rng: np.random.Generator
 ) -> Iterator[tuple[Observation, Measurement]]:
@@ -197,25 +184,19 @@ def _contacts(
         pressed = press(truth, radii, load)
         c, half = np.sqrt(pressed.area / np.pi), np.exp(pressed.elongation / 2)
         sides = scale * (np.array([c * half, c / half]) + edge) + rng.normal(0, NOISE_STD, 2)
-        major, minor = sorted(sides, reverse=True)
-        observation = Observation(
-            name=f"c{number}", finger="f", wedge_angle_deg=wedge, load_N=load, file="x.png", scale="s"
-        )
         covariance = NOISE_STD**2 * np.eye(2) + EDGE_STD**2
-        yield (
-            observation,
-            Measurement(
-                observation=observation.name,
-                load_N=load * (1 + rng.normal(0, LOAD_STD)),
-                semi_major_mm=major,
-                semi_minor_mm=minor,
-                covariance_mm2=covariance + SCALE_STD**2 * np.outer([major, minor], [major, minor]),
-                edge_offset_mm_std=EDGE_STD,
-                long_axis="along" if sides[0] > sides[1] else "across",
-                orientation_deg=0.0 if sides[0] > sides[1] else 90.0,
-                scale="s",
-                relative_scale_std=SCALE_STD,
-            ),
+        covariance = covariance + SCALE_STD**2 * np.outer(*2 * (np.sort(sides)[::-1],))
+        yield contact(
+            f"c{number}",
+            load,
+            sides,
+            covariance,
+            measured_load=load * (1 + rng.normal(0, LOAD_STD)),
+            wedge_deg=wedge,
+            edge_offset_mm_std=EDGE_STD,
+            long_axis="along" if sides[0] > sides[1] else "across",
+            orientation_deg=0.0 if sides[0] > sides[1] else 90.0,
+            relative_scale_std=SCALE_STD,
         )
 
 
@@ -295,20 +276,22 @@ def scores(
 
 def report(repeats: int = 200, curve_repeats: int = 30) -> None:
     """Print verdicts and coverage."""
-    print(f"\nDoes the model hold? {repeats} studies of four loads each, {curve_repeats} with a fitted curve")
-    print("    asked: holds in 95 % or more where it does; coverage of 95 % intervals with the model's part")
-    print("    (in brackets: without) of A/(πξ), E and ξ at the highest load")
-    print(f"    {'truth':<40} holds strained fails   {'A/(πξ)':<13}{'E':<13}ξ")
     found = scores(repeats, curve_repeats)
-    for name, score in found.items():
-        words = "  ".join(f"{100 * score.share(word):5.1f}" for word in ("holds", "strained", "fails"))
-        covered = "  ".join(
-            f"{100 * np.mean(score.covered[key]):4.0f} ({100 * np.mean(score.covered_without[key]):3.0f}) "
-            for key in (RADIUS, MODULUS, INDENTATION)
-        )
-        print(f"    {name:<40} {words}   {covered}")
-    p_values = np.concatenate([found[name].p_values for name in HOLDING])
-    below = ", ".join(
-        f"{100 * np.mean(p_values < limit):.1f} % below {limit:g}" for limit in (0.5, 0.05, 0.001)
+    keys = RADIUS, MODULUS, INDENTATION
+    head = "A/(πξ): held (without the model's part)", "E", "ξ"
+    table(
+        ("truth", "studies", "holds", "strained", "fails", *head),
+        (
+            (
+                name,
+                len(score.verdicts),
+                *(f"{100 * score.share(word):.0f} %" for word in ("holds", "strained", "fails")),
+                *(f"{share(score.covered[key])} ({share(score.covered_without[key])})" for key in keys),
+            )
+            for name, score in found.items()
+        ),
+        "Verdicts on studies of four loads each, and intervals at the highest load",
     )
-    print(f"    p where the model holds: {below}")
+    p_values = np.concatenate([found[name].p_values for name in HOLDING])
+    below = [f"{100 * np.mean(p_values < limit):.1f} % below {limit:g}" for limit in (0.5, 0.05, 0.001)]
+    print(f"\nOf p where the model holds, {', '.join(below)}.")

@@ -13,13 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.claims.contact_images import population
-from benchmarks.claims.elastic_ridges import CONDITIONS as ELASTIC
-from benchmarks.claims.elastic_ridges import elastic_image
-from benchmarks.claims.pressure_images import CONDITIONS as PRESSURE
-from benchmarks.claims.pressure_images import pressure_image
-from benchmarks.claims.stripe_images import CONDITIONS as STRIPES
-from benchmarks.claims.stripe_images import stripe_image
+from benchmarks.truth.elastic_ridges import CONDITIONS as ELASTIC
+from benchmarks.truth.elastic_ridges import elastic_image
 from benchmarks.truth.independent_images import independent_images
+from benchmarks.truth.pressure_images import CONDITIONS as PRESSURE
+from benchmarks.truth.pressure_images import pressure_image
+from benchmarks.truth.stripe_images import CONDITIONS as STRIPES
+from benchmarks.truth.stripe_images import stripe_image
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image.contact_image import edge as edges

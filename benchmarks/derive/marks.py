@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.claims.elastic_ridges import CONDITIONS, elastic_image
 from benchmarks.derive.fit import changed, meanings
+from benchmarks.truth.elastic_ridges import CONDITIONS, elastic_image
 from benchmarks.truth.independent_images import independent_images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale

@@ -12,9 +12,8 @@ from unittest.mock import patch
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.claims import elastic_ridges, pressure_images, stripe_images
 from benchmarks.derive.fit import Compared, Problem
-from benchmarks.truth import independent_images
+from benchmarks.truth import elastic_ridges, independent_images, pressure_images, stripe_images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import evaluate, ridges

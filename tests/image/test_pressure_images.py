@@ -2,32 +2,31 @@
 
 import numpy as np
 import pytest
-from benchmarks.claims.pressure_images import Comparison, compare, pressure_image
+from benchmarks.claims.contact_areas import Compared, compare, pressed
 from benchmarks.truth.pressed_pad import Press, Skin, boundary_of, press_pad
+from benchmarks.truth.pressure_images import pressure_image
 
 _RIDGES = {"kind": "whorl", "seed": 0, "growth_periods": 26, "period": 0.45}
 _CONDITIONS = ("prism, Hertz pressure", "prism, moist", "live-scan", "plate lit from the side")
 
 
 @pytest.fixture(scope="module")
-def comparisons() -> list[Comparison]:
-    return [compare(pressure_image(name, 1, area=45.0, **_RIDGES)) for name in _CONDITIONS]
+def comparisons() -> list[Compared]:
+    return [compare(pressed(pressure_image(name, 1, area=45.0, **_RIDGES))) for name in _CONDITIONS]
 
 
 def test_the_intervals_hold_gross_area_and_semi_axes(comparisons):
     for comparison in comparisons:
-        assert comparison.covered[[0, 2, 3]].all()
+        assert comparison.held[[0, 2, 3]].all()
         assert not comparison.flags
 
 
 def test_the_interval_holds_ridge_area_under_a_prism(comparisons):
-    assert comparisons[0].covered[1]
+    assert comparisons[0].held[1]
 
 
-def test_the_edge_lies_within_a_third_of_a_ridge_period(comparisons):
-    displacements = [comparison.displacement for comparison in comparisons]
-    assert np.max(np.abs(displacements)) < 0.15
-    assert np.sqrt(np.mean(np.square([comparison.error[0] for comparison in comparisons]))) < 0.06
+def test_the_gross_area_is_near_the_truth(comparisons):
+    assert np.sqrt(np.mean(np.square([comparison.errors[0] for comparison in comparisons]))) < 0.06
 
 
 def test_the_truth_is_that_of_an_ellipse():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from benchmarks.claims.stripe_images import stripe_image
+from benchmarks.truth.stripe_images import stripe_image
 
 from fingerpad.image import ContactImageResult, measure_contact_image
 

@@ -2,15 +2,16 @@
 
 import numpy as np
 import pytest
-from benchmarks.claims.stripe_images import compare, stripe_image
+from benchmarks.claims.contact_areas import compare, ridged
+from benchmarks.truth.stripe_images import stripe_image
 
 
 @pytest.mark.parametrize("condition", ["prism", "prism, both fade over 0.6 mm", "scanner"])
 def test_the_intervals_hold_gross_area_and_semi_axes(condition: str) -> None:
-    (relative, scores), flags = compare(stripe_image(condition, 0, seed=7))
-    assert (np.abs(scores[[0, 2, 3]]) < 1.96).all()
-    assert abs(relative[0]) < 0.06
-    assert not flags
+    found = compare(ridged(stripe_image(condition, 0, seed=7)))
+    assert found.held[[0, 2, 3]].all()
+    assert abs(found.errors[0]) < 0.06
+    assert not found.flags
 
 
 def test_truth_depends_on_seed_condition_and_number_only() -> None:

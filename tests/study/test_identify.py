@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from benchmarks.claims.fingertips import render
 from benchmarks.claims.photographs import random_finger
-from benchmarks.claims.pressure_images import pressure_image
+from benchmarks.truth.pressure_images import pressure_image
 from PIL import Image
 from tests.image.ruler_scenes import KINDS, ruler_scene
 

@@ -1,4 +1,4 @@
-"""Contact images of elastic ridges, measured.
+"""Contact images of elastic ridges.
 
 Written from the physics, without a look at the measurement. A wavy elastic surface under mean pressure p
 touches a plane over the share (2/π) arcsin √(p/p*) of its period (Westergaard; Johnson 1985, §13.2), and p is
@@ -8,15 +8,12 @@ spreads, and contact too faint to see count as errors of the measurement.
 """
 
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-
-from fingerpad.image import measure_contact_image
 
 _FINEST, _MARGIN_MM, _WIDEST = 0.012, 2.0, 0.82
 Numbers = npt.NDArray[Any]
@@ -213,40 +210,3 @@ def _half_sizes(semi_axes: tuple[float, float], pixel: float, binning: int) -> t
     """Half the rows and columns of the fine grid, a whole number of pixels."""
     down, across = semi_axes[0] + _MARGIN_MM, (2 * semi_axes[1] + semi_axes[0]) / 3 + _MARGIN_MM
     return int(down / pixel) * binning, int(across / pixel) * binning
-
-
-def compare(image: ElasticImage) -> Numbers:
-    """Relative errors, and errors over stated stds, of gross and ridge area and semi-axes."""
-    truth = np.array([image.gross_area, image.ridge_area, *image.semi_axes])
-    found = measure_contact_image(image.pixels, image.mm_per_px)
-    measured = [found.gross_area, found.ridge_area, found.ellipse.semi_major, found.ellipse.semi_minor]
-    stds = [found.gross_area_std, found.ridge_area_std, found.semi_major_std, found.semi_minor_std]
-    return np.array([(measured - truth) / truth, (measured - truth) / stds])
-
-
-def rows(count: int = 6, seed: int = 0) -> Iterator[str]:
-    """Yield the table: one row for each condition, and one for all."""
-    yield "| condition | gross area %: bias, rms, stated, covered | ridge area | semi-major | semi-minor |"
-    yield "|" + "---|" * 5
-    pooled = []
-    for name in CONDITIONS:
-        some = [compare(elastic_image(name, number, seed)) for number in range(count)]
-        pooled += some
-        yield _row(name, np.array(some))
-    yield _row(f"all {len(pooled)}", np.array(pooled))
-
-
-def _row(name: str, found: Numbers) -> str:
-    errors, scores = 100 * found[:, 0], found[:, 1]
-    stated, held = errors / scores, 100 * np.mean(np.abs(scores) < 1.96, axis=0)
-    parts = [
-        f"{e.mean():+.1f}, {np.sqrt(np.mean(e**2)):.1f}, {s.mean():.1f}, {h:.0f}"
-        for e, s, h in zip(errors.T, stated.T, held, strict=True)
-    ]
-    return f"| {name} | {' | '.join(parts)} |"
-
-
-def report(count: int = 6, seed: int = 0) -> None:
-    """Print the table, as it is made."""
-    for line in rows(count, seed):
-        print(line, flush=True)

@@ -12,7 +12,6 @@ moments: the ellipse's own where the outline is one.
 """
 
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -20,9 +19,6 @@ from typing import Any
 import cv2
 import numpy as np
 import numpy.typing as npt
-
-from fingerpad.exceptions import ImageError
-from fingerpad.image import measure_contact_image
 
 _FINEST, _MARGIN_MM, _PER_PERIOD = 0.013, 2.0, 5.0
 Numbers = npt.NDArray[Any]
@@ -303,46 +299,3 @@ def stripe_image(name: str, number: int, seed: int = 0) -> StripeImage:
     around = np.pi * (3 * sum(axes) - np.sqrt((3 * axes[0] + axes[1]) * (axes[0] + 3 * axes[1])))
     gross, ridge, outer = (float(n * step**2) for n in (within.sum(), touching.sum(), cv2.contourArea(hull)))
     return StripeImage(pixels, pixel, gross, ridge, outer, around, axes)
-
-
-def compare(image: StripeImage) -> tuple[Numbers, tuple[str, ...]]:
-    """Relative errors, and errors over stated stds, of gross and ridge area and semi-axes; flags."""
-    truth = np.array([image.gross_area, image.ridge_area, *image.semi_axes])
-    try:
-        found = measure_contact_image(image.pixels, image.mm_per_px)
-    except ImageError:
-        return np.full((2, 4), np.nan), ("failed",)
-    measured = [found.gross_area, found.ridge_area, found.ellipse.semi_major, found.ellipse.semi_minor]
-    stds = [found.gross_area_std, found.ridge_area_std, found.semi_major_std, found.semi_minor_std]
-    return np.array([(measured - truth) / truth, (measured - truth) / stds]), found.flags
-
-
-def rows(count: int = 4, seed: int = 0) -> Iterator[str]:
-    """Yield the table: one row for each condition, and one for all."""
-    yield "| condition | gross %: bias, rms, stated, covered | ridge | semi-major | semi-minor | flags |"
-    yield "|" + "---|" * 6
-    pooled = []
-    for name in CONDITIONS:
-        some = [compare(stripe_image(name, number, seed)) for number in range(count)]
-        pooled += some
-        yield _row(name, some)
-    yield _row(f"all {len(pooled)}", pooled)
-
-
-def _row(name: str, some: list[tuple[Numbers, tuple[str, ...]]]) -> str:
-    found = np.array([one[0] for one in some])
-    errors, scores = 100 * found[:, 0], found[:, 1]
-    stated, held = errors / scores, 100 * np.mean(np.abs(scores) < 1.96, axis=0)
-    parts = [
-        f"{np.nanmean(e):+.1f}, {np.sqrt(np.nanmean(e**2)):.1f}, {np.nanmean(s):.1f}, {h:.0f}"
-        for e, s, h in zip(errors.T, stated.T, held, strict=True)
-    ]
-    flags = sorted({flag for one in some for flag in one[1]})
-    raised = ", ".join(f"`{flag}` {sum(flag in one[1] for one in some)}" for flag in flags)
-    return f"| {name} | {' | '.join(parts)} | {raised} |"
-
-
-def report(count: int = 4, seed: int = 0) -> None:
-    """Print the table, as it is made."""
-    for line in rows(count, seed):
-        print(line, flush=True)

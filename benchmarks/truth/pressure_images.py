@@ -1,4 +1,4 @@
-"""Contact images made from a pressure field, measured.
+"""Contact images made from a pressure field.
 
 Written from the physics, without a look at the measurement. Nothing is shared with it: neither how ridges
 are made, nor what the edge is. The gross contact is where the pad's pressure is positive, by formula; the
@@ -7,7 +7,6 @@ definition: near the edge ridges may not touch although pressure is positive (se
 ridges); sweat and ink beside a ridge count as optics.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,10 +16,8 @@ import numpy.typing as npt
 from benchmarks.truth.contact_optics import Optics, photograph
 from benchmarks.truth.pressed_pad import Contact, Press, Skin, boundary_of, press_pad
 from benchmarks.truth.ridge_growth import SINGULARITIES
-from fingerpad.exceptions import ImageError
-from fingerpad.image import measure_contact_image
 
-_FINEST, _MARGIN_MM, _IMAGES = 0.011, 2.4, 8
+_FINEST, _MARGIN_MM = 0.011, 2.4
 _LIVE = {
     "device": "live-scan",
     "background": 0.93,
@@ -138,93 +135,3 @@ def pressure_image(name: str, number: int, area: float | None = None, **skin: An
     columns, rows = np.ceil(extent / mm_per_px).astype(int) * pixels
     contact = press_pad(press, ridges, mm=mm_per_px / pixels, shape=(rows, columns), rng=rng)
     return PressureImage(photograph(contact, optics, pixels, rng), mm_per_px, contact, press, ridges, optics)
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """A measurement beside the truth: area, ridge area, semi-major and semi-minor axis."""
-
-    truth: npt.NDArray[np.float64]
-    hull_area: float
-    perimeter: float
-    measured: npt.NDArray[np.float64]
-    std: npt.NDArray[np.float64]
-    flags: tuple[str, ...]
-
-    @property
-    def error(self) -> npt.NDArray[np.float64]:
-        """Relative errors; NaN where nothing was measured."""
-        return self.measured / self.truth - 1
-
-    @property
-    def covered(self) -> npt.NDArray[np.bool_]:
-        """Whether the 95 % intervals hold the truth."""
-        return np.abs(self.measured - self.truth) <= 1.96 * self.std
-
-    @property
-    def displacement(self) -> float:
-        """Mean displacement of the edge along its outward normal, mm."""
-        return float((self.measured[0] - self.truth[0]) / self.perimeter)
-
-    @property
-    def bare_ring(self) -> float:
-        """Mean width of the ring of positive pressure outside the hull of all touching ridges, mm."""
-        return float((self.truth[0] - self.hull_area) / self.perimeter)
-
-
-def compare(image: PressureImage) -> Comparison:
-    """Measure an image as a user would: pixels and scale, nothing else."""
-    contact = image.contact
-    truth = np.array([contact.gross_area, contact.ridge_area, contact.semi_major, contact.semi_minor])
-    measured, std = np.full(4, np.nan), np.full(4, np.nan)
-    flags: tuple[str, ...] = ("failed",)
-    try:
-        result = measure_contact_image(image.pixels, image.mm_per_px)
-    except ImageError:
-        pass
-    else:
-        axes = result.ellipse.semi_major, result.ellipse.semi_minor
-        measured = np.array([result.gross_area, result.ridge_area, *axes])
-        std = np.array(
-            [result.gross_area_std, result.ridge_area_std, result.semi_major_std, result.semi_minor_std]
-        )
-        flags = result.flags
-    return Comparison(truth, contact.hull_area, contact.perimeter, measured, std, flags)
-
-
-def _row(name: str, comparisons: list[Comparison]) -> str:
-    """Bias, rms, stated std and coverage of each quantity, in per cent; the edge's displacement; flags."""
-    errors = 100 * np.array([c.error for c in comparisons])
-    stated = 100 * np.array([c.std / c.truth for c in comparisons])
-    covered = 100 * np.mean([c.covered for c in comparisons], axis=0)
-    parts = [
-        f"{np.nanmean(e):+.1f}, {np.sqrt(np.nanmean(e**2)):.1f}, {np.nanmean(s):.1f}, {hit:.0f}"
-        for e, s, hit in zip(errors.T, stated.T, covered, strict=True)
-    ]
-    edge = np.array([c.displacement for c in comparisons])
-    ring = np.mean([c.bare_ring for c in comparisons])
-    flags = sorted({flag for c in comparisons for flag in c.flags})
-    raised = ", ".join(f"`{flag}` {sum(flag in c.flags for c in comparisons)}" for flag in flags)
-    moved = f"{np.nanmean(edge):+.3f} ± {np.nanstd(edge):.3f} | {ring:.3f}"
-    return f"| {name} | {' | '.join(parts)} | {moved} | {raised} |"
-
-
-def rows() -> Iterator[str]:
-    """Yield the table: one row for each condition, and one for all."""
-    yield (
-        "| condition | gross area % (bias, rms, stated, covered) | ridge area % | semi-major % "
-        "| semi-minor % | edge mm | bare ring mm | flags |"
-    )
-    yield "|" + "---|" * 8
-    pooled = []
-    for name in CONDITIONS:
-        comparisons = [compare(pressure_image(name, number)) for number in range(_IMAGES)]
-        pooled += comparisons
-        yield _row(name, comparisons)
-    yield _row(f"all {len(pooled)}", pooled)
-
-
-def report() -> None:
-    """Print the table, as it is made."""
-    for line in rows():
-        print(line, flush=True)

@@ -1,0 +1,73 @@
+"""Studies whose pads and contacts are drawn at random: what claims about radii, moduli and means share."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fingerpad._arrays import ArrayLike, FloatArray
+from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.measuring.contacts import Measurement
+from fingerpad.study.measuring.fingers import FingerResult
+
+NAMES = "palmar", "distal", "radial_ulnar"
+# What a semi-axis that is given exactly states, mm.
+EXACT = 1e-9
+
+
+def study_of(
+    fingers: Mapping[str, str | None], axes: FloatArray, std: float = EXACT, **uncertainty: float
+) -> Study:
+    """Return a study of fingers, each with its person, of one pad; angles are exact unless they are given."""
+    exact = {"wedge_angle_deg_std": 0.0, "roll_angle_deg_std": 0.0}
+    given = {
+        "semi_axes_mm": dict(zip(NAMES, axes.tolist(), strict=True)),
+        "semi_axes_mm_std": dict.fromkeys(NAMES, std),
+    }
+    manifest = {
+        "title": "simulated",
+        "fingers": [
+            {"name": name, **given} | ({"person": who} if who else {}) for name, who in fingers.items()
+        ],
+        "uncertainty": exact | uncertainty,
+    }
+    return Study.model_validate(manifest)
+
+
+def finger(name: str, axes: FloatArray, std: float = EXACT, **more: Any) -> FingerResult:
+    """Return a finger whose semi-axes were given."""
+    return FingerResult(name=name, semi_axes=axes, covariance=std**2 * np.eye(3), source="given", **more)
+
+
+def contact(
+    name: str,
+    load: float,
+    axes: ArrayLike,
+    covariance: FloatArray,
+    *,
+    measured_load: float | None = None,
+    finger: str = "f",
+    session: str | None = None,
+    wedge_deg: float = 30.0,
+    **more: Any,
+) -> tuple[Observation, Measurement]:
+    """Return a contact image and what was measured in it: semi-axes, mm, sorted, and their covariance."""
+    minor, major = np.sort(np.asarray(axes, dtype=float)).tolist()
+    observation = Observation(
+        name=name,
+        finger=finger,
+        wedge_angle_deg=wedge_deg,
+        load_N=load,
+        session=session,
+        file="x.png",
+        scale="s",
+    )
+    return observation, Measurement(
+        observation=name,
+        load_N=load if measured_load is None else measured_load,
+        semi_major_mm=major,
+        semi_minor_mm=minor,
+        covariance_mm2=covariance,
+        scale="s",
+        **more,
+    )

@@ -1,0 +1,61 @@
+"""Tables in Markdown, and what they say of errors."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
+from typing import TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+# Relative error, relative standard uncertainty, and whether a flag says that the value is in doubt.
+Row: TypeAlias = tuple[float, float, bool]
+
+
+def table(columns: Sequence[str], rows: Iterable[Sequence[object]], title: str = "") -> None:
+    """Print a table, row by row as they come."""
+    if title:
+        print(f"\n**{title}**\n")
+    print(f"| {' | '.join(columns)} |\n|{'---|' * len(columns)}")
+    for row in rows:
+        print(f"| {' | '.join(map(str, row))} |", flush=True)
+
+
+def percent(value: float, sign: str = "") -> str:
+    """Return a share as per cent with two significant digits."""
+    if not math.isfinite(value):
+        return "–"
+    size = abs(100 * value)
+    digits = 2 if not size > 0.01 else max(0, min(3, 1 - math.floor(math.log10(size))))
+    return f"{100 * value:{sign}.{digits}f} %"
+
+
+def share(held: npt.ArrayLike) -> str:
+    """Return how many of all are true, in per cent."""
+    held = np.asarray(held, dtype=float)
+    return f"{100 * held.mean():.0f} %" if held.size else "–"
+
+
+def off(errors: npt.ArrayLike) -> str:
+    """Return bias and root mean square of relative errors."""
+    errors = np.asarray(errors)
+    return f"{percent(float(np.nanmean(errors)), '+')}, {percent(math.sqrt(np.nanmean(errors**2)))}"
+
+
+def stated(errors: npt.ArrayLike, stds: npt.ArrayLike) -> str:
+    """Return the median stated uncertainty, and the share of 95 % intervals that hold the truth."""
+    errors, stds = np.asarray(errors), np.asarray(stds)
+    return f"{percent(float(np.nanmedian(stds)))}, {share(np.abs(errors) < 1.96 * stds)}"
+
+
+def errors_table(title: str, rows: Mapping[str, Sequence[Row]], what: str = "shape") -> None:
+    """Print relative errors with what was stated of them, for each name and all together."""
+
+    def cells() -> Iterable[tuple[object, ...]]:
+        for name, some in [*rows.items(), ("all", list(chain(*rows.values())))]:
+            errors, stds, flagged = np.array(some, dtype=float).T
+            silent = (np.abs(errors) > 1.96 * stds) & (flagged == 0)
+            yield name, len(some), off(errors), stated(errors, stds), share(flagged), share(silent)
+
+    columns = (what, "n", "bias, rms error", "stated, held", "flagged", "missed without a flag")
+    table(columns, cells(), title)
