@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 import tamaas
 
+from benchmarks.tables import table
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import ContactField, SolvedContact, Tissue, hertz_contact, solve_contact, solve_gap
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
@@ -31,8 +32,7 @@ def _sphere(x: FloatArray, y: FloatArray) -> FloatArray:
 
 def exact_solutions() -> None:
     """Print errors of area, load or indentation, and peak pressure, where they are known."""
-    print("\nContact solver against exact solutions: relative errors, estimate of the area's")
-    print(f"    {'':<28}{'cells':>6}{'area':>10}{'W or ξ':>10}{'peak p':>10}{'estimate':>10}")
+    rows = []
     for ratio in (1.0, 1.3, 3.0, 10.0, 30.0):
         bodies = Paraboloid(_RADIUS, ratio * _RADIUS)
         hertz = hertz_contact(bodies, _HALF_SPACE, load=0.5)
@@ -40,7 +40,7 @@ def exact_solutions() -> None:
             found = solve_contact(bodies, _HALF_SPACE, load=0.5, points=points)
             exact = float(hertz.area), float(hertz.indentation), float(hertz.peak_pressure)
             values = float(found.area), float(found.indentation), float(found.peak_pressure)
-            _row(f"Hertz, R''/R' = {ratio:g}", points, values, exact, found)
+            rows.append(_cells(f"Hertz, R''/R' = {ratio:g}", points, values, exact, found))
     for radius in (2.0, 5.0, 8.0):
         log = math.log((_RADIUS + radius) / (_RADIUS - radius))
         load = _MODULUS / 2 * ((_RADIUS**2 + radius**2) * log - 2 * radius * _RADIUS)
@@ -53,35 +53,33 @@ def exact_solutions() -> None:
                 points=points,
             )
             exact = math.pi * radius**2, load, math.nan
-            _row(
-                f"sphere, a/R = {radius / _RADIUS:g}",
-                points,
-                (float(found.area), float(found.load), math.nan),
-                exact,
-                found,
-            )
+            values = float(found.area), float(found.load), math.nan
+            rows.append(_cells(f"sphere, a/R = {radius / _RADIUS:g}", points, values, exact, found))
+    columns = "contact", "cells", "area", "W or ξ", "peak pressure", "estimate of the area's error"
+    table(columns, rows, "Relative errors of the solver, against exact solutions")
 
 
-def _row(
+def _cells(
     name: str,
     points: int,
     values: tuple[float, ...],
     exact: tuple[float, ...],
     found: SolvedContact,
-) -> None:
-    errors = "".join(f"{a / b - 1:>10.1e}" for a, b in zip(values, exact, strict=True))
-    print(f"    {name:<28}{points:>6}{errors}{found.relative_error:>10.1e}")
+) -> tuple[object, ...]:
+    errors = (f"{a / b - 1:.1e}" for a, b in zip(values, exact, strict=True))
+    return name, f"{points}²", *errors, f"{found.relative_error:.1e}"
 
 
 def layer_table() -> None:
     """Print a paraboloid on a bonded layer: A/(πRξ), load over Hertz's at the same ξ and the same area."""
-    print("\nParaboloid on a layer bonded to a rigid base, 256² cells (in brackets: change from 128²)")
-    print("    a/t    ν      A/(πRξ)             W at ξ              W at A")
+    rows = []
     for poisson_ratio in (0.5, 0.48, 0.45, 0.3):
         for ratio in (0.1, 0.3, 0.5, 1.0, 2.0, 4.0):
             coarse, fine = (_layer_ratios(ratio, poisson_ratio, points) for points in (128, 256))
-            cells = "".join(f"{b:>9.4f} ({b / a - 1:+.0e})" for a, b in zip(coarse, fine, strict=True))
-            print(f"    {ratio:<6g} {poisson_ratio:<5g}{cells}")
+            cells = (f"{b:.4f} ({b / a - 1:+.0e})" for a, b in zip(coarse, fine, strict=True))
+            rows.append((ratio, poisson_ratio, *cells))
+    title = "Paraboloid on a layer bonded to a rigid base, 256² cells (change from 128²)"
+    table(("a/t", "ν", "A/(πRξ)", "W over Hertz at ξ", "at A"), rows, title)
 
 
 def _layer_ratios(ratio: float, poisson_ratio: float, points: int) -> tuple[float, float, float]:
@@ -101,21 +99,31 @@ def speed() -> None:
     placement, layer = Placement(pad, wedge_angle=0.5, roll_angle=0.2), Tissue(0.09, thickness=8.0)
     hertz = hertz_contact(_BALL, _HALF_SPACE, load=0.5)
     radius, exact = float(hertz.semi_major), (float(hertz.area), float(hertz.indentation))
-    runs: dict[str, list[tuple[float, float]]] = {}
-    print("\nOne contact, one thread, warm: seconds (relative error of area · of indentation)")
+    runs: dict[str, list[tuple[float, float, float]]] = {}
+    own = []
     for points in _GRIDS:
         on_layer, solved_pad = _timed(partial(solve_contact, placement, layer, load=2.0, points=points))
         search, _ = _timed(partial(_highest_shear, solved_pad))
-        cells = [f"whole pad on a layer {on_layer:.3f}", f"its highest shear {search:.3f}"]
+        own.append((f"{points}²", f"{on_layer:.2f} s", f"{search:.2f} s"))
         for name, solved in _solvers().items():
             spent, (area, indentation) = _timed(partial(solved, points, radius, 0.5))
-            runs.setdefault(name, []).append((spent, abs(area / exact[0] - 1)))
-            cells.append(f"{name} {spent:.3f} ({area / exact[0] - 1:.0e} · {indentation / exact[1] - 1:.0e})")
-        print(f"    {points}²: " + ", ".join(cells))
-    print("    seconds to an area within 0.5 % and within 0.1 %")
-    for name, found in runs.items():
-        reached = [min((t for t, error in found if error <= limit), default=None) for limit in (0.005, 0.001)]
-        print(f"    {name:<18}" + "".join(f"{'–' if t is None else f'{t:.3f}':>8}" for t in reached))
+            errors = abs(area / exact[0] - 1), abs(indentation / exact[1] - 1)
+            runs.setdefault(name, []).append((spent, *errors))
+    table(
+        ("solver of a sphere's contact", *(f"{points}² cells" for points in _GRIDS), "to 0.5 %, to 0.1 %"),
+        (
+            (name, *(f"{t:.2f} s ({a:.1e}, {x:.0e})" for t, a, x in found), _reached(found))
+            for name, found in runs.items()
+        ),
+        "Seconds on one thread (relative error of area, of indentation)",
+    )
+    table(("cells", "whole pad on a layer", "its highest shear"), own)
+
+
+def _reached(found: list[tuple[float, float, float]]) -> str:
+    """Return the shortest times to an area within 0.5 % and within 0.1 %."""
+    best = [min((t for t, error, _ in found if error <= limit), default=None) for limit in (0.005, 0.001)]
+    return ", ".join("not reached" if t is None else f"{t:.2f} s" for t in best)
 
 
 def _solvers() -> dict[str, Callable[[int, float, float], tuple[float, float]]]:

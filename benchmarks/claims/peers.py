@@ -1,20 +1,23 @@
-"""Side by side with what people use today.
+"""Side by side with what people use today, in one run on one machine.
 
-Peers that need old versions of their dependencies run in an environment of their own: make one with slippy
-and tribology, and name its interpreter in ``FINGERPAD_PEERS``. Without it their rows say so.
-So does pyfing's without ``pip install --no-deps pyfing``, whose classical method needs none of its networks.
+Tamaas, statsmodels, lmfit and scikit-image are dependencies of the tests. ContactMechanics, nanite and pyfing
+(``pip install --no-deps pyfing``) are compared where they are installed. Slippy and tribology need old
+versions of their dependencies: ``FINGERPAD_PEERS`` names the interpreter of an environment that has them.
 """
 
 import json
+import math
 import os
 import subprocess
 import sys
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 from importlib import import_module
 from types import ModuleType
-from typing import Final
+from typing import Any, Final
 
 import cv2
+import lmfit
 import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
@@ -23,7 +26,11 @@ from scipy.special import ellipe, ellipk
 from skimage import filters, measure, morphology
 from statsmodels.stats.meta_analysis import combine_effects
 
+from benchmarks import ROOT
 from benchmarks.claims import contact_solver
+from benchmarks.claims.loading_truth import CONDITIONS as CURVES
+from benchmarks.claims.loading_truth import make_curve, random_pad
+from benchmarks.tables import off, percent, stated, table
 from benchmarks.timing import best
 from benchmarks.truth.hertz import exact_contact
 from benchmarks.truth.independent_images import CONDITIONS, IndependentImage, independent_images
@@ -32,12 +39,15 @@ from fingerpad.contact import Contact, Tissue, hertz_contact
 from fingerpad.exceptions import ImageError
 from fingerpad.geometry import Paraboloid
 from fingerpad.image import measure_contact_image
+from fingerpad.loading import LoadingCurve, fit_loading_curve, read_loading_curve
 from fingerpad.uncertainty import pool_random_effects
 
 FloatArray = npt.NDArray[np.float64]
 
 RADII_RATIOS: Final = (1.0, 1.001, 1.1, 1.5, 3.0, 10.0, 100.0)
 RADIUS, LOAD, MODULUS = 8.0, 2.0, 0.1365  # mm, N, MPa
+# Radius, and E* of the instrument or of nanite; lengths in µm stand as mm (tests/loading/data/README.md).
+RECORDS: Final = {"chiaro_gel.csv": (27.5, 156.0), "afm_cell.csv": (5.0, 480.3)}
 
 # Semi-axes and indentation of each ratio in turn, then seconds for one contact.
 _IN_OWN_ENVIRONMENT: Final = """
@@ -82,26 +92,30 @@ def hertz() -> None:
     ours = _pressed(np.array(RADII_RATIOS))
     one, many = 1e6 * best(lambda: _pressed(3.0)), best(lambda: _pressed(ratios), repeats=3)
     found = np.stack([ours.semi_major, ours.semi_minor, ours.indentation], axis=1)
-    print("Elliptical Hertz contact, R'/R'' from 1 to 100: largest relative error against 50 digits")
-    print(f"    {'':<28}{'semi-axes':>11}{'indentation':>13}{'microseconds a contact':>25}")
-    _print_errors("fingerpad", found, exact, f"{one:.0f} (of 140,000: {1e6 * many / ratios.size:.2f})")
     rooted = np.array([_by_root(r) for r in RADII_RATIOS])
-    _print_errors("SciPy root-finder", rooted, exact, f"{1e6 * best(lambda: _by_root(3.0)):.0f}")
+    rows = [
+        _errors("fingerpad", found, exact, f"{one:.0f} µs; {1e6 * many / ratios.size:.2f} µs of 140,000"),
+        _errors("SciPy, root-finder", rooted, exact, f"{1e6 * best(lambda: _by_root(3.0)):.0f} µs"),
+    ]
     for peer in ("slippy", "tribology"):
         answer = _ask(peer)
         if answer is None:
-            print(f"    {peer:<28}not run: FINGERPAD_PEERS names no interpreter that has it")
+            rows.append((f"{peer}: not installed", "–", "–", "–"))
         else:
-            _print_errors(peer, np.array(answer[0]), exact, f"{1e6 * answer[1]:.0f}")
+            rows.append(_errors(peer, np.array(answer[0]), exact, f"{1e6 * answer[1]:.0f} µs"))
+    table(
+        ("elliptical Hertz contact", "semi-axes, largest error", "indentation", "one contact"),
+        rows,
+        "Elliptical Hertz contact, R'/R'' from 1 to 100, against 50 digits",
+    )
 
 
-def _print_errors(name: str, found: FloatArray, exact: FloatArray, seconds: str) -> None:
+def _errors(name: str, found: FloatArray, exact: FloatArray, seconds: str) -> tuple[str, ...]:
     error = np.abs(found / exact - 1)
     missing = int(np.isnan(error).any(axis=1).sum())
-    fails = f"; fails at {missing} of {len(exact)}" if missing else ""
-    print(
-        f"    {name:<28}{np.nanmax(error[:, :2]):>11.1e}{np.nanmax(error[:, 2]):>13.1e}{seconds:>25}{fails}"
-    )
+    fails = f", fails at {missing} of {len(exact)}" if missing else ""
+    axes, depth = np.nanmax(error[:, :2]), np.nanmax(error[:, 2])
+    return name + fails, f"{axes:.1e}", f"{depth:.1e}", seconds
 
 
 def _by_root(ratio: float) -> tuple[float, float, float]:
@@ -155,13 +169,13 @@ _NONE: Final = Measured(np.nan, np.nan, np.nan)
 def contact_image(count: int = 2) -> None:
     """Print errors of gross area and semi-axes on images of known truth, and the time of an image."""
     images = [image for _, image in independent_images(count, seed=77)]
-    print(f"\nContact images of independent truth: {len(images)} in {len(CONDITIONS)} conditions")
-    print(f"    {'':<40}{'area: bias, rms, worst':>28}{'semi-axes: rms':>17}{'ms an image':>14}{'none':>6}")
+    rows = []
     for name, way in (
         ("fingerpad", _by_fingerpad),
-        ("scikit-image: Otsu, closing, regionprops", _by_scikit_image),
-        ("as in ImageJ: IsoData, close, fill, fit", _by_imagej),
-        ("pyfing: GMFS", _by_pyfing),
+        ("scikit-image: Otsu, closing, largest region", _by_scikit_image),
+        ("blur over a ridge, Otsu, largest region, as MATLAB scripts do", _by_blur),
+        ("as an ImageJ macro: median, IsoData, close, fill, fit", _by_imagej),
+        ("pyfing: gradient magnitude (GMFS)", _by_pyfing),
     ):
         found = [way(image) for image in images]
         area = np.array([one.area / image.gross_area - 1 for one, image in zip(found, images, strict=True)])
@@ -172,10 +186,13 @@ def contact_image(count: int = 2) -> None:
             ]
         )
         seconds = best(lambda way=way: way(images[0]), repeats=3)  # type: ignore[misc]
-        errors = (np.nanmean(area), _rms(area), np.nanmax(np.abs(area)))
-        numbers = ", ".join(f"{100 * value:.1f} %" for value in errors)
-        none = int(np.isnan(area).sum())
-        print(f"    {name:<40}{numbers:>28}{100 * _rms(axes):>15.1f} %{1e3 * seconds:>14.0f}{none:>6}")
+        none, worst = int(np.isnan(area).sum()), percent(float(np.nanmax(np.abs(area)))) if found else ""
+        rows.append((name, off(area), worst, percent(_rms(axes)), f"{1e3 * seconds:.0f} ms", none))
+    table(
+        ("contact images", "area: bias, rms error", "worst", "semi-axes, rms", "one image", "none found"),
+        rows,
+        f"{len(images)} contact images of independent truth in {len(CONDITIONS)} conditions",
+    )
 
 
 def _rms(values: FloatArray) -> float:
@@ -196,6 +213,12 @@ def _by_scikit_image(image: IndependentImage) -> Measured:
     grey = _dark_on_light(image)
     ridges = grey < filters.threshold_otsu(grey)
     return _largest_region(morphology.closing(ridges, morphology.disk(round(0.5 / image.mm_per_px))), image)
+
+
+def _by_blur(image: IndependentImage) -> Measured:
+    """Measure as scripts do: blurred over half a ridge period, below Otsu's level, the largest region."""
+    grey = cv2.GaussianBlur(_dark_on_light(image), (0, 0), 0.25 / image.mm_per_px)
+    return _largest_region(ndimage.binary_fill_holes(grey < filters.threshold_otsu(grey)), image)
 
 
 def _by_imagej(image: IndependentImage) -> Measured:
@@ -248,17 +271,116 @@ def pooled() -> None:
         values = 14 + 0.6 * random.standard_normal(count) + std * random.standard_normal(count)
         ours = pool_random_effects(values, std)
         theirs = combine_effects(values, std**2, method_re="iterated")
-        table = theirs.summary_frame()
-        difference = ours.value - table.loc["random effect", "eff"], ours.between_std - np.sqrt(theirs.tau2)
+        frame = theirs.summary_frame()
+        difference = ours.value - frame.loc["random effect", "eff"], ours.between_std - np.sqrt(theirs.tau2)
         worst = np.maximum(worst, np.abs(difference))
-    print("\nMeans of random effects, 3 to 20 values, against statsmodels (Paule and Mandel)")
-    print(f"    largest difference: mean {worst[0]:.1e} mm, standard deviation between {worst[1]:.1e} mm")
+    table(
+        ("pooled means", "largest difference of the mean", "of the deviation between values"),
+        [("statsmodels, Paule and Mandel", f"{worst[0]:.1e} mm", f"{worst[1]:.1e} mm")],
+        "Means of random effects of 3 to 20 values",
+    )
 
 
-def report() -> None:
+def loading(count: int = 12) -> None:
+    """Print errors of modulus and place of contact from records of force and displacement, radius known."""
+    rows = []
+    for name in ("Hertz, white noise", "Hertz, 1/f noise", "layer of 8 mm on bone"):
+        for way, fit in WAYS.items():
+            found = []
+            for seed in range(count):
+                rng = np.random.default_rng([7, seed])
+                pad, place = random_pad(CURVES[name], rng), rng.uniform(-2, 2)
+                curve = replace(make_curve(CURVES[name], pad, place, rng), area=None)
+                start = time.perf_counter()
+                answer = fit(curve, pad.radius)
+                spent = time.perf_counter() - start
+                if answer is not None:
+                    value, std, at = answer
+                    found.append((value / pad.modulus - 1, std / pad.modulus, at - place, spent))
+            if not found:
+                rows.append((name, f"{way}: not installed", *4 * ("–",)))
+                continue
+            e, std, at, spent = np.array(found).T
+            micrometres = f"{1e3 * np.sqrt(np.mean(at**2)):.0f} µm"
+            rows.append((name, way, off(e), stated(e, std), micrometres, f"{1e3 * np.median(spent):.0f} ms"))
+    table(
+        ("curves", "fitted by", "E: bias, rms error", "stated, held", "place of contact, rms", "a fit"),
+        rows,
+        f"{count} loading curves each to 2 N, no areas, radius known, zero and place of contact not",
+    )
+    records = []
+    for name, (radius, instrument) in RECORDS.items():
+        whole = read_loading_curve(ROOT / "tests" / "loading" / "data" / name)
+        ours = fit_loading_curve(whole, loading_radius=radius, stage_compliance=0.0, thickness=math.inf)
+        secant = f"{1000 * ours.reduced_modulus.value:.4g} ± {1000 * ours.reduced_modulus.std:.2g}"
+        theirs = (fit(whole, radius) for fit in (_fit_lmfit, _fit_nanite))
+        cells = ("–" if one is None else f"{1000 * one[0] / 0.75:.4g}" for one in theirs)
+        records.append((name, f"{instrument:g}", secant, *cells))
+    table(
+        ("real record", "E* as published, Pa", "fingerpad", "lmfit", "nanite"),
+        records,
+        "Real records of gel and cell, made of the whole approach",
+    )
+
+
+def _fit_ours(curve: LoadingCurve, radius: float) -> tuple[float, float, float] | None:
+    fit = fit_loading_curve(curve, loading_radius=radius, stage_compliance=0.0)
+    return fit.initial_modulus.value, fit.initial_modulus.std, fit.contact_offset.value
+
+
+def _approach(curve: LoadingCurve) -> tuple[FloatArray, FloatArray]:
+    end = int(np.argmax(curve.load)) + 1
+    return curve.indentation[:end], curve.load[:end]
+
+
+def _start(x: FloatArray, load: FloatArray, radius: float) -> tuple[float, float]:
+    zero = float(np.median(load[: len(load) // 5]))
+    at = float(x[np.flatnonzero(load - zero < 0.1 * (load[-1] - zero))[-1]])
+    return at, 0.75 * 0.75 * float(load[-1] - zero) / np.sqrt(radius) / max(float(x[-1]) - at, 1e-9) ** 1.5
+
+
+def _fit_lmfit(curve: LoadingCurve, radius: float) -> tuple[float, float, float]:
+    """Fit a paraboloid as a script does: least squares of force, with zero and place of contact free."""
+    x, load = _approach(curve)
+    at, modulus = _start(x, load, radius)
+
+    def force(x: FloatArray, E: float, at: float, zero: float) -> FloatArray:
+        return as_float_array(4 / 3 * E / 0.75 * np.sqrt(radius) * np.maximum(x - at, 0) ** 1.5 + zero)
+
+    fit = lmfit.Model(force).fit(load, x=x, E=modulus, at=at, zero=float(np.median(load[: len(load) // 5])))
+    return fit.params["E"].value, fit.params["E"].stderr or np.nan, fit.params["at"].value
+
+
+def _fit_nanite(curve: LoadingCurve, radius: float) -> tuple[float, float, float] | None:
+    try:
+        nanite = import_module("nanite")
+    except ImportError:
+        return None
+    x, load = _approach(curve)
+    # in metres, towards the sample negative
+    data: dict[str, Any] = {"force": load, "tip position": -1e-3 * x, "height (measured)": -1e-3 * x}
+    data |= {"time": np.arange(len(x)) * 1e-3, "segment": np.zeros(len(x), bool)}
+    meta = {"spring constant": 1.0, "path": "curve", "enum": 0, "imaging mode": "force-distance"}
+    record = nanite.Indentation(data=data, metadata=meta)
+    model = import_module("nanite.model.model_hertz_paraboloidal")
+    start = model.get_parameter_defaults()
+    at, modulus = _start(x, load, radius)
+    start["R"].value, start["nu"].value, start["E"].value = 1e-3 * radius, 0.5, 1e6 * modulus
+    start["contact_point"].value = -1e-3 * at
+    record.apply_preprocessing(["correct_force_offset"])
+    record.fit_model(model_key="hertz_para", params_initial=start, weight_cp=False, segment="approach")
+    found = record.fit_properties["params_fitted"]
+    std = 1e-6 * (found["E"].stderr or np.nan)
+    return 1e-6 * found["E"].value, std, -1e3 * found["contact_point"].value
+
+
+WAYS: Final = {"fingerpad": _fit_ours, "lmfit, paraboloid": _fit_lmfit, "nanite, hertz_para": _fit_nanite}
+
+
+def report(images: int = 2, curves: int = 12) -> None:
     """Print all comparisons."""
     hertz()
-    contact_image()
+    contact_image(images)
+    loading(curves)
     pooled()
-    print()
     contact_solver.speed()
