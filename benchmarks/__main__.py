@@ -37,14 +37,14 @@ def measure(name: str, sample: dict[str, int | str | bool]) -> None:
     )
     with redirect_stdout(_Copied()) as shown:
         report(**drawn.arguments)
-    drawn_of = [f"{key.replace('_', ' ')} {value}" for key, value in drawn.arguments.items() if value != ""]
-    head = f"`python -m benchmarks {name}`, {date.today()}, commit {commit.stdout.strip()}"
-    head = "; ".join([head, *drawn_of])
+    given = " ".join([name, *(f"{key}={value}" for key, value in sample.items())])
+    of = [f"{key.replace('_', ' ')} {value}" for key, value in drawn.arguments.items() if value != ""]
+    head = "; ".join([f"`python -m benchmarks {given}`, {date.today()}, commit {commit.stdout.strip()}", *of])
     text = shown.getvalue().strip("\n")
     # A table in Markdown stands as one; aligned columns keep their spaces.
-    body = text if text.startswith("|") else f"```text\n{text}\n```"
+    body = text if "|---|" in text else f"```text\n{text}\n```"
     RESULTS.mkdir(exist_ok=True)
-    (RESULTS / f"{name}.md").write_text(f"{body}\n\n{head}.\n", encoding="utf-8")
+    (RESULTS / f"{name}.md").write_text(f"{body}\n\n*{head}.*\n", encoding="utf-8")
 
 
 def main() -> None:

@@ -9,10 +9,11 @@ from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from benchmarks.tables import table
 from benchmarks.truth.virtual_labs.checks import check_simulator
 from benchmarks.truth.virtual_labs.lab import make_lab
 from benchmarks.truth.virtual_labs.paraboloid import PROGRAM, check_paraboloid
-from benchmarks.truth.virtual_labs.reading import Comparison, compare, silent_misses, table, verdicts
+from benchmarks.truth.virtual_labs.reading import Comparison, by_quantity, compare, silent_misses, verdicts
 
 
 def run_lab(seed: int, out: Path, *, keep: bool) -> tuple[list[Comparison], str]:
@@ -36,7 +37,7 @@ def run_lab(seed: int, out: Path, *, keep: bool) -> tuple[list[Comparison], str]
 
 def report(labs: int = 24, first_seed: int = 100, jobs: int = 1, keep: str = "") -> None:
     """Run labs and print their tables; what they wrote stays in the folder `keep`, if one is named."""
-    print("Checks of the simulator:", *check_simulator(), sep="\n  ", flush=True)
+    checks = check_simulator()
     comparisons: list[Comparison] = []
     failures = []
     with TemporaryDirectory() as folder, ProcessPoolExecutor(jobs) as pool:
@@ -48,7 +49,11 @@ def report(labs: int = 24, first_seed: int = 100, jobs: int = 1, keep: str = "")
             found, failure = future.result()
             comparisons += found
             failures += [failure] if failure else []
-        parts = [table(comparisons), verdicts(comparisons), ["Silent misses:", *silent_misses(comparisons)]]
-        parts += [["Failures:", *failures]] if failures else []
-        parts += [["Hertzian paraboloid, no layer:", *check_paraboloid(out)]] if labs > 1 else []
-    print("\n" + "\n\n".join("\n".join(part) for part in parts))
+        checks += check_paraboloid(out) if labs > 1 else []
+    table(
+        ("quantity", "n", "rms error", "stated", "held", "flagged", "missed in silence"),
+        by_quantity(comparisons),
+        "Errors in per cent of the truth, x₀ in µm; rows of one lab share errors",
+    )
+    for lines in (verdicts(comparisons), checks, silent_misses(comparisons), failures):
+        print("\n" + "\n".join(f"- {line}" for line in lines))

@@ -3,12 +3,14 @@
 import csv
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from benchmarks.tables import share
 
 from .lab import Truth
 
@@ -204,36 +206,15 @@ def compare(truth: Truth, results: Path) -> list[Comparison]:
     return reader.found
 
 
-def table(found: list[Comparison]) -> list[str]:
-    """Return the table of virtual labs, one line for each quantity and condition."""
-    heads = "".join(f"{x:>8}" for x in ("n", "bias", "rms", "std", "cover %", "flag %", "silent", "rms z"))
-    lines = [
-        "Errors in % of the truth, x₀ in µm; std: as stated, total; silent: outside 95 % interval, no flag",
-        f"{'quantity':30}{'condition':16}{heads}",
-    ]
+def by_quantity(found: list[Comparison]) -> Iterator[tuple[object, ...]]:
+    """Yield a row for each quantity: errors, what was stated, held, flagged, and missed in silence."""
     for quantity in dict.fromkeys(c.quantity for c in found):
-        of_it = [c for c in found if c.quantity == quantity]
-        groups = {
-            f"{'bone' if bone else 'deep'}, {shape}": [c for c in of_it if (c.bone, c.shape) == (bone, shape)]
-            for bone in (False, True)
-            for shape in ("ellipsoid", "other")
-        }
-        lines += [_line(quantity, name, group) for name, group in (groups | {"all": of_it}).items() if group]
-    return lines
-
-
-def _line(quantity: str, condition: str, group: list[Comparison]) -> str:
-    finite = [c for c in group if math.isfinite(c.truth) and c.std > 0]
-    numbers = np.array([[(c.value - c.truth) / c.unit, c.std / c.unit] for c in finite]).reshape(-1, 2)
-    error, std = numbers.T
-    empty = not finite
-    columns = [math.nan] * 3 if empty else [error.mean(), math.sqrt((error**2).mean()), std.mean()]
-    shares = [100 * float(np.mean(x)) for x in ([c.covered for c in group], [bool(c.flags) for c in group])]
-    z = math.nan if empty else math.sqrt(((error / std) ** 2).mean())
-    return (
-        f"{quantity:30}{condition:16}{len(group):8d}{columns[0]:+8.1f}{columns[1]:8.1f}{columns[2]:8.1f}"
-        f"{shares[0]:8.0f}{shares[1]:8.0f}{sum(c.silent for c in group):8d}{z:8.2f}"
-    )
+        group = [c for c in found if c.quantity == quantity]
+        finite = [c for c in group if math.isfinite(c.truth) and c.std > 0]
+        e, s = np.array([[(c.value - c.truth) / c.unit, c.std / c.unit] for c in finite]).reshape(-1, 2).T
+        numbers = [f"{x:.1f}" for x in (math.sqrt((e**2).mean()), s.mean())] if finite else ["–", "–"]
+        shares = [share([c.covered for c in group]), share([bool(c.flags) for c in group])]
+        yield quantity, len(group), *numbers, *shares, sum(c.silent for c in group)
 
 
 def silent_misses(found: list[Comparison]) -> list[str]:
