@@ -4,7 +4,7 @@ Independent images have ridges by Gabor filters or the Swift-Hohenberg equation;
 which width ridges touch; elastic ridges are profiles pressed flat; stripes follow an orientation field.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from typing import Any, Final, NamedTuple
 
@@ -84,7 +84,7 @@ def sharp(count: int, seed: int) -> Iterator[Image]:
         yield Image("sharp renders", one.pixels, 25.4 / 500, truth)
 
 
-CONDITIONS: Final = {
+CONDITIONS: Final[dict[str, Mapping[str, object]]] = {
     "pressure field": pressure_images.CONDITIONS,
     "elastic ridges": elastic_ridges.CONDITIONS,
     "stripes": stripe_images.CONDITIONS,

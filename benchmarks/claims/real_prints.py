@@ -1,7 +1,7 @@
 """Real prints whose forces are unknown: areas, flags, and what a person sees of the outline drawn over each.
 
-They are no part of the repository; ``FINGERPAD_PRINTS`` names their folder. The last column was written down
-by looking at the overlays, and is right for the outlines of the commit below.
+They are no part of the repository; ``FINGERPAD_PRINTS`` names their folder. What the eye sees was written down
+on 2026-11-25 in front of the overlays; the outlines have to be looked at again when areas move.
 """
 
 import os
@@ -13,10 +13,19 @@ from benchmarks.tables import table
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale, measure_contact_image, read_image
 
-PRINTS: Final = {
-    "nist_nbis_livescan_slaps": ("live-scan", 500, "right; one ends above the crease"),
-    "nist_minex_ink": ("ink", 500, "right, or cut by the card, or with form text taken in: flagged"),
-    "nist_nbis_rolled_1000ppi": ("rolled", 1000, "no contact of one load; fills the frame"),
+PRINTS: Final = {"nist_nbis_livescan_slaps": 500, "nist_minex_ink": 500, "nist_nbis_rolled_1000ppi": 1000}
+SEEN: Final = {
+    "left_index_500ppi": "right; ends above the crease",
+    "slap_left_four_500ppi": "right, of the ring finger",
+    "slap_right_four_500ppi": "right, of the ring finger",
+    "a001_03p": "form text taken in at the tip",
+    "a001_04p": "form text and a line taken in at the tip",
+    "a001_05p": "right; the scanned card ends at the print's edge",
+    "a001_06p": "cut; reaches to a pen line on the left",
+    "b001_04p": "right as far as the card shows it: cut at the tip",
+    "b001_08p": "cut at the tip, form text taken in, patchy below",
+    "card0001_01_1000ppi": "fills the frame",
+    "card0001_03_1000ppi": "two phalanges, fills the frame",
 }
 
 
@@ -24,16 +33,14 @@ def report() -> None:
     """Print what is measured of each print."""
     folder = Path(os.environ.get("FINGERPAD_PRINTS", ROOT.parent / "shared" / "data"))
     rows = []
-    for name, (device, ppi, seen) in PRINTS.items():
+    for name, ppi in PRINTS.items():
         for path in sorted((folder / name).glob("*.p[ng][mg]")):
+            seen, print_ = SEEN.get(path.stem, "right"), path.stem.replace("_", " ")
             try:
                 found = measure_contact_image(read_image(path), Scale.of_ppi(ppi))
-            except ImageError as error:
-                rows.append(
-                    (f"{device}, {path.stem}", "refused", "–", str(error).split(":")[0][:60], "right")
-                )
+            except ImageError:
+                rows.append((print_, "–", "–", "refused", seen))
                 continue
             flags = ", ".join(f"`{flag}`" for flag in found.flags) or "–"
-            area, std = f"{found.gross_area:.1f}", f"{found.gross_area_std:.1f}"
-            rows.append((f"{device}, {path.stem}", area, std, flags, seen))
+            rows.append((print_, f"{found.gross_area:.1f}", f"{found.gross_area_std:.1f}", flags, seen))
     table(("print", "gross area, mm²", "±", "flags", "by eye"), rows)
