@@ -9,11 +9,13 @@ import fingerpad
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_extensions"))
 import generated_reference  # noqa: E402
+import layers_drawing  # noqa: E402
 import pad_drawing  # noqa: E402
 
 (HERE / "_static").mkdir(exist_ok=True)
 generated_reference.write(HERE / "reference")
 generated_reference.example_figure(HERE / "_static" / "example_area.svg")
+layers_drawing.draw(HERE / "_static" / "layers.svg")
 pad_drawing.draw(HERE / "_static" / "pad_to_contact.svg")
 pad_drawing.draw_axes(HERE / "_static" / "axes.svg")
 pad_drawing.draw_directions(HERE / "_static" / "contact_directions.svg")

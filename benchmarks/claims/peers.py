@@ -46,8 +46,8 @@ FloatArray = npt.NDArray[np.float64]
 
 RADII_RATIOS: Final = (1.0, 1.001, 1.1, 1.5, 3.0, 10.0, 100.0)
 RADIUS, LOAD, MODULUS = 8.0, 2.0, 0.1365  # mm, N, MPa
-# Radius, and E* of the instrument or of nanite; lengths in µm stand as mm (tests/loading/data/README.md).
-RECORDS: Final = {"chiaro_gel.csv": (27.5, 156.0), "afm_cell.csv": (5.0, 480.3)}
+# Radius, E* of the instrument or of nanite in Pa, and Pa of its unit (tests/loading/data/README.md).
+RECORDS: Final = {"chiaro_gel.csv": (27.5, 156.0, 1e6), "afm_cell.csv": (5.0, 480.3, 1e3)}
 
 # Semi-axes and indentation of each ratio in turn, then seconds for one contact.
 _IN_OWN_ENVIRONMENT: Final = """
@@ -309,12 +309,12 @@ def loading(count: int = 12) -> None:
         f"{count} loading curves each to 2 N, no areas, radius known, zero and place of contact not",
     )
     records = []
-    for name, (radius, instrument) in RECORDS.items():
+    for name, (radius, instrument, unit) in RECORDS.items():
         whole = read_loading_curve(ROOT / "tests" / "loading" / "data" / name)
         ours = fit_loading_curve(whole, loading_radius=radius, stage_compliance=0.0, thickness=math.inf)
-        secant = f"{1000 * ours.reduced_modulus.value:.4g} ± {1000 * ours.reduced_modulus.std:.2g}"
+        secant = f"{unit * ours.reduced_modulus.value:.4g} ± {unit * ours.reduced_modulus.std:.2g}"
         theirs = (fit(whole, radius) for fit in (_fit_lmfit, _fit_nanite))
-        cells = ("–" if one is None else f"{1000 * one[0] / 0.75:.4g}" for one in theirs)
+        cells = ("–" if one is None else f"{unit * one[0] / 0.75:.4g}" for one in theirs)
         records.append((name, f"{instrument:g}", secant, *cells))
     table(
         ("real record", "E* as published, Pa", "fingerpad", "lmfit", "nanite"),
