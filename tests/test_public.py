@@ -12,6 +12,7 @@ import pytest
 import fingerpad as fp
 
 ROOT = Path(__file__).parents[1]
+PARTS = "how-to", "explanation", "tutorial"
 
 
 def output_of(script: str) -> str:
@@ -23,6 +24,16 @@ def test_public_names_documented() -> None:
     for name in fp.__all__:
         assert getattr(fp, name).__doc__, name
         assert getattr(fp, name).__name__ == name
+
+
+def test_every_name_of_the_reference_stands_on_a_page_for_a_task() -> None:
+    names = re.findall(
+        r"^   ([\w.]+)$", (ROOT / "docs/reference/api.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    pages = [ROOT / "README.md", *(page for part in PARTS for page in (ROOT / "docs" / part).glob("*.md"))]
+    texts = "\n".join(page.read_text(encoding="utf-8") for page in pages)
+    assert len(names) <= 150
+    assert [name for name in names if not re.search(rf"\b{name.split('.')[-1]}\b", texts)] == []
 
 
 def test_unknown_name() -> None:
