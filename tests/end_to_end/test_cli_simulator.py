@@ -62,13 +62,14 @@ def results(tmp_path_factory) -> dict[str, Path]:
 def test_json_has_all_targets() -> None:
     record, note = run_json(*USUAL, "--load-n", 0.3, 2, "--mass-kg", 0.2)
     assert note == ""
-    assert set(record) == {"pressure_by_depth", "newton", "drake", "mujoco", "table"}
+    assert set(record) == {"pressure_by_depth", "newton", "drake", "mujoco", "finite_elements", "table"}
     law = fp.simulator_law(PLACE, fp.Tissue(0.05, 0.5, 8.0), (0.3, 2.0))
     for name, target in (
         ("pressure_by_depth", law.pressure_by_depth()),
         ("newton", law.newton_kh()),
         ("drake", law.drake_modulus()),
         ("mujoco", law.mujoco(0.2)),
+        ("finite_elements", law.finite_elements()),
     ):
         assert record[name]["worst_relative_error"] == pytest.approx(target.worst_relative_error)
         assert record[name]["assumes"] == target.assumes
@@ -149,7 +150,7 @@ BAD = {
         "thickness must be at least a tenth",
     ),
     "no mass": ((*USUAL, "--mass-kg", 0), "--mass-kg must be positive"),
-    "mass too small": ((*USUAL, "--mass-kg", 1e-8), "effective_mass must be at least"),
+    "mass too small": ((*USUAL, "--mass-kg", 1e-8), "--mass-kg 1e-08: effective_mass must be at least"),
     "uncertainty of no thickness": (
         (*PAD, "--youngs-modulus-kpa", 90, "--thickness-mm-std", 1),
         "--thickness-mm-std is that of --thickness-mm",

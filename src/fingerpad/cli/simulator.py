@@ -81,6 +81,7 @@ def simulator(
         require_positive(flag, value)
     if not 0 < load_n[0] < load_n[1]:
         raise GeometryError(f"--load-n must ascend from above zero, found {load_n[0]:g} {load_n[1]:g}")
+    source = ""
     if results is None:
         if semi_axes_mm is None or youngs_modulus_kpa is None:
             missing = "--semi-axes-mm" if semi_axes_mm is None else "--youngs-modulus-kpa"
@@ -108,15 +109,19 @@ def simulator(
             poisson_ratio=poisson_ratio,
         )
         placement, tissue, stds = pad.placement, pad.tissue, pad.stds
+        source = f"{pad.source}."
         print_note(pad.source)
     try:
         law = simulator_law(placement, tissue, load_n, stds=stds)
     except GeometryError as error:
         raise GeometryError(f"--load-n {load_n[0]:g} {load_n[1]:g}: {error}") from None
-    record = _record(law, mass_kg, damping_ratio)
+    try:
+        record = _record(law, mass_kg, damping_ratio)
+    except GeometryError as error:
+        raise GeometryError(f"--mass-kg {mass_kg:g}: {error}") from None
     files = None
     if export is not None:
-        files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio)
+        files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
     if as_json:
         print_json(record)
         return
@@ -132,6 +137,7 @@ def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str,
         "newton": law.newton_kh().as_record(),
         "drake": law.drake_modulus().as_record(),
         "mujoco": law.mujoco(mass, damping_ratio).as_record(),
+        "finite_elements": _finite_elements(law),
         "table": {
             "model": law.model,
             "load_N": law.load,
@@ -141,6 +147,17 @@ def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str,
             "area_mm2_std": law.area_std,
         },
     }
+
+
+def _finite_elements(law: "SimulatorLaw") -> dict[str, Any] | None:
+    """Return how far finite elements are from the law; nothing of deep tissue, and of one too thin."""
+    if law.pad.tissue.is_deep:
+        return None
+    try:
+        return law.finite_elements().as_record()
+    except GeometryError as error:
+        print_note(f"no finite elements: {error}")
+        return None
 
 
 def _print(record: dict[str, Any], model: str) -> None:
@@ -177,7 +194,16 @@ def _print(record: dict[str, Any], model: str) -> None:
         f"\nMuJoCo: steps up to {1000 * mujoco['largest_time_step_s']:.3g} ms are stable; with twice the "
         f"effective mass solref is {_numbers(mujoco['solref_at_twice_the_mass'])}"
     )
-    for name, target in (("pressure by depth, Newton", newton), ("Drake", drake), ("MuJoCo", mujoco)):
+    if elements := record["finite_elements"]:
+        low, high = (elements["load_ratio"][end] for end in (0, -1))
+        typer.echo(
+            f"Finite elements on the exported tissue carry {low:.2f} of these loads at the lowest, "
+            f"{high:.2f} at the highest"
+        )
+    assumed = {"pressure by depth, Newton": newton, "Drake": drake, "MuJoCo": mujoco}
+    if elements:
+        assumed["finite elements"] = elements
+    for name, target in assumed.items():
         typer.echo(f"Assumed for {name}: {target['assumes']}")
     if mujoco["flag"]:
         print_note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")

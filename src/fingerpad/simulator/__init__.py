@@ -3,10 +3,17 @@
 from fingerpad.simulator.export import export_finger
 from fingerpad.simulator.law import SimulatorLaw, simulator_law
 from fingerpad.simulator.mesh import TetrahedralMesh
-from fingerpad.simulator.targets import DrakeModulus, MujocoContact, NewtonStiffness, PressureByDepth
+from fingerpad.simulator.targets import (
+    DrakeModulus,
+    FiniteElements,
+    MujocoContact,
+    NewtonStiffness,
+    PressureByDepth,
+)
 
 __all__ = [
     "DrakeModulus",
+    "FiniteElements",
     "MujocoContact",
     "NewtonStiffness",
     "PressureByDepth",

@@ -14,18 +14,18 @@ from fingerpad._files import make_folder
 from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Placement
 from fingerpad.geometry.ellipsoid import tangents
+from fingerpad.simulator.elements import HIGHEST_POISSON_RATIO
 from fingerpad.simulator.law import SimulatorLaw
 from fingerpad.simulator.mesh import TetrahedralMesh, layer_mesh
 from fingerpad.simulator.targets import DrakeModulus, MujocoContact, PressureByDepth, Target
 
 _LONGEST_TIME_STEP: Final = 0.001  # s
 _OF_THE_LARGEST: Final = 0.25
-_HIGHEST_POISSON_RATIO: Final = 0.49  # that elements of displacements alone take
 _DISSIPATION: Final = 1.0  # Hunt and Crossley's, s/m: no pad was measured
 
 
 def export_finger(
-    law: SimulatorLaw, folder: Path, *, effective_mass: float, damping_ratio: float = 1.0
+    law: SimulatorLaw, folder: Path, *, effective_mass: float, damping_ratio: float = 1.0, source: str = ""
 ) -> tuple[Path, ...]:
     """Write a finger for MuJoCo, Drake, Newton and finite elements.
 
@@ -37,6 +37,8 @@ def export_finger(
         Made unless it is there; files of these names are written over.
     effective_mass, damping_ratio : float
         As for `SimulatorLaw.mujoco`.
+    source : str
+        Where pad and tissue are from, for the README.
 
     Returns
     -------
@@ -72,7 +74,7 @@ def export_finger(
         "finger.vtk": _vtk(mesh),
         "finger.obj": _obj(mesh),
         "pressure_by_depth.csv": _csv(table),
-        "README.md": _readme(law, table, drake, mujoco, reason),
+        "README.md": _readme(law, table, drake, mujoco, reason=reason, source=source),
     }
     if tissue_mesh:
         texts["finger.inp"] = tissue_mesh
@@ -213,7 +215,7 @@ def _tissue_mesh(law: SimulatorLaw) -> tuple[str, str]:
         ),
         float_fmt=".9g",
     )
-    ratio = min(float(tissue.poisson_ratio), _HIGHEST_POISSON_RATIO)
+    ratio = min(float(tissue.poisson_ratio), HIGHEST_POISSON_RATIO)
     text = (
         f"** mm, N, MPa. Fix BONE, press a rigid plate of normal ({_numbers(*placement.normal)}) on SKIN.\n"
         f"{written.getvalue()}*MATERIAL, NAME=TISSUE\n*ELASTIC\n"
@@ -227,14 +229,19 @@ def _percent(share: float) -> str:
 
 
 def _readme(
-    law: SimulatorLaw, table: PressureByDepth, drake: DrakeModulus, mujoco: MujocoContact, reason: str
+    law: SimulatorLaw,
+    table: PressureByDepth,
+    drake: DrakeModulus,
+    mujoco: MujocoContact,
+    *,
+    reason: str,
+    source: str,
 ) -> str:
     placement, tissue = law.pad.placed("a file"), law.pad.tissue
     newton = law.newton_kh()
     axes = " × ".join(f"{axis:g}" for axis in placement.ellipsoid.semi_axes)
     deep = math.isinf(tissue.thickness)
     layer = "deep tissue" if deep else f"{tissue.thickness:g} mm of tissue bonded to rigid bone"
-    inside = min(float(tissue.poisson_ratio), _HIGHEST_POISSON_RATIO)
 
     def row(name: str, value: str, target: Target) -> str:
         factor = "no area" if math.isnan(target.area_factor) else f"× {target.area_factor:.2f}"
@@ -246,22 +253,39 @@ def _readme(
         row("Drake hydroelastic modulus (`finger.sdf`)", f"{drake.modulus:.4g} Pa", drake),
         row("MuJoCo solref, solimp (`finger.xml`)", f"for {mujoco.effective_mass:g} kg", mujoco),
     ]
-    bone = (
-        "`finger.inp` (mm, N, MPa) is the tissue around the place of contact, ten-node tetrahedra between "
-        f"SKIN and BONE, with ν = {inside:g}. Its sides are free and its layer curved: it "
-        "carries less load than the law, which has a flat layer without end; how much of that is due to "
-        "the mesh is not known."
-    )
+    bone = ""
+    if not reason:
+        elements = law.finite_elements()
+        low, high = elements.load_ratio[[0, -1]]
+        rows.append(row("finite elements (`finger.inp`)", f"ν = {elements.poisson_ratio:g}", elements))
+        bone = (
+            "`finger.inp` (mm, N, MPa) is the tissue around the place of contact, ten-node tetrahedra "
+            "between\n  SKIN and BONE. By linear finite elements it carries "
+            f"**{low:.2f} of the law's load at the lowest load, {high:.2f} at the\n  highest**. The mesh is "
+            "not the reason: elements of a flat, wide layer agree with the law. It is the\n  geometry: this "
+            "tissue is bent as the pad is and its sides are free, where the law, and with it all\n  targets "
+            "above, has a flat layer without sides. Which is nearer to a finger was not measured: do\n  not "
+            "take E from one and loads from the other."
+        )
     turned = [math.degrees(float(angle)) for angle in (placement.wedge_angle, placement.roll_angle)]
     twice = _numbers(*mujoco.solref_at_twice_the_mass)
+    share = law.load_std[[0, -1]] / law.load[[0, -1]]
+    uncertain = (
+        f"Standard uncertainty of the load: {_percent(share[0])} at the lowest, {_percent(share[1])} at the "
+        f"highest;\nof kh {newton.kh_std:.2g} N/m³, of Drake's modulus {drake.modulus_std:.2g} Pa, "
+        f"of MuJoCo's stiffness {_percent(mujoco.stiffness_std / -mujoco.solref[0])}."
+        if share.any()
+        else "No uncertainty of the pad or its tissue was given."
+    )
     return f"""# A finger for simulators
 
 Written by fingerpad {version("fingerpad")}. The pad: semi-axes {axes} mm (palmar, distal, radial–ulnar),
 on a wedge of {turned[0]:.3g}°, roll {turned[1]:.3g}°; {layer}, E = {1000 * tissue.youngs_modulus:.4g} kPa,
-ν = {tissue.poisson_ratio:g}; pressed without friction on a rigid flat plate.
+ν = {tissue.poisson_ratio:g}; pressed without friction on a rigid flat plate. {source or "As given."}
 
 The law comes from the {law.model}, and holds from {law.load[0]:.3g} to {law.load[-1]:.3g} N, at
 indentations of {law.indentation[0]:.3g} to {law.indentation[-1]:.3g} mm. Nothing was fitted beyond.
+{uncertain}
 
 | target | value | worst error of the load | contact area |
 |---|---|---|---|
@@ -269,6 +293,7 @@ indentations of {law.indentation[0]:.3g} to {law.indentation[-1]:.3g} mm. Nothin
 
 - Table of pressures: assumes {table.assumes}.
 - Newton: assumes {newton.assumes}.
+  In a callback the depth is `-signed_depth`; outside, let the pressure go on below zero as it begins inside.
 - Drake: assumes {drake.assumes}.
   The dissipation of {_DISSIPATION:g} s/m was not measured.
 - MuJoCo: assumes {mujoco.assumes}.

@@ -20,7 +20,7 @@ _CUT_EDGES: Final = {
     2: ((0, 0, 1, 1), (2, 3, 3, 2)),
     3: ((0, 1, 2), (3, 3, 3)),
 }
-_MIDDLES: Final = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))  # edges of a ten-node tetrahedron
+MIDDLES: Final = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))  # edges of a ten-node tetrahedron
 _MIRRORED: Final = (0, 2, 1, 3, 6, 5, 4, 7, 9, 8)  # the same tetrahedron of ten nodes, two corners exchanged
 _FLATTEST: Final = 0.1  # height of an element over its width
 _WIDEST: Final = np.pi / 3  # from the place of contact to the mesh's rim, on the unit sphere
@@ -193,6 +193,7 @@ class LayerMesh:
     """
 
     points: FloatArray
+    depth: FloatArray  # of each point below the skin
     tetrahedra: Indices  # four corners, then the middles of edges 12, 23, 31, 14, 24, 34, as in Abaqus
     skin: Indices
     bone: Indices
@@ -234,7 +235,7 @@ def layer_mesh(placement: Placement, thickness: float, *, rings: int = 12, layer
     a, b, c = np.sort(np.concatenate([triangles + layer * count for layer in range(layers)]), axis=1).T
     prisms = ((a, b, c, c + count), (a, b, b + count, c + count), (a, a + count, b + count, c + count))
     corners = np.concatenate([np.stack(each, axis=1) for each in prisms])
-    edges = np.sort(corners[:, _MIDDLES].reshape(-1, 2), axis=1)
+    edges = np.sort(corners[:, MIDDLES].reshape(-1, 2), axis=1)
     unique, where = np.unique(edges, axis=0, return_inverse=True)
     middle = direction[unique].sum(axis=1)
     direction = np.concatenate([direction, middle / np.linalg.norm(middle, axis=1, keepdims=True)])
@@ -245,6 +246,7 @@ def layer_mesh(placement: Placement, thickness: float, *, rings: int = 12, layer
     cells[turned] = cells[turned][:, _MIRRORED]
     return LayerMesh(
         points=points,
+        depth=thickness * inward,
         tetrahedra=cells,
         skin=np.flatnonzero(inward == 0),
         bone=np.flatnonzero(inward == 1),

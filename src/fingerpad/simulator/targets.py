@@ -235,6 +235,49 @@ class MujocoContact(Target):
         }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FiniteElements(Target):
+    """Load of linear finite elements on the exported tissue, over the load of the law.
+
+    The law, and with it every other target, is that of a flat layer without sides. The exported tissue is
+    bent as the pad is, and its sides are free: it carries less, the least where the tissue is nearly
+    incompressible. A finger's skin goes on round it; which of the two is nearer was not measured.
+
+    Attributes
+    ----------
+    worst_relative_error, area_factor, assumes : float, float and str
+        As of `PressureByDepth`; there is no area.
+    indentation : ndarray
+        Some indentations of the law, m.
+    load_ratio : ndarray
+        Load of the elements over that of the law there.
+    poisson_ratio : float
+        Of the elements, at most 0.49.
+
+    Examples
+    --------
+    >>> from fingerpad.contact import Tissue
+    >>> from fingerpad.geometry import Ellipsoid, Placement
+    >>> from fingerpad.simulator import simulator_law
+    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
+    >>> law = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0))
+    >>> ratio = law.finite_elements().load_ratio
+    >>> print(f"{ratio[0]:.2f} of the law's load at the lowest, {ratio[-1]:.2f} at the highest")
+    0.78 of the law's load at the lowest, 0.53 at the highest
+    """
+
+    indentation: FloatArray
+    load_ratio: FloatArray
+    poisson_ratio: float
+
+    def _numbers(self) -> dict[str, Any]:
+        return {
+            "indentation_m": self.indentation,
+            "load_ratio": self.load_ratio,
+            "poisson_ratio": self.poisson_ratio,
+        }
+
+
 def impedance(depth: FloatArray, solimp: tuple[float, ...] | FloatArray) -> FloatArray:
     """Return MuJoCo's d(r)."""
     lowest, highest, width, midpoint, power = solimp
