@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.answers import Answer
-from fingerpad.study.results.output import answers_of
+from fingerpad.study.results.output import Answer, answers_of
 
 FINGER = """
 title = "T"

@@ -12,13 +12,12 @@ import pytest
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.editing.checklist import missing
-from fingerpad.study.editing.documents import title_of
-from fingerpad.study.editing.edit import Edit, change_study, create_study
+from fingerpad.study.editing.edit import Edit, change_study, create_study, title_of
 from fingerpad.study.editing.template import write_template
 from fingerpad.study.journal import JOURNAL_NAME
 from fingerpad.study.manifest import load_study, read_study
 from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.status import missing
 
 MANIFEST = """\
 # Whose study this is.

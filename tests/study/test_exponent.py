@@ -9,8 +9,7 @@ from tests.study.test_repeats import PADS, STUDY, contact
 
 from fingerpad._arrays import FloatArray
 from fingerpad.study.manifest import ContactSequence
-from fingerpad.study.results.exponent import Exponent, PressSlope, area_exponent
-from fingerpad.study.results.pooling import pool_contacts
+from fingerpad.study.results.pooling import Exponent, PressSlope, area_exponent, pool_contacts
 from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.validity import MODULUS, Validity, validity_of
 

@@ -6,9 +6,8 @@ import pytest
 import tomlkit
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.study.editing import documents, edit
-from fingerpad.study.editing.documents import folded, unfolded
-from fingerpad.study.editing.edit import Edit, change_study
+from fingerpad.study.editing import edit
+from fingerpad.study.editing.edit import Edit, change_study, folded, unfolded
 from fingerpad.study.manifest import load_study
 from fingerpad.study.manifest.load import STUDY_NAME
 
@@ -129,7 +128,7 @@ def after(folder, edits):
 
 @pytest.mark.parametrize("manifest", MANIFESTS)
 def test_an_edit_writes_what_it_would_write_had_all_been_parsed(tmp_path, monkeypatch, manifest):
-    monkeypatch.setattr(documents, "_require_as_complete", lambda *_: None)  # any text will do
+    monkeypatch.setattr(edit, "_require_as_complete", lambda *_: None)  # any text will do
     monkeypatch.setattr(os, "fsync", lambda _: None)
     for edits in [*((one,) for one in EDITS), ("rename", "add"), ("change_finger", "remove", "change_curve")]:
         found = []

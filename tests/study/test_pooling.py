@@ -17,9 +17,8 @@ from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
-from fingerpad.study.results.pooling import PooledRadius
+from fingerpad.study.results.pooling import PooledRadius, area_exponent
 from fingerpad.study.results.rows import Rows, model_contacts
 from fingerpad.study.results.study_result import StudyResult, check_uncertainty
 from fingerpad.study.results.table import first_record, records

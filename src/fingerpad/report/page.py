@@ -55,11 +55,9 @@ from fingerpad.report.text import (
 )
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.measuring.operators import QUANTITY_WORDS
-from fingerpad.study.results.answers import Answer
-from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.methods import methods_section
-from fingerpad.study.results.output import answers_of
-from fingerpad.study.results.pooling import Summary
+from fingerpad.study.results.output import Answer, answers_of
+from fingerpad.study.results.pooling import Summary, area_exponent
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import first_record, records

@@ -36,9 +36,8 @@ from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results.answers import Answer
-from fingerpad.study.results.exponent import Exponent, area_exponent
-from fingerpad.study.results.pooling import Summary
+from fingerpad.study.results.output import Answer
+from fingerpad.study.results.pooling import Exponent, Summary, area_exponent
 from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord

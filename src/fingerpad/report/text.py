@@ -12,7 +12,7 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.flags import FLAGS, Flag, flags_in
 from fingerpad.image import PadSemiAxes
 from fingerpad.study.corrections.apply import ManualPhases
-from fingerpad.study.error_text import counted
+from fingerpad.study.manifest.messages import counted
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary

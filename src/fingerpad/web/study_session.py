@@ -13,7 +13,6 @@ from fingerpad.exceptions import ImageError, ManifestError
 from fingerpad.image import Frame, open_frames
 from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME, sequence_of_phases
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.editing.checklist import Missing, missing
 from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
@@ -30,6 +29,7 @@ from fingerpad.study.manifest import (
 from fingerpad.study.manifest.load import STUDY_NAME, Table, file_inside, is_as_read
 from fingerpad.study.manifest.messages import Fault, validated
 from fingerpad.study.manifest.models import ManifestModel
+from fingerpad.study.status import Missing, missing
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures

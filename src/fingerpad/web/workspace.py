@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.image import MEMORY_LIMIT
-from fingerpad.study.editing.documents import title_of
+from fingerpad.study.editing.edit import title_of
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import RESULTS_NAME
 from fingerpad.study.results.table import GLOSSARY

@@ -13,7 +13,7 @@ from time import perf_counter
 from typing import Any, Final, Literal, NamedTuple, TypeAlias
 
 from fingerpad.exceptions import StoreError, reason_of
-from fingerpad.study.error_text import in_study
+from fingerpad.study.manifest.messages import in_study
 
 Record: TypeAlias = dict[str, Any]
 # Measures something of the study folder, draws into another, and returns what it found.

@@ -18,8 +18,7 @@ from fingerpad.study.imports.identify import (
     parse_file_table,
     read_file_table,
 )
-from fingerpad.study.imports.names import PatternMatch, match_file_names
-from fingerpad.study.imports.values import FileValues
+from fingerpad.study.imports.names import FileValues, PatternMatch, match_file_names
 
 __all__ = [
     "FileIdentity",

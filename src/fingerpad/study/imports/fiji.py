@@ -18,8 +18,7 @@ from fingerpad._display import Displayed
 from fingerpad._tables import read_table
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
-from fingerpad.study.imports.names import NamePattern
-from fingerpad.study.imports.values import Field, plain_name
+from fingerpad.study.imports.names import Field, NamePattern, plain_name
 from fingerpad.study.manifest.messages import validated
 from fingerpad.study.manifest.models import Load, ManifestModel, Name, RollAngle, WedgeAngle
 

@@ -13,8 +13,17 @@ from fingerpad._tables import TABLE_SUFFIXES, Table, parse_table, read_table
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames, read_colour_image
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
-from fingerpad.study.imports.names import Kind, names_a_force, names_a_scale, read_file_name
-from fingerpad.study.imports.values import FACTORS, Field, FileValues, finger_name, read_value
+from fingerpad.study.imports.names import (
+    FACTORS,
+    Field,
+    FileValues,
+    Kind,
+    finger_name,
+    names_a_force,
+    names_a_scale,
+    read_file_name,
+    read_value,
+)
 
 _MOST_BYTES: Final = 20_000_000
 Meaning: TypeAlias = Field | Literal["file", "hand"]

@@ -20,7 +20,7 @@ from fingerpad._csv import unescape_formula
 from fingerpad.contact import Tissue, youngs_modulus
 from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.results.answers import answers
+from fingerpad.study.results.output import answers
 from fingerpad.study.results.result_set import RERUN, require_result_set
 from fingerpad.study.results.summary_file import PlacementRecord, SummaryFile, no_finished_run
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, Column, ColumnArray, DType, table_of

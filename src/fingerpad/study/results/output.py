@@ -1,27 +1,29 @@
-"""Writing a study's tables: one row per contact, one per load, scatter of repeats, and summary.json."""
+"""Writing a study's tables: rows of contacts and loads, scatter of repeats, summary.json and its answer."""
 
 import csv
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from json.encoder import encode_basestring
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
 
 from fingerpad._csv import csv_cell, write_csv
+from fingerpad._rounding import positive_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import PadSemiAxes
+from fingerpad.study.manifest.messages import counted
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.operators import OperatorAgreement
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results.answers import Answer, answers
 from fingerpad.study.results.by_load import AtLoad, LoadMean
-from fingerpad.study.results.exponent import area_exponent
 from fingerpad.study.results.layer import CurveOnLayer, LayerQuantity, unit_of
 from fingerpad.study.results.methods import methods_section
-from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary
+from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary, area_exponent
 from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import (
@@ -51,8 +53,8 @@ from fingerpad.study.results.summary_file import (
     ValidityRecord,
 )
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, items
-from fingerpad.study.results.validity import RADIUS, Validity
-from fingerpad.study.results.validity.model_checks import ValidityCheck
+from fingerpad.study.results.validity import MODULUS, RADIUS, Validity
+from fingerpad.study.results.validity.model_checks import FAILS, STRAINED, ValidityCheck
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 
@@ -170,11 +172,6 @@ def summary_of(result: StudyResult) -> SummaryFile:
         methods=methods_section(result),
         provenance=ProvenanceRecord.model_validate(result.provenance),
     )
-
-
-def answers_of(result: StudyResult) -> list[Answer]:
-    """Return what was found of each finger at each placement."""
-    return answers(_placements(result), map(_at_load, result.by_load))
 
 
 def _placements(result: StudyResult) -> list[PlacementRecord]:
@@ -444,3 +441,143 @@ def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> CurveRecord:
         layer=curve.layer and curve.layer.as_record(),
         on_layer=on_layer,
     )
+
+
+# What a check compares, by the first word of its name.
+_COMPARED: Final = {
+    "radius": "radius",
+    "loading": "radius",
+    "modulus": "modulus",
+    "youngs": "modulus",
+    "indentation": "indentation",
+    "shape": "shape",
+    "area": "modulus over loads",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """What was found of a finger at a placement.
+
+    Attributes
+    ----------
+    of : PlacementRecord
+        The placement, its corrected radius, R_g and checks.
+    load : float
+        Its highest load, N; NaN where no contact counts.
+    area, area_std : float
+        Contact area there, mm², with its standard uncertainty; NaN where single contacts have none.
+    modulus, modulus_std : float
+        Young's modulus there, kPa, with its standard uncertainty, the model's part included.
+    on_bone : bool
+        Whether that is of tissue of the stated thickness over bone; otherwise it is by Hertz theory.
+    """
+
+    of: PlacementRecord
+    load: float
+    area: float
+    area_std: float
+    modulus: float
+    modulus_std: float
+    on_bone: bool
+
+    @property
+    def label(self) -> str:
+        """The finger and its angles."""
+        roll = f", roll {self.of.roll_angle_deg:g}°".replace("-", "−") if self.of.roll_angle_deg else ""
+        return f"{self.of.finger}, {self.of.wedge_angle_deg:g}°{roll}"
+
+    @property
+    def text(self) -> str:
+        """What was found, without whose it is."""
+        of, hertz = self.of, self.of.validity
+        if not of.radius_from_indentation_count:
+            seen = counted(of.count or of.frames, "contact" if of.count else "frame")
+            return f"no modulus and no corrected radius, as none of {seen} counts"
+        if self.on_bone and hertz.on_layer and hertz.on_layer.verdict in {STRAINED, FAILS}:
+            layer = _largest(hertz.on_layer.verdict, hertz.on_layer.checks)
+            bone = f" on its bone (layer {hertz.on_layer.verdict}{layer and f': {layer}'})"
+        else:
+            bone = " on its bone" if self.on_bone else " without bone" if of.on_layer else ", bone unknown"
+        largest = _largest(hertz.verdict, hertz.checks)
+        return (
+            f"{_quantity('modulus', self.modulus, self.modulus_std, 'kPa')}{bone}; "
+            f"Hertz theory {hertz.verdict}{largest and f' ({largest})'}; "
+            + _quantity(
+                "corrected radius",
+                of.radius_from_indentation_mm,
+                of.radius_from_indentation_mm_total_std,
+                "mm",
+            )
+        )
+
+    @property
+    def sentence(self) -> str:
+        """Both as one sentence."""
+        return f"{self.label}{' (synthetic)' if self.of.synthetic else ''}: {self.text}."
+
+
+def answers(placements: Iterable[PlacementRecord], by_load: Iterable[AtLoadRecord]) -> list[Answer]:
+    """Return what was found at each placement.
+
+    Parameters
+    ----------
+    placements : iterable of PlacementRecord
+        ``summaries`` of a `SummaryFile`.
+    by_load : iterable of AtLoadRecord
+        Its ``by_load``.
+
+    Returns
+    -------
+    list of Answer
+        One for each placement.
+    """
+    highest = {one.key: one for one in sorted(by_load, key=lambda one: one.load_N)}
+    return [_answer(one, highest.get(one.key)) for one in placements]
+
+
+def _answer(of: PlacementRecord, highest: AtLoadRecord | None) -> Answer:
+    if highest is None:  # frames alone: of the one at the highest load
+        modulus = of.validity.headlines[MODULUS]
+        return Answer(
+            of=of,
+            load=of.validity.load_N,
+            area=math.nan,
+            area_std=math.nan,
+            modulus=modulus.value,
+            modulus_std=modulus.total_std,
+            on_bone=False,
+        )
+    on_bone = not math.isnan(highest.youngs_modulus_on_layer_kpa)
+    name = "youngs_modulus_on_layer_kpa" if on_bone else "youngs_modulus_kpa"
+    return Answer(
+        of=of,
+        load=highest.load_N,
+        area=highest.contact_area_mm2,
+        area_std=highest.contact_area_mm2_std,
+        modulus=getattr(highest, name),
+        modulus_std=getattr(highest, f"{name}_std"),
+        on_bone=on_bone,
+    )
+
+
+def _quantity(words: str, value: float, std: float, unit: str) -> str:
+    if math.isnan(value):
+        return f"{words} unknown"
+    return f"{words} {positive_with_uncertainty(value, std)} {unit}"
+
+
+def _largest(verdict: str, checks: Sequence[CheckRecord]) -> str:
+    """Return the largest difference that a verdict rests on; empty where it rests on none."""
+    concerned = [one for one in checks if one.verdict == verdict and math.isfinite(one.relative_difference)]
+    if verdict not in {STRAINED, FAILS} or not concerned:
+        return ""
+    # Of one comparison in several words the first.
+    worst = max(concerned, key=lambda one: round(abs(math.log1p(one.relative_difference)), 9))
+    difference = f"{100 * worst.relative_difference:+.0f} %".replace("-", "−")
+    return f"{_COMPARED[worst.check.split('_')[0]]} {difference}"
+
+
+def answers_of(result: StudyResult) -> list[Answer]:
+    """Return what was found of each finger at each placement."""
+    return answers(_placements(result), map(_at_load, result.by_load))

@@ -3,7 +3,7 @@
 from typing import Literal
 
 from fingerpad.study.imports.identify import Content
-from fingerpad.study.imports.values import Role
+from fingerpad.study.imports.names import Role
 from fingerpad.web.answers.base import Answer
 
 

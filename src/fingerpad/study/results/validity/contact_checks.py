@@ -11,27 +11,25 @@ from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.results.exponent import PressSlope, area_noise, edges_of, items_of
+from fingerpad.study.results.pooling import PressSlope, area_noise, edges_of, items_of
 from fingerpad.study.results.table import Places
-from fingerpad.study.results.validity.finger_at_angle import (
+from fingerpad.study.results.validity.model_checks import (
     HEADLINES,
     HERTZ_EXPONENT,
+    HOLDS,
     INDENTATION,
     MODULUS,
     NOTHING_COUNTS,
     RADIUS,
     SAME_LOAD,
+    STRAINED_BELOW_P,
     UNITS,
     Place,
-    missing,
-)
-from fingerpad.study.results.validity.model_checks import (
-    HOLDS,
-    STRAINED_BELOW_P,
     ValidityCheck,
     compare_difference,
     compare_ratio,
     known_error,
+    missing,
     p_value_of,
 )
 from fingerpad.uncertainty import pad_model, propagate

@@ -16,11 +16,10 @@ from fingerpad.contact.fast_laws import law_form, plate_gap
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.loading import LoadingFit
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius
-from fingerpad.study.results.exponent import area_noise, items_of
 from fingerpad.study.results.layer import LayerQuantity, curve_on_layer
-from fingerpad.study.results.pooling import LayerSummary
+from fingerpad.study.results.pooling import LayerSummary, area_noise, items_of
 from fingerpad.study.results.validity.contact_checks import measured_shape
-from fingerpad.study.results.validity.finger_at_angle import (
+from fingerpad.study.results.validity.model_checks import (
     INDENTATION,
     MODULUS,
     NO_CURVE,
@@ -30,9 +29,10 @@ from fingerpad.study.results.validity.finger_at_angle import (
     SAME_LOAD,
     UNITS,
     Place,
+    ValidityCheck,
+    compare_ratio,
     missing,
 )
-from fingerpad.study.results.validity.model_checks import ValidityCheck, compare_ratio
 from fingerpad.uncertainty import pool, pool_random_effects
 from fingerpad.units import KPA_PER_MPA
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from fingerpad.study.error_text import counted
 from fingerpad.study.manifest import Study
+from fingerpad.study.manifest.messages import counted
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary
@@ -20,10 +20,14 @@ from fingerpad.study.results.validity.contact_checks import (
     contact_shape_check,
     size_checks,
 )
-from fingerpad.study.results.validity.finger_at_angle import HEADLINES, MODULUS, RADIUS, ROUTES, Place
 from fingerpad.study.results.validity.loading_checks import layer_checks, loading_checks
 from fingerpad.study.results.validity.model_checks import (
+    HEADLINES,
+    MODULUS,
+    RADIUS,
+    ROUTES,
     ModelDiscrepancy,
+    Place,
     ValidityCheck,
     judge_together,
     model_discrepancy,
