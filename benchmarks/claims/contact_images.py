@@ -1,8 +1,7 @@
-"""Contact images of known truth: errors, coverage of the stated intervals, and speed."""
+"""Time of measuring a contact image beside that of decoding it; and the renders that others measure."""
 
 import time
 from collections.abc import Iterable, Iterator
-from itertools import pairwise
 from typing import Literal
 
 import cv2
@@ -10,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.claims.contact_edge import Measured
-from benchmarks.tables import off, share, table
-from fingerpad.exceptions import ImageError
+from benchmarks.tables import table
 from fingerpad.image import ContactImageResult, Scale, measure_contact_image
 from fingerpad.simulate import SyntheticContactImage, render_contact_image
 
@@ -63,69 +61,6 @@ def values_of(item: ContactImageResult | SyntheticContactImage) -> Numbers:
     return np.array([float(ellipse.semi_major), float(ellipse.semi_minor), item.gross_area, item.ridge_area])
 
 
-def measured(
-    rendered: Iterable[SyntheticContactImage],
-) -> tuple[list[tuple[int, SyntheticContactImage]], Numbers, Numbers, Numbers, list[tuple[str, ...]]]:
-    """Return number and truth, relative errors, errors over uncertainty, turns (deg) and flags of each."""
-    truths, errors, scores, turns, flags = [], [], [], [], []
-    for number, truth in enumerate(rendered):
-        try:
-            found = measure_contact_image(truth.pixels, SCALE)
-        except ImageError as error:
-            print(f"    refused: {error}")
-            continue
-        truths.append((number, truth))
-        off = values_of(found) - values_of(truth)
-        errors.append(100 * off / values_of(truth))
-        scores.append(off / np.sqrt(np.diag(found.covariance)))
-        turn = np.degrees(found.orientation - truth.orientation + np.pi / 2) % 180 - 90
-        turns.append(turn if float(truth.ellipse.axis_ratio) < 1 / 1.2 else np.nan)
-        flags.append(found.flags)
-    return truths, np.array(errors), np.array(scores), np.array(turns), flags
-
-
-def _groups_of(number: int, truth: SyntheticContactImage, noise: float) -> tuple[str, ...]:
-    """Return the names of the groups that a picture of the population belongs to."""
-    size = int(np.searchsorted(SIZES[1:-1], truth.gross_area))
-    return f"noise {noise:.0f}", LOOKS[number % 3], f"{SIZES[size]}-{SIZES[size + 1]} mm2", "all"
-
-
-def accuracy_and_coverage(count: int) -> None:
-    """Print errors and coverage of the 95 % intervals on rendered pictures, by noise and by look."""
-    order = ["all", *LOOKS, *(f"noise {noise:.0f}" for noise in NOISES)]
-    order += [f"{low}-{high} mm2" for low, high in pairwise(SIZES)]
-    groups: dict[str, list[list[Numbers]]] = {name: [] for name in [*order, "smudged", "no ridges"]}
-    for noise in NOISES:
-        populations = {
-            "": population(count, seed=100 + int(noise), noise_std=noise),
-            "smudged": population(count // 2, seed=200 + int(noise), noise_std=noise, smudges=3),
-            "no ridges": population(count // 2, seed=300 + int(noise), noise_std=noise, blur=(0.2, 0.35)),
-        }
-        for kind, rendered in populations.items():
-            truths, errors, scores, turns, flags = measured(rendered)
-            flagged = [bool(f) for f in flags]
-            for truth, *row in zip(truths, errors, scores, turns, flagged, strict=True):
-                for name in (kind,) if kind else _groups_of(*truth, noise):
-                    groups[name].append(row)
-    table(
-        (
-            "images",
-            "n",
-            *(f"{q}: bias, rms error, held" for q in QUANTITIES),
-            "turned by",
-            "flagged",
-        ),
-        (_cells(name, rows) for name, rows in groups.items() if rows),
-        f"Rendered contact images, 500 ppi, 100-300 mm², irregular, creased, {count} of each level of noise",
-    )
-
-
-def _cells(name: str, rows: list[list[Numbers]]) -> tuple[object, ...]:
-    errors, scores, turns, flagged = (np.array(part) for part in zip(*rows, strict=True))
-    each = [f"{off(e)}, {share(np.abs(z) < 1.96)}" for e, z in zip(errors.T / 100, scores.T, strict=True)]
-    return name, len(rows), *each, f"{np.nanquantile(np.abs(turns), 0.95):.1f}°", share(flagged)
-
-
 def independent_errors(images: Iterable[Measured]) -> tuple[Numbers, Numbers, list[str]]:
     """Return relative errors, errors over uncertainty and conditions, on independently rendered images."""
     errors, scores, names = [], [], []
@@ -164,7 +99,6 @@ def speed(repeats: int = 60) -> None:
     cv2.setNumThreads(threads)
 
 
-def report(images: int = 24) -> None:
-    """Print errors and coverage on the library's own renders, and speed."""
-    accuracy_and_coverage(images)
+def report() -> None:
+    """Print speed."""
     speed()

@@ -70,29 +70,6 @@ def _cells(
     return name, f"{points}²", *errors, f"{found.relative_error:.1e}"
 
 
-def layer_table() -> None:
-    """Print a paraboloid on a bonded layer: A/(πRξ), load over Hertz's at the same ξ and the same area."""
-    rows = []
-    for poisson_ratio in (0.5, 0.48, 0.45, 0.3):
-        for ratio in (0.1, 0.3, 0.5, 1.0, 2.0, 4.0):
-            coarse, fine = (_layer_ratios(ratio, poisson_ratio, points) for points in (128, 256))
-            cells = (f"{b:.4f} ({b / a - 1:+.0e})" for a, b in zip(coarse, fine, strict=True))
-            rows.append((ratio, poisson_ratio, *cells))
-    title = "Paraboloid on a layer bonded to a rigid base, 256² cells (change from 128²)"
-    table(("a/t", "ν", "A/(πRξ)", "W over Hertz at ξ", "at A"), rows, title)
-
-
-def _layer_ratios(ratio: float, poisson_ratio: float, points: int) -> tuple[float, float, float]:
-    tissue = Tissue.of_reduced_modulus(_MODULUS, poisson_ratio, thickness=0.3 * _RADIUS / ratio)
-    found = solve_contact(_BALL, tissue, area=math.pi * (0.3 * _RADIUS) ** 2, points=points)
-    hertz = 4 / 3 * _MODULUS / _RADIUS
-    return (
-        float(found.area_over_pi_indentation / _RADIUS),
-        float(found.load / (hertz * (_RADIUS * found.indentation) ** 1.5)),
-        float(found.load / (hertz * (found.area / math.pi) ** 1.5)),
-    )
-
-
 def speed() -> None:
     """Print the time of the solver and of others on the half-space, and of the solver on a layer."""
     pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -197,5 +174,4 @@ def _by_tamaas(points: int, radius: float, load: float) -> tuple[float, float]:
 def report() -> None:
     """Print all tables."""
     exact_solutions()
-    layer_table()
     speed()

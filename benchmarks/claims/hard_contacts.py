@@ -19,13 +19,9 @@ CONDITIONS: Final = {
 
 def report(count: int = 8, seed: int = 8) -> None:
     """Print errors, coverage and flags of each condition."""
-    table(
-        ("condition", *HEAD, "flagged"),
-        (
-            cells(
-                f"{name}: {condition}", map(compare, of_condition(name, condition, count, seed)), flags=True
-            )
-            for name, conditions in CONDITIONS.items()
-            for condition in conditions
-        ),
+    rows = (
+        cells(f"{name}: {each}", map(compare, of_condition(name, each, count, seed)), flags=True)
+        for name, conditions in CONDITIONS.items()
+        for each in conditions
     )
+    table(("condition", *HEAD, "flagged"), rows)

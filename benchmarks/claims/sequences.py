@@ -1,6 +1,5 @@
-"""Sequences against their truth, speed and memory."""
+"""Sequences against their truth, and speed."""
 
-import multiprocessing
 import tempfile
 import time
 from pathlib import Path
@@ -8,14 +7,12 @@ from pathlib import Path
 import numpy as np
 import tifffile
 
-from benchmarks.memory import peak_mb
 from benchmarks.tables import table
 from fingerpad._arrays import FloatArray
 from fingerpad.image import (
     ForceSignal,
     FrameRate,
     Scale,
-    estimate_settings,
     measure_contact_image,
     measure_sequence,
     open_frames,
@@ -73,35 +70,6 @@ def _cells(look: str, phase: str, errors: FloatArray) -> tuple[object, ...]:
     return look, phase, errors.size, f"{errors.mean():+.2f} %", spread, steps
 
 
-def sequence_memory() -> None:
-    """Print the peak memory of a process that measures a short sequence and a long one of the same frames."""
-    rows = []
-    context = multiprocessing.get_context("spawn")
-    with tempfile.TemporaryDirectory() as folder:
-        for count in (200, 5000):
-            path = Path(folder) / f"{count}.tif"
-            noise = np.random.default_rng(0).integers(190, 210, (32, 48)).astype(np.uint8)
-            noise[8:24, 12:36:4] = noise[8:24, 13:36:4] = 60
-            with tifffile.TiffWriter(path) as tiff:
-                for _ in range(count):
-                    tiff.write(noise, photometric="minisblack", contiguous=False)
-            with context.Pool(1) as pool:
-                peak, seconds, measured = pool.apply(_measure_sequence, (path,))
-            rows.append((count, f"{peak:.0f} MB", f"{count / seconds:.0f}", measured))
-    head = "frames of 32 × 48 px", "peak memory", "frames a second", "measured"
-    table(head, rows, "A process that measures a TIFF file")
-
-
-def _measure_sequence(path: Path) -> tuple[float, float, int]:
-    frames, scale = open_frames(path), Scale(0.12)
-    start = time.perf_counter()
-    settings = estimate_settings(frames, scale)
-    measured = sum(r.measures is not None for r in measure_sequence(frames, scale, settings=settings))
-    seconds = time.perf_counter() - start
-    return peak_mb(), seconds, measured
-
-
 def report() -> None:
-    """Print errors of sequences, speed, and memory."""
+    """Print errors and speed."""
     press_accuracy()
-    sequence_memory()
