@@ -77,7 +77,7 @@ _CONTACT: Final = (
     ),
     Flag(
         "not_a_contact_image",
-        "no ridges of a finger fill it",
+        "no ridges of a finger fill it, or only straight lines evenly spaced",
         "check that the picture shows a contact, and its resolution; of one without ridges, state surface",
         "pooling",
     ),

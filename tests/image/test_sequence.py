@@ -129,6 +129,12 @@ def test_pictures_contradicting_force(results, signal):
         assert "area and force do not rise and fall together" in note
 
 
+def test_contact_without_force_is_noted(results, signal):
+    offset = [replace(result, load=result.load - 0.2) for result in results]
+    (note,) = sequence_summary(offset, signal).notes
+    assert "frames show contact while the force is not above zero" in note
+
+
 def test_short_force_flagged(frames, settings, signal):
     short = ForceSignal(*(values[signal.time < 1.02] for values in (signal.time, signal.load)))
     covered = list(measure_sequence(frames, SCALE, clock=FrameRate(FPS), force=short, settings=settings))

@@ -142,6 +142,22 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Pat
     assert two.corrected_radius.std == pytest.approx(all_.corrected_radius.std, rel=0.05)
 
 
+def test_frames_in_contact_without_load_cost_themselves_only(study_dir: Path) -> None:
+    rows = "\n".join(f"{k / RATE},{load - 0.3:.6f}" for k, load in enumerate(LOAD))
+    (study_dir / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
+    (study_dir / "study.toml").write_text(
+        MANIFEST.replace("[uncertainty]", "[uncertainty]\nload_relative_std = 0.01") + SEQUENCE % ("p", CLOCK)
+    )
+    found = list(records(run_study(study_dir / "study.toml", study_dir / "out").rows))
+    failed = [row for row in found if row["load_N"] <= 0]
+    assert 0 < len(failed) < len(found)
+    for row in failed:
+        assert (row["status"], row["youngs_modulus_kpa"], row["pooled"]) == ("failed", None, False)
+        assert "the load of a contact must be positive, found -0." in row["reason"]
+        assert row["gross_area_mm2"] > 0
+    assert all(row["youngs_modulus_kpa"] > 0 for row in found if row["load_N"] > 0)
+
+
 def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:
     (study_dir / "frames" / "f8.png").write_bytes(b"torn")
     Image.new("L", (40, 40)).save(study_dir / "frames" / "f12.png")

@@ -183,6 +183,11 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
     together = bool(areas) and max(loads) >= reach and _area_follows_load(loads, areas)
     if len(areas) >= _MIN_FRAMES_TO_COMPARE and not together:
         notes.append("area and force do not rise and fall together: check frame rate, trigger and force file")
+    elif unloaded := sum(load <= 0 for load in loads):
+        notes.append(
+            f"{unloaded} of {len(loads)} frames show contact while the force is not above zero: check "
+            "trigger, frame rate and zero of the force"
+        )
     if force is not None:
         notes += unit_doubts(force.load, force.displacement)
     if counts["failed"]:

@@ -397,7 +397,7 @@ def _mean(name: str, mean: LoadMean | None) -> dict[str, Any]:
 
 def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> SequenceRecord:
     of, summary, phases = sequence.manifest, sequence.summary, sequence.phases
-    counts: dict[str, Any] = {}
+    counts: dict[str, Any] = {"notes": []}  # the manifest has notes of its own
     if summary is not None:
         counts = {
             "frames": summary.count,

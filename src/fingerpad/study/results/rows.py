@@ -166,7 +166,7 @@ class _Batch:
         repeatability: Mapping[bool, ContactRepeatability],
     ) -> "_Batch":
         reasons = [
-            measured.rejected or measured.reason or fingers[contact.finger].reason
+            measured.rejected or measured.reason or fingers[contact.finger].reason or _unloaded(measured)
             for contact, measured in seen
         ]
         sound = np.array([place for place, reason in enumerate(reasons) if reason is None], dtype=np.intp)
@@ -212,6 +212,15 @@ class _Batch:
             if key not in highest_load or loads[place] >= highest_load[key].load:
                 name = self.columns["observation"][self.good[place]]
                 highest_load[key] = HighestLoad(name, loads[place], self.inputs.at(place))
+
+
+def _unloaded(measured: Measurement) -> str | None:
+    """Return why a frame in contact has no model where a force that is late or offset gives it no load."""
+    if not measured.load_N <= 0:
+        return None
+    return (
+        f"the load of a contact must be positive, found {measured.load_N:.3g} N: check force zero and timing"
+    )
 
 
 def _described(
