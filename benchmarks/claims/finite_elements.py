@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from scipy.spatial import cKDTree
 
+from benchmarks.tables import table
 from fingerpad import Ellipsoid, Placement, Tissue, solve_contact
 from fingerpad._arrays import FloatArray
 from fingerpad.contact.contact import AnyPlacement
@@ -110,16 +111,14 @@ def exported_loads(folder: Path, indentations: tuple[float, ...], normal: FloatA
 def report(rings: int = 10, layers: int = 3, poisson_ratio: float = 0.49) -> None:
     """Print the steps from the solver's layer to the exported tissue of the usual pad."""
     tissue = Tissue(0.05, poisson_ratio, THICKNESS)
-    print("| Elements | " + " | ".join(f"{at:g} mm" for at in INDENTATIONS) + " |")
-    print("|---" * (len(INDENTATIONS) + 1) + "|")
-    for words, ratio in rows_of(tissue, INDENTATIONS, rings=rings, layers=layers):
-        print(_row(words, ratio))
+    table(("elements", *(f"{at:g} mm" for at in INDENTATIONS)), _cells(tissue, rings=rings, layers=layers))
+
+
+def _cells(tissue: Tissue, **size: int) -> Iterator[tuple[str, ...]]:
+    for words, ratio in rows_of(tissue, INDENTATIONS, **size):
+        yield words, *(f"{one:.2f}" for one in ratio)
     with tempfile.TemporaryDirectory() as folder:
         export_finger(simulator_law(PLACE, tissue, (0.2, 3.0)), Path(folder), effective_mass=0.1)
         load = exported_loads(Path(folder), INDENTATIONS, PLACE.normal)
     solved = np.array([solve_contact(PLACE, tissue, indentation=at).load for at in INDENTATIONS])
-    print(_row("`finger.inp` by scikit-fem", load / solved))
-
-
-def _row(words: str, ratio: FloatArray) -> str:
-    return f"| {words} | " + " | ".join(f"{one:.2f}" for one in ratio) + " |"
+    yield "`finger.inp` by scikit-fem", *(f"{one:.2f}" for one in load / solved)

@@ -1,24 +1,29 @@
 """Loads of a pad in simulators against the solver.
 
 Three pads are pressed at ten loads each. MuJoCo runs the exported file; Drake reads it where it is installed
-(``pip install drake``), and otherwise its formula is integrated over the exported mesh; Newton's law and the
-table of pressures are integrated over the overlap. With ``--figure FILE`` the usual pad is drawn.
+(``pip install drake``), and otherwise its formula is integrated over the exported mesh. Newton 1.8 makes
+hydroelastic contacts on CUDA devices alone: its law and the table of pressures are integrated over the overlap.
+With ``figure=FILE`` the usual pad is drawn.
 """
 
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Final, NamedTuple
 
 import mujoco
 import numpy as np
 
+from benchmarks.tables import percent, table
 from fingerpad import Ellipsoid, Placement, Tissue, solve_contact
 from fingerpad._arrays import FloatArray
 from fingerpad.simulator import SimulatorLaw, export_finger, simulator_law
 
 PLACE: Final = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
 MASS: Final = 0.1
+TARGETS: Final = ("pressure by depth", "Newton `kh`", "Drake", "MuJoCo")
 _LOADS: Final = 10
 _CELLS: Final = 601
 _SECONDS: Final = 4.0
@@ -59,10 +64,10 @@ class Row(NamedTuple):
         return float(self.area_factor[np.argmax(np.abs(np.log(self.area_factor)))])
 
 
-def rows_of(pad: Pad) -> dict[str, Row]:
-    """Return what each simulator makes of a pad."""
+def rows_of(pad: Pad, count: int = _LOADS) -> dict[str, Row]:
+    """Return what each simulator makes of a pad, at some loads."""
     law = simulator_law(PLACE, pad.tissue, pad.loads)
-    indentation = np.interp(np.geomspace(*pad.loads, _LOADS), law.load, law.indentation)
+    indentation = np.interp(np.geomspace(*pad.loads, count), law.load, law.indentation)
     solved = [solve_contact(PLACE, pad.tissue, indentation=depth) for depth in indentation]
     load, area = (np.array([getattr(one, name) for one in solved]) for name in ("load", "area"))
     kh, table = law.newton_kh().kh, law.pressure_by_depth()
@@ -81,9 +86,9 @@ def rows_of(pad: Pad) -> dict[str, Row]:
         export_finger(law, Path(folder), effective_mass=MASS)
         drake, section = _drake(law, Path(folder), indentation)
         rows["Drake"] = Row(indentation, drake, load, section / area)
-        rested, loads = _mujoco(Path(folder), np.geomspace(*pad.loads, _LOADS))
+        rested, loads = _mujoco(Path(folder), np.geomspace(*pad.loads, count))
     held = np.array([float(solve_contact(PLACE, pad.tissue, indentation=depth).load) for depth in rested])
-    rows["MuJoCo"] = Row(rested, loads, held, np.full(_LOADS, np.nan))
+    rows["MuJoCo"] = Row(rested, loads, held, np.full(count, np.nan))
     return rows
 
 
@@ -114,7 +119,6 @@ def _drake(law: SimulatorLaw, folder: Path, indentation: FloatArray) -> tuple[Fl
     try:
         import pydrake.all as drake  # noqa: PLC0415 (it need not be installed)
     except ImportError:
-        print("Drake is not installed: its formula, over the exported mesh")
         mesh = law.mesh()
         area, extent = mesh.sections(PLACE.normal, height - indentation)
         return law.drake_modulus(mesh).modulus * extent * 1e-6, area
@@ -145,16 +149,25 @@ def _drake(law: SimulatorLaw, folder: Path, indentation: FloatArray) -> tuple[Fl
 
 def report(figure: str = "") -> None:
     """Print the table of errors, as it stands in the documentation."""
-    names = None
+    table(("pad, loads", *TARGETS, "area of a foundation", "finite elements"), _cells(figure))
+    try:
+        drake = f"Drake {version('drake')} and"
+    except PackageNotFoundError:
+        drake = "Drake's formula on the exported mesh, and"
+    print(f"\nMuJoCo {version('mujoco')}, {drake} Newton's law over the overlap, as Newton 1.8 needs a GPU.")
+
+
+def _cells(figure: str) -> Iterator[tuple[str, ...]]:
     for name, pad in PADS.items():
         rows = rows_of(pad)
-        if names is None:
-            names = list(rows)
-            print("| pad | loads | " + " | ".join(names) + " | contact area |")
-            print("|---" * (len(names) + 3) + "|")
-        errors = " | ".join(f"{100 * row.error:.1f} %" for row in rows.values())
         low, high = pad.loads
-        print(f"| {name}: {pad.words} | {low:g}–{high:g} N | {errors} | × {rows['Newton `kh`'].area:.2f} |")
+        elements = "no bone"
+        if not pad.tissue.is_deep:
+            ratio = simulator_law(PLACE, pad.tissue, pad.loads).finite_elements().load_ratio
+            elements = f"× {ratio[0]:.2f} to {ratio[-1]:.2f}"
+        errors = (percent(row.error) for row in rows.values())
+        area = f"× {rows['Newton `kh`'].area:.2f}"
+        yield f"{name}: {pad.words}, {low:g}–{high:g} N", *errors, area, elements
         if figure and name == "usual":
             _draw(rows, Path(figure))
 
