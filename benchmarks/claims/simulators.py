@@ -2,8 +2,8 @@
 
 Three pads are pressed at ten loads each. MuJoCo runs the exported file; Drake reads it where it is installed
 (``pip install drake``), and otherwise its formula is integrated over the exported mesh. Newton 1.8 makes
-hydroelastic contacts on CUDA devices alone: its law and the table of pressures are integrated over the overlap.
-With ``figure=FILE`` the usual pad is drawn.
+hydroelastic contacts on CUDA devices alone: its law and the table of pressures are integrated over the
+overlap. With ``figure=FILE`` the usual pad is drawn.
 """
 
 import tempfile

@@ -351,7 +351,8 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
         assert curve.layer.advice in html.unescape(page)
     assert "Young's modulus at no load against velocity" in page or "Young&#39;s modulus at no load" in page
     names = {path.name for path in (tmp_path / "out" / "figures").glob("curve2*.svg")}
-    assert len(names) == 6
+    assert len(names) == 7
+    assert "curve2_f_30deg_simulator.svg" in names
 
 
 def test_a_curve_whose_radius_came_out_small_does_not_count_for_more(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ from fingerpad.figures.results import (
 )
 from fingerpad.figures.section import mark_receptors, plot_contact_pressure, plot_section, section_figure
 from fingerpad.figures.sequence import plot_area_against_indentation, plot_press
+from fingerpad.figures.simulator import plot_simulated_load
 from fingerpad.figures.style import figure_svg, new_figure, save_figure
 from fingerpad.figures.svg import save_panels, svg
 from fingerpad.figures.uncertainty import plot_uncertainty_budget
@@ -56,6 +57,7 @@ __all__ = [
     "plot_relaxation",
     "plot_secant_modulus",
     "plot_section",
+    "plot_simulated_load",
     "plot_uncertainty_budget",
     "plot_wedge",
     "plot_wedge_in_pad_axes",

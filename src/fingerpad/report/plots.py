@@ -34,6 +34,7 @@ from fingerpad.figures.marks import Figure, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
+from fingerpad.report.simulator import simulator_plots
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.output import Answer
@@ -222,13 +223,14 @@ def by_wedge_plot(
     )
 
 
-def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:
-    """Draw one loading curve."""
+def curve_plots(curve: CurveResult, number: int, pad: Ellipsoid | None = None) -> Iterator[Plot]:
+    """Draw one loading curve, and of a pad what simulators make of it."""
     if curve.curve is None or curve.fit is None:
         return
     of, shape = curve.manifest, curve.shape
+    name = f"curve{number}_{group_name((of.finger, of.wedge_angle_deg, 0.0, of.synthetic))}"
     yield from loading_plots(
-        f"curve{number}_{group_name((of.finger, of.wedge_angle_deg, 0.0, of.synthetic))}",
+        name,
         curve.curve,
         curve.fit,
         where=f"{curve.name}{'; synthetic' if of.synthetic else ''}",
@@ -237,6 +239,8 @@ def curve_plots(curve: CurveResult, number: int) -> Iterator[Plot]:
         expected_ratio=None if shape is None else (shape.load, shape.ratio),
         synthetic=of.synthetic,
     )
+    if pad is not None:
+        yield from simulator_plots(curve, pad, name)
 
 
 def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:

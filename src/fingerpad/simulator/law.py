@@ -14,6 +14,7 @@ from fingerpad.contact import Tissue, fast_contact
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.exceptions import GeometryError
+from fingerpad.geometry import Placement
 from fingerpad.simulator.curve import Curve, height_of, solved_curve
 from fingerpad.simulator.elements import HIGHEST_POISSON_RATIO, TissueElements, stiffness_of
 from fingerpad.simulator.mesh import TetrahedralMesh, layer_mesh, pad_mesh
@@ -253,6 +254,32 @@ class SimulatorLaw(Displayed):
             assumes="tissue that is bent as the pad is, with free sides, over a bone that is the skin moved "
             "inwards; the law has a flat layer without sides",
         )
+
+    def simulated_loads(self, effective_mass: float = 0.1) -> dict[str, FloatArray]:
+        """Return the loads that simulators have at the law's indentations.
+
+        Parameters
+        ----------
+        effective_mass : float
+            Of the contact in MuJoCo, kg.
+
+        Returns
+        -------
+        dict of str to ndarray
+            Loads, N, by ``Newton kh``, ``Drake`` (of a `Placement`) and ``MuJoCo``. A foundation with
+            `pressure_by_depth` has the law's own.
+
+        Raises
+        ------
+        GeometryError
+            If the mass is not positive, or too small.
+        """
+        curve, depth = self.pad.curve, self.indentation
+        per_area = _M_PER_MM / _PA_PER_MPA
+        loads = {"Newton kh": self.newton_kh().kh * per_area * curve.overlap(depth)}
+        if isinstance(self.pad.placement, Placement):
+            loads["Drake"] = self.drake_modulus().modulus / _PA_PER_MPA * curve.extent(depth)
+        return loads | {"MuJoCo": self.mujoco(effective_mass).load(depth * _M_PER_MM)}
 
     def mesh(self, level: int = 4) -> TetrahedralMesh:
         """Return a tetrahedral mesh of the pad for Drake, with one vertex inside.

@@ -1,0 +1,60 @@
+"""The figure of a pad's law in simulators."""
+
+from collections.abc import Mapping
+
+from fingerpad._arrays import ArrayLike, as_float_array
+from fingerpad.figures.marks import Axis, Band, Line, Panel, Points, synthetic_tag
+from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
+
+_STYLES = ((ORANGE, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "--"))
+
+
+@on_axes
+def plot_simulated_load(
+    axes: Panel,
+    indentation: ArrayLike,
+    load: ArrayLike,
+    *,
+    load_std: ArrayLike = 0.0,
+    simulated: Mapping[str, ArrayLike] | None = None,
+    measured: tuple[ArrayLike, ArrayLike] | None = None,
+    synthetic: bool = False,
+) -> None:
+    """Draw the law of a pad, what simulators make of it, and the loading curve that it is of.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where to draw.
+    indentation, load, load_std : array_like
+        Indentation ξ (mm) and normal force (N) of the law, with its standard uncertainty.
+    simulated : mapping, optional
+        From the name of a simulator to its loads at the law's indentations.
+    measured : (indentation, load), optional
+        Points of a loading curve.
+    synthetic : bool
+        Whether these were simulated.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from fingerpad.figures import new_figure
+    >>> figure, (axes,) = new_figure()
+    >>> plot_simulated_load(axes, [0, 1, 2], [0, 0.7, 2], simulated={"MuJoCo": [0, 0.7, 2]}).get_xlabel()
+    'indentation ξ (mm)'
+    """
+    xi, force, std = as_float_array(indentation), as_float_array(load), as_float_array(load_std)
+    if measured is not None:
+        axes.add(Points(*measured, marker=".", colour=BLUE, size=2.2, label="measured"))
+        axes.add(*synthetic_tag(synthetic))
+    if std.any():
+        axes.add(Band(xi, force - std, force + std, colour=BLACK, alpha=0.15))
+    axes.add(Line(xi, force, colour=BLACK, label="law of the pad"))
+    for (name, loads), (colour, dash) in zip((simulated or {}).items(), _STYLES, strict=False):
+        axes.add(Line(xi, loads, dash=dash, colour=colour, label=name))
+    axes.x, axes.y = Axis("indentation ξ (mm)"), Axis("normal load W (N)")
+    axes.legend = "above"
