@@ -1,13 +1,14 @@
 """The figure of a pad's law in simulators."""
 
 from collections.abc import Mapping
+from typing import Final
 
 from fingerpad._arrays import ArrayLike, as_float_array
-from fingerpad.figures.marks import Axis, Band, Line, Panel, Points, synthetic_tag
+from fingerpad.figures.marks import Axis, Band, Dash, Line, Panel, Points, synthetic_tag
 from fingerpad.figures.mpl import on_axes
 from fingerpad.figures.style import BLACK, BLUE, GREEN, ORANGE, SKY, VERMILLION
 
-_STYLES = ((ORANGE, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "--"))
+_STYLES: Final[tuple[tuple[str, Dash], ...]] = ((ORANGE, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "--"))
 
 
 @on_axes
