@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from tests.studies import write_curve
 
 import fingerpad as fp
 from fingerpad.exceptions import LoadingError
@@ -265,9 +266,7 @@ def test_the_how_to_runs(tmp_path, monkeypatch, capsys) -> None:
     page = Path(__file__).parents[2] / "docs" / "how-to" / "fit-your-own-contact-law.md"
     (code,) = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
     curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, load_coefficient=0.002, seed=1)
-    columns = np.stack([curve.time, curve.load, curve.indentation, curve.area], axis=-1)
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(tmp_path / "press.csv", columns, delimiter=",", header=header, comments="")
+    write_curve(tmp_path / "press.csv", curve)
     monkeypatch.chdir(tmp_path)
     exec(compile(code, str(page), "exec"), {"__name__": "my_laws"})
     value, conclusion = capsys.readouterr().out.splitlines()[:2]

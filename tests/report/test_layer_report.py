@@ -4,50 +4,28 @@ import html
 import re
 
 import pytest
+from tests.studies import contact, curve, finger, run
 
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.report import write_report
 from fingerpad.report.layer import comparisons
-from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import records
-
-FINGER = """
-[[fingers]]
-name = "{name}"
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
-{thickness}
-"""
-CONTACT = """
-[[observations]]
-name = "{name}"
-finger = "{finger}"
-wedge_angle_deg = {wedge}
-load_N = {load}
-ellipse_mm = {{ semi_major = {major}, semi_minor = 5.0, std = 0.1, long_axis = "along" }}
-"""
-RADIUS = """
-[[curves]]
-finger = "thick"
-wedge_angle_deg = 30
-loading_radius_mm = 19.7
-loading_radius_mm_std = 0.4
-"""
 
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, str]:
     folder = tmp_path_factory.mktemp("layer")
-    stated = "effective_thickness_mm = 8.0\neffective_thickness_mm_std = 1.5"
-    text = 'title = "T"\n[uncertainty]\nwedge_angle_deg_std = 0\nroll_angle_deg_std = 0\n' + FINGER.format(
-        name="thick", thickness=stated
+    of = {"finger": "thick"}
+    result = run(
+        folder,
+        finger("thick", effective_thickness_mm=8.0, effective_thickness_mm_std=1.5),
+        contact("a", 1, (6.0, 5.0), **of),
+        contact("b", 2, (7.4, 5.0), **of),
+        contact("wide", 2, (14.0, 5.0), wedge=45, **of),
+        curve(loading_radius_mm=19.7, loading_radius_mm_std=0.4, **of),
+        uncertainty={"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0},
     )
-    contacts = [("a", "thick", 30, 1, 6.0), ("b", "thick", 30, 2, 7.4), ("wide", "thick", 45, 2, 14.0)]
-    for name, finger, wedge, load, major in contacts:
-        text += CONTACT.format(name=name, finger=finger, wedge=wedge, load=load, major=major)
-    (folder / "study.toml").write_text(text + RADIUS)
-    result = run_study(folder / "study.toml", folder / "out")
     path = write_report(result, folder / "out")
     return result, path.read_text(encoding="utf-8")
 

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
+from tests.studies import contact, curve, finger, write_curve, write_study
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report import write, write_report
@@ -42,36 +42,32 @@ def few_groups(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def manifest_of(folder: Path, *, fingers: tuple[str, ...] = FINGERS, thumb_mm: float = 6.0) -> Path:
     # Angles known so well that few random draws check the uncertainty.
-    lines = ['title = "Many fingers"', "[uncertainty]", "wedge_angle_deg_std = 0.3"]
-    for name in fingers:
-        lines += [
-            "[[fingers]]",
-            f'name = "{name}"',
-            "semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }",
-            "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }",
-        ]
-    for name in fingers:
-        # Two angles of one finger are the least that is drawn over all.
-        for wedge in (0, 30) if name == "left" else (30,):
-            for load in LOADS:
-                size = (thumb_mm if name == "thumb" else 6.0) * load**0.3
-                lines += [
-                    "[[observations]]",
-                    f'name = "{name}_{wedge}_{load}"',
-                    f'finger = "{name}"',
-                    f"wedge_angle_deg = {wedge}",
-                    f"load_N = {load}",
-                    f"ellipse_mm = {{ semi_major = {size:.3f}, semi_minor = 5.0, std = 0.1 }}",
-                ]
+    # Two angles of one finger are the least that is drawn over all.
+    places = [(name, wedge) for name in fingers for wedge in ((0, 30) if name == "left" else (30,))]
+    contacts = [
+        contact(
+            f"{name}_{wedge}_{load}",
+            load,
+            ((thumb_mm if name == "thumb" else 6.0) * load**0.3, 5.0),
+            finger=name,
+            wedge=wedge,
+            axis="",
+        )
+        for name, wedge in places
+        for load in LOADS
+    ]
     folder.mkdir(exist_ok=True)
     if not (folder / "left.csv").exists():
         press = simulate_loading_curve(loading_radius=15.0, force_std=0.004, points=100)
-        columns = np.stack([press.time, press.load, press.indentation, press.area], axis=-1)
-        header = "time_s,force_N,displacement_mm,area_mm2"
-        np.savetxt(folder / "left.csv", columns, delimiter=",", header=header, comments="")
-    lines += ["[[curves]]", 'finger = "left"', "wedge_angle_deg = 30", 'file = "left.csv"']
-    (folder / "study.toml").write_text("\n".join(lines))
-    return folder / "study.toml"
+        write_curve(folder / "left.csv", press)
+    return write_study(
+        folder,
+        *map(finger, fingers),
+        *contacts,
+        curve(finger="left", file="left.csv"),
+        uncertainty={"wedge_angle_deg_std": 0.3},
+        title="Many fingers",
+    )
 
 
 def run(folder: Path, on_item: Callable[[str], None] = lambda _: None, **changes: object) -> StudyResult:

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
+from tests.studies import Table, contact, curve, finger, run
 
 from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.layer import POOLED_ON_LAYER, CurveOnLayer, curve_on_layer
 from fingerpad.study.results.load import load_results, read_rows
 from fingerpad.study.results.study_result import StudyResult
@@ -20,44 +20,24 @@ from fingerpad.study.results.table import COLUMNS, items, records
 from fingerpad.uncertainty import LAYER_SOURCES
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-HEAD = """
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = {wedge_std}
-load_relative_std = 0.02
-{more}
-[[fingers]]
-name = "f"
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = {axes_std}, distal = {axes_std}, radial_ulnar = {axes_std} }}
-{finger}
-"""
-CONTACT = """[[observations]]
-name = "c{number}"
-finger = "f"
-wedge_angle_deg = 30
-load_N = {load}
-ellipse_mm = {{ semi_major = {major}, semi_minor = 5.0, std = 0.1, long_axis = "along" }}
-"""
-THICK = "effective_thickness_mm = 8.0\neffective_thickness_mm_std = 0.8"
+THICK = {"effective_thickness_mm": 8.0, "effective_thickness_mm_std": 0.8}
 LAYER = [name for name, column in COLUMNS.items() if column.group == "layer"]
 
 
 def study(
     folder: Path,
-    finger: str = THICK,
-    *,
+    thickness: dict[str, float] = THICK,
+    *tables: Table,
     contacts=((2, 7.4),),
     axes_std: float = 0.1,
-    wedge_std: float = 0.5,
-    more: str = "",
-    curves: str = "",
+    top: dict[str, float] | None = None,
+    **uncertainty: object,
 ) -> StudyResult:
-    text = HEAD.format(finger=finger, axes_std=axes_std, wedge_std=wedge_std, more=more)
-    for number, (load, major) in enumerate(contacts):
-        text += CONTACT.format(number=number, load=load, major=major)
-    (folder / "study.toml").write_text(text + curves)
-    return run_study(folder / "study.toml", folder / "out")
+    presses = (contact(f"c{number}", load, (major, 5.0)) for number, (load, major) in enumerate(contacts))
+    stated = {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.02, **uncertainty}
+    return run(
+        folder, finger(std=axes_std, **thickness), *presses, *tables, uncertainty=stated, **(top or {})
+    )
 
 
 def test_rows_have_both_theories(tmp_path: Path) -> None:
@@ -76,15 +56,15 @@ def test_rows_have_both_theories(tmp_path: Path) -> None:
 
 
 def test_nothing_changes_without_a_thickness(tmp_path: Path) -> None:
-    (with_layer,), (without,) = records(study(tmp_path).rows), records(study(tmp_path, "").rows)
+    (with_layer,), (without,) = records(study(tmp_path).rows), records(study(tmp_path, {}).rows)
     assert all(without[name] is None for name in LAYER)
     others = set(COLUMNS) - set(LAYER)
     assert {name: with_layer[name] for name in others} == {name: without[name] for name in others}
-    assert study(tmp_path, "").summaries[0].layer is None
+    assert study(tmp_path, {}).summaries[0].layer is None
 
 
 def test_a_thickness_without_uncertainty_is_exact(tmp_path: Path) -> None:
-    (exact,) = records(study(tmp_path, "effective_thickness_mm = 8.0").rows)
+    (exact,) = records(study(tmp_path, {"effective_thickness_mm": 8.0}).rows)
     (stated,) = records(study(tmp_path).rows)
     assert exact["effective_thickness_mm_std"] is None
     for name in ("youngs_modulus_on_layer_kpa", "loading_radius_on_layer_mm"):
@@ -93,15 +73,17 @@ def test_a_thickness_without_uncertainty_is_exact(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("finger", "major", "flag"),
+    ("thickness", "major", "flag"),
     [
         (THICK, 14.0, "contact_too_wide"),
-        ("effective_thickness_mm = 1.5", 7.4, "layer_too_thin"),
-        ("effective_thickness_mm = 2.2\neffective_thickness_mm_std = 0.5", 7.4, "uncertainty_out_of_range"),
+        ({"effective_thickness_mm": 1.5}, 7.4, "layer_too_thin"),
+        ({"effective_thickness_mm": 2.2, "effective_thickness_mm_std": 0.5}, 7.4, "uncertainty_out_of_range"),
     ],
 )
-def test_out_of_range_is_named_and_not_pooled(tmp_path: Path, finger: str, major: float, flag: str) -> None:
-    result = study(tmp_path, finger, contacts=[(2, major)])
+def test_out_of_range_is_named_and_not_pooled(
+    tmp_path: Path, thickness: dict, major: float, flag: str
+) -> None:
+    result = study(tmp_path, thickness, contacts=[(2, major)])
     (row,), (summary,) = records(result.rows), result.summaries
     assert row["layer_flag"] == summary.layer.flag == flag
     assert "layer_out_of_range" in row["range_notes"]
@@ -114,25 +96,20 @@ def test_out_of_range_is_named_and_not_pooled(tmp_path: Path, finger: str, major
 
 
 def test_a_poisson_ratio_below_the_laws(tmp_path: Path) -> None:
-    study(tmp_path)
-    text = (tmp_path / "study.toml").read_text().replace('"T"', '"T"\npoisson_ratio = 0.2')
-    (tmp_path / "study.toml").write_text(text)
-    (row,) = records(run_study(tmp_path / "study.toml", tmp_path / "out").rows)
+    (row,) = records(study(tmp_path, top={"poisson_ratio": 0.2}).rows)
     assert row["layer_flag"] == "poisson_ratio_out_of_range"
 
 
 @pytest.mark.parametrize("method", ["first_order", "monte_carlo"])
 def test_large_uncertainties_cost_the_layer_alone(tmp_path: Path, method: str) -> None:
-    more = f'roll_angle_deg_std = 30\nmethod = "{method}"'
-    (row,) = records(study(tmp_path, axes_std=9.0, wedge_std=60, more=more).rows)
+    large = {"wedge_angle_deg_std": 60, "roll_angle_deg_std": 30, "method": method}
+    (row,) = records(study(tmp_path, axes_std=9.0, **large).rows)
     assert row["status"] in {"measured", "failed"}
     assert row["youngs_modulus_on_layer_kpa_std"] is None
 
 
 def test_monte_carlo(tmp_path: Path) -> None:
-    (first,), (drawn,) = (
-        records(study(tmp_path, more=f'method = "{m}"').rows) for m in ("first_order", "monte_carlo")
-    )
+    (first,), (drawn,) = (records(study(tmp_path, method=m).rows) for m in ("first_order", "monte_carlo"))
     for name in ("youngs_modulus_on_layer_kpa", "indentation_on_layer_mm", "loading_radius_on_layer_mm"):
         assert drawn[name] == first[name]
         assert drawn[f"{name}_std"] != first[f"{name}_std"]
@@ -140,7 +117,7 @@ def test_monte_carlo(tmp_path: Path) -> None:
 
 
 def test_incompressible_tissue_with_an_uncertain_poisson_ratio(tmp_path: Path) -> None:
-    (row,) = records(study(tmp_path, more="poisson_ratio_std = 0.02").rows)
+    (row,) = records(study(tmp_path, poisson_ratio_std=0.02).rows)
     assert row["layer_flag"] is None
     (sure,) = records(study(tmp_path).rows)
     assert row["youngs_modulus_on_layer_kpa_std"] > sure["youngs_modulus_on_layer_kpa_std"]
@@ -231,13 +208,12 @@ def curve_csv(modulus: float) -> str:
 def pressed(tmp_path_factory: pytest.TempPathFactory) -> tuple[StudyResult, Path]:
     folder = tmp_path_factory.mktemp("pressed")
     (folder / "c.csv").write_text(curve_csv(0.05))
-    curves = '[[curves]]\nfinger = "f"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
-    return study(folder, curves=curves), folder
+    return study(folder, THICK, curve(file="c.csv")), folder
 
 
 def on_layer(result: StudyResult, thickness: float | None, std: float | None = None) -> CurveOnLayer | None:
-    finger = replace(result.fingers["f"], effective_thickness=thickness, effective_thickness_std=std)
-    return curve_on_layer(result.study, finger, result.curves[0])
+    known = replace(result.fingers["f"], effective_thickness=thickness, effective_thickness_std=std)
+    return curve_on_layer(result.study, known, result.curves[0])
 
 
 def test_a_curve_gives_the_modulus_that_made_it(pressed: tuple[StudyResult, Path]) -> None:
@@ -301,5 +277,4 @@ def test_a_curve_out_of_range_is_named(
 
 def test_no_curve_without_a_thickness_or_a_file(pressed: tuple[StudyResult, Path], tmp_path: Path) -> None:
     assert on_layer(pressed[0], None) is None
-    given = '[[curves]]\nfinger = "f"\nwedge_angle_deg = 30\nloading_radius_mm = 20.5\n'
-    assert study(tmp_path, curves=given).curves_on_layer() == [None]
+    assert study(tmp_path, THICK, curve(loading_radius_mm=20.5)).curves_on_layer() == [None]

@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pytest
 from PIL import Image
+from tests.studies import contact, finger, picture, run
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import render_contact_image
-from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.methods import methods_section
+from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import MethodsRecord
 
 STATED = {
@@ -23,42 +24,25 @@ STATED = {
     "approach_mm_per_s": 2.5,
     "dwell_s": 3.0,
 }
-HEAD = """title = "T"
-poisson_ratio = 0.49
-[scales.reader]
-mm_per_px = 0.1
-relative_std = 0.01
-[uncertainty]
-wedge_angle_deg_std = 3.0
-{apparatus}
-[[fingers]]
-name = "f"
-person = "p"
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
-effective_thickness_mm = 8.0
-[[observations]]
-name = "a"
-finger = "f"
-wedge_angle_deg = 30
-load_N = 1.5
-file = "a.png"
-scale = "reader"
-[[observations]]
-name = "b"
-finger = "f"
-wedge_angle_deg = 45
-load_N = 0.5
-ellipse_mm = {{ semi_major = 4, semi_minor = 3, std = 0.1 }}
-"""
+
+
+def study(folder: Path, stated: dict[str, object]) -> StudyResult:
+    return run(
+        folder,
+        finger(person="p", effective_thickness_mm=8.0),
+        picture("a", "a.png", 1.5, scale="reader"),
+        contact("b", 0.5, (4, 3), wedge=45, axis=""),
+        poisson_ratio=0.49,
+        scales={"reader": {"mm_per_px": 0.1, "relative_std": 0.01}},
+        uncertainty={"wedge_angle_deg_std": 3.0},
+        **({"apparatus": stated} if stated else {}),
+    )
 
 
 def section(folder: Path, stated: dict[str, object]) -> MethodsRecord:
     truth = render_contact_image(semi_major=5.0, semi_minor=4.0, ppi=254, seed=1)
     Image.fromarray(truth.pixels).save(folder / "a.png")
-    lines = "\n".join(f"{key} = {json.dumps(value)}" for key, value in stated.items())
-    (folder / "study.toml").write_text(HEAD.format(apparatus=f"[apparatus]\n{lines}" if stated else ""))
-    return methods_section(run_study(folder / "study.toml", folder / "out"))
+    return methods_section(study(folder, stated))
 
 
 def test_everything_stated_is_said(tmp_path: Path) -> None:
@@ -95,10 +79,9 @@ def test_what_is_not_stated_is_missing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "words"),
-    [("dwel_s = 1", "dwel_s"), ("dwell_s = -1", "dwell_s"), ("imaging = 3", "imaging")],
+    "stated",
+    [{"dwel_s": 1}, {"dwell_s": -1}, {"imaging": 3}],
 )
-def test_wrong_apparatus_is_named(tmp_path: Path, line: str, words: str) -> None:
-    (tmp_path / "study.toml").write_text(HEAD.format(apparatus=f"[apparatus]\n{line}"))
-    with pytest.raises(ManifestError, match=rf"apparatus.*{words}"):
-        run_study(tmp_path / "study.toml", tmp_path / "out")
+def test_wrong_apparatus_is_named(tmp_path: Path, stated: dict[str, int]) -> None:
+    with pytest.raises(ManifestError, match=rf"apparatus.*{next(iter(stated))}"):
+        study(tmp_path, stated)

@@ -4,49 +4,38 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.studies import Table, contact, curve, finger, run, write_curve
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.simulate import outline_points, simulate_loading_curve
-from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
 
 AXES = {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}
 PAD = np.array([7.9, 13.8, 11.8])
-FACE = '{{ face = "{face}", outline = "{face}.csv", {scale} }}'
-STUDY = """
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = 0.3
-[scales.camera]
-mm_per_px = 0.05
-relative_std = 0.03
-[[fingers]]
-name = "f"
-photographs = [{faces}]
-[[observations]]
-name = "x"
-finger = "f"
-wedge_angle_deg = 30
-load_N = 1
-ellipse_mm = {{ semi_major = 7.4, semi_minor = 5.0, std = 0.1 }}
-"""
+CAMERA = {"mm_per_px": 0.05, "relative_std": 0.03}
 
 
-def run(folder: Path, scale: str) -> StudyResult:
-    folder.mkdir()
+def study(folder: Path, scale: dict[str, object], *more: Table) -> StudyResult:
+    folder.mkdir(exist_ok=True)
     for face, axes in AXES.items():
         np.savetxt(
             folder / f"{face}.csv", outline_points(*axes), delimiter=",", header="x_mm,y_mm", comments=""
         )
-    faces = ", ".join(FACE.format(face=face, scale=scale) for face in AXES)
-    (folder / "study.toml").write_text(STUDY.format(faces=faces))
-    return run_study(folder / "study.toml", folder / "out")
+    faces = [{"face": face, "outline": f"{face}.csv", **scale} for face in AXES]
+    return run(
+        folder,
+        finger(photographs=faces),
+        contact(load=1, axis=""),
+        *more,
+        uncertainty={"wedge_angle_deg_std": 0.3},
+        scales={"camera": CAMERA, "other": CAMERA},
+    )
 
 
 def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path: Path) -> None:
     own, shared = (
-        run(tmp_path / name, scale).fingers["f"]
-        for name, scale in (("own", "outline_relative_std = 0.03"), ("shared", 'scale = "camera"'))
+        study(tmp_path / name, scale).fingers["f"]
+        for name, scale in (("own", {"outline_relative_std": 0.03}), ("shared", {"scale": "camera"}))
     )
     assert (own.scale, shared.scale) == (None, "camera")
     relative = np.sqrt(np.diagonal(shared.covariance)) / PAD
@@ -56,38 +45,23 @@ def test_an_error_of_a_named_scale_moves_all_semi_axes_alike(tmp_path: Path) -> 
 
 
 def test_a_named_scale_of_outlines_is_not_taken_as_exact(tmp_path: Path) -> None:
-    study = run(tmp_path / "study", 'scale = "camera"').study
-    assert not [words for words in study.taken_as_exact() if "outlines" in words or "scale" in words]
+    found = study(tmp_path / "study", {"scale": "camera"}).study
+    assert not [words for words in found.taken_as_exact() if "outlines" in words or "scale" in words]
 
 
 def test_a_name_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(ManifestError, match="no scale is named 'other'"):
-        run(tmp_path / "study", 'scale = "other"')
-
-
-CURVE = """[scales.other]
-mm_per_px = 0.05
-relative_std = 0.03
-[[curves]]
-finger = "f"
-wedge_angle_deg = 30
-file = "curve.csv"
-scale = "{scale}"
-"""
+    with pytest.raises(ManifestError, match="no scale is named 'third'"):
+        study(tmp_path / "study", {"scale": "third"})
 
 
 def test_the_scale_that_outlines_and_areas_share_is_one_error_in_their_comparison(tmp_path: Path) -> None:
     spreads = {}
     for scale in ("camera", "other"):
-        folder = tmp_path / scale
-        run(folder, 'scale = "camera"')
-        curve = simulate_loading_curve(force_std=0.004, displacement_std=0.003, area_std=0.8, points=100)
-        columns = np.stack([curve.time, curve.load, curve.indentation, curve.area], axis=-1)
-        header = "time_s,force_N,displacement_mm,area_mm2"
-        np.savetxt(folder / "curve.csv", columns, delimiter=",", header=header, comments="")
-        with (folder / "study.toml").open("a") as file:
-            file.write(CURVE.format(scale=scale))
-        (validity,) = run_study(folder / "study.toml", folder / "out").validities
+        (folder := tmp_path / scale).mkdir()
+        made = simulate_loading_curve(force_std=0.004, displacement_std=0.003, area_std=0.8, points=100)
+        write_curve(folder / "curve.csv", made)
+        of_areas = curve(file="curve.csv", scale=scale)
+        (validity,) = study(folder, {"scale": "camera"}, of_areas).validities
         (check,) = (one for one in validity.checks if one.name == "radius_against_loading")
         spreads[scale] = check.relative_std
     # The pad's radius goes with the scale of its outlines, R_g with the square of that of the areas.

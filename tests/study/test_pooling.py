@@ -1,5 +1,6 @@
 """Pooled radii: what is shared stays, budgets add up, and the close look agrees with itself."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from benchmarks.claims import pooling
 from PIL import Image
+from tests import studies
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import SEMI_AXES
@@ -16,7 +18,6 @@ from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.manifest import Observation, Study
 from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs
 from fingerpad.study.results.pooling import PooledRadius, area_exponent
 from fingerpad.study.results.rows import Rows, model_contacts
@@ -25,38 +26,17 @@ from fingerpad.study.results.table import first_record, records
 from fingerpad.uncertainty import PAD_SOURCES
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "synthetic"
-MANIFEST = """
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = 1.0
-load_relative_std = 0.02
-{scales}
-[[fingers]]
-name = "f"
-{finger}
-{contacts}
-"""
-GIVEN = """semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = {std}, distal = {std}, radial_ulnar = {std} }}"""
-CONTACT = """[[observations]]
-name = "c{number}"
-finger = "f"
-wedge_angle_deg = 30
-load_N = {load}
-ellipse_mm = {{ semi_major = {major}, semi_minor = 5.0, std = {std} }}
-"""
+STATED = {"wedge_angle_deg_std": 1.0, "load_relative_std": 0.02}
 
 
 def study(
     folder: Path, *, axes_std: float = 0.1, majors=(7.4, 7.0, 6.6), loads=(2, 1, 0.5), std=0.2
 ) -> StudyResult:
-    contacts = "".join(
-        CONTACT.format(number=number, load=load, major=major, std=std)
+    contacts = (
+        studies.contact(f"c{number}", load, (major, 5.0), std=std, axis="")
         for number, (major, load) in enumerate(zip(majors, loads, strict=True))
     )
-    manifest = folder / "study.toml"
-    manifest.write_text(MANIFEST.format(scales="", finger=GIVEN.format(std=axes_std), contacts=contacts))
-    return run_study(manifest, folder / "out")
+    return studies.run(folder, studies.finger(std=axes_std), *contacts, uncertainty=STATED)
 
 
 def test_what_the_pad_is_does_not_average_away(tmp_path: Path) -> None:
@@ -98,15 +78,12 @@ def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> Non
     """Of two contacts whose elongations scatter as stated: the mean of their radii is larger."""
 
     def measured(elongations: list[float]) -> StudyResult:
-        contacts = ""
+        contacts = []
         for number, elongation in enumerate(elongations):
-            major, minor = 6 * np.exp(elongation / 2), 6 * np.exp(-elongation / 2)
-            std = 0.1 * np.sqrt(2) / np.hypot(1 / major, 1 / minor)  # √2 · 0.1 of the elongation
-            contact = CONTACT.format(number=number, load=1, major=major, std=std)
-            contacts += contact.replace("semi_minor = 5.0", f"semi_minor = {minor}")
-        manifest = tmp_path / "study.toml"
-        manifest.write_text(MANIFEST.format(scales="", finger=GIVEN.format(std=0.1), contacts=contacts))
-        return run_study(manifest, tmp_path / "out")
+            major, minor = 6 * math.exp(elongation / 2), 6 * math.exp(-elongation / 2)
+            std = 0.1 * math.sqrt(2) / math.hypot(1 / major, 1 / minor)  # √2 · 0.1 of the elongation
+            contacts.append(studies.contact(f"c{number}", 1, (major, minor), std=std, axis=""))
+        return studies.run(tmp_path, studies.finger(), *contacts, uncertainty=STATED)
 
     scattered, mean = measured([0.3, 0.5]), first_record(measured([0.4]).rows)["radius_from_indentation_mm"]
     naive = np.mean([row["radius_from_indentation_mm"] for row in records(scattered.rows)])
@@ -133,24 +110,22 @@ def test_the_close_look_agrees_with_the_row(tmp_path: Path) -> None:
         assert check.total[source] == pytest.approx(share, abs=0.02)
 
 
-def finger_from_photographs(folder: Path, scale: str, scales: str = "") -> StudyResult:
-    faces = ", ".join(
-        f'{{ face = "{face}", file = "photograph_{face}.jpg", scale = {scale} }}'
+def finger_from_photographs(folder: Path, scale: object, **top: object) -> StudyResult:
+    faces = [
+        {"face": face, "file": f"photograph_{face}.jpg", "scale": scale}
         for face in ("palmar", "distal", "radial")
-    )
+    ]
     for face in ("palmar", "distal", "radial"):
         with Image.open(EXAMPLE / f"photograph_{face}.jpg") as photograph:
             photograph.reduce(2).save(folder / f"photograph_{face}.jpg", quality=95)
-    contact = CONTACT.format(number=0, load=1, major=7.0, std=0.1)
-    text = MANIFEST.format(scales=scales, finger=f"photographs = [{faces}]", contacts=contact)
-    (folder / "study.toml").write_text(text)
-    return run_study(folder / "study.toml", folder / "out")
+    one = studies.contact("c0", 1, (7.0, 5.0), axis="")
+    return studies.run(folder, studies.finger(photographs=faces), one, uncertainty=STATED, **top)
 
 
 def test_photographs_of_one_scale_share_its_error(tmp_path: Path) -> None:
-    table = "mm_per_px = 0.1\nrelative_std = 0.05"
-    shared = finger_from_photographs(tmp_path, '"camera"', f"[scales.camera]\n{table}")
-    alone = finger_from_photographs(tmp_path, f"{{ {table.replace(chr(10), ', ')} }}")
+    table = {"mm_per_px": 0.1, "relative_std": 0.05}
+    shared = finger_from_photographs(tmp_path, "camera", scales={"camera": table})
+    alone = finger_from_photographs(tmp_path, table)
 
     def relative_stds(result: StudyResult) -> np.ndarray:
         finger = result.fingers["f"]
@@ -165,11 +140,8 @@ def test_photographs_of_one_scale_share_its_error(tmp_path: Path) -> None:
 
 
 def test_an_unknown_method_is_refused(tmp_path: Path) -> None:
-    contact = CONTACT.format(number=0, load=1, major=7.0, std=0.1)
-    text = MANIFEST.format(scales='method = "guess"', finger=GIVEN.format(std=0.1), contacts=contact)
-    (tmp_path / "study.toml").write_text(text)
     with pytest.raises(ManifestError, match="'first_order' or 'monte_carlo'"):
-        run_study(tmp_path / "study.toml", tmp_path / "out")
+        studies.run(tmp_path, studies.finger(), studies.contact(), uncertainty={"method": "guess"})
 
 
 AXES = np.array([7.9, 13.8, 11.8])

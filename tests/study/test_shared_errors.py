@@ -5,44 +5,31 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.studies import contact, finger, run
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.compare import compare_studies
 from fingerpad.study.compare.comparison import means_of
-from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.study_result import StudyResult
 
 AXES = 7.9, 13.8, 11.8
-STUDY = """
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = {wedge}
-roll_angle_deg_std = 0
-{stated}
-[[fingers]]
-name = "f"
-effective_thickness_mm = 9
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 1e-6, distal = 1e-6, radial_ulnar = 1e-6 }}
-"""
-CONTACT = """[[observations]]
-name = "c{number}"
-finger = "f"
-wedge_angle_deg = 30
-load_N = 2
-ellipse_mm = {{ semi_major = 7.4, semi_minor = 5.0, std = 0.05 }}
-"""
 COUNT = 9
+EXACT = {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0}
 
 
-def result(folder: Path, stated: str, wedge: float = 0.0) -> StudyResult:
-    contacts = (CONTACT.format(number=number) for number in range(COUNT))
-    (folder / "study.toml").write_text(STUDY.format(stated=stated, wedge=wedge) + "".join(contacts))
-    return run_study(folder / "study.toml", folder / "out")
+def result(folder: Path, stated: dict[str, float], wedge: float = 0.0) -> StudyResult:
+    contacts = (contact(f"c{number}", std=0.05, axis="") for number in range(COUNT))
+    known = finger(std=1e-6, effective_thickness_mm=9)
+    return run(
+        folder,
+        known,
+        *contacts,
+        uncertainty={**EXACT, "wedge_angle_deg_std": wedge, **stated},
+    )
 
 
 def test_presses_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> None:
-    found = result(tmp_path, "load_relative_std = 0.03\nload_gain_relative_std = 0.04")
+    found = result(tmp_path, {"load_relative_std": 0.03, "load_gain_relative_std": 0.04})
     rng, draws = np.random.default_rng(1), 20_000
     # E of a contact of known ellipse goes with its load, and with its area to the power of -3/2.
     load = (1 + 0.04 * rng.normal(size=(draws, 1))) * (1 + 0.03 * rng.normal(size=(draws, COUNT)))
@@ -64,7 +51,7 @@ def test_presses_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> Non
 
 
 def test_the_pose_of_the_jig_is_one_error_of_all_angles(tmp_path: Path) -> None:
-    found = result(tmp_path, "jig_angle_deg_std = 2", wedge=1.0)
+    found = result(tmp_path, {"jig_angle_deg_std": 2}, wedge=1.0)
     rng, draws = np.random.default_rng(2), 20_000
     angle = np.radians(30 + 2 * rng.normal(size=draws) + rng.normal(size=draws))
     palmar, distal, across = AXES
@@ -81,32 +68,23 @@ def test_the_pose_of_the_jig_is_one_error_of_all_angles(tmp_path: Path) -> None:
 
 
 def test_unstated_errors_change_nothing(tmp_path: Path) -> None:
-    found = result(tmp_path, "load_relative_std = 0.03")
+    found = result(tmp_path, {"load_relative_std": 0.03})
     assert {"force gain", "jig angle"}.isdisjoint(found.summaries[0].corrected_radius.budget)
     assert {"force gain", "jig angle"}.isdisjoint(found.summaries[0].layer.pooled["youngs_modulus"].budget)
 
 
-@pytest.mark.parametrize("stated", ["load_gain_relative_std = 1.5", "jig_angle_deg_std = -1"])
-def test_what_cannot_be_is_refused(tmp_path: Path, stated: str) -> None:
-    with pytest.raises(ManifestError, match=stated.split(maxsplit=1)[0]):
-        result(tmp_path, stated)
+@pytest.mark.parametrize(("key", "value"), [("load_gain_relative_std", 1.5), ("jig_angle_deg_std", -1)])
+def test_what_cannot_be_is_refused(tmp_path: Path, key: str, value: float) -> None:
+    with pytest.raises(ManifestError, match=key):
+        result(tmp_path, {key: value})
 
 
 def test_fingers_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> None:
     people = 6
-    fingers = "".join(
-        f'[[fingers]]\nname = "f{number}"\nperson = "p{number}"\n'
-        "semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }\n"
-        "semi_axes_mm_std = { palmar = 1e-6, distal = 1e-6, radial_ulnar = 1e-6 }\n"
-        f'[[observations]]\nname = "c{number}"\nfinger = "f{number}"\nwedge_angle_deg = 30\nload_N = 2\n'
-        "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.05 }\n"
-        for number in range(people)
-    )
-    (tmp_path / "study.toml").write_text(
-        'title = "T"\n[uncertainty]\nwedge_angle_deg_std = 0\nroll_angle_deg_std = 0\n'
-        f"load_relative_std = 0.03\nload_gain_relative_std = 0.04\n{fingers}"
-    )
-    run_study(tmp_path / "study.toml", tmp_path / "out")
+    fingers = (finger(f"f{number}", std=1e-6, person=f"p{number}") for number in range(people))
+    contacts = (contact(f"c{number}", finger=f"f{number}", std=0.05, axis="") for number in range(people))
+    stated = {"load_relative_std": 0.03, "load_gain_relative_std": 0.04}
+    run(tmp_path, *fingers, *contacts, uncertainty={**EXACT, **stated})
     values = [one for one in compare_studies([tmp_path / "out"]).values if "youngs" in one.quantity]
     truth = values[0].value
     rng, draws = np.random.default_rng(3), 500

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from benchmarks.claims.validity import CASES, Truth, press, principal_radii, scores, simulated
 from scipy.special import ellipe, ellipk
+from tests import studies
+from tests.studies import PAD, Table, contact, curve, finger
 from typer.testing import CliRunner
 
 from fingerpad._rounding import positive_with_uncertainty
@@ -16,7 +18,6 @@ from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError
 from fingerpad.report.text import to_do
 from fingerpad.study.compare import compare_studies
-from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import records
@@ -99,50 +100,31 @@ def test_bone_is_seen_in_a_fitted_curve_and_its_term_covers_the_truth(tmp_path: 
             assert headline.total_std >= headline.std
 
 
-HEAD = """
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = 0.5
-load_relative_std = 0.02
-"""
-FINGER = """[[fingers]]
-name = "{name}"
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
-{keys}
-[[observations]]
-name = "of_{name}"
-finger = "{name}"
-wedge_angle_deg = 30
-load_N = 1
-ellipse_mm = {{ semi_major = {major}, semi_minor = {minor}, std = 0.05{axis} }}
-"""
-RADIUS_GIVEN = """[[curves]]
-finger = "{name}"
-wedge_angle_deg = 30
-loading_radius_mm = {radius}
-loading_radius_mm_std = 0.3
-"""
+STATED = {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.02}
 
 
-def finger(
-    name: str, *, keys: str = "", radius: float | None = None, major: float = 3.5, axis: str = "across"
-) -> str:
-    side = f', long_axis = "{axis}"' if axis else ""
-    text = FINGER.format(name=name, keys=keys, major=major, minor=major / 1.07, axis=side)
-    return text + (RADIUS_GIVEN.format(name=name, radius=radius) if radius else "")
+def tables(
+    name: str = "f", *, radius: float | None = None, major: float = 3.5, axis: str = "across", **keys: object
+) -> list[Table]:
+    """Return a finger, its contact, and its loading data."""
+    found = [finger(name, **keys), pressed(f"of_{name}", 1, major, finger=name, axis=axis)]
+    if radius:
+        found.append(curve(finger=name, loading_radius_mm=radius, loading_radius_mm_std=0.3))
+    return found
 
 
-def run(folder: Path, *fingers: str) -> tuple[StudyResult, list[Validity]]:
-    folder.mkdir(exist_ok=True)
-    (folder / "study.toml").write_text(HEAD + "".join(fingers))
-    result = run_study(folder / "study.toml", folder / "out")
+def pressed(name: str, load: float = 1, major: float = 3.5, std: float = 0.05, **keys: object) -> Table:
+    return contact(name, load, (major, major / 1.07), std=std, **{"axis": "across", **keys})
+
+
+def run(folder: Path, *given: Table, **stated: float) -> tuple[StudyResult, list[Validity]]:
+    result = studies.run(folder, *given, uncertainty={**STATED, **stated})
     write_tables(result, folder / "out")
     return result, result.validities
 
 
 def test_a_full_disk_is_named_with_the_way_out(tmp_path: Path) -> None:
-    result, _ = run(tmp_path, finger("f"))
+    result, _ = run(tmp_path, *tables())
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "results.csv").symlink_to("/dev/full")
     with pytest.raises(FingerpadError, match=r"full: cannot be written \(No space left .* make room"):
@@ -150,7 +132,7 @@ def test_a_full_disk_is_named_with_the_way_out(tmp_path: Path) -> None:
 
 
 def test_without_loading_data_no_term_is_made_up(tmp_path: Path) -> None:
-    result, (validity,) = run(tmp_path, finger("f"))
+    result, (validity,) = run(tmp_path, *tables())
     assert np.isnan(list(validity.relative_stds.values())).all()
     headline = validity.headlines[RADIUS]
     assert np.isnan(headline.model_std)
@@ -163,9 +145,7 @@ def test_without_loading_data_no_term_is_made_up(tmp_path: Path) -> None:
 
 
 def test_loading_data_of_one_finger_tell_of_all_but_not_of_synthetic_ones(tmp_path: Path) -> None:
-    result, validities = run(
-        tmp_path, finger("f", radius=20.0), finger("g"), finger("s", keys="synthetic = true")
-    )
+    result, validities = run(tmp_path, *tables(radius=20.0), *tables("g"), *tables("s", synthetic=True))
     of = {one.finger: validity for one, validity in zip(result.summaries, validities, strict=True)}
     term = math.expm1(math.log(20.0 / named(of["f"], "radius_against_loading").value) / math.sqrt(2))
     for name in ("f", "g"):
@@ -182,7 +162,7 @@ def test_loading_data_of_one_finger_tell_of_all_but_not_of_synthetic_ones(tmp_pa
 
 
 def test_files_have_what_the_verdict_is_from(tmp_path: Path) -> None:
-    _, (validity,) = run(tmp_path, finger("f", radius=20.0))
+    _, (validity,) = run(tmp_path, *tables(radius=20.0))
     (summary,) = json.loads((tmp_path / "out" / "summary.json").read_text())["summaries"]
     record = summary["validity"]
     assert record["verdict"] == FAILS
@@ -199,8 +179,7 @@ def test_files_have_what_the_verdict_is_from(tmp_path: Path) -> None:
 
 def test_every_place_shows_the_same_total_and_verdict(tmp_path: Path) -> None:
     """Terminal, tables, summary, comparison and report, of tissue over bone whose thickness is stated."""
-    keys = "effective_thickness_mm = 7\neffective_thickness_mm_std = 0.7"
-    run(tmp_path, finger("f", radius=20.0, keys=keys))
+    run(tmp_path, *tables(radius=20.0, effective_thickness_mm=7, effective_thickness_mm_std=0.7))
     out = tmp_path / "out"
     printed = CliRunner().invoke(app, ["run", str(tmp_path / "study.toml"), "--out", str(out)]).output
     (summary,) = json.loads((out / "summary.json").read_text())["summaries"]
@@ -229,12 +208,8 @@ def test_every_place_shows_the_same_total_and_verdict(tmp_path: Path) -> None:
 
 
 def test_loads_of_contacts_that_do_not_count_are_not_denied(tmp_path: Path) -> None:
-    text = HEAD + finger("f", keys="synthetic = true").replace("palmar = 7.9", "palmar = 79")
-    again = text[text.index("[[observations]]") :]
-    more = again.replace("of_f", "again").replace("load_N = 1", "load_N = 4")
-    (tmp_path / "study.toml").write_text(text + more)
-    result = run_study(tmp_path / "study.toml", tmp_path / "out")
-    (validity,) = result.validities
+    large = tables(synthetic=True, semi_axes_mm={**PAD, "palmar": 79})
+    result, (validity,) = run(tmp_path, *large, pressed("again", 4))
     for name in ("area_against_load", "area_falls"):
         assert named(validity, name).note == "no contact counts"
     (words,) = to_do(result.rows)
@@ -251,11 +226,8 @@ def test_a_difference_names_the_result_that_it_is_of(tmp_path: Path) -> None:
 
 def test_a_mean_over_repeats_keeps_the_models_part(tmp_path: Path) -> None:
     """On bone the truth at a load lies within the interval of E, however many repeats there are."""
-    text = HEAD + finger("f", radius=20.0)
-    again = text[text.index("[[observations]]") : text.index("[[curves]]")]
-    (tmp_path / "study.toml").write_text(text + "".join(again.replace("of_f", f"c{k}") for k in range(8)))
-    result = run_study(tmp_path / "study.toml", tmp_path / "out")
-    (at_load,), (validity,) = result.by_load, result.validities
+    result, (validity,) = run(tmp_path, *tables(radius=20.0), *(pressed(f"c{k}") for k in range(8)))
+    (at_load,) = result.by_load
     relative = validity.relative_stds[MODULUS]
     assert relative > 0.2
     assert at_load.modulus.model_std == pytest.approx(relative * at_load.modulus.value)
@@ -266,7 +238,7 @@ def test_a_mean_over_repeats_keeps_the_models_part(tmp_path: Path) -> None:
 
 def test_sizes_are_judged_by_the_error_of_hertz_theory(tmp_path: Path) -> None:
     small, large, wide = (
-        run(tmp_path / str(major), finger("f", major=major))[1][0] for major in (2.0, 6.0, 11.0)
+        run(tmp_path / str(major), *tables(major=major))[1][0] for major in (2.0, 6.0, 11.0)
     )
     name = "youngs_modulus_on_half_space"
     assert named(small, name).verdict == HOLDS
@@ -279,7 +251,7 @@ def test_sizes_are_judged_by_the_error_of_hertz_theory(tmp_path: Path) -> None:
 
 
 def test_thickness_spoils_the_indentation_before_the_modulus(tmp_path: Path) -> None:
-    _, (validity,) = run(tmp_path, finger("f", keys="pad_thickness_mm = 8"))
+    _, (validity,) = run(tmp_path, *tables(pad_thickness_mm=8))
     assert named(validity, "indentation_on_layer").verdict == FAILS  # A/(πRξ) = 1.37 at a/t = 0.42
     assert named(validity, "indentation_on_layer").relative_difference == pytest.approx(0.37, abs=0.05)
     assert named(validity, "youngs_modulus_on_layer").verdict in {HOLDS, STRAINED}
@@ -289,7 +261,7 @@ def test_thickness_spoils_the_indentation_before_the_modulus(tmp_path: Path) -> 
 
 def test_a_direction_that_is_not_known_is_not_judged(tmp_path: Path) -> None:
     across, along, unknown = (
-        named(run(tmp_path / (axis or "unknown"), finger("f", axis=axis))[1][0], "shape")
+        named(run(tmp_path / (axis or "unknown"), *tables(axis=axis))[1][0], "shape")
         for axis in ("across", "along", "")
     )
     assert across.value == pytest.approx(1 / 1.07) == pytest.approx(1 / along.value)
@@ -312,11 +284,8 @@ def test_the_layer_has_a_verdict_of_its_own(tmp_path: Path, stated: float, verdi
 
 
 def test_exact_inputs_are_judged_too(tmp_path: Path) -> None:
-    text = HEAD.replace("load_relative_std = 0.02", "load_relative_std = 0") + finger("f", radius=20.0)
-    second = text[text.index("[[observations]]") : text.index("[[curves]]")].replace("of_f", "again")
-    (tmp_path / "study.toml").write_text(
-        (text + second.replace("load_N = 1", "load_N = 4")).replace("std = 0.05", "std = 1e-9")
-    )
-    (validity,) = run_study(tmp_path / "study.toml", tmp_path / "out").validities
+    of_f, *others = tables(radius=20.0)
+    exact = pressed("of_f", std=1e-9), pressed("again", 4, std=1e-9)
+    _, (validity,) = run(tmp_path, of_f, *exact, others[-1], load_relative_std=0)
     assert named(validity, "area_against_load").verdict == FAILS
     assert math.isfinite(validity.relative_stds[MODULUS])

@@ -83,6 +83,7 @@ frames_per_second = 500
 """
 
 
+@pytest.mark.nightly
 def test_pages_are_accessible(browser, run_demo) -> None:
     with served(run_demo.parent, run_demo) as server:
         tab = Tab(browser, server, color_scheme="light", bypass_csp=True)
@@ -137,6 +138,7 @@ def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo
     assert set(last["change"]) == {"ellipse_px", "threshold"}
 
 
+@pytest.mark.nightly
 def test_each_window_has_its_own_study(tab: Tab, demo) -> None:
     tab.expected.append("422")
     shutil.copytree(demo, demo.parent / "other")
@@ -186,6 +188,7 @@ def test_a_study_that_was_left_is_not_opened_again_by_a_late_state(tab: Tab) -> 
     expect(page.get_by_role("heading", name="Open study")).to_be_visible()
 
 
+@pytest.mark.nightly
 def test_a_dragged_handle_stays_while_another_window_corrects(tab: Tab, demo) -> None:
     one = tab.open(f"contacts/images/{PRINT}")
     two = tab.context.new_page()

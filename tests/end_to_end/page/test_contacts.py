@@ -259,6 +259,7 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     expect(page.get_by_text("automatic", exact=True)).to_be_visible()
 
 
+@pytest.mark.nightly
 def test_an_address_opens_its_image_from_any_view(tab: Tab) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)

@@ -68,6 +68,7 @@ def test_run_again_runs(tab: Tab, demo) -> None:
     expect(page.get_by_role("link", name="Run again")).to_have_count(0)
 
 
+@pytest.mark.nightly
 def test_logarithmic_axes_are_labelled_by_numbers_and_empty_charts_say_why(tab: Tab) -> None:
     page = tab.open("results")
     page.get_by_label("Against load", exact=True).select_option("contact area")
@@ -85,6 +86,7 @@ def test_logarithmic_axes_are_labelled_by_numbers_and_empty_charts_say_why(tab: 
         assert {label.strip("0.") for label in labels} <= {"1", "2", "5"}
 
 
+@pytest.mark.nightly
 def test_a_film_shows_each_frame_with_its_result(tab: Tab) -> None:
     page = tab.open(f"{SEQUENCE}/synthetic_press_30deg%236")
     numbers(page)

@@ -174,6 +174,7 @@ def test_a_pattern_is_previewed_and_fills_in_the_files(empty_tab: Tab, tmp_path)
     expect(page.get_by_label("Finger on odd.png")).to_have_value("")
 
 
+@pytest.mark.nightly
 def test_pasted_cells_are_a_spreadsheet(empty_tab: Tab, plain_names) -> None:
     page = empty_tab.open()
     begin(page)
