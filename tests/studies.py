@@ -78,7 +78,8 @@ def run(folder: Path, *tables: Table, **top: Any) -> StudyResult:
 
 
 def _place(finger: str, wedge: float, **keys: Any) -> dict[str, Any]:
-    return {"finger": finger, "wedge_angle_deg": wedge, **keys}
+    name = {"name": keys.pop("name")} if "name" in keys else {}
+    return {**name, "finger": finger, "wedge_angle_deg": wedge, **keys}
 
 
 def _toml(value: object) -> str:

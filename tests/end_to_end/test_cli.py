@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PIL import Image
-from typer.testing import CliRunner
+from tests.command import run, run_json
 
 from fingerpad.cli import app
 from fingerpad.cli.progress import ProgressDisplay
@@ -29,18 +29,6 @@ from fingerpad.study.engine.runner import Progress
 
 FIELDS = "fields --semi-axes-mm 7.9 13.8 11.8 --wedge-deg 30 --youngs-modulus-kpa 70 --grid 64"
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017"
-
-
-def run(*arguments: object) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
-
-
-def run_json(*arguments: object):
-    code, out, err = run(*arguments, "--json")
-    assert (code, err) == (0, "")
-    return json.loads(out)
 
 
 def test_geometry() -> None:

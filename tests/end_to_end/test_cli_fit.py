@@ -2,11 +2,13 @@
 
 import json
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.io import savemat
+from tests import command
 from typer.testing import CliRunner
 
 from fingerpad.cli import app
@@ -22,12 +24,7 @@ NUMBERS = (
     "load_exponent",
     "area_exponent",
 )
-
-
-def run(*arguments: object) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, ["fit", *map(str, arguments)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
+run = partial(command.run, "fit")
 
 
 @pytest.fixture

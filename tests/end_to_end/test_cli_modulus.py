@@ -1,12 +1,10 @@
 """The command that finds a modulus, and Hertz theory with a layer beside it."""
 
-import json
 import math
 
 import pytest
-from typer.testing import CliRunner
+from tests.command import run, run_json
 
-from fingerpad.cli import app
 from fingerpad.contact import Tissue, fast_contact, hertz_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
@@ -20,18 +18,6 @@ KEYS = {
     "reduced_modulus_kpa",
     "youngs_modulus_kpa",
 }
-
-
-def run(*arguments: object) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, [*map(str, arguments)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
-
-
-def run_json(*arguments: object):
-    code, out, err = run(*arguments, "--json")
-    assert (code, err) == (0, "")
-    return json.loads(out)
 
 
 @pytest.mark.parametrize("given", ["area", "indentation"])

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from tests import command
 
 import fingerpad as fp
-from fingerpad.cli import app
 from fingerpad.study.results import load as of_run
 from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, ThicknessFitRecord
 
@@ -34,9 +33,8 @@ THICK = "effective_thickness_mm = 6\neffective_thickness_mm_std = 0.5\n"
 
 
 def run(*arguments: object) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, ["simulator", *map(str, arguments)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, " ".join(result.stderr.replace("│", " ").split())
+    code, out, err = command.run("simulator", *arguments)
+    return code, out, " ".join(err.replace("│", " ").split())
 
 
 def run_json(*arguments: object):

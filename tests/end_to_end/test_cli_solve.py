@@ -3,12 +3,12 @@
 import json
 import math
 import re
+from functools import partial
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from tests import command
 
-from fingerpad.cli import app
 from fingerpad.contact import Tissue, hertz_contact, solve_contact
 from fingerpad.geometry import Ellipsoid, Placement
 
@@ -25,18 +25,8 @@ KEYS = {
     "peak_pressure_kpa",
     "relative_error_estimate",
 }
-
-
-def run(*arguments: object) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, ["solve", *map(str, arguments)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
-
-
-def run_json(*arguments: object):
-    code, out, err = run(*arguments, "--json")
-    assert (code, err) == (0, "")
-    return json.loads(out)
+run = partial(command.run, "solve")
+run_json = partial(command.run_json, "solve")
 
 
 def test_a_light_touch_is_hertzian() -> None:

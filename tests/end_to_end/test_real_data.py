@@ -6,10 +6,8 @@ import shutil
 from pathlib import Path
 
 import pytest
+from tests import command
 from tests.studies import contact, curve, finger, picture, write_study
-from typer.testing import CliRunner
-
-from fingerpad.cli import app
 
 CURVES = Path(__file__).parents[1] / "loading" / "data"
 PRINTS = Path(__file__).resolve().parents[3] / "shared" / "data" / "nist_nbis_livescan_slaps"
@@ -19,9 +17,9 @@ RECORDS = {"chiaro_gel.csv": (27.5, 0.1560), "afm_cell.csv": (5.0, 480.3)}
 
 
 def run(*arguments: object) -> str:
-    done = CliRunner().invoke(app, [str(one) for one in arguments])
-    assert done.exit_code == 0, done.output
-    return done.output
+    code, out, err = command.run(*arguments)
+    assert code == 0, err
+    return out
 
 
 def test_real_curves_in_a_study_have_the_moduli_that_others_find(tmp_path: Path) -> None:

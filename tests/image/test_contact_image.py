@@ -29,7 +29,7 @@ def load(path):
     return np.asarray(Image.open(path))
 
 
-def truths(noise_std, count=12):
+def truths(noise_std, count=9):
     rng = np.random.default_rng(11)
     for k in range(count):
         area, ratio = rng.uniform(100, 300), rng.uniform(1.0, 1.7)

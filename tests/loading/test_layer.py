@@ -58,7 +58,13 @@ def test_a_half_space_leaves_the_thickness_open_above() -> None:
     assert deep.conclusion.startswith(f"tissue thicker than {deep.thickness.lower:.3g} mm")
 
 
-@pytest.mark.parametrize("case", ["3 mm, white noise", "12 mm, 1/f noise", "deep, 1/f noise"])
+@pytest.mark.parametrize(
+    "case",
+    [
+        "3 mm, white noise",
+        *(pytest.param(case, marks=pytest.mark.nightly) for case in ("12 mm, 1/f noise", "deep, 1/f noise")),
+    ],
+)
 def test_intervals_hold_the_truth_of_random_pads(case) -> None:
     found = fit_once(CASES[case], 90_000)
     assert found.thickness_held == found.modulus_held == 1
@@ -113,11 +119,10 @@ def test_wrong_scales_are_held_by_their_uncertainty() -> None:
     assert not found.flags
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_hertz_theory_that_explains_a_curve_leaves_no_thickness(seed) -> None:
+def test_hertz_theory_that_explains_a_curve_leaves_no_thickness() -> None:
     # A = πRξ and W ∝ ξ^(3/2) of R = 12 mm, where the geometry has an ellipsoid of 1/H = 13.2 ± 1 mm.
     placement = Placement(Ellipsoid(8.94, 12.0, 10.0), wedge_angle=0.0)
-    rng = np.random.default_rng([13, seed])
+    rng = np.random.default_rng([13, 0])
     travel = np.linspace(-0.4, 2.0, 240)
     xi = np.maximum(travel, 0)
     stiffness = 4 / 3 * 0.06 / (1 - 0.48**2) * np.sqrt(12)

@@ -25,7 +25,9 @@ def fit_of(seed: int = 1, times: float = 1.0, **options: object) -> LoadingFit:
     return fit_loading_curve(simulate_loading_curve(points=100, seed=seed, **PAD, **noise), **options)
 
 
-@pytest.mark.parametrize("times", [0.3, 1.0, 3.0])
+@pytest.mark.parametrize(
+    "times", [1.0, *(pytest.param(one, marks=pytest.mark.nightly) for one in (0.3, 3.0))]
+)
 def test_the_band_holds_the_true_load(times: float) -> None:
     fits = [fit for seed in range(6) if not DOUBTFUL & set((fit := fit_of(seed, times)).flags)]
     held = []

@@ -120,6 +120,7 @@ def test_a_layer_that_no_area_tells_from_a_growing_modulus_is_within_the_interva
     assert grows.initial_modulus.upper < 1.2 * PAD.modulus
 
 
+@pytest.mark.nightly
 def test_a_stage_that_yields_a_little_is_within_the_interval_of_the_radius() -> None:
     held = [
         fit.loading_radius.lower < PAD.radius < fit.loading_radius.upper

@@ -56,6 +56,7 @@ def value(
     )
 
 
+@pytest.mark.nightly
 def test_the_interval_of_a_mean_holds_the_truth_as_often_as_it_says() -> None:
     # Eight people, three fingers each; people differ more than fingers do, fingers more than is measured.
     random = np.random.default_rng(11)

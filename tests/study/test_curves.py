@@ -216,7 +216,7 @@ def test_a_thickness_that_cannot_be_is_refused(tmp_path: Path, stated: str, word
 
 def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
     for name, rate in (("a", 1.0), ("b", 3.0)):
-        write_curve(tmp_path / f"{name}.csv", loading_radius=15.0, initial_modulus=0.04, rate=rate)
+        write_curve(tmp_path / f"{name}.csv", area=False, initial_modulus=0.04, rate=rate)
     one = study(tmp_path, 'file = "b.csv"\n', "loading_radius_mm = 14\n", 'file = "a.csv"\n')
     two = run_study(tmp_path / "study.toml", tmp_path / "two", workers=2)
     assert [curve.name for curve in one.curves] == ["b.csv", "f at 30°, R_g as given", "a.csv"]
@@ -229,7 +229,7 @@ def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
 
 def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
     for name in ("a", "b"):
-        write_curve(tmp_path / f"{name}.csv", loading_radius=15.0, initial_modulus=0.04)
+        write_curve(tmp_path / f"{name}.csv", area=name == "a", loading_radius=15.0, initial_modulus=0.04)
     curves = ('file = "a.csv"\n', 'file = "b.csv"\n', 'file = "b.csv"\nfit_load_range_N = [0.2, 1.5]\n')
 
     def fitted(*now: str) -> tuple[list[str], StudyResult]:

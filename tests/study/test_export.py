@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from pyarrow import parquet
 from scipy import io
+from tests.studies import contact, finger, picture, write_study
 from tests.sums import write_sums
 
 from fingerpad.exceptions import FingerpadError
@@ -21,41 +22,24 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.load import export_results, read_rows
 from fingerpad.study.results.table import COLUMNS
 
-STUDY = """
-title = "Two presses, é"
-[uncertainty]
-wedge_angle_deg_std = 0.5
-[[fingers]]
-name = "index"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-[[observations]]
-name = "heavy"
-finger = "index"
-wedge_angle_deg = 30
-load_N = 2
-ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1, long_axis = "along" }
-[[observations]]
-name = "light"
-finger = "index"
-wedge_angle_deg = 45
-load_N = 0.5
-synthetic = true
-ellipse_mm = { semi_major = 5.3, semi_minor = 4.2, std = 0.1 }
-[[observations]]
-name = "lost"
-finger = "index"
-wedge_angle_deg = 45
-load_N = 0.5
-file = "broken.png"
-scale = { ppi = 500 }
-"""
+
+def make(folder: Path) -> Path:
+    at_45 = {"finger": "index", "wedge": 45}
+    return write_study(
+        folder,
+        finger("index"),
+        contact("heavy", finger="index"),
+        contact("light", 0.5, (5.3, 4.2), axis="", synthetic=True, **at_45),
+        picture("lost", "broken.png", 0.5, scale={"ppi": 500}, **at_45),
+        title="Two presses, é",
+        uncertainty={"wedge_angle_deg_std": 0.5},
+    )
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study")
-    (folder / "study.toml").write_text(STUDY, encoding="utf-8")
+    make(folder)
     (folder / "broken.png").write_bytes(b"no picture")
     out = folder / "out"
     run_study(folder / "study.toml", out, all_columns=True)
@@ -137,7 +121,7 @@ def test_every_column_has_the_unit_that_its_name_says() -> None:
 
 
 def test_words_of_people_are_no_formulas_and_come_back(tmp_path: Path) -> None:
-    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    make(tmp_path)
     (tmp_path / "broken.png").write_bytes(b"no picture")
     log, study = CorrectionLog(tmp_path), read_study(tmp_path / "study.toml")
     reason = '=HYPERLINK("https://example.org")'

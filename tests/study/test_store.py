@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from filelock import FileLock
 from PIL import Image
+from tests.studies import finger, picture, write_study
 from tests.waiting import wait_until
 from typer.testing import CliRunner
 
@@ -29,25 +30,6 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status, verify_study
 
-# Angles known so well that few random draws check the uncertainty.
-MANIFEST = """
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = 0.3
-[[fingers]]
-name = "f"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-"""
-OBSERVATION = """[[observations]]
-name = "o{number}"
-finger = "f"
-wedge_angle_deg = 30
-load_N = {load}
-file = "o{number}.png"
-scale = {{ ppi = 250 }}
-{more}
-"""
 COUNT = 4
 
 
@@ -91,9 +73,11 @@ def rows(whole: tuple[Path, list[dict]]) -> list[dict]:
     return whole[1]
 
 
-def write(folder: Path, more: dict[int, str] | None = None, load: float = 1.0) -> None:
-    tables = (OBSERVATION.format(number=k, load=load, more=(more or {}).get(k, "")) for k in range(COUNT))
-    (folder / "study.toml").write_text(MANIFEST + "".join(tables))
+def write(folder: Path, more: dict[int, dict[str, object]] | None = None, load: float = 1.0) -> None:
+    keys = [{"scale": {"ppi": 250}, **(more or {}).get(k, {})} for k in range(COUNT)]
+    tables = (picture(f"o{k}", f"o{k}.png", load, **each) for k, each in enumerate(keys))
+    # Angles known so well that few random draws check the uncertainty.
+    write_study(folder, finger(), *tables, uncertainty={"wedge_angle_deg_std": 0.3})
 
 
 def run(folder: Path, **options: object) -> tuple[list[str], list[dict]]:
@@ -114,10 +98,10 @@ def test_a_second_run_measures_nothing_and_says_the_same(folder: Path, rows: lis
 @pytest.mark.parametrize(
     ("more", "expected"),
     [
-        ({1: "threshold = 40"}, ["o1"]),
-        ({2: "finger_axis_deg = 10"}, ["o2"]),
-        ({0: 'notes = "a second look"'}, []),
-        ({0: "roll_angle_deg = 5"}, []),
+        ({1: {"threshold": 40}}, ["o1"]),
+        ({2: {"finger_axis_deg": 10}}, ["o2"]),
+        ({0: {"notes": "a second look"}}, []),
+        ({0: {"roll_angle_deg": 5}}, []),
     ],
 )
 def test_only_what_bears_on_the_picture_is_measured_again(folder: Path, more: dict, expected: list) -> None:
@@ -374,7 +358,7 @@ def test_status_for_scripts(fresh: Path) -> None:
     assert (before["left"], before["total"], before["seconds_left"]) == (COUNT, COUNT, None)
     run(fresh)
     whole = json.loads(CliRunner().invoke(app, command).stdout)["seconds"]
-    write(fresh, {0: "threshold = 50"})
+    write(fresh, {0: {"threshold": 50}})
     after = json.loads(CliRunner().invoke(app, command).stdout)
     assert {key: after[key] for key in ("done", "failed", "stale", "left", "total")} == {
         "done": COUNT - 1,

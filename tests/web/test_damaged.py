@@ -102,6 +102,7 @@ def test_a_damaged_summary_is_told_and_every_route_answers(client, folder, kind)
     [
         (",load_N,", ",load_kN,", "its columns are not those of this version"),
         (",30.0,2.0,", ",30.0,x,", "load_N holds what is no float"),
+        (",30.0,2.0,", ",30.0,1e999,", "load_N holds an infinite number"),
     ],
 )
 def test_damaged_rows_are_told_and_every_route_answers(client, folder, old, new, words):

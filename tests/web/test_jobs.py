@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from filelock import FileLock
 from PIL import Image
+from tests.studies import finger, picture, write_study
 from tests.waiting import wait_until
 from tests.web.conftest import DEMO, serving
 from typer.testing import CliRunner
@@ -37,16 +38,24 @@ def small(tmp_path_factory):
     (folder / "synthetic").mkdir(parents=True)
     for load in ("1N", "2N", "4N"):
         shutil.copy(DEMO / "synthetic" / f"synthetic_30deg_{load}.png", folder / "synthetic")
-    axes = "palmar = 7.9, distal = 13.8, radial_ulnar = 11.8"
-    observations = "".join(
-        f'[[observations]]\nname = "o{load}"\nfinger = "pad"\nwedge_angle_deg = 30\nload_N = {load}.0\n'
-        f'file = "synthetic/synthetic_30deg_{load}N.png"\nscale = "reader"\nsynthetic = true\n'
+    pictures = (
+        picture(
+            f"o{load}",
+            f"synthetic/synthetic_30deg_{load}N.png",
+            float(load),
+            finger="pad",
+            scale="reader",
+            synthetic=True,
+        )
         for load in (1, 2, 4)
     )
-    (folder / "study.toml").write_text(
-        'title = "Small"\n[uncertainty]\nwedge_angle_deg_std = 0.5\n[scales.reader]\nppi = 500\n'
-        f'[[fingers]]\nname = "pad"\nsemi_axes_mm = {{ {axes} }}\n'
-        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + observations
+    write_study(
+        folder,
+        finger("pad"),
+        *pictures,
+        title="Small",
+        uncertainty={"wedge_angle_deg_std": 0.5},
+        scales={"reader": {"ppi": 500}},
     )
     return folder
 
