@@ -219,7 +219,7 @@ def test_a_set_of_rois_is_read_in_order(tmp_path: Path) -> None:
     path = zipped(tmp_path, {"b.roi": tilted(0), "a.roi": tilted(90), "c.roi": oval(0, 0, 8, 6)})
     found = read_rois(path)
     assert [ellipse.label for ellipse in found] == ["b", "a", "drawn"]
-    assert [ellipse.place for ellipse in found] == [f"RoiSet.zip, {name}.roi" for name in "bac"]
+    assert [ellipse.source for ellipse in found] == [f"RoiSet.zip, {name}.roi" for name in "bac"]
 
 
 @pytest.mark.parametrize(
@@ -283,7 +283,7 @@ def ellipse(
 ):
     return MeasuredEllipse(
         label=label,
-        place="t, line 2",
+        source="t, line 2",
         semi_major=semi_major,
         semi_minor=semi_minor,
         orientation_deg=orientation,

@@ -88,7 +88,7 @@ def import_fiji(
     write_observations(out, rows)
     for ellipse in ellipses:
         for doubt in ellipse.doubts:
-            typer.echo(f"doubtful: {ellipse.place}: {doubt}", err=True)
+            typer.echo(f"doubtful: {ellipse.source}: {doubt}", err=True)
     if as_json:
         print_json([row.as_record() for row in rows])
     else:

@@ -87,7 +87,7 @@ def _of_curves(result: StudyResult, summary: Summary) -> Iterator[Comparison]:
     """Yield a line for each loading curve of the finger at the angle."""
     for curve in result.curves:
         of = curve.manifest
-        if of.place != summary.place:
+        if of.finger_and_wedge != summary.finger_and_wedge:
             continue
         found = curve_on_layer(result.study, result.fingers[of.finger], curve)
         if found is not None:

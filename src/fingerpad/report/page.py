@@ -222,7 +222,7 @@ def _line(result: StudyResult, summary: Summary, found: Answer) -> dict[str, Any
         "contacts": len(contacts),
         "pooled": int(np.count_nonzero(contacts["pooled"])),
         "doubtful": int(np.count_nonzero(contacts["flags"] != "")),
-        "loading": loading_radius(result.curves, summary.place),
+        "loading": loading_radius(result.curves, summary.finger_and_wedge),
     }
 
 

@@ -42,7 +42,7 @@ from fingerpad.study.results.pooling import Exponent, Summary, area_exponent
 from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import Places, Row, records
+from fingerpad.study.results.table import Indices, Row, records
 from fingerpad.study.results.validity import RADIUS, Headline
 
 # More than these only make a page heavy.
@@ -126,7 +126,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             + ("" if last["long_axis"] else " The measured ellipse has no direction and is not drawn.")
         ),
     )
-    loading = loading_radius(result.curves, summary.place)
+    loading = loading_radius(result.curves, summary.finger_and_wedge)
     level = ""
     if loading is not None:
         band = ", with one standard uncertainty (band)" if np.isfinite(loading.std) else ""
@@ -249,7 +249,7 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
     for curve in curves:
         of, initial = curve.manifest, curve.fit.initial_modulus if curve.fit else None
         if initial is not None and initial.known and np.isfinite(curve.velocity):
-            groups.setdefault(of.place, []).append((curve.velocity, initial))
+            groups.setdefault(of.finger_and_wedge, []).append((curve.velocity, initial))
     for (finger, wedge, synthetic), found in groups.items():
         if len({velocity for velocity, _ in found}) < 2:
             continue
@@ -348,7 +348,7 @@ def thinned(rows: pd.DataFrame, most: int) -> pd.DataFrame:
     return rows.iloc[_evenly(len(rows), most)]
 
 
-def _evenly(count: int, most: int) -> Places:
+def _evenly(count: int, most: int) -> Indices:
     return np.linspace(0, count - 1, min(count, most)).round().astype(np.intp)
 
 

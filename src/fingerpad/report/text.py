@@ -177,7 +177,7 @@ def why_not_pooled(summary: Summary) -> str:
 def fingers_without_results(result: StudyResult) -> Iterator[str]:
     """Yield what was found of fingers without a measured contact: semi-axes, and radii from loading data."""
     with_contacts = {summary.finger for summary in result.summaries}
-    places = dict.fromkeys(one.manifest.place for one in result.curves)
+    places = dict.fromkeys(one.manifest.finger_and_wedge for one in result.curves)
     for finger in result.fingers.values():
         if finger.name in with_contacts or finger.reason is not None:
             continue

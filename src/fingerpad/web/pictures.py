@@ -17,7 +17,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image import open_frames, read_colour_image, read_image
 from fingerpad.image.read import Picture
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES, frame_files
-from fingerpad.study.imports.names import Kind
+from fingerpad.study.imports.names import FileKind
 from fingerpad.web.errors import RequestError
 
 THUMBNAIL_PX: Final = 192
@@ -169,7 +169,7 @@ def is_sequence(path: Path) -> bool:
     return path.is_dir() or path.suffix.lower() in _SEQUENCE_SUFFIXES
 
 
-def kind_of_file(name: str) -> Kind:
+def kind_of_file(name: str) -> FileKind:
     """Return the kind of a file by its name: picture, sequence, table or other.
 
     Examples

@@ -142,7 +142,7 @@ class StudySession:
             return load_study(self.folder / STUDY_NAME)
         except ManifestError as error:
             faults = tuple(Fault("", line) for line in str(error).splitlines())
-            damage = Table(kind="study", key="", content={}, file="", place="", faults=faults)
+            damage = Table(kind="study", key="", content={}, file="", key_path="", faults=faults)
             study = Study(title=self.name)
             return LoadedStudy(
                 folder=self.folder, digest="", study=study, tables=(damage,), issues=tuple(damage.lines)

@@ -127,12 +127,12 @@ def means_of(values: Iterable[Value]) -> list[Mean]:
     groups: dict[Hashable, list[Value]] = {}
     for value in values:
         if value.std > 0:
-            groups.setdefault(value.place, []).append(value)
+            groups.setdefault(value.mean_key, []).append(value)
     return [_mean(members) for members in groups.values()]
 
 
 def _mean(values: Sequence[Value]) -> Mean:
-    quantity, wedge, roll, synthetic = values[0].place
+    quantity, wedge, roll, synthetic = values[0].mean_key
     proportional = QUANTITIES[quantity].proportional
     people: dict[Person, dict[str, list[_Level]]] = {}
     for value in values:

@@ -79,7 +79,7 @@ def _read(folder: Path) -> FinishedStudy:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Kind:
+class Quantity:
     """A quantity that fingers are compared by.
 
     Attributes
@@ -100,38 +100,38 @@ class Kind:
     proportional: bool = True
 
 
-QUANTITIES: Final[Mapping[str, Kind]] = {
-    "palmar_mm": Kind(
+QUANTITIES: Final[Mapping[str, Quantity]] = {
+    "palmar_mm": Quantity(
         symbol=r"$\ell_\mathrm{a}$", unit="mm", words="palmar semi-axis"
     ),
-    "distal_mm": Kind(
+    "distal_mm": Quantity(
         symbol=r"$\ell_\mathrm{b}$", unit="mm", words="distal semi-axis"
     ),
-    "radial_ulnar_mm": Kind(
+    "radial_ulnar_mm": Quantity(
         symbol=r"$\ell_\mathrm{c}$", unit="mm", words="radial–ulnar semi-axis"
     ),
-    "mean_curvature_radius_mm": Kind(
+    "mean_curvature_radius_mm": Quantity(
         symbol=r"$R_\mathrm{0g}$", unit="mm", words="radius of the undeformed pad, 1/H"
     ),
-    "radius_from_indentation_mm": Kind(
+    "radius_from_indentation_mm": Quantity(
         symbol=r"$R_\mathrm{g}^\mathrm{corr}$", unit="mm", words="corrected radius, pooled over contacts"
     ),
-    "youngs_modulus_kpa": Kind(
+    "youngs_modulus_kpa": Quantity(
         symbol="$E$", unit="kPa", words="Young's modulus by Hertz theory, at the highest load"
     ),
-    "youngs_modulus_on_layer_kpa": Kind(
+    "youngs_modulus_on_layer_kpa": Quantity(
         symbol=r"$E_\mathrm{layer}$",
         unit="kPa",
         words="Young's modulus on tissue of the stated thickness over bone, from the same contact",
     ),
-    "initial_modulus_kpa": Kind(
+    "initial_modulus_kpa": Quantity(
         symbol=r"$E_\mathrm{0g}$", unit="kPa", words="Young's modulus at small load, from loading curves"
     ),
-    "load_exponent": Kind(symbol="$m$", unit="", words="exponent of W ∝ ξᵐ, from loading curves"),
-    "curve_area_exponent": Kind(
+    "load_exponent": Quantity(symbol="$m$", unit="", words="exponent of W ∝ ξᵐ, from loading curves"),
+    "curve_area_exponent": Quantity(
         symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from loading curves", proportional=False
     ),
-    "area_exponent": Kind(
+    "area_exponent": Quantity(
         symbol="$n$", unit="", words="exponent of A ∝ Wⁿ, from contacts", proportional=False
     ),
 }  # fmt: skip
@@ -209,7 +209,7 @@ class Value(Displayed):
     verdict: str = ""
 
     @property
-    def place(self) -> tuple[str, float | None, float | None, bool]:
+    def mean_key(self) -> tuple[str, float | None, float | None, bool]:
         """What values of one mean have in common: quantity, wedge, roll, and whether synthetic."""
         return self.quantity, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
 

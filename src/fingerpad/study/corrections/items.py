@@ -257,10 +257,10 @@ def _dump(content: Mapping[str, Any]) -> bytes:
     return json.dumps(content, ensure_ascii=False, allow_nan=False).encode(errors="surrogatepass")
 
 
-Kind: TypeAlias = Literal["observation", "frame", "phases", "photograph"]
+ItemKind: TypeAlias = Literal["observation", "frame", "phases", "photograph"]
 
 
-def kind_of(item: str, study: Study) -> Kind:
+def kind_of(item: str, study: Study) -> ItemKind:
     """Return what an item is.
 
     Raises
@@ -278,7 +278,7 @@ def kind_of(item: str, study: Study) -> Kind:
     return kind
 
 
-def named_kind(item: str, study: Study) -> Kind | None:
+def named_kind(item: str, study: Study) -> ItemKind | None:
     """Return what an item is, None where the manifest names no such item."""
     if "/" in item:
         finger, _, image = item.partition("/")

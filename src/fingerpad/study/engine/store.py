@@ -28,7 +28,7 @@ from fingerpad._files import content_digest, content_stamp, make_folder
 from fingerpad.exceptions import StoreError
 from fingerpad.study.engine.task import Limits, Task, TaskResult
 
-Kind = TypeVar("Kind")
+Structured = TypeVar("Structured")
 
 
 def _is_array(kind: Any) -> bool:
@@ -71,7 +71,7 @@ def to_record(value: Any) -> Any:
     return _CONVERTER.unstructure(value)
 
 
-def from_record(kind: type[Kind], record: Any) -> Kind:
+def from_record(kind: type[Structured], record: Any) -> Structured:
     """Return what `to_record` was given, by the annotations of its type.
 
     Examples

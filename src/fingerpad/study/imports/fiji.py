@@ -47,7 +47,7 @@ class MeasuredEllipse:
     ----------
     label : str
         What Fiji calls it: the picture's name, or the ROI's.
-    place : str
+    source : str
         File and line, or file and ROI, for messages.
     semi_major, semi_minor : float
         Semi-axes: half of what Fiji's Major and Minor are.
@@ -58,7 +58,7 @@ class MeasuredEllipse:
     """
 
     label: str
-    place: str
+    source: str
     semi_major: float
     semi_minor: float
     orientation_deg: float | None = None
@@ -146,7 +146,7 @@ def _row_ellipse(row: Mapping[str, str], place: str, number: int) -> MeasuredEll
     angle = _number(row, "Angle", place) if row.get("Angle") else None
     return MeasuredEllipse(
         label=row.get("Label") or f"contact_{number}",
-        place=place,
+        source=place,
         semi_major=major / 2,
         semi_minor=minor / 2,
         orientation_deg=None if angle is None else upward_deg(angle),
@@ -246,7 +246,7 @@ def _upright(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
         raise ImageError(f"{place}: an oval of {width:g} × {height:g} px has no area; draw it again")
     return MeasuredEllipse(
         label=label,
-        place=place,
+        source=place,
         semi_major=max(width, height) / 2,
         semi_minor=min(width, height) / 2,
         orientation_deg=upward_deg(90.0 if height >= width else 0.0),
@@ -269,7 +269,7 @@ def _rotated(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
         raise ImageError(f"{place}: an ellipse of {major:g} px with axis ratio {ratio:g}; draw it again")
     return MeasuredEllipse(
         label=label,
-        place=place,
+        source=place,
         semi_major=major / 2,
         semi_minor=ratio * major / 2,
         orientation_deg=upward_deg(math.degrees(math.atan2(-down, across))),
@@ -284,7 +284,7 @@ def _traced(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
         raise ImageError(f"{place}: {error}") from error
     return MeasuredEllipse(
         label=label,
-        place=place,
+        source=place,
         semi_major=found.semi_axes[0],
         semi_minor=found.semi_axes[1],
         orientation_deg=math.degrees(found.orientation),
@@ -412,13 +412,13 @@ def manual_observations(
         major, minor = mm_per_unit * ellipse.semi_major, mm_per_unit * ellipse.semi_minor
         if not _PLAUSIBLE[0] <= major <= _PLAUSIBLE[1]:
             raise CalibrationError(
-                f"{ellipse.place}: a semi-major axis of {major:.3g} mm is none of a finger's contact; "
+                f"{ellipse.source}: a semi-major axis of {major:.3g} mm is none of a finger's contact; "
                 "check the unit or the scale (Fiji measures in px until a scale is set)"
             )
         values = {**known, **stated}
         if person := values.pop("person", None):
             values["finger"] = f"{person}_{values['finger']}" if "finger" in values else person
-        validated(_LabelValues, values, ellipse.place, strict=True)
+        validated(_LabelValues, values, ellipse.source, strict=True)
         rows.append(
             ManualObservation(
                 name=_name(ellipse.label, names),
@@ -428,7 +428,7 @@ def manual_observations(
                 ellipse_mm_std=math.hypot(semi_axis_mm_std, relative_scale_std * math.sqrt(major * minor)),
                 long_axis=_long_axis(ellipse, finger_axis_deg),
                 synthetic=synthetic,
-                notes="; ".join((f"measured manually: {ellipse.place}", *ellipse.doubts)),
+                notes="; ".join((f"measured manually: {ellipse.source}", *ellipse.doubts)),
             )
         )
     return rows
@@ -440,7 +440,7 @@ def _values_of_labels(ellipses: Sequence[MeasuredEllipse], text: str | None) -> 
         return [{} for _ in ellipses]
     pattern = NamePattern.of(text, _LABEL_FIELDS)
     stems = [re.split(f"{_SUFFIX}|:", one.label, maxsplit=1, flags=re.IGNORECASE)[0] for one in ellipses]
-    found = [pattern.match(one.place, stem) for one, stem in zip(ellipses, stems, strict=True)]
+    found = [pattern.match(one.source, stem) for one, stem in zip(ellipses, stems, strict=True)]
     for match in found:
         if match.fits and match.problem:
             raise ManifestError(f"{match.file}: {match.problem}")

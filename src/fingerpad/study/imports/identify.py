@@ -16,8 +16,8 @@ from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VID
 from fingerpad.study.imports.names import (
     FACTORS,
     Field,
+    FileKind,
     FileValues,
-    Kind,
     finger_name,
     names_a_force,
     names_a_scale,
@@ -52,7 +52,7 @@ _UNITS: Final = {unit for units in FACTORS.values() for unit in units}
 _OTHERS: Final = frozenset(("std", "sd", "uncertainty", "rate", "time", "speed", "roll", "size", "date"))
 
 
-class Column(NamedTuple):
+class FileColumn(NamedTuple):
     """A column: its header, its meaning, None where unknown, and its unit."""
 
     header: str
@@ -76,13 +76,13 @@ class FileTable:
 
     Attributes
     ----------
-    columns : tuple of Column
+    columns : tuple of FileColumn
         Its columns in order.
     rows : tuple of FileRow
         Its rows.
     """
 
-    columns: tuple[Column, ...]
+    columns: tuple[FileColumn, ...]
     rows: tuple[FileRow, ...]
 
     @property
@@ -193,12 +193,12 @@ def file_table(table: Table) -> FileTable:
     return FileTable(columns=columns, rows=tuple(_row(columns, cells, line) for line, cells in table.rows))
 
 
-def _column(header: str) -> Column:
+def _column(header: str) -> FileColumn:
     lower = header.casefold()
     unit = next((unit for unit in _parts(lower) if unit in _UNITS), None)
     words = re.findall(r"[^\W\d_]+", lower)
     if not _OTHERS.isdisjoint(words):
-        return Column(header, None, None)
+        return FileColumn(header, None, None)
     meaning = next((_HEADERS[word] for word in words if word in _HEADERS), None)
     if meaning is None:
         meaning = next((_SYMBOLS[part] for part in _parts(lower) if part in _SYMBOLS), None)
@@ -206,7 +206,7 @@ def _column(header: str) -> Column:
         meaning = next(field for field, units in _FIELDS_OF_UNITS if unit in units)
     if meaning is None and words in (["name"], ["observation"]):
         meaning = "file"
-    return Column(header, meaning, unit)
+    return FileColumn(header, meaning, unit)
 
 
 def _parts(header: str) -> list[str]:
@@ -215,7 +215,7 @@ def _parts(header: str) -> list[str]:
     return re.split(r"[\s_,;:()\[\]]+", plain)[::-1]
 
 
-def _row(columns: Sequence[Column], cells: Sequence[str], line: int) -> FileRow:
+def _row(columns: Sequence[FileColumn], cells: Sequence[str], line: int) -> FileRow:
     values, problems, file, hand = FileValues(), [], "", ""
     for column, cell in zip(columns, map(str.strip, cells), strict=False):
         if not cell or column.meaning is None:
@@ -401,7 +401,7 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
 
 
 def _identity(
-    contents: Mapping[Content, float], path: Path, kind: Kind, faces: Mapping[Face, float] | None = None
+    contents: Mapping[Content, float], path: Path, kind: FileKind, faces: Mapping[Face, float] | None = None
 ) -> FileIdentity:
     """Return what content and name say together."""
     reading = read_file_name(path.name, kind)

@@ -208,7 +208,7 @@ def _read_scale(values: FileValues, text: str, unit: str | None) -> None:
         raise ValueError(f"{text!r} has no unit: give mm/px or ppi")
 
 
-Kind: TypeAlias = Literal["picture", "sequence", "table", "other"]
+FileKind: TypeAlias = Literal["picture", "sequence", "table", "other"]
 
 # Letters, or one number with its decimal mark.
 _WORD: Final = re.compile(r"[^\W\d_]+|\d+(?:[.,]\d+)?")
@@ -224,8 +224,8 @@ _CAPITALS: Final = re.compile(r"(?<![^\W\d_])([LR])([TIMRLP])(?![^\W\d_])")
 _OF_SCALE: Final = frozenset(
     ("ruler", "scale", "coin", "euro", "cent", "calibration", "card", "checkerboard", "grid")
 )
-_ROLES: Final[dict[Kind, Role]] = {"picture": "observation", "sequence": "sequence", "table": "curve"}
-_FACE_ROLES: Final[dict[Kind, Role]] = {"picture": "photograph", "table": "outline"}
+_ROLES: Final[dict[FileKind, Role]] = {"picture": "observation", "sequence": "sequence", "table": "curve"}
+_FACE_ROLES: Final[dict[FileKind, Role]] = {"picture": "photograph", "table": "outline"}
 
 # Of a pattern.
 FILE_FIELDS: Final[tuple[Field, ...]] = ("person", "finger", "face", "role", "wedge", "load", "session")
@@ -244,7 +244,7 @@ _LONGEST: Final = 200
 _MOST_ANY: Final = 3
 
 
-def read_file_name(name: str, kind: Kind, *, fingers: Iterable[str] = ()) -> FileValues:
+def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) -> FileValues:
     """Read what a file's name says about its content.
 
     Parameters
@@ -252,7 +252,7 @@ def read_file_name(name: str, kind: Kind, *, fingers: Iterable[str] = ()) -> Fil
     name : str
         Name of the file, with or without folders.
     kind : {"picture", "sequence", "table", "other"}
-        Kind of file.
+        FileKind of file.
     fingers : iterable of str
         Fingers of the study; one of them in the name is that finger.
 

@@ -104,7 +104,7 @@ class Table:
         What it is, and its name; of a curve its number from 0, of the top level and the sections empty.
     content : dict
         What it says.
-    file, place : str
+    file, key_path : str
         The file that holds it, with the line in a spreadsheet, and its place there.
     faults : tuple of Fault
         What is missing or wrong in it.
@@ -118,7 +118,7 @@ class Table:
     key: str
     content: dict[str, Any]
     file: str
-    place: str
+    key_path: str
     faults: tuple[Fault, ...] = ()
     model: ManifestModel | None = None
     complete: bool = False
@@ -129,7 +129,7 @@ class Table:
         name = self.content.get("name")
         lines = []
         for place, words in self.faults:
-            where = ".".join(part for part in (self.place, place) if part)
+            where = ".".join(part for part in (self.key_path, place) if part)
             owner = f" (in {name})" if isinstance(name, str) and place != "name" else ""
             lines.append(": ".join(part for part in (self.file, where, words + owner) if part))
         return lines
@@ -157,7 +157,7 @@ class TableChecks:
         """Return the next table with its faults."""
         model, faults = None, table.faults
         if not faults:  # what is of a spreadsheet has no place but its line, and is text
-            model, faults = checked(MODELS[table.kind], table.content, strict=bool(table.place))
+            model, faults = checked(MODELS[table.kind], table.content, strict=bool(table.key_path))
         if isinstance(model, Observation | ContactSequence) and "surface" not in model.model_fields_set:
             model = model.model_copy(update={"surface": self._surface if model.file else "ridged"})
         if model is not None:
@@ -406,7 +406,9 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
             tables += _rows(Sheet.parse(top.observations_csv, rows))
         except (ManifestError, OSError) as error:
             fault = Fault("observations_csv", str(error))
-            wrong.append(Table(kind="study", key="", content={}, file=path.name, place="", faults=(fault,)))
+            wrong.append(
+                Table(kind="study", key="", content={}, file=path.name, key_path="", faults=(fault,))
+            )
     check = TableChecks(path.parent, top.surface)
     found = (*wrong, *map(check.checked, tables))
     issues = [line for one in found for line in one.lines]
@@ -471,9 +473,9 @@ def _top_level(document: Mapping[str, Any], path: Path) -> tuple[Study, list[Tab
         _, faults = checked(MODELS[kind], content, strict=True)
         if faults:
             wrong.append(
-                Table(kind=kind, key="", content=content, file=path.name, place=place, faults=faults)
+                Table(kind=kind, key="", content=content, file=path.name, key_path=place, faults=faults)
             )
-        bad = {fault.place for fault in faults}
+        bad = {fault.key_path for fault in faults}
         fields = SECTIONS.get(kind, Study).model_fields
         found[kind] = {key: value for key, value in content.items() if key in fields and key not in bad}
     title = {"title": path.absolute().parent.name}
@@ -484,11 +486,11 @@ def _top_level(document: Mapping[str, Any], path: Path) -> tuple[Study, list[Tab
 def _tables(document: Mapping[str, Any], file: str) -> Iterator[Table]:
     """Yield the tables of a manifest; what others refer to comes first."""
     for name, content in document.get("scales", {}).items():
-        yield Table(kind="scale", key=name, content=content, file=file, place=f"scales.{name}")
+        yield Table(kind="scale", key=name, content=content, file=file, key_path=f"scales.{name}")
     for kind, name in LISTS.items():
         for number, content in enumerate(document.get(name, [])):
             key = str(number) if kind == "curve" else str(content.get("name", ""))
-            yield Table(kind=kind, key=key, content=content, file=file, place=f"{name}[{number}]")
+            yield Table(kind=kind, key=key, content=content, file=file, key_path=f"{name}[{number}]")
 
 
 def _rows(sheet: Sheet) -> Iterator[Table]:
@@ -499,6 +501,6 @@ def _rows(sheet: Sheet) -> Iterator[Table]:
             key=str(content.get("name", "")),
             content=content,
             file=f"{sheet.name}, line {line}",
-            place="",
+            key_path="",
             faults=faults,
         )

@@ -23,17 +23,17 @@ class Fault(NamedTuple):
 
     Attributes
     ----------
-    place : str
+    key_path : str
         Where in the table it is, as the manifest would write it; empty for the table itself.
     words : str
         What is wrong, and what is expected.
     """
 
-    place: str
+    key_path: str
     words: str
 
     def __str__(self) -> str:
-        return f"{self.place}: {self.words}" if self.place else self.words
+        return f"{self.key_path}: {self.words}" if self.key_path else self.words
 
 
 def checked(kind: TypeAdapter[Any], content: Any, *, strict: bool) -> tuple[Any, tuple[Fault, ...]]:

@@ -516,8 +516,8 @@ class Curve(ManifestModel):
     """Whether the curve was simulated."""
 
     @property
-    def place(self) -> tuple[str, float, bool]:
-        """Finger and angle, and whether it is synthetic: as in `Summary.place`."""
+    def finger_and_wedge(self) -> tuple[str, float, bool]:
+        """Finger and angle, and whether it is synthetic: as in `Summary.finger_and_wedge`."""
         return self.finger, self.wedge_angle_deg, self.synthetic
 
     @model_validator(mode="after")

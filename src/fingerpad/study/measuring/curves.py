@@ -444,12 +444,16 @@ class LoadingRadius(NamedTuple):
     scale: str | None = None
 
 
-def loading_radius(curves: Iterable[CurveResult], place: tuple[str, float, bool]) -> LoadingRadius | None:
+def loading_radius(curves: Iterable[CurveResult], pressed: tuple[str, float, bool]) -> LoadingRadius | None:
     """Return R_g from loading data of a finger at its angle, pooled over its curves; None without any."""
-    fitting = [one for one in curves if one.manifest.place == place and math.isfinite(one.loading_radius)]
+    fitting = [
+        one
+        for one in curves
+        if one.manifest.finger_and_wedge == pressed and math.isfinite(one.loading_radius)
+    ]
     if not fitting:
         return None
-    *_, synthetic = place
+    *_, synthetic = pressed
     values, stds = np.array([(each.loading_radius, each.loading_radius_std) for each in fitting]).T
     misfits = np.array([each.fit.misfit_std["loading_radius"] if each.fit else 0.0 for each in fitting])
     flags = tuple(sorted({flag for each in fitting if each.fit for flag in each.fit.notes}))

@@ -87,7 +87,7 @@ class FrameOverlay(NamedTuple):
     file: str
 
 
-class FrameDigest(NamedTuple):
+class SequenceOverview(NamedTuple):
     """What the frames of a sequence come to.
 
     Attributes
@@ -189,11 +189,11 @@ class SequenceImages:
     def _measured(self, contact_image: ContactImageResult) -> Measurement:
         return from_contact_image(contact_image, self.sequence, self.found)
 
-    def draw(self, settings: SequenceSettings, frame_digest: FrameDigest, folder: Path, out: Path) -> Record:
+    def draw(self, settings: SequenceSettings, overview: SequenceOverview, folder: Path, out: Path) -> Record:
         """Draw the chosen frames, each once, and return what there is to be said of the sequence."""
         frames = open_frames(folder / self.sequence.file)
         overlays: dict[int, FrameOverlay] = {}
-        for role, index in frame_digest.chosen.items():
+        for role, index in overview.chosen.items():
             if index in overlays:
                 continue
             file = f"overlays/sequences/{file_stem(self.sequence.name)}_frame_{index:06d}.png"
@@ -206,6 +206,6 @@ class SequenceImages:
             make_folder((out / file).parent)
             write_overlay(out / file, frame.pixels, contact_image, label=label)
         return {
-            "summary": to_record(frame_digest.summary),
+            "summary": to_record(overview.summary),
             "overlays": to_record(list(overlays.values())),
         }

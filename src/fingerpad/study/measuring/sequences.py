@@ -50,9 +50,9 @@ from fingerpad.study.measuring.context import Item, RunContext, cache_key
 from fingerpad.study.measuring.scales import require_scale
 from fingerpad.study.measuring.sequence_tasks import (
     TIMING,
-    FrameDigest,
     FrameOverlay,
     SequenceImages,
+    SequenceOverview,
     frame_count,
     header_task,
 )
@@ -264,7 +264,7 @@ class OpenedSequence:
             replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
             for piece in self.pieces
         ]
-        draw = partial(self.sequence_images.draw, settings, _gist_of(self.placed(), self.force))
+        draw = partial(self.sequence_images.draw, settings, _overview_of(self.placed(), self.force))
         yield [replace(self._task("", draw), name=self.sequence.name, key=key)]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
@@ -485,7 +485,7 @@ def _good(context: RunContext, task: str, key: str) -> Record:
     return record
 
 
-def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSignal) -> FrameDigest:
+def _overview_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSignal) -> SequenceOverview:
     """Return what the frames come to, and the few that are worth drawing."""
     chosen: dict[str, int] = {}
     largest_load = -math.inf
@@ -506,7 +506,7 @@ def _gist_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSi
             first_contact_displacement(force)
         except LoadingError as error:
             summary = replace(summary, notes=(*summary.notes, f"{error}: frames have no indentation"))
-    return FrameDigest(summary, chosen)
+    return SequenceOverview(summary, chosen)
 
 
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:

@@ -161,7 +161,11 @@ def summary_of(result: StudyResult) -> SummaryFile:
         scales={
             name: ScaleRecord(reason=scale)
             if isinstance(scale, str)
-            else ScaleRecord.of(scale.scale, flags=scale.flags)
+            else ScaleRecord(
+                mm_per_px=scale.scale.mm_per_px,
+                mm_per_px_std=scale.scale.mm_per_px_std,
+                flags=list(scale.flags),
+            )
             for name, scale in result.scales.items()
         },
         curves=[
@@ -176,7 +180,7 @@ def summary_of(result: StudyResult) -> SummaryFile:
 
 def _placements(result: StudyResult) -> list[PlacementRecord]:
     return [
-        _placement(summary, check, validity, loading_radius(result.curves, summary.place))
+        _placement(summary, check, validity, loading_radius(result.curves, summary.finger_and_wedge))
         for summary, check, validity in zip(result.summaries, result.checks, result.validities, strict=True)
     ]
 

@@ -31,7 +31,7 @@ from fingerpad.study.results.model import (
     POOLED_OUTPUTS,
 )
 from fingerpad.study.results.rows import PLACEMENT, HighestLoad, PlacementKey, Rows
-from fingerpad.study.results.table import Places, groups, numbered
+from fingerpad.study.results.table import Indices, groups, numbered
 from fingerpad.uncertainty import (
     LAYER_SOURCES,
     PAD_SOURCES,
@@ -89,7 +89,7 @@ class PressSlope(NamedTuple):
         return max(float(wider) * self.scatter_std, self.own_std)
 
     @classmethod
-    def of(cls, load: FloatArray, area: FloatArray, own: FloatArray, item: Places) -> Self | None:
+    def of(cls, load: FloatArray, area: FloatArray, own: FloatArray, item: Indices) -> Self | None:
         """Return the slope over the presses of four frames or more under different loads; None without any.
 
         Parameters
@@ -157,7 +157,7 @@ def area_exponent(rows: pd.DataFrame) -> Exponent:
     return Exponent(float(value), math.hypot(std, *tilts))
 
 
-def items_of(rows: pd.DataFrame) -> Places:
+def items_of(rows: pd.DataFrame) -> Indices:
     """Return a number for the contact, or the sequence, that each row is of."""
     return numbered(rows["sequence"].where(rows["sequence"].notna(), rows["observation"]))
 
@@ -235,7 +235,7 @@ class PooledRadius:
         return float(1 / np.sum(self.random.weights**2))
 
     @classmethod
-    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Places, output: str) -> Self:
+    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, output: str) -> Self:
         """Pool one of `POOLED_OUTPUTS`.
 
         A radius changes with the square of its contact's elongation, and its stated uncertainty with the
@@ -290,7 +290,7 @@ def _own_std(parts: FloatArray, elongation_std: FloatArray) -> FloatArray:
     return as_float_array(np.sqrt(slope * elongation_std**2 + np.sum(parts[:, _OWN & _SECOND] ** 2, axis=-1)))
 
 
-def mean_within(estimate: Places, own_std: FloatArray) -> Callable[[FloatArray], FloatArray]:
+def mean_within(estimate: Indices, own_std: FloatArray) -> Callable[[FloatArray], FloatArray]:
     """Return the mean over the rows of each estimate, weighted by their own errors where they are several."""
     weights = np.where(np.bincount(estimate)[estimate] > 1, own_std**-2.0, 1.0)
     weights /= np.bincount(estimate, weights)[estimate]
@@ -359,7 +359,7 @@ class PooledOnLayer(LayerQuantity):
     count: int
 
     @classmethod
-    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Places, output: str) -> Self | None:
+    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, output: str) -> Self | None:
         """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is.
 
         Parameters
@@ -438,7 +438,7 @@ class LayerSummary:
     pooled: dict[str, PooledOnLayer | None]
 
     @classmethod
-    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Places, highest: HighestLoad) -> Self | None:
+    def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, highest: HighestLoad) -> Self | None:
         """Summarise the rows that count at one placement; None where the finger has no thickness."""
         thickness, std = (
             float(pooled[name].to_numpy()[0])
@@ -487,7 +487,7 @@ class Summary:
     roll_angle_deg: float
     synthetic: bool
     table: pd.DataFrame
-    places: Places
+    places: Indices
     corrected_radius: PooledRadius | None
     compliance_radius: PooledRadius | None
     layer: LayerSummary | None
@@ -498,7 +498,7 @@ class Summary:
         return self.finger, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
 
     @property
-    def place(self) -> tuple[str, float, bool]:
+    def finger_and_wedge(self) -> tuple[str, float, bool]:
         """What the rows have in common with loading curves: all but the roll."""
         return self.finger, self.wedge_angle_deg, self.synthetic
 
@@ -554,7 +554,7 @@ def pool_contacts(rows: Rows) -> list[Summary]:
     return [_summary(key, rows, good[places]) for key, places in found.items()]
 
 
-def _summary(key: PlacementKey, rows: Rows, places: Places) -> Summary:
+def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
     table = rows.table
     pooled = table.iloc[places[table["pooled"].to_numpy()[places]]]
     by_load = table["load_N"].iloc[places].sort_values(kind="stable")

@@ -15,7 +15,7 @@ from fingerpad.study.manifest.messages import counted
 from fingerpad.study.measuring.contacts import RIDGES_MERGE, Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import contact_inputs
-from fingerpad.study.results.table import GrowingArray, Places, groups, items, numbered
+from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
 from fingerpad.uncertainty import (
     NestedScatter,
     ScatterComponent,
@@ -55,7 +55,7 @@ QUANTITY_COLUMNS: Final = (
 _AT_ONCE: Final = 500
 
 
-def nominal_loads(loads: ArrayLike) -> Places:
+def nominal_loads(loads: ArrayLike) -> Indices:
     """Return a number for the nominal load of each of some loads, counted from 0 upwards.
 
     Loads are one nominal load if they are within `SAME_LOAD` of their middle, and the next one is not. Where
@@ -80,7 +80,7 @@ def nominal_loads(loads: ArrayLike) -> Places:
     return np.asarray(rank[place.reshape(-1)], dtype=np.intp)
 
 
-def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Places:
+def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Indices:
     """Return a number for the placement and nominal load of each contact."""
     placement, loads = numbered(placed), as_float_array(loads)
     load = np.zeros(placement.size, dtype=np.intp)

@@ -19,7 +19,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.repeats import ContactRepeatability
-from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Places, table_of
+from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Indices, table_of
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.units import KPA_PER_MPA
 
@@ -67,7 +67,7 @@ class Rows:
     table : DataFrame
         One row per observation and frame, in the manifest's order.
     pooled : ndarray of int
-        Places in `table` of the rows that count in pooled radii, ascending.
+        Indices in `table` of the rows that count in pooled radii, ascending.
     parts : ndarray, shape (pooled rows, pooled outputs, parts)
         Signed contributions to the uncertainty of their radii, as `Modelled` has them.
     elongation_std : ndarray, shape (pooled rows,)
@@ -82,7 +82,7 @@ class Rows:
     """
 
     table: pd.DataFrame
-    pooled: Places
+    pooled: Indices
     parts: FloatArray
     elongation_std: FloatArray
     layer_parts: FloatArray
@@ -152,7 +152,7 @@ class _Batch:
     """Some rows by column, with inputs and answer of the model for the `good` ones among them."""
 
     columns: dict[str, ColumnArray]
-    good: Places
+    good: Indices
     inputs: Inputs
     modelled: Modelled
     layer_parts: FloatArray

@@ -95,17 +95,15 @@ class Record(BaseModel):
     def of(cls, *sources: object, **given: Any) -> Self:
         """Return a record of the attributes that objects have under the names of its keys, or without units.
 
-        What is given by name is taken first, then the first source that has it. Where a source is None, what
-        no other has is not known.
+        What is given by name is taken first, then the first source that has it; keys that may be left out are
+        given by name alone. Where a source is None, what no other has is not known.
         """
-        absent = None in sources
         for name, key in cls.model_fields.items():
             attributes = (name, _UNIT.sub("", name))
             found = (getattr(of, each) for of in sources for each in attributes if hasattr(of, each))
-            if name not in given and (value := next(found, _MISSING)) is not _MISSING:
-                given[name] = value
-            elif name not in given and absent and key.is_required():
-                given[name] = None
+            if key.is_required() and name not in given:
+                value = next(found, None if None in sources else _MISSING)
+                given |= {} if value is _MISSING else {name: value}
         return cls.model_validate(given)
 
 

@@ -298,7 +298,7 @@ DEFAULT_COLUMNS: Final = tuple(name for name, column in COLUMNS.items() if colum
 
 
 Row: TypeAlias = dict[str, Any]
-Places: TypeAlias = npt.NDArray[np.intp]
+Indices: TypeAlias = npt.NDArray[np.intp]
 
 _AT_ONCE: Final = 1000
 
@@ -385,7 +385,7 @@ def first_record(table: pd.DataFrame) -> Row | None:
     return next(records(table.iloc[:1]), None)
 
 
-def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], Places]:
+def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], Indices]:
     """Return the places of rows with the same values in some columns, in the order of coming."""
     places: dict[tuple[Any, ...], list[int]] = {}
     for place, values in enumerate(zip(*(items(table[name]) for name in names), strict=True)):
@@ -393,7 +393,7 @@ def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], Places]:
     return {values: np.array(some) for values, some in places.items()}
 
 
-def numbered(items: Iterable[Hashable]) -> Places:
+def numbered(items: Iterable[Hashable]) -> Indices:
     """Return a number for each item, the same for the same, counted from 0 in the order of coming.
 
     Examples

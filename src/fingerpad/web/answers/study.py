@@ -2,8 +2,7 @@
 
 from typing import Any, Final, Literal
 
-from fingerpad.study.imports.names import Kind as FileKind
-from fingerpad.study.imports.names import Role
+from fingerpad.study.imports.names import FileKind, Role
 from fingerpad.study.manifest.load import Kind
 from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
 from fingerpad.study.results.summary_file import OperatorAgreementRecord

@@ -12,7 +12,7 @@ from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.results.pooling import PressSlope, area_noise, edges_of, items_of
-from fingerpad.study.results.table import Places
+from fingerpad.study.results.table import Indices
 from fingerpad.study.results.validity.model_checks import (
     HEADLINES,
     HERTZ_EXPONENT,
@@ -24,7 +24,7 @@ from fingerpad.study.results.validity.model_checks import (
     SAME_LOAD,
     STRAINED_BELOW_P,
     UNITS,
-    Place,
+    FingerAtAngle,
     ValidityCheck,
     compare_difference,
     compare_ratio,
@@ -57,12 +57,12 @@ class _Areas(NamedTuple):
     area: FloatArray
     own: FloatArray
     edges: list[FloatArray]
-    item: Places
+    item: Indices
 
 
-def area_checks(place: Place) -> Iterator[ValidityCheck]:
+def area_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Yield the checks of areas over loads."""
-    seen = _areas_of(place)
+    seen = _areas_of(case)
     if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
         why = "all contacts that count are at one load" if seen.load.size else NOTHING_COUNTS
         yield from (missing(name, words, _OVER_LOADS, why) for name, words in _WORDS.items())
@@ -71,10 +71,10 @@ def area_checks(place: Place) -> Iterator[ValidityCheck]:
     yield _largest_fall(seen)
 
 
-def _areas_of(place: Place) -> _Areas:
-    rows = place.loaded.sort_values("load_N", kind="stable")
+def _areas_of(case: FingerAtAngle) -> _Areas:
+    rows = case.loaded.sort_values("load_N", kind="stable")
     # An error of the load is one of the area that belongs to it.
-    load_std = HERTZ_EXPONENT * place.study.uncertainty.load_relative_std
+    load_std = HERTZ_EXPONENT * case.study.uncertainty.load_relative_std
     return _Areas(
         load=np.log(rows["load_N"].to_numpy()),
         area=np.log(np.pi * rows["semi_major_mm"].to_numpy() * rows["semi_minor_mm"].to_numpy()),
@@ -230,10 +230,10 @@ class Shape(NamedTuple):
         )
 
 
-def measured_shape(place: Place) -> Shape | None:
+def measured_shape(case: FingerAtAngle) -> Shape | None:
     """Return the shape of the contact at the highest load; None without one."""
-    row = place.highest_row
-    if place.highest is None or row is None:
+    row = case.highest_row
+    if case.highest is None or row is None:
         return None
 
     def elongations(**inputs: FloatArray) -> dict[str, FloatArray]:
@@ -244,7 +244,7 @@ def measured_shape(place: Place) -> Shape | None:
             "predicted": pad_model(**inputs)["predicted_elongation"],
         }
 
-    found = propagate(elongations, place.highest.inputs)
+    found = propagate(elongations, case.highest.inputs)
     direction = {"along": 1.0, "across": -1.0}.get(row["long_axis"] or "")
     if row["orientation_deg"] is not None:
         direction = math.cos(2 * math.radians(row["orientation_deg"]))
@@ -257,41 +257,41 @@ def measured_shape(place: Place) -> Shape | None:
     )
 
 
-def contact_shape_check(place: Place) -> ValidityCheck:
+def contact_shape_check(case: FingerAtAngle) -> ValidityCheck:
     """Compare the contact's length along the finger over that across with Hertz theory for the pad."""
-    shape = measured_shape(place)
+    shape = measured_shape(case)
     if shape is None:
         return missing("shape", _SHAPE, HEADLINES, NOTHING_COUNTS)
     return shape.check("shape", _SHAPE, HEADLINES, shape.predicted)
 
 
-def size_checks(place: Place) -> Iterator[ValidityCheck]:
+def size_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Yield the error of Hertz theory for the contact's size, by the laws of the whole pad."""
-    row, thickness = place.highest_row, place.pad.effective_thickness or place.pad.pad_thickness
+    row, thickness = case.highest_row, case.pad.effective_thickness or case.pad.pad_thickness
     for kind, words in _BETTER.items():
         if row is None or (kind == "layer" and thickness is None):
             why = NOTHING_COUNTS if row is None else "no thickness of the tissue is stated"
             for name, (symbol, of) in _OF_SIZE.items():
                 yield missing(f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {words}", of, why)
             continue
-        yield from _errors(place, row, kind, thickness if kind == "layer" else None)
+        yield from _errors(case, row, kind, thickness if kind == "layer" else None)
 
 
 def _errors(
-    place: Place, row: dict[str, float], kind: str, thickness: float | None
+    case: FingerAtAngle, row: dict[str, float], kind: str, thickness: float | None
 ) -> Iterator[ValidityCheck]:
     """Yield the errors of E and ξ at the contact's load and area, or at the largest area with a law."""
     area = math.pi * row["semi_major_mm"] * row["semi_minor_mm"]
     wedge, roll = math.radians(row["wedge_angle_deg"]), math.radians(row["roll_angle_deg"])
-    assumed = Placement(Ellipsoid(*place.pad.semi_axes), wedge_angle=wedge, roll_angle=roll)
+    assumed = Placement(Ellipsoid(*case.pad.semi_axes), wedge_angle=wedge, roll_angle=roll)
     # Where the outline shows another radius than the ellipsoid's, the pad is larger as a whole.
     larger = row["geometric_mean_radius_mm"] / float(assumed.curvature.geometric_mean_radius)
-    pad = Ellipsoid(*(larger * place.pad.semi_axes))
+    pad = Ellipsoid(*(larger * case.pad.semi_axes))
     better = press(
         plate_gap(Placement(pad, wedge_angle=wedge, roll_angle=roll)),
         reduced_modulus=1.0,
         thickness=thickness,
-        poisson_ratio=place.study.poisson_ratio,
+        poisson_ratio=case.study.poisson_ratio,
         area=area * _SIZES,
     )
     size = f"a/R = {row['contact_radius_ratio']:.2f}"
@@ -307,7 +307,7 @@ def _errors(
             continue
         last = known[-1]
         power, exact = (-1.5, better.load) if name == MODULUS else (1.0, better.indentation)
-        factor = KPA_PER_MPA * (1 - place.study.poisson_ratio**2) * row["load_N"]
+        factor = KPA_PER_MPA * (1 - case.study.poisson_ratio**2) * row["load_N"]
         yield known_error(
             check,
             compared,

@@ -28,7 +28,7 @@ from fingerpad.study.results.validity.model_checks import (
     ROUTES,
     SAME_LOAD,
     UNITS,
-    Place,
+    FingerAtAngle,
     ValidityCheck,
     compare_ratio,
     missing,
@@ -48,10 +48,10 @@ _SMALLEST_LOAD, _LARGEST_LOAD = 0.1, 1.05
 _LAW_POINTS: Final = 400
 
 
-def loading_checks(place: Place) -> Iterator[ValidityCheck]:
+def loading_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Yield the comparisons of images with loading data."""
-    yield _radius_check(place)
-    yield from _curve_checks(place) if place.fits else _from_loading_radius(place)
+    yield _radius_check(case)
+    yield from _curve_checks(case) if case.fits else _from_loading_radius(case)
 
 
 def _without(std: float, part: float) -> float:
@@ -70,16 +70,16 @@ def _missing(name: str, why: str) -> ValidityCheck:
     return missing(ROUTES[name], _WORDS[name], (name,), why)
 
 
-def _radius_check(place: Place) -> ValidityCheck:
-    loading, pooled = place.loading, place.summary.compliance_radius
+def _radius_check(case: FingerAtAngle) -> ValidityCheck:
+    loading, pooled = case.loading, case.summary.compliance_radius
     if loading is None or pooled is None:
         return _missing(RADIUS, NO_CURVE if loading is None else NOTHING_COUNTS)
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
-    first = place.summary.first
+    first = case.summary.first
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
     reference, note = without_misfit(loading)
     log_std = None
-    if loading.scale is not None and loading.scale == place.pad.scale:
+    if loading.scale is not None and loading.scale == case.pad.scale:
         # The pad's radius goes with the scale that its outlines share with the areas, R_g with its square.
         apart = (pooled.std / pooled.value) ** 2 + (reference[1] / loading.value) ** 2
         log_std = math.sqrt(apart - (loading.area_std / loading.value) ** 2)
@@ -95,9 +95,9 @@ def _radius_check(place: Place) -> ValidityCheck:
     )
 
 
-def _from_loading_radius(place: Place) -> Iterator[ValidityCheck]:
+def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Compare E and ξ with those that follow from the area and R_g, where no loading curve was fitted."""
-    row, loading = place.highest_row, place.loading
+    row, loading = case.highest_row, case.loading
     # For one area and load ξ goes with 1/R and E with R.
     for name, power in ((MODULUS, 1), (INDENTATION, -1)):
         if row is None or loading is None:
@@ -121,10 +121,10 @@ def _from_loading_radius(place: Place) -> Iterator[ValidityCheck]:
         )
 
 
-def _curve_checks(place: Place) -> Iterator[ValidityCheck]:
+def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Compare E and ξ with those of the loading curves, at the highest load of both."""
-    rows = place.summary.rows[place.summary.rows["pooled"]]
-    load, top = rows["load_N"].to_numpy(), min(fit.modulus_load for fit in place.fits)
+    rows = case.summary.rows[case.summary.rows["pooled"]]
+    load, top = rows["load_N"].to_numpy(), min(fit.modulus_load for fit in case.fits)
     inside = rows[(load <= _LARGEST_LOAD * top) & (load >= _SMALLEST_LOAD * top)]
     if inside.empty:
         yield from (
@@ -133,19 +133,19 @@ def _curve_checks(place: Place) -> Iterator[ValidityCheck]:
         return
     repeats = _one_of_each(inside[inside["load_N"] >= SAME_LOAD * inside["load_N"].max()])
     common = math.exp(np.log(repeats["load_N"].to_numpy()).mean())
-    factor = 1 - place.study.poisson_ratio**2  # the same in both moduli, so without its uncertainty
+    factor = 1 - case.study.poisson_ratio**2  # the same in both moduli, so without its uncertainty
     # The fit takes the contact for that of a sphere of radius R_g, which makes E too large by 1/(F1 F2).
     of_ellipse = (
         repeats["geometric_radius_from_area_mm"].to_numpy()
         / repeats["geometric_radius_from_compliance_mm"].to_numpy()
     )
-    reference = _at_load(place.fits, common, factor * float(of_ellipse.mean()))
-    load_std = place.study.uncertainty.load_relative_std
+    reference = _at_load(case.fits, common, factor * float(of_ellipse.mean()))
+    load_std = case.study.uncertainty.load_relative_std
     modulus, modulus_std = _mean_of_repeats(
         repeats, "reduced_modulus_kpa", np.hypot(1.5 * area_noise(repeats), load_std)
     )
     # The gain of the force is the same in both moduli, and in the load at which the curve is read.
-    modulus_std = _without(modulus_std, place.study.uncertainty.load_gain_relative_std * modulus)
+    modulus_std = _without(modulus_std, case.study.uncertainty.load_gain_relative_std * modulus)
     indentation = _mean_of_repeats(repeats, INDENTATION, area_noise(repeats))
     for name, value, (log_reference, log_std) in (
         (MODULUS, (factor * modulus, factor * modulus_std), reference.modulus),
@@ -238,21 +238,21 @@ _ALIKE: Final = ("thickness", "Poisson's ratio")
 _READING: Final = 0.05
 
 
-def layer_checks(place: Place, curves: Sequence[CurveResult]) -> Iterator[ValidityCheck]:
+def layer_checks(case: FingerAtAngle, curves: Sequence[CurveResult]) -> Iterator[ValidityCheck]:
     """Yield the checks of the layer; none without a thickness, or out of the range of the laws."""
-    layer = place.summary.layer
+    layer = case.summary.layer
     if layer is None or layer.flag:
         return
-    yield _layer_radius_check(place, layer)
-    yield _modulus_check(place, layer, curves)
-    yield _shape_check(place)
+    yield _layer_radius_check(case, layer)
+    yield _modulus_check(case, layer, curves)
+    yield _shape_check(case)
 
 
-def _layer_radius_check(place: Place, layer: LayerSummary) -> ValidityCheck:
-    if place.loading is None:
+def _layer_radius_check(case: FingerAtAngle, layer: LayerSummary) -> ValidityCheck:
+    if case.loading is None:
         return missing(_RADIUS, _LAYER_WORDS[_RADIUS], _ON_LAYER[:1], NO_CURVE)
     found = layer.at_highest_load["loading_radius_on_layer"]
-    (value, std), note = without_misfit(place.loading)
+    (value, std), note = without_misfit(case.loading)
     return compare_ratio(
         _RADIUS,
         _LAYER_WORDS[_RADIUS],
@@ -264,17 +264,17 @@ def _layer_radius_check(place: Place, layer: LayerSummary) -> ValidityCheck:
     )
 
 
-def _modulus_check(place: Place, layer: LayerSummary, curves: Sequence[CurveResult]) -> ValidityCheck:
+def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[CurveResult]) -> ValidityCheck:
     of = _ON_LAYER[1:]
     by_curve = [
         found.quantities["youngs_modulus_from_indentation_on_layer"]
         for curve in curves
-        if curve.fit in place.fits
-        and (found := curve_on_layer(place.study, place.pad, curve)) is not None
+        if curve.fit in case.fits
+        and (found := curve_on_layer(case.study, case.pad, curve)) is not None
         and not found.flag
     ]
     if not by_curve:
-        why = "in the range of the laws" if place.fits else "of this finger at this angle"
+        why = "in the range of the laws" if case.fits else "of this finger at this angle"
         return missing(_MODULUS, _LAYER_WORDS[_MODULUS], of, f"no loading curve {why}")
     own, first = layer.at_highest_load["youngs_modulus_on_layer"], by_curve[0]
     values, stds = (
@@ -284,7 +284,7 @@ def _modulus_check(place: Place, layer: LayerSummary, curves: Sequence[CurveResu
     log_value, std = of_curves(values, stds)
     shared = sum(_relative(own, source) * _relative(first, source) for source in _OPPOSITE)
     shared -= sum(_relative(own, source) * _relative(first, source) for source in _ALIKE)
-    shared -= place.study.uncertainty.load_gain_relative_std**2  # both moduli go with the force
+    shared -= case.study.uncertainty.load_gain_relative_std**2  # both moduli go with the force
     variance = (own.std / own.value) ** 2 + std**2 + 2 * shared
     value = math.exp(log_value)
     return compare_ratio(
@@ -303,8 +303,8 @@ def _relative(quantity: LayerQuantity, source: str) -> float:
     return quantity.std / quantity.value * math.sqrt(max(quantity.budget.get(source, 0.0), 0.0))
 
 
-def _shape_check(place: Place) -> ValidityCheck:
-    shape, row, pad = measured_shape(place), place.highest_row, place.pad
+def _shape_check(case: FingerAtAngle) -> ValidityCheck:
+    shape, row, pad = measured_shape(case), case.highest_row, case.pad
     if shape is None or row is None:
         return missing(_SHAPE, _LAYER_WORDS[_SHAPE], _ON_LAYER, NOTHING_COUNTS)
     placement = Placement(
@@ -316,7 +316,7 @@ def _shape_check(place: Place) -> ValidityCheck:
         plate_gap(placement),
         area=math.pi * row["semi_major_mm"] * row["semi_minor_mm"],
         thickness=pad.effective_thickness,
-        poisson_ratio=place.study.poisson_ratio,
+        poisson_ratio=case.study.poisson_ratio,
     )
     ratio = float(form.semi_major / form.semi_minor)
     predicted = math.log(ratio if form.along else 1 / ratio)

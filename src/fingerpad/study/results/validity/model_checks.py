@@ -520,7 +520,7 @@ NO_CURVE: Final = "no loading data of this finger at this angle"
 NOTHING_COUNTS: Final = "no contact counts"
 
 
-class Place(NamedTuple):
+class FingerAtAngle(NamedTuple):
     """A finger at an angle: its contacts, the one at the highest load, and its loading data."""
 
     study: Study
@@ -550,7 +550,7 @@ class Place(NamedTuple):
             summary=summary,
             highest=highest,
             highest_row=highest and first_record(summary.of_observation(highest.observation)),
-            loading=loading_radius(curves, summary.place),
+            loading=loading_radius(curves, summary.finger_and_wedge),
             fits=tuple(_fits(curves, summary)),
             loaded=compared[compared["pooled"] & (compared["load_N"] > 0)],
         )
@@ -560,7 +560,7 @@ def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
     """Yield the fits of the loading curves of a finger at its angle that found the place of contact."""
     for curve in curves:
         fit = curve.fit
-        if fit is None or curve.manifest.place != of.place:
+        if fit is None or curve.manifest.finger_and_wedge != of.finger_and_wedge:
             continue
         if 0 < fit.contact_offset.std < math.inf:
             yield fit

@@ -26,8 +26,8 @@ from fingerpad.study.results.validity.model_checks import (
     MODULUS,
     RADIUS,
     ROUTES,
+    FingerAtAngle,
     ModelDiscrepancy,
-    Place,
     ValidityCheck,
     judge_together,
     model_discrepancy,
@@ -134,8 +134,8 @@ def validity_of(
     list of Validity
         One for each summary.
     """
-    places = [Place.of(study, fingers, rows, one, curves) for one in summaries]
-    checks = [_checks(place) for place in places]
+    cases = [FingerAtAngle.of(study, fingers, rows, one, curves) for one in summaries]
+    checks = [_checks(case) for case in cases]
     routes = {
         synthetic: {
             name: _discrepancy(
@@ -150,18 +150,18 @@ def validity_of(
     }
     return [
         replace(
-            _validity(place, found, routes[place.summary.synthetic]),
-            layer_checks=judge_together(tuple(layer_checks(place, curves))),
+            _validity(case, found, routes[case.summary.synthetic]),
+            layer_checks=judge_together(tuple(layer_checks(case, curves))),
         )
-        for place, found in zip(places, checks, strict=True)
+        for case, found in zip(cases, checks, strict=True)
     ]
 
 
-def _checks(place: Place) -> tuple[ValidityCheck, ...]:
+def _checks(case: FingerAtAngle) -> tuple[ValidityCheck, ...]:
     """Return all checks of Hertz theory at a place."""
-    found = (*loading_checks(place), contact_shape_check(place), *area_checks(place), *size_checks(place))
+    found = (*loading_checks(case), contact_shape_check(case), *area_checks(case), *size_checks(case))
     # R_g alone makes one comparison of three.
-    return judge_together(found, same=() if place.fits else tuple(ROUTES.values()))
+    return judge_together(found, same=() if case.fits else tuple(ROUTES.values()))
 
 
 def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
@@ -174,9 +174,9 @@ def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
     return model_discrepancy(*np.transpose(pairs)) if pairs else None
 
 
-def _validity(place: Place, checks: tuple[ValidityCheck, ...], routes: Discrepancies) -> Validity:
+def _validity(case: FingerAtAngle, checks: tuple[ValidityCheck, ...], routes: Discrepancies) -> Validity:
     """Return the checks of a place with the headlines that they concern."""
-    over_loads = _change_over_loads(place, checks)
+    over_loads = _change_over_loads(case, checks)
     relative, headlines = {}, {}
     for name in HEADLINES:
         parts, words = [], []
@@ -187,7 +187,7 @@ def _validity(place: Place, checks: tuple[ValidityCheck, ...], routes: Discrepan
             parts.append(over_loads)
             words.append("its change over loads")
         relative[name] = math.hypot(*parts) if parts else math.nan
-        value, std = _result(place, name)
+        value, std = _result(case, name)
         headlines[name] = Headline(
             value=value,
             std=std,
@@ -198,27 +198,27 @@ def _validity(place: Place, checks: tuple[ValidityCheck, ...], routes: Discrepan
     return Validity(
         checks=checks,
         headlines=headlines,
-        observation=place.highest.observation if place.highest else "",
-        load=place.highest.load if place.highest else math.nan,
+        observation=case.highest.observation if case.highest else "",
+        load=case.highest.load if case.highest else math.nan,
         relative_stds=relative,
     )
 
 
-def _result(place: Place, name: str) -> tuple[float, float]:
+def _result(case: FingerAtAngle, name: str) -> tuple[float, float]:
     """Return a headline and its standard uncertainty from what was measured, NaN without one."""
-    row, pooled = place.highest_row, place.summary.corrected_radius
+    row, pooled = case.highest_row, case.summary.corrected_radius
     if name == RADIUS:
         return (pooled.value, pooled.std) if pooled else (math.nan, math.nan)
     return (row[name], row[f"{name}_std"]) if row else (math.nan, math.nan)
 
 
-def _change_over_loads(place: Place, checks: Iterable[ValidityCheck]) -> float:
+def _change_over_loads(case: FingerAtAngle, checks: Iterable[ValidityCheck]) -> float:
     """Return the standard deviation of ln E that its trend over loads makes; NaN at one load."""
     (growth,) = (one for one in checks if one.name == GROWTH)
     if math.isnan(growth.value):
         return math.nan
     excess = growth.difference**2 - growth.value_std**2
-    return 1.5 * math.sqrt(max(excess, 0.0)) * float(np.log(place.loaded["load_N"].to_numpy()).std())
+    return 1.5 * math.sqrt(max(excess, 0.0)) * float(np.log(case.loaded["load_N"].to_numpy()).std())
 
 
 def with_verdicts(
