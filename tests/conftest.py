@@ -51,6 +51,21 @@ def run_demo(session_folder: Path) -> Path:
     return folder
 
 
+@pytest.fixture(scope="session")
+def run_example(session_folder: Path) -> Path:
+    """Return the example of `fingerpad init` with the results of a run, which no test may change."""
+    from fingerpad.report import write_report  # noqa: PLC0415
+    from fingerpad.study.editing.template import write_example  # noqa: PLC0415
+    from fingerpad.study.pipeline import run_study  # noqa: PLC0415
+
+    folder = session_folder / "run-example"
+    with FileLock(f"{folder}.lock"):
+        if not (folder / "results" / "report.html").exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            run_study(write_example(folder), folder / "results", write_report=write_report)
+    return folder
+
+
 @pytest.fixture
 def own_laws() -> Iterator[None]:
     """Forget the contact laws that a test registers."""

@@ -2,19 +2,20 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 
-from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_example, write_template
+from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_template
 from fingerpad.study.manifest import Study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
 
 
-def test_the_example_runs_and_its_truth_is_covered(tmp_path: Path) -> None:
-    manifest = write_example(tmp_path / "example")
-    result = run_study(manifest, tmp_path / "example" / "results")
+def test_the_example_runs_and_its_truth_is_covered(run_example: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(run_example, tmp_path / "example"))
+    result = run_study(folder / "study.toml", folder / "results")
     assert result.failures == []
     assert all(row["synthetic"] for row in records(result.rows))
     (finger,) = result.fingers.values()

@@ -76,6 +76,12 @@ def example(written_example, tmp_path) -> Path:
 
 
 @pytest.fixture
+def results(run_example, example) -> Path:
+    """The results of a run of the example, in its folder: a run measures only what a test changes."""
+    return Path(shutil.copytree(run_example / "results", example / "results"))
+
+
+@pytest.fixture
 def example_tab(browser, example) -> Iterator[Tab]:
     with served(example.parent, example) as server:
         tab = Tab(browser, server)

@@ -21,7 +21,6 @@ from tests.end_to_end.page.browser import (
     stroke,
 )
 
-from fingerpad.report import write_report
 from fingerpad.study.pipeline import run_study
 
 
@@ -154,9 +153,8 @@ def test_length_by_pointer_and_by_keys(tab: Tab) -> None:
     assert float(first.split()[0]) < float(second.split()[0]) < float(third.split()[0])
 
 
-def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, example) -> None:
-    manifest, out = example / "study.toml", example / "results"
-    run_study(manifest, out, write_report=write_report)
+def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, example, results) -> None:
+    manifest = example / "study.toml"
     page = example_tab.open("study")
     page.get_by_text("Nothing is missing.").wait_for()
     on_pad = page.locator(".inspector").get_by_text("of the last run, out of date", exact=True)
@@ -177,13 +175,13 @@ def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, e
     # Faces in scales that differ by a factor contradict each other.
     phone = text.replace("[scales.camera]", "[scales.phone]\nmm_per_px = 0.3\n\n[scales.camera]")
     manifest.write_text(phone.replace('palmar.jpg", scale = "camera"', 'palmar.jpg", scale = "phone"'))
-    run_study(manifest, out, write_report=write_report)
+    run_study(manifest, results)
     example_tab.go("study")
     page.reload()
     page.get_by_text("the faces contradict each other").wait_for()
     expect(page.get_by_text("Nothing is missing.")).to_have_count(0)
     manifest.write_text(text)
-    run_study(manifest, out, write_report=write_report)
+    run_study(manifest, results)
     page.reload()
     page.get_by_text("Nothing is missing.").wait_for()
     example_tab.go("pad")

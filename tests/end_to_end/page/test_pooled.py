@@ -12,11 +12,13 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
 
 
-def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(example_tab: Tab, example) -> None:
+def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(
+    example_tab: Tab, example, results
+) -> None:
     picture = Image.open(example / "contact_1N.png")
     box = (0, 0, picture.width // 2, picture.height)  # half of it: the contact touches the border
     picture.crop(box).save(example / "contact_1N.png", dpi=(500, 500))
-    run_study(example / "study.toml", example / "results")
+    run_study(example / "study.toml", results)
     page = example_tab.open("contacts/images/contact_1N")
     numbers(page)
     page.get_by_text("Left out of the pooled radius").wait_for()
@@ -39,7 +41,7 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     assert record["change"] == {"accepted": True, "pooling": {"include": True, "why": "shown whole enough"}}
     assert record["who"]
     assert record["when"]
-    run_study(example / "study.toml", example / "results", write_report=write_report)
+    run_study(example / "study.toml", results, write_report=write_report)
     page.reload()
     card.get_by_text("3 of 3 contacts pooled").wait_for()
     expect(card.locator(".main-fact dd").first).not_to_have_text(before)
@@ -61,23 +63,20 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(exampl
     page.get_by_text("Counts in the pooled radius").wait_for()
     page.get_by_role("button", name="Leave out").click()
     page.get_by_text("Left out of the pooled radius").wait_for()
-    rows = {
-        row["observation"]: row
-        for row in records(run_study(example / "study.toml", example / "results").rows)
-    }
+    rows = {row["observation"]: row for row in records(run_study(example / "study.toml", results).rows)}
     assert [rows[f"contact_{load}N"]["pooled"] for load in ("0.5", "1", "2")] == [True, False, False]
     assert rows["contact_2N"]["pooling_corrected_by"] == record["who"]
     assert rows["contact_2N"]["reviewed"] is None
 
 
-def test_a_rejected_contact_is_counted_and_no_reason_is_made_up(example_tab: Tab, example) -> None:
+def test_a_rejected_contact_is_counted_and_no_reason_is_made_up(example_tab: Tab, example, results) -> None:
     page = example_tab.open("contacts/images/contact_1N")
     numbers(page)
     page.keyboard.press("x")
     page.get_by_role("heading", name="contact_2N").wait_for()
     record = json.loads((example / "corrections.jsonl").read_text().splitlines()[-1])
     assert record["change"] == {"rejected": "no reason given"}
-    run_study(example / "study.toml", example / "results", write_report=write_report)
+    run_study(example / "study.toml", results)
     example_tab.go("results")
     page.reload()
     page.get_by_text("2 of 3 contacts pooled, 1 rejected").wait_for()
