@@ -382,6 +382,20 @@ def test_different_versions_and_failures_are_told(runs: list[Path], tmp_path: Pa
     assert "Lab C: 1 could not be measured" in notes
 
 
+def test_moduli_that_no_finger_has_stand_in_no_mean(runs: list[Path], tmp_path: Path) -> None:
+    millinewtons = finger("index", 7.9, 'person = "P07"').replace("load_N = 2", "load_N = 2000")
+    wrong = ran(tmp_path / "wrong", "Lab D", millinewtons)
+    compared, alone = compare_studies([runs[0], wrong]), compare_studies([runs[0]])
+    assert [mean.value for mean in compared.of("youngs_modulus_kpa")[1]] == [
+        mean.value for mean in alone.of("youngs_modulus_kpa")[1]
+    ]
+    note = re.search(
+        r"Lab D, index: youngs_modulus_kpa .* 1–5000 kPa and stands in no mean", str(compared.notes)
+    )
+    assert note is not None
+    assert "1–5000 kPa" not in str(alone.notes)
+
+
 def test_what_is_no_study_or_twice_the_same_is_refused(runs: list[Path], tmp_path: Path) -> None:
     copy = changed(runs[0], tmp_path / "copy", title="Renamed")
     provenance = json.loads((runs[2] / "summary.json").read_text())["provenance"]

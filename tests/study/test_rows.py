@@ -62,6 +62,15 @@ def picture(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def test_one_picture_at_two_loads_is_noted(picture: Path) -> None:
+    row_of(picture, row=IMAGE)
+    text = (picture / "study.toml").read_text()
+    again = text[text.index("[[observations]]") :].replace("load_N = 2", "load_N = 3").replace('"x"', '"y"')
+    (picture / "study.toml").write_text(text + again)
+    notes = run_study(picture / "study.toml", picture / "out").notes
+    assert notes == ("x and y: print.png at different loads: is one another contact's?",)
+
+
 def test_wedge_angle(tmp_path: Path) -> None:
     # dR_0g/dθ by the reference numbers: (9.982357 − 13.607666) mm over 15°, steeper than the mean at 30°.
     row = row_of(tmp_path, wedge_std=1.0)

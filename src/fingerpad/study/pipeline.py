@@ -258,6 +258,13 @@ def _unit_notes(study: Study, curves: Iterable[CurveResult]) -> Iterator[str]:
         if curve.curve is not None:
             for doubt in unit_doubts(curve.curve.load, curve.curve.indentation, curve.curve.area):
                 yield f"{curve.manifest.file}: {doubt}"
+    loads: dict[str, dict[float, str]] = {}
+    for one in study.observations:
+        if one.file is not None:
+            loads.setdefault(one.file, {})[one.load_N] = one.name
+    for file, names in loads.items():
+        if len(names) > 1:
+            yield f"{' and '.join(names.values())}: {file} at different loads: is one another contact's?"
     pressed = [one.name for one in study.observations if one.load_N > MOST_N]
     if pressed:
         yield f"{_first_of(pressed)}: more than {MOST_N:g} N: load_N is in newtons, not millinewtons"

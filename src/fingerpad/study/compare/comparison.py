@@ -12,6 +12,7 @@ from fingerpad._csv import write_csv
 from fingerpad._display import Displayed
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
+from fingerpad._plausible import PLAUSIBLE_MODULUS
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.compare.values import (
     QUANTITIES,
@@ -24,6 +25,7 @@ from fingerpad.study.compare.values import (
     verdicts_of,
 )
 from fingerpad.uncertainty import RandomEffects, pool_random_effects, proportional_stds
+from fingerpad.units import KPA_PER_MPA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -268,7 +270,8 @@ def compare_studies(paths: Sequence[Path]) -> Comparison:
     if not values:
         raise FingerpadError("there is nothing to compare: no finger of these studies could be measured")
     order = list(QUANTITIES)
-    means = sorted(means_of(values), key=lambda mean: (order.index(mean.quantity), *_order(mean)))
+    plausible = (value for value in values if not _implausible(value))
+    means = sorted(means_of(plausible), key=lambda mean: (order.index(mean.quantity), *_order(mean)))
     return Comparison(
         studies=tuple(studies),
         values=tuple(values),
@@ -276,6 +279,12 @@ def compare_studies(paths: Sequence[Path]) -> Comparison:
         verdicts=tuple(verdict for study in studies for verdict in verdicts_of(study)),
         notes=tuple(_notes(studies, values)),
     )
+
+
+def _implausible(value: Value) -> bool:
+    """Return whether a value is a modulus that no finger has, as of loads in another unit."""
+    least, most = (KPA_PER_MPA * bound for bound in PLAUSIBLE_MODULUS)
+    return QUANTITIES[value.quantity].unit == "kPa" and not least <= value.value <= most
 
 
 def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterator[str]:
@@ -300,6 +309,11 @@ def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterato
         if alike and not all(value.std > 0 for value in alike):
             lacking = sum(not value.std > 0 for value in alike)
             yield f"{quantity}: {lacking} of {len(alike)} values have no uncertainty and stand in no mean"
+    for value in filter(_implausible, values):
+        yield (
+            f"{value.study}, {value.finger}: {value.quantity} {value.value:.3g} lies outside "
+            "1–5000 kPa and stands in no mean: check load and scale"
+        )
     speeds = [value.velocity_mm_per_s for value in values if value.velocity_mm_per_s > 0]
     if speeds and max(speeds) > _SAME_VELOCITY * min(speeds):
         yield (
