@@ -594,26 +594,3 @@ def loading(seed, count, kind="ftir"):
             p["image"] = p["background"]
             p["truth"] = p["truth"] | {"contact": 0, "area_mm2": 0.0}
         yield p
-
-
-def sheet(kind, path, seed=7, n=12, cell=(360, 300), backgrounds=False):
-    out = []
-    for p in pictures(seed, n, kind):
-        im = p["background"] if backgrounds else p["image"]
-        im = cv2.cvtColor(im, cv2.COLOR_GRAY2RGB) if im.ndim == 2 else im
-        f = min(cell[0] / im.shape[1], cell[1] / im.shape[0])
-        im = cv2.resize(im, None, fx=f, fy=f, interpolation=cv2.INTER_AREA if f < 1 else cv2.INTER_LINEAR)
-        q = np.full((cell[1], cell[0], 3), 255, np.uint8)
-        q[: im.shape[0], : im.shape[1]] = im[: cell[1], : cell[0]]
-        out.append(q)
-    rows = [np.hstack(out[i : i + 4]) for i in range(0, n, 4)]
-    cv2.imwrite(path, np.vstack(rows)[..., ::-1])
-
-
-if __name__ == "__main__":
-    import os
-
-    here = os.path.dirname(os.path.abspath(__file__))
-    for k in KINDS:
-        sheet(k, os.path.join(here, f"sheet_{k}.png"))
-        print(k)
