@@ -24,6 +24,18 @@ class _Copied(StringIO):
         return super().write(text)
 
 
+def _commit() -> str:
+    """Return the commit that is measured, and whether files beside the results differ from it."""
+
+    def git(*words: str) -> str:
+        return subprocess.run(
+            ["git", *words], cwd=ROOT, capture_output=True, text=True, check=False
+        ).stdout.strip()
+
+    changed = git("status", "--porcelain", "-uno", "--", ".", ":!benchmarks/results")
+    return git("rev-parse", "--short=8", "HEAD") + ("-dirty" if changed else "")
+
+
 def measure(name: str, sample: dict[str, int | str | bool]) -> None:
     """Run a benchmark, and store what it prints with its date, commit and sample."""
     report = importlib.import_module(modules()[name]).report
@@ -32,14 +44,16 @@ def measure(name: str, sample: dict[str, int | str | bool]) -> None:
     except TypeError as error:
         sys.exit(f"{name}: {error}; it takes {inspect.signature(report)}")
     drawn.apply_defaults()
-    commit = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False
-    )
+    commit = _commit()
     with redirect_stdout(_Copied()) as shown:
         report(**drawn.arguments)
     given = " ".join([name, *(f"{key}={value}" for key, value in sample.items())])
-    of = [f"{key.replace('_', ' ')} {value}" for key, value in drawn.arguments.items() if value != ""]
-    head = "; ".join([f"`python -m benchmarks {given}`, {date.today()}, commit {commit.stdout.strip()}", *of])
+    of = [
+        f"{key.replace('_', ' ')} {value}"
+        for key, value in drawn.arguments.items()
+        if value and not isinstance(value, str)
+    ]
+    head = "; ".join([f"`python -m benchmarks {given}`, {date.today()}, commit {commit}", *of])
     text = shown.getvalue().strip("\n")
     # A table in Markdown stands as one; aligned columns keep their spaces.
     body = text if "|---|" in text else f"```text\n{text}\n```"
