@@ -25,16 +25,16 @@ _SLACK: Final = 0.1
 _BLUNTNESS: Final = 0.005
 # A copy of so many px is fine enough for a border; grain that runs into it and letters that stick out, px of
 # it.
-_BORDER_PX: Final = 400
-_GRAIN_PX: Final = 7
-_LETTER_PX: Final = 20
+_BORDER_PX: Final = 240
+_GRAIN_PX: Final = 4
+_LETTER_PX: Final = 12
 
 # Side of the blocks that are busy with ridges or quiet, ridge periods.
 _BLOCK: Final = 1.35
 # Fewer quiet blocks than this show a level of the ground, but no slope; more than that are not needed.
 _MIN_QUIET: Final = 40
 _MAX_QUIET: Final = 300
-_SURFACE_ROUNDS: Final = 6
+_SURFACE_ROUNDS: Final = 3
 
 
 def without_added_border(

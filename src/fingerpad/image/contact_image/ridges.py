@@ -33,7 +33,7 @@ _PRIOR: Final = 0.03
 _MIN_RISE: Final = 0.3
 # Levels are taken from every other pixel where a period has more than so many.
 _LEAST_FOR_STEP: Final = 4
-# More pixels to a ridge period than this tell nothing more; directions and extremes need fewer.
+# More pixels to a ridge period than this tell nothing more; directions, extremes and letters need fewer.
 _MOST_PER_PERIOD: Final = 12
 _FEWER_PER_PERIOD: Final = 5
 _NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=np.uint8)
@@ -250,13 +250,13 @@ def _warped(
 def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, period: float) -> bool:
     """Return whether places darker than the ridges around are as large, and as many, as letters."""
     every = max(1, round(period / _FEWER_PER_PERIOD))
+    values = np.ascontiguousarray(values[::every, ::every])
     some = np.ascontiguousarray(ridges[::every, ::every]).view(np.uint8)
-    side = [2 * round(PRINTED_MARKS.around * period / every / 2) + 1] * 2
-    levels = cv2.copyTo(np.ascontiguousarray(values[::every, ::every]), some)
-    total = cv2.boxFilter(levels, cv2.CV_32F, side, normalize=False)
+    period /= every
+    side = [2 * round(PRINTED_MARKS.around * period / 2) + 1] * 2
+    total = cv2.boxFilter(cv2.copyTo(values, some), cv2.CV_32F, side, normalize=False)
     count = cv2.boxFilter(some, cv2.CV_32F, side, normalize=False)
-    limit = np.where(count > 0, total * np.float32(PRINTED_MARKS.darker) / np.maximum(count, 1), np.inf)
-    dark = values > enlarge(as_float32(limit), every, values.shape, cv2.INTER_NEAREST)
+    dark = (values * count > np.float32(PRINTED_MARKS.darker) * total) & (count > 0)
     stroke = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, [max(2, round(PRINTED_MARKS.stroke * period))] * 2)
     strokes = cv2.morphologyEx(dark.view(np.uint8), cv2.MORPH_OPEN, stroke)
     contours, _ = cv2.findContours(strokes, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
@@ -264,7 +264,7 @@ def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, perio
     for contour in contours:
         if len(contour) > 2 * reach and min(cv2.minAreaRect(contour)[1]) > reach:
             x, y = contour.reshape(-1, 2).mean(axis=0).astype(int)
-            letters += bool(inside[y, x])
+            letters += bool(inside[y * every, x * every])
     return letters >= PRINTED_MARKS.minimum
 
 
