@@ -6,35 +6,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 from PIL import Image
+from tests.studies import finger, picture, sequence, write_study
 
 MM_PER_PX = 0.04
 SEMI_AXES_PX = (62.0, 47.0)
 LOADS = (0.0, 0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.0, 2.0, 0.0)
-MANIFEST = """
-title = "Smooth"
-%s
-[[fingers]]
-name = "f"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-[[observations]]
-name = "contact"
-finger = "f"
-wedge_angle_deg = 30
-load_N = 2.0
-file = "contact.png"
-background = "empty.png"
-scale = { mm_per_px = 0.04, relative_std = 0.0 }
-[[sequences]]
-name = "press"
-finger = "f"
-wedge_angle_deg = 30
-file = "frames"
-scale = { mm_per_px = 0.04, relative_std = 0.0 }
-force = "force.csv"
-frames_per_second = 20
-start_s = 0
-"""
 
 
 def area_at(load: float) -> float:
@@ -42,7 +18,7 @@ def area_at(load: float) -> float:
     return math.pi * math.prod(SEMI_AXES_PX) * MM_PER_PX**2 * (load / 2) ** (2 / 3)
 
 
-def picture(load: float, seed: int) -> np.ndarray:
+def frame(load: float, seed: int) -> np.ndarray:
     """Return a frame: a bright ellipse under uneven light with a streak of reflection over its edge."""
     rows, columns = np.mgrid[:200, :220].astype(float)
     fine = np.zeros((1600, 1760), np.uint8)
@@ -56,14 +32,21 @@ def picture(load: float, seed: int) -> np.ndarray:
     return (light * (60 + 90 * inside) + shine + noise).round().clip(0, 255).astype(np.uint8)
 
 
-def make_smooth_study(folder: Path, line: str = 'surface = "smooth"') -> Path:
-    """Write the study with a line at its top, and return its manifest."""
+def make_smooth_study(folder: Path, surface: str | None = "smooth") -> Path:
+    """Write the study, and return its manifest."""
     (folder / "frames").mkdir(parents=True)
-    for frame, load in enumerate(LOADS):
-        Image.fromarray(picture(load, frame)).save(folder / "frames" / f"{frame:03d}.png")
+    for number, load in enumerate(LOADS):
+        Image.fromarray(frame(load, number)).save(folder / "frames" / f"{number:03d}.png")
     for name, load in (("contact", 2.0), ("empty", 0.0)):
-        Image.fromarray(picture(load, 100)).save(folder / f"{name}.png")
-    rows = [f"{frame / 20},{load}" for frame, load in enumerate(LOADS)]
+        Image.fromarray(frame(load, 100)).save(folder / f"{name}.png")
+    rows = [f"{number / 20},{load}" for number, load in enumerate(LOADS)]
     (folder / "force.csv").write_text("\n".join(["time_s,force_N", *rows]) + "\n")
-    (folder / "study.toml").write_text(MANIFEST % line)
-    return folder / "study.toml"
+    scale = {"mm_per_px": MM_PER_PX, "relative_std": 0.0}
+    return write_study(
+        folder,
+        finger(),
+        picture("contact", "contact.png", 2.0, background="empty.png", scale=scale),
+        sequence("press", "frames", scale=scale, force="force.csv", frames_per_second=20, start_s=0),
+        title="Smooth",
+        **({"surface": surface} if surface else {}),
+    )

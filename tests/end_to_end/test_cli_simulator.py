@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests import command
+from tests.studies import contact, finger, write_study
 
 import fingerpad as fp
 from fingerpad.study.results import load as of_run
@@ -15,21 +16,7 @@ from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, Thick
 PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30)
 USUAL = (*PAD, "--youngs-modulus-kpa", 50, "--thickness-mm", 8)
 PLACE = fp.Placement(fp.Ellipsoid(7.9, 13.8, 11.8), wedge_angle=math.radians(30))
-STUDY = """title = "One"
-[uncertainty]
-wedge_angle_deg_std = 0.3
-[[fingers]]
-name = "left_index"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.2, radial_ulnar = 0.3 }
-[[observations]]
-name = "press"
-finger = "left_index"
-wedge_angle_deg = 30
-load_N = 2
-ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }
-"""
-THICK = "effective_thickness_mm = 6\neffective_thickness_mm_std = 0.5\n"
+THICK = {"effective_thickness_mm": 6, "effective_thickness_mm_std": 0.5}
 
 
 def run(*arguments: object) -> tuple[int, str, str]:
@@ -46,13 +33,16 @@ def run_json(*arguments: object):
 @pytest.fixture(scope="module")
 def results(tmp_path_factory) -> dict[str, Path]:
     made = {}
-    for name, study in {
-        "deep": STUDY,
-        "layer": STUDY.replace("[[observations]]", THICK + "[[observations]]"),
-    }.items():
-        folder = tmp_path_factory.mktemp(name)
-        (folder / "study.toml").write_text(study, encoding="utf-8")
-        fp.run_study(folder / "study.toml", folder / "results")
+    stds = {"palmar": 0.1, "distal": 0.2, "radial_ulnar": 0.3}
+    for name, thickness in (("deep", {}), ("layer", THICK)):
+        study = write_study(
+            folder := tmp_path_factory.mktemp(name),
+            finger("left_index", semi_axes_mm_std=stds, **thickness),
+            contact("press", 2, (6, 5), finger="left_index", axis=""),
+            title="One",
+            uncertainty={"wedge_angle_deg_std": 0.3},
+        )
+        fp.run_study(study, folder / "results")
         made[name] = folder / "results"
     return made
 

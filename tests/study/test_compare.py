@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import re
+from itertools import chain
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -11,6 +12,8 @@ import numpy as np
 import pytest
 from benchmarks.claims import pooling
 from numpy.testing import assert_allclose
+from tests import studies
+from tests.studies import PAD, Table, contact
 from tests.sums import write_sums
 from typer.testing import CliRunner
 
@@ -21,7 +24,6 @@ from fingerpad.report.compare import forest_plot, write_comparison_page
 from fingerpad.study.compare import FinishedStudy, Person, Value, compare_studies, write_comparison
 from fingerpad.study.compare.comparison import means_of
 from fingerpad.study.compare.values import values_of, verdicts_of
-from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.summary_file import (
     CheckRecord,
     FingerRecord,
@@ -155,31 +157,34 @@ def test_values_without_uncertainty_have_no_weight() -> None:
 # Runs
 
 
-def finger(name: str, palmar: float, more: str = "") -> str:
-    return f"""
-[[fingers]]
-name = "{name}"
-{more}
-semi_axes_mm = {{ palmar = {palmar}, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
-""" + "".join(
-        f"""
-[[observations]]
-name = "{name}_{wedge}_{load}"
-finger = "{name}"
-wedge_angle_deg = {wedge}
-load_N = {load}
-ellipse_mm = {{ semi_major = {major}, semi_minor = {0.7 * major}, std = 0.1 }}
-"""
-        for wedge, load, major in ((30, 2, 7.4), (45, 2, 5.3), (30, 1, 5.9))
-    )
+STATED = {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.01}
 
 
-def ran(folder: Path, title: str, *tables: str) -> Path:
-    folder.mkdir()
-    head = f"title = '{title}'\n[uncertainty]\nwedge_angle_deg_std = 0.5\nload_relative_std = 0.01\n"
-    (folder / "study.toml").write_text(head + "".join(tables), encoding="utf-8")
-    run_study(folder / "study.toml", folder / "out")
+def finger(
+    name: str, palmar: float, *, axes_std: float = 0.1, std: float = 0.1, heavy: float = 2, roll=0.0, **keys
+) -> list[Table]:
+    """Return a finger and its contacts at two angles and two loads."""
+    places = ((30, heavy, 7.4), (45, heavy, 5.3), (30, 1, 5.9))
+    return [
+        studies.finger(name, std=axes_std, semi_axes_mm={**PAD, "palmar": palmar}, **keys),
+        *(
+            contact(
+                f"{name}_{wedge}_{load:g}",
+                load,
+                (major, 0.7 * major),
+                finger=name,
+                wedge=wedge,
+                std=std,
+                axis="",
+                **({"roll_angle_deg": roll} if roll else {}),
+            )
+            for wedge, load, major in places
+        ),
+    ]
+
+
+def ran(folder: Path, title: str, *fingers: list[Table], stated: dict[str, float] = STATED) -> Path:
+    studies.run(folder, *chain(*fingers), title=title, uncertainty=stated)
     return folder / "out"
 
 
@@ -189,12 +194,10 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     first = ran(
         root / "a",
         "Lab <b>A</b>",
-        finger("l_index", 7.9, 'person = "P01"'),
-        finger("l_ring", 7.7, 'person = "P01"'),
+        finger("l_index", 7.9, person="P01"),
+        finger("l_ring", 7.7, person="P01"),
     )
-    second = ran(
-        root / "b", "Lab B", finger("index", 7.2, 'person = "P02"'), finger("pad", 8.2, "synthetic = true")
-    )
+    second = ran(root / "b", "Lab B", finger("index", 7.2, person="P02"), finger("pad", 8.2, synthetic=True))
     third = ran(root / "c", "Lab C", finger("index", 8.3))
     return [first, second, third]
 
@@ -269,9 +272,7 @@ def test_what_both_angles_do_to_a_finger_is_shared() -> None:
 
 
 def test_the_share_of_the_wedge_is_that_of_a_run_without_the_rest(tmp_path: Path, runs: list[Path]) -> None:
-    exact = finger("l_index", 7.9).replace(
-        "palmar = 0.1, distal = 0.1, radial_ulnar = 0.1", "palmar = 1e-9, distal = 1e-9, radial_ulnar = 1e-9"
-    )
+    exact = finger("l_index", 7.9, axes_std=1e-9)
     alone = json.loads((ran(tmp_path / "exact", "Exact", exact) / "summary.json").read_text())["summaries"]
     for row in alone:
         for value in compare_studies(runs).values:
@@ -284,12 +285,9 @@ def test_the_share_of_the_wedge_is_that_of_a_run_without_the_rest(tmp_path: Path
 
 
 def test_roll_is_shared_by_the_fingers_of_a_study_as_the_wedge_is(tmp_path: Path) -> None:
-    tilted = finger("l_index", 7.9).replace("wedge_angle_deg = ", "roll_angle_deg = 20\nwedge_angle_deg = ")
-    exact = tilted.replace("= 0.1,", "= 1e-9,").replace("= 0.1 }", "= 1e-9 }")
-    head = "title = 'Roll'\n[uncertainty]\nroll_angle_deg_std = 2.0\nwedge_angle_deg_std = 0.0\n"
-    (tmp_path / "study.toml").write_text(head + exact, encoding="utf-8")
-    run_study(tmp_path / "study.toml", tmp_path / "out")
-    found = compare_studies([tmp_path / "out"]).of("mean_curvature_radius_mm")[0]
+    exact = finger("l_index", 7.9, axes_std=1e-9, std=1e-9, roll=20)
+    stated = {"roll_angle_deg_std": 2.0, "wedge_angle_deg_std": 0.0}
+    found = compare_studies([ran(tmp_path, "Roll", exact, stated=stated)]).of("mean_curvature_radius_mm")[0]
     assert len(found) == 2
     for one in found:
         assert one.std > 1e-3
@@ -383,7 +381,7 @@ def test_different_versions_and_failures_are_told(runs: list[Path], tmp_path: Pa
 
 
 def test_moduli_that_no_finger_has_stand_in_no_mean(runs: list[Path], tmp_path: Path) -> None:
-    millinewtons = finger("index", 7.9, 'person = "P07"').replace("load_N = 2", "load_N = 2000")
+    millinewtons = finger("index", 7.9, person="P07", heavy=2000)
     wrong = ran(tmp_path / "wrong", "Lab D", millinewtons)
     compared, alone = compare_studies([runs[0], wrong]), compare_studies([runs[0]])
     assert [mean.value for mean in compared.of("youngs_modulus_kpa")[1]] == [

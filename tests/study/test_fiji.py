@@ -13,9 +13,8 @@ import pytest
 from numpy.testing import assert_allclose
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 from skimage.measure import find_contours, regionprops
-from typer.testing import CliRunner
+from tests import command
 
-from fingerpad.cli import app
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
 from fingerpad.study.imports import (
@@ -414,9 +413,7 @@ def test_names_are_such_as_a_manifest_takes_and_never_the_same(tmp_path: Path) -
 
 
 def cli(*arguments: object) -> tuple[int, str, str]:
-    result = CliRunner().invoke(app, ["import", "fiji", *map(str, arguments)])
-    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
-    return result.exit_code, result.stdout, result.stderr
+    return command.run("import", "fiji", *arguments)
 
 
 STUDY = """

@@ -6,36 +6,23 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from tests.studies import contact, finger, write_study
 
 import fingerpad as fp
 from fingerpad.study.results.load import read_rows
 from fingerpad.study.results.table import COLUMNS
 
-STUDY = """
-title = "Two presses"
-[[fingers]]
-name = "index"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-[[observations]]
-name = "heavy"
-finger = "index"
-wedge_angle_deg = 30
-load_N = 2
-ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1, long_axis = "along" }
-[[observations]]
-name = "light"
-finger = "index"
-wedge_angle_deg = 45
-load_N = 0.5
-ellipse_mm = { semi_major = 5.3, semi_minor = 4.2, std = 0.1 }
-"""
+
+def make(folder: Path, load: float = 2, first: float = 30, second: float = 45) -> Path:
+    heavy = contact("heavy", load, finger="index", wedge=first)
+    light = contact("light", 0.5, (5.3, 4.2), finger="index", wedge=second, axis="")
+    return write_study(folder, finger("index"), heavy, light, title="Two presses")
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> str:
     study = tmp_path_factory.mktemp("study")
-    (study / "study.toml").write_text(STUDY, encoding="utf-8")
+    make(study)
     fp.run_study(str(study), str(study / "out"))
     return str(study / "out")
 
@@ -63,7 +50,7 @@ def test_a_notebook_shows_the_answers(folder: str) -> None:
 
 
 def test_what_a_contact_comes_to_stands_first_and_what_few_ask_for_is_asked_for(tmp_path: Path) -> None:
-    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    make(tmp_path)
     fp.run_study(tmp_path)
     few = fp.load_results(tmp_path / "results").table
     fp.run_study(tmp_path, all_columns=True)
@@ -90,7 +77,7 @@ def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
 
 
 def test_results_lie_beside_the_manifest(tmp_path: Path) -> None:
-    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    make(tmp_path)
     fp.run_study(tmp_path)
     assert len(fp.load_results(tmp_path / "results").table) == 2
     with pytest.raises(fp.FingerpadError, match="no finished run there, but in .*results: name that folder"):
@@ -100,15 +87,11 @@ def test_results_lie_beside_the_manifest(tmp_path: Path) -> None:
 
 
 def test_loads_and_angles_in_other_units_are_noted(tmp_path: Path) -> None:
-    manifest = tmp_path / "study.toml"
-    manifest.write_text(STUDY.replace("load_N = 2", "load_N = 2000").replace("deg = 45", "deg = 0.785"))
-    assert fp.run_study(manifest).notes == (
+    assert fp.run_study(make(tmp_path, load=2000, second=0.785)).notes == (
         "heavy: more than 100 N: load_N is in newtons, not millinewtons",
         "light: less than 1.6°: wedge_angle_deg is in degrees, not radians",
     )
-    manifest.write_text(STUDY.replace("deg = 30", "deg = 1.2").replace("deg = 45", "deg = 0.5"))
-    assert fp.run_study(manifest).notes == (
+    assert fp.run_study(make(tmp_path, first=1.2, second=0.5)).notes == (
         "heavy and 1 more: less than 1.6°: wedge_angle_deg is in degrees, not radians",
     )
-    manifest.write_text(STUDY.replace("load_N = 2", "load_N = 100").replace("deg = 45", "deg = 0"))
-    assert fp.run_study(manifest).notes == ()
+    assert fp.run_study(make(tmp_path, load=100, second=0)).notes == ()

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from filelock import FileLock
 from PIL import Image
+from tests.studies import contact, finger, write_study
 from tests.study.small_study import PICTURES, copy
 from typer.testing import CliRunner
 
@@ -31,30 +32,14 @@ from fingerpad.study.results.result_set import (
 )
 from fingerpad.study.results.table import records
 
-# Angles known so well that few random draws check the uncertainty.
-FINGER = """title = "{title}"
-[uncertainty]
-wedge_angle_deg_std = 0.3
-[[fingers]]
-name = "f"
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
-"""
-ROW = """[[observations]]
-name = "o{number}"
-finger = "f"
-wedge_angle_deg = 30
-load_N = {load}
-ellipse_mm = {{ semi_major = 7.4, semi_minor = 5.0, std = 0.1 }}
-"""
 TABLES = ("results.csv", "results.json", "results_columns.csv", "summary.json")
 
 
 def make(folder: Path, rows: int = 3, *, title: str = "T", load: float = 1.0) -> Path:
-    folder.mkdir(exist_ok=True)
-    text = FINGER.format(title=title) + "".join(ROW.format(number=k, load=load) for k in range(rows))
-    (folder / "study.toml").write_text(text)
-    return folder / "study.toml"
+    # Angles known so well that few random draws check the uncertainty.
+    stated = {"wedge_angle_deg_std": 0.3}
+    contacts = (contact(f"o{k}", load, axis="") for k in range(rows))
+    return write_study(folder, finger(), *contacts, title=title, uncertainty=stated)
 
 
 @pytest.fixture(scope="module")

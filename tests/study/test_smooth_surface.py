@@ -50,7 +50,7 @@ def test_another_surface_of_the_study_measures_again(smooth):
 
 
 def test_an_unknown_surface_is_an_issue(tmp_path):
-    loaded = load_study(make_smooth_study(tmp_path / "a", 'surface = "rough"'))
+    loaded = load_study(make_smooth_study(tmp_path / "a", "rough"))
     assert any("surface" in issue and "smooth" in issue for issue in loaded.issues)
 
 
