@@ -10,6 +10,8 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.results.result_set import require_result_set
 from fingerpad.study.results.summary_file import (
+    CurveRecord,
+    FingerRecord,
     LayerValidityRecord,
     PlacementRecord,
     SummaryFile,
@@ -288,12 +290,9 @@ def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
     owners = _owners(study)
     return [
         ValidityVerdict(
-            study=study.title,
-            finger=one.finger,
-            person=owners[one.finger],
+            **_whose(one, study, owners),
             wedge_angle_deg=one.wedge_angle_deg,
             roll_angle_deg=one.roll_angle_deg,
-            synthetic=one.synthetic,
             model=model,
             verdict=found.verdict,
             checks=tuple(check.check for check in found.checks if check.verdict == found.verdict),
@@ -317,6 +316,14 @@ def _owners(study: FinishedStudy) -> dict[str, Person]:
     }
 
 
+def _whose(
+    of: FingerRecord | PlacementRecord | CurveRecord, study: FinishedStudy, owners: Mapping[str, Person]
+) -> dict[str, Any]:
+    """Return whose a value or a verdict is."""
+    person = owners[of.finger]
+    return {"study": study.title, "finger": of.finger, "person": person, "synthetic": of.synthetic}
+
+
 def values_of(study: FinishedStudy) -> list[Value]:
     """Return all values that a study tells, in its own order; what it does not know is left out."""
     owners = _owners(study)
@@ -329,10 +336,7 @@ def _of_fingers(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[
         for place, quantity in enumerate(("palmar_mm", "distal_mm", "radial_ulnar_mm")):
             yield Value(
                 quantity=quantity,
-                study=study.title,
-                finger=finger.finger,
-                person=owners[finger.finger],
-                synthetic=finger.synthetic,
+                **_whose(finger, study, owners),
                 value=getattr(finger, quantity),
                 std=math.sqrt(finger.covariance_mm2[place][place]),
             )
@@ -367,10 +371,7 @@ def _of_placements(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterat
             model_std = 0.0 if math.isnan(model_std) else model_std
             yield Value(
                 quantity=quantity,
-                study=study.title,
-                finger=summary.finger,
-                person=owners[summary.finger],
-                synthetic=summary.synthetic,
+                **_whose(summary, study, owners),
                 wedge_angle_deg=summary.wedge_angle_deg,
                 roll_angle_deg=summary.roll_angle_deg,
                 value=value,
@@ -388,10 +389,7 @@ def _of_curves(study: FinishedStudy, owners: Mapping[str, Person]) -> Iterator[V
         for quantity, key in _FROM_CURVES.items() if curve.fit else ():
             yield Value(
                 quantity=quantity,
-                study=study.title,
-                finger=curve.finger,
-                person=owners[curve.finger],
-                synthetic=curve.synthetic,
+                **_whose(curve, study, owners),
                 wedge_angle_deg=curve.wedge_angle_deg,
                 roll_angle_deg=0.0,
                 value=getattr(curve.fit, key),
