@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
-from fingerpad.image.ellipse_fit import distances, normalise
-from fingerpad.image.photograph.arc_fit import ArcFit, fit_arc_ellipse, turns_from
+from fingerpad.image.ellipse_fit import distances
+from fingerpad.image.photograph.arc_fit import ArcFit, conic_start, fit_arc_ellipse, turns_from
 from fingerpad.image.photograph.faces import Face
 
 IndexArray: TypeAlias = npt.NDArray[np.intp]
@@ -34,8 +34,6 @@ PAD_REACH: Mapping[Face, float] = {
     "ulnar": math.radians(95),
 }
 
-_HYPOTHESES = 500
-_SPARSE = 240
 _BLOCKS = 72
 _MIN_BLOCKS = 22
 # A block may be this many squared deviations off, on average, and still be used.
@@ -45,7 +43,10 @@ _SLACKS = (1.0, 2.0, 4.0, 8.0, 16.0)
 _GOOD_ENOUGH = 0.02
 _MIN_POINTS = 24
 _REJECTION = 4.0
+# Semi-axes along over across of a pad.
 _AXIS_RATIOS = (0.3, 3.0)
+# So far on either side of its middle the outline is pad, whether one ellipse fits it or not.
+SURELY_PAD = math.radians(60)
 
 # From the tip in widths: where the sides begin to run along the finger.
 _SIDES_FROM = {"palmar": 1.15, "radial": 2.1, "ulnar": 2.1}
@@ -123,14 +124,17 @@ def finger_tilt(points: FloatArray, face: Face) -> tuple[float, float]:
     return tilt, _AXIS_STD[face] * max(1.0, width / float(top - bottom))
 
 
-def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tuple[float, float]) -> PadArc:
+def longest_arc(
+    points: FloatArray, order: IndexArray, middle: float, tilt: tuple[float, float], rough: FloatArray
+) -> PadArc:
     """Find the longest arc through the middle of the candidates that one ellipse fits, and fit it.
 
     `points` of the outline are in the face's frame, px; `order` has the indices of the candidates along it;
-    `middle` is the pad's as a parametric angle, `tilt` that of the finger's axis and its std, radians.
+    `middle` is the pad's as a parametric angle, `tilt` that of the finger's axis and its std, radians;
+    `rough` is an ellipse (x, y, semi_x, semi_y, tilt).
     """
     track = points[order]
-    start = _consensus(track, tilt)
+    start = rough_start(track[np.abs(turns_from(middle, track, rough)) < SURELY_PAD], tilt, rough)
     arcs: dict[float, PadArc] = {}
     # A finger is no perfect ellipse: where the noise alone allows but a short arc, more is let pass.
     for slack in _SLACKS:
@@ -155,15 +159,12 @@ def longest_arc(points: FloatArray, order: IndexArray, middle: float, tilt: tupl
     return arcs[min(arcs)]
 
 
-def fit_arc(
-    points: FloatArray, order: IndexArray, tilt: tuple[float, float], start: FloatArray | None = None
-) -> PadArc:
+def fit_arc(points: FloatArray, order: IndexArray, tilt: tuple[float, float], start: FloatArray) -> PadArc:
     """Fit an ellipse to all of an arc but the points that stand out from it."""
     track = points[order]
     if len(track) < _MIN_POINTS:
         raise FitError(f"only {len(track)} points of the outline were found on the arc: give a longer arc")
-    values = _consensus(track, tilt) if start is None else start
-    good = _inliers(distances(values, track)[0])
+    values, good = start, _inliers(distances(start, track)[0])
     for _ in range(3):
         fit = fit_arc_ellipse(track[good], tilt, places=np.flatnonzero(good), start=values)
         values, before = fit.ellipse.parameters, good
@@ -182,66 +183,14 @@ def _inliers(off: FloatArray) -> BoolArray:
     return np.asarray(~wide if (~wide).sum() >= _MIN_POINTS else ~far, dtype=bool)
 
 
-def _consensus(track: FloatArray, tilt: tuple[float, float]) -> FloatArray:
-    """Return the ellipse through five points that most of a track agrees with (MSAC, seeded)."""
-    sparse = track[np.linspace(0, len(track) - 1, min(_SPARSE, len(track))).astype(int)]
-    local, shift, size = normalise(sparse)
-    rng = np.random.default_rng(0)
-    count = len(local)
-    length = rng.uniform(0.35, 1.0, _HYPOTHESES) * (count - 1)
-    begin = rng.uniform(0, 1, _HYPOTHESES) * (count - 1 - length)
-    jitter = rng.uniform(-0.09, 0.09, (_HYPOTHESES, 5)) + np.array([0.1, 0.3, 0.5, 0.7, 0.9])
-    chosen = np.rint(begin[:, None] + jitter * length[:, None]).astype(int)
-    x, y = np.moveaxis(local[chosen], -1, 0)
-    conics = np.linalg.svd(np.stack([x * x, x * y, y * y, x, y, np.ones_like(x)], axis=-1))[2][:, -1]
-    conics = conics[_plausible(conics, tilt)]
-    if not len(conics):
-        raise FitError(
-            "no ellipse fits the outline near the pad: check face, tip and palmar, or mark points on the pad"
-        )
-    tolerance = max(0.8, 0.004 * size) / size
-    scores = np.minimum((_sampson(conics, local) / tolerance) ** 2, 1).sum(axis=1)
-    a, b, c, d, e, f = conics[scores.argmin()]
-    centre, axes, angle = _conic_parameters(np.array([[a, b, c, d, e, f]]))
-    return np.array([*(centre[0] * size + shift), *(axes[0] * size), angle[0]])
-
-
-def _plausible(conics: FloatArray, tilt: tuple[float, float]) -> BoolArray:
-    """Return which conics are ellipses about as upright and as long as a finger pad's."""
-    with np.errstate(all="ignore"):
-        centre, axes, angle = _conic_parameters(conics)
-        ratio = axes[:, 1] / axes[:, 0]
-        # The rounder, the less is known of the direction.
-        turn = np.abs(angle - tilt[0]) * np.minimum(1, 4 * np.abs(np.log(ratio)))
-        good = np.isfinite(axes).all(axis=1) & (ratio > _AXIS_RATIOS[0]) & (ratio < _AXIS_RATIOS[1])
-        good &= (axes.max(axis=1) < 12) & (turn < max(math.radians(8), 3 * tilt[1]))
-    return np.asarray(good & np.isfinite(centre).all(axis=1), dtype=bool)
-
-
-def _conic_parameters(conics: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return centres, semi-axes (nearest to x, to y) and angle of x's axis of conics; NaN where none."""
-    a, b, c, d, e, f = conics.T
-    with np.errstate(all="ignore"):
-        discriminant = 4 * a * c - b * b
-        x, y = (b * e - 2 * c * d) / discriminant, (b * d - 2 * a * e) / discriminant
-        level = -(f + (d * x + e * y) / 2)
-        # The turn that takes the mixed term away, within 45° of x.
-        angle = 0.5 * np.arctan(b / (a - c))
-        cosine, sine = np.cos(angle), np.sin(angle)
-        along_x = a * cosine**2 + b * cosine * sine + c * sine**2
-        along_y = a * sine**2 - b * cosine * sine + c * cosine**2
-        axes = np.sqrt(np.stack([level / along_x, level / along_y], axis=-1))
-        axes[~(discriminant > 0)] = np.nan
-    return np.stack([x, y], axis=-1), axes, angle
-
-
-def _sampson(conics: FloatArray, points: FloatArray) -> FloatArray:
-    """Return the first-order distance of each point from each conic, (conics, points)."""
-    x, y = points.T
-    a, b, c, d, e, f = (column[:, None] for column in conics.T)
-    value = a * x * x + b * x * y + c * y * y + d * x + e * y + f
-    slope = np.hypot(2 * a * x + b * y + d, b * x + 2 * c * y + e)
-    return np.asarray(np.abs(value) / np.maximum(slope, 1e-12), dtype=np.float64)
+def rough_start(track: FloatArray, tilt: tuple[float, float], rough: FloatArray) -> FloatArray:
+    """Return the conic through points along the finger's axis, or a rough ellipse where no pad is such."""
+    try:
+        found = conic_start(track, tilt[0])
+    except FitError:
+        return rough
+    low, high = _AXIS_RATIOS
+    return found if low < found[3] / found[2] < high and found[2:4].max() < 3 * rough[2:4].max() else rough
 
 
 def _longest_window(

@@ -74,7 +74,7 @@ def fit_arc_ellipse(
     local, shift, size = normalise(points)
     past, unit = past / size, np.array([size, size, size, size, 1.0])
     if start is None:
-        values = _start(local[on_arc], tilt[0])
+        values = conic_start(local[on_arc], tilt[0])
     else:
         values = (as_float_array(start) - [*shift, 0, 0, 0]) / unit
     values = _refine(local[on_arc], values, (tilt[0], math.inf), np.asarray)
@@ -199,7 +199,8 @@ def outline_places(points: FloatArray) -> tuple[npt.NDArray[np.int64], float]:
     return np.concatenate([[0], np.cumsum(steps)]).astype(np.int64)[: len(points)], step
 
 
-def _start(points: FloatArray, tilt: float) -> Parameters:
+def conic_start(points: FloatArray, tilt: float) -> Parameters:
+    """Return the conic of least squares through points, its axis turned by a tilt."""
     turn = rotation(tilt)
     x, y, semi_x, semi_y, _ = fit_aligned_ellipse(points @ turn).ellipse.parameters
     return np.array([*(turn @ (x, y)), semi_x, semi_y, tilt])

@@ -13,7 +13,7 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation
-from fingerpad.image.photograph.arc import PAD_MIDDLE, initial_ellipse
+from fingerpad.image.photograph.arc import PAD_MIDDLE, SURELY_PAD, initial_ellipse
 from fingerpad.image.photograph.arc_fit import (
     ArcFit,
     extend_arc,
@@ -28,8 +28,6 @@ from fingerpad.image.photograph.result import PhotographFit, scale_term, size_fl
 from fingerpad.image.photograph.shape import ShapeAverage, average_over_shapes, is_significant
 from fingerpad.image.scale import Scale
 
-# So far on either side of its middle the outline is pad, whether one ellipse fits it or not.
-_SURELY_PAD = math.radians(60)
 # So many points left out at an end of the arc say that the pad ends there.
 _END = 8
 
@@ -216,7 +214,7 @@ def _fitted(arc: FaceArc) -> ArcFit:
 def _average_over_shapes(arc: FaceArc, fit: ArcFit) -> ShapeAverage | None:
     """Average with a superellipse along the arc, and along the pad's middle where the arc leaves it out."""
     guess = initial_ellipse(arc.points, arc.face)
-    core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < _SURELY_PAD
+    core = np.abs(turns_from(PAD_MIDDLE[arc.face], arc.points, guess)) < SURELY_PAD
     half, hidden = math.nan, 0.0
     outline, pad = arc.about(fit.ellipse, arc.tilt[0])
     # A side face shows the nail's side too, whose distance is no semi-axis.

@@ -14,7 +14,15 @@ import numpy.typing as npt
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, real_array
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image.levels import picture_array
-from fingerpad.image.photograph.arc import PAD_MIDDLE, candidate_points, finger_tilt, fit_arc, longest_arc
+from fingerpad.image.photograph.arc import (
+    PAD_MIDDLE,
+    candidate_points,
+    finger_tilt,
+    fit_arc,
+    initial_ellipse,
+    longest_arc,
+    rough_start,
+)
 from fingerpad.image.photograph.edges import SubpixelOutline, Window, locate_edges
 from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
 from fingerpad.image.photograph.faces import Direction, Face, face_axes, opposite, palmar_directions
@@ -161,11 +169,12 @@ def _pad_arc(
         every = np.roll(every, len(every) // 2 - int(order[len(order) // 2]))
     every = every[edges.found[every]]
     points, candidates = local[every], np.flatnonzero(np.isin(every, order))
+    rough = np.append(initial_ellipse(local, face)[:4], tilt[0])
     ends_known = marks is not None or window is not None
     if ends_known:
-        arc = fit_arc(points, candidates, tilt)
+        arc = fit_arc(points, candidates, tilt, rough_start(points[candidates], tilt, rough))
     else:
-        arc = longest_arc(points, candidates, PAD_MIDDLE[face], tilt)
+        arc = longest_arc(points, candidates, PAD_MIDDLE[face], tilt, rough)
     numbers = np.arange(len(every))
     return FaceArc(
         face=face,
