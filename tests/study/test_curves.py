@@ -8,12 +8,15 @@ import pytest
 from scipy.io import savemat
 from tests import studies
 from tests.workbooks import sheet_xml, workbook
+from typer.testing import CliRunner
 
 from fingerpad._json import dumps
+from fingerpad.cli import app
 from fingerpad.contact import Tissue, fast_contact
 from fingerpad.exceptions import ManifestError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report import write_report
+from fingerpad.report.text import doubtful_curves
 from fingerpad.simulate import outline_points, simulate_loading_curve
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.measuring.curves import loading_radius, placed_pad
@@ -141,6 +144,15 @@ def test_full_widths_given_as_semi_axes_are_noted(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(manifest)
     (note,) = run_study(tmp_path / "study.toml", tmp_path / "out").notes
     assert note.startswith("f: semi_axes_mm: radial_ulnar 23 mm would be a finger 46 mm wide: are these full")
+
+
+def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path: Path) -> None:
+    write_curve(tmp_path / "a.csv", loading_radius=15.0, initial_modulus=8.0)
+    result = study(tmp_path, 'file = "a.csv"\n', 'file = "a.csv"\n')
+    assert "a.csv: press 0 is given 2 times, and counts so often in R_g" in result.notes
+    assert "implausible_modulus" in {flag.code for _, flag in doubtful_curves(result)}
+    ran = CliRunner().invoke(app, ["run", str(tmp_path / "study.toml"), "--out", str(tmp_path / "out")])
+    assert "doubtful: a.csv: the modulus lies beyond any finger pad's; to do: check the units" in ran.output
 
 
 def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:

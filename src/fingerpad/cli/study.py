@@ -159,17 +159,8 @@ def verify(
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.report.text import (
-        contact_flags,
-        doubtful_frames,
-        finger_doubts,
-        fingers_without_results,
-        implausible_values,
-        to_do,
-        why_not_pooled,
-    )
+    from fingerpad.report.text import fingers_without_results, implausible_values, why_not_pooled
     from fingerpad.study.results.output import answers_of
-    from fingerpad.study.results.table import records
     from fingerpad.study.results.validity.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
     for summary, answer in zip(result.summaries, answers_of(result), strict=True):
@@ -183,6 +174,19 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%}, {FAILS} where by "
             f"more than {FAILS_ABOVE:.0%}; in brackets, its largest difference"
         )
+    _print_doubts(result)
+    for note in (*result.notes, *implausible_values(result)):
+        typer.echo(f"note: {note}", err=True)
+    for failure in result.failures:
+        typer.echo(f"failed: {failure}", err=True)
+    typer.echo(f"Report: {report}")
+
+
+def _print_doubts(result: "StudyResult") -> None:
+    """Print what is doubtful of fingers, contacts, sequences and loading curves."""
+    from fingerpad.report.text import contact_flags, doubtful_curves, doubtful_frames, finger_doubts, to_do
+    from fingerpad.study.results.table import records
+
     for finger in result.fingers.values():
         for words in finger_doubts(finger):
             typer.echo(f"doubtful: {finger.name}: {words}")
@@ -195,8 +199,5 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
         typer.echo(f"to do: {words}")
     for name, count, flag in doubtful_frames(result):
         typer.echo(f"doubtful: {name}: {flag.words} in {count} of its frames; to do: {flag.to_do}")
-    for note in (*result.notes, *implausible_values(result)):
-        typer.echo(f"note: {note}", err=True)
-    for failure in result.failures:
-        typer.echo(f"failed: {failure}", err=True)
-    typer.echo(f"Report: {report}")
+    for name, flag in doubtful_curves(result):
+        typer.echo(f"doubtful: {name}: {flag.words}; to do: {flag.to_do}")

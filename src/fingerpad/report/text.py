@@ -207,6 +207,14 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
                 )
 
 
+def doubtful_curves(result: StudyResult) -> Iterator[tuple[str, Flag]]:
+    """Yield for each loading curve and flag of its fit the curve's file and the flag."""
+    for curve in result.curves:
+        if curve.fit is not None:
+            for flag in flags_in(curve.fit.flags, "curve", notes=curve.fit.notes):
+                yield curve.manifest.file or "", flag
+
+
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
     """Yield for each sequence and flag the sequence's name, the number of frames, and the flag."""
     frames = result.rows[result.rows["frame"].notna()]

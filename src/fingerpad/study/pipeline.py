@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import asdict, replace
@@ -171,6 +172,7 @@ def run_study(
                         *map(_DAMAGED.format, damaged),
                         *_notes(measured, log),
                         *_unit_notes(study, measured.curves),
+                        *_repeated_files(study),
                         *_column_notes(study, folder),
                     ),
                     executor=executor,
@@ -258,13 +260,6 @@ def _unit_notes(study: Study, curves: Iterable[CurveResult]) -> Iterator[str]:
         if curve.curve is not None:
             for doubt in unit_doubts(curve.curve.load, curve.curve.indentation, curve.curve.area):
                 yield f"{curve.manifest.file}: {doubt}"
-    loads: dict[str, dict[float, str]] = {}
-    for one in study.observations:
-        if one.file is not None:
-            loads.setdefault(one.file, {})[one.load_N] = one.name
-    for file, names in loads.items():
-        if len(names) > 1:
-            yield f"{' and '.join(names.values())}: {file} at different loads: is one another contact's?"
     pressed = [one.name for one in study.observations if one.load_N > MOST_N]
     if pressed:
         yield f"{_first_of(pressed)}: more than {MOST_N:g} N: load_N is in newtons, not millinewtons"
@@ -273,6 +268,21 @@ def _unit_notes(study: Study, curves: Iterable[CurveResult]) -> Iterator[str]:
     ]
     if placed:
         yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
+
+
+def _repeated_files(study: Study) -> Iterator[str]:
+    """Yield which files are given twice, so that one press counts twice or has two loads."""
+    presses = Counter((one.file, one.cycle, one.wedge_angle_deg) for one in study.curves if one.file)
+    for (file, cycle, _), count in presses.items():
+        if count > 1:
+            yield f"{file}: press {cycle} is given {count} times, and counts so often in R_g"
+    loads: dict[str, dict[float, str]] = {}
+    for one in study.observations:
+        if one.file is not None:
+            loads.setdefault(one.file, {})[one.load_N] = one.name
+    for file, names in loads.items():
+        if len(names) > 1:
+            yield f"{' and '.join(names.values())}: {file} at different loads: is one another contact's?"
 
 
 def _mapped(key: str, columns: Mapping[str, str], name: str, column: str) -> str:
