@@ -16,6 +16,7 @@ from fingerpad.web.api import (
     results,
     scales,
     sequences,
+    simulator,
     state,
     studies,
 )
@@ -23,5 +24,6 @@ from fingerpad.web.api import (
 ROUTERS: Final[tuple[APIRouter, ...]] = (
     *(studies.here, studies.router, state.router, images.router, scales.router, photographs.router),
     *(contacts.router, sequences.router, corrections.router, results.here, results.router),
+    simulator.router,
     *(figures.router, geometry.router, files.here, files.router, new_files.router),
 )

@@ -8,6 +8,7 @@ import { Audit } from "./results_audit.js";
 import { Budget } from "./results_budget.js";
 import { Figures } from "./results_figures.js";
 import { Plots } from "./results_plots.js";
+import { Simulator } from "./results_simulator.js";
 import { Table } from "./results_table.js";
 
 /** @typedef {View & { load(): Promise<void>, search?(): void, theme?(): void }} Part */
@@ -17,6 +18,7 @@ const PARTS = [
   ["table", "Table", Table],
   ["figures", "Figures", Figures],
   ["budget", "Uncertainty", Budget],
+  ["simulator", "Simulator", Simulator],
   ["audit", "Audit", Audit],
 ];
 

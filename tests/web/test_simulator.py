@@ -1,0 +1,47 @@
+"""A finger of the last run for robot simulators."""
+
+import io
+import zipfile
+
+import pytest
+
+PATH = "/api/studies/demo/results/simulator"
+
+
+@pytest.fixture(scope="module")
+def place(done):
+    group = done.get("/api/studies/demo/results/budget").json()["groups"][0]
+    return {name: group[name] for name in ("finger", "wedge_angle_deg")}
+
+
+def test_numbers_of_a_finger(done, place):
+    found = done.get(PATH, params=place | {"thickness_mm": 8.0}).json()
+    assert "8 mm of tissue" in found["source"]
+    names = [target["name"] for target in found["targets"]]
+    assert names[1:4] == ["Newton kh", "Drake hydroelastic modulus", "MuJoCo solref"]
+    assert "Finite elements" in names[-1]
+    assert all(0 <= target["worst_relative_error"] < 1 for target in found["targets"])
+    assert found["targets"][3]["area_factor"] is None
+
+
+def test_files_of_a_finger(done, place):
+    answer = done.get(f"{PATH}/file", params=place | {"thickness_mm": 8.0})
+    assert "_simulator.zip" in answer.headers["content-disposition"]
+    archive = zipfile.ZipFile(io.BytesIO(answer.content))
+    assert {"finger.xml", "finger.sdf", "finger.inp", "README.md"} <= set(archive.namelist())
+    assert place["finger"] in archive.read("README.md").decode()
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"mass_kg": 1e-9}, "MuJoCo would need time steps below"),
+        ({"lowest_load_N": 3.0, "highest_load_N": 1.0}, "must be two that ascend"),
+        ({"finger": "thumb"}, "found no finger 'thumb'"),
+        ({"highest_load_N": 1e5}, "the load would flatten the pad"),
+    ],
+)
+def test_what_cannot_be_is_refused(done, place, given, words):
+    answer = done.get(PATH, params=place | given)
+    assert answer.status_code == 422
+    assert words in answer.json()["error"]
