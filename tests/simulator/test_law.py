@@ -301,7 +301,7 @@ BAD = {
         "needs the fast laws",
     ),
     "no mass": (lambda: usual().mujoco(0.0), "effective_mass must be positive"),
-    "mass too small": (lambda: usual().mujoco(1e-8), "effective_mass must be at least .* time steps beyond"),
+    "mass too small": (lambda: usual().mujoco(1e-8), "effective_mass must be at least .* time steps below"),
     "negative damping": (lambda: usual().mujoco(0.1, -1.0), "damping_ratio must be positive"),
     "no inside": (lambda: simulator_law(*PADS["paraboloid"]).drake_modulus(), "needs a pad"),
     "no mesh": (lambda: usual().drake_modulus(mesh=3), "mesh must be a TetrahedralMesh"),
