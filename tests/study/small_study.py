@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from tests.studies import finger, picture, sequence, write_study
 
 from fingerpad.simulate import render_contact_image, render_finger, render_sequence
 from fingerpad.study.engine.store import STORE_NAME, Store
@@ -17,40 +18,6 @@ FRAMES = 24
 PIECE = 5
 # Loading to frame 9, hold to 13, unloading; empty at either end.
 LOAD = np.interp(np.arange(FRAMES), [2, 9, 13, 21], [0, 2, 2, 0])
-# Angles known so well that few random draws check the uncertainty.
-HEAD = """title = "T"
-[uncertainty]
-wedge_angle_deg_std = 0.5
-[[fingers]]
-name = "f"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-[[fingers]]
-name = "g"
-photographs = [
-    { face = "palmar", file = "palmar.jpg", scale = { mm_per_px = 0.1 }, synthetic = true },
-    { face = "distal", file = "distal.jpg", scale = { mm_per_px = 0.1 }, synthetic = true },
-]
-"""
-PICTURE = """[[observations]]
-name = "o{number}"
-finger = "f"
-wedge_angle_deg = 30
-load_N = {load}
-file = "o{number}.png"
-scale = {{ ppi = 240 }}
-synthetic = true
-"""
-SEQUENCE = """[[sequences]]
-name = "p"
-finger = "f"
-wedge_angle_deg = 30
-file = "{path}"
-scale = {{ ppi = 240 }}
-force = "force.csv"
-frames_per_second = 20
-synthetic = true
-"""
 
 
 def make(folder: Path) -> Path:
@@ -63,13 +30,24 @@ def make(folder: Path) -> Path:
     for k in range(FRAMES):
         Image.fromarray(press.pixels(k)).save(folder / "frames" / f"f{k}.png")
     for face in ("palmar", "distal"):
-        finger = render_finger(face, mm_per_px=0.1, seed=3)
-        Image.fromarray(finger.pixels).save(folder / f"{face}.jpg", quality=92)
+        drawn = render_finger(face, mm_per_px=0.1, seed=3)
+        Image.fromarray(drawn.pixels).save(folder / f"{face}.jpg", quality=92)
     rows = "\n".join(f"{k / 20},{load}" for k, load in enumerate(LOAD))
     (folder / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
-    pictures = "".join(PICTURE.format(number=k, load=1.0 + k) for k in range(PICTURES))
-    (folder / "study.toml").write_text(HEAD + pictures + SEQUENCE.format(path="frames"))
-    return folder / "study.toml"
+    as_drawn = {"scale": {"ppi": PPI}, "synthetic": True}
+    photographs = [
+        {"face": face, "file": f"{face}.jpg", "scale": {"mm_per_px": 0.1}, "synthetic": True}
+        for face in ("palmar", "distal")
+    ]
+    return write_study(
+        folder,
+        finger("f"),
+        finger("g", photographs=photographs),
+        *(picture(f"o{k}", f"o{k}.png", 1.0 + k, **as_drawn) for k in range(PICTURES)),
+        sequence("p", "frames", force="force.csv", frames_per_second=20, **as_drawn),
+        # Angles known so well that few random draws check the uncertainty.
+        uncertainty={"wedge_angle_deg_std": 0.5},
+    )
 
 
 def make_of_tiff(small_study: Path, folder: Path) -> None:
