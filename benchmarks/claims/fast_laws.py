@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts
+from benchmarks.tables import table
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.contact.contact import AnyPlacement
@@ -18,8 +19,7 @@ _NAMES = "load", "area", "indentation"
 
 def circles() -> None:
     """Print errors for circular contacts on a layer, which one integral equation solves to ten digits."""
-    print("\nCircular contact on a bonded layer: A/(πRξ), W over Hertz at ξ and at A; then relative errors")
-    print("    of A at W · ξ at W: Hertz, fast law, solver with 256² cells")
+    rows = []
     sizes = np.array([0.05, 0.1, 0.3, 0.5, 1.0, 2.0, 3.0])
     ball = Paraboloid(10.0, 10.0)
     for nu in (0.5, 0.48, 0.45, 0.3):
@@ -35,49 +35,59 @@ def circles() -> None:
                 (fast.area[i], fast.indentation[i]),
                 (solved.area, solved.indentation),
             )
-            errors = "".join(f"  {a / area[i] - 1:+9.1e} · {x / indentation[i] - 1:+.1e}" for a, x in found)
-            ratios = 1 / depth[i], load[i] / depth[i] ** 1.5, load[i]
-            print(f"    a/t {size:<5g} ν {nu:<5g}" + "".join(f"{each:9.4f}" for each in ratios) + errors)
+            errors = [f"{a / area[i] - 1:+.0e}, {x / indentation[i] - 1:+.0e}" for a, x in found]
+            ratios = (f"{one:.3f}" for one in (1 / depth[i], load[i] / depth[i] ** 1.5, load[i]))
+            rows.append((f"{size:g}", f"{nu:g}", *ratios, *errors))
+    columns = (
+        "a/t",
+        "ν",
+        "A/(πRξ)",
+        "W over Hertz at ξ",
+        "at A",
+        "Hertz: errors of A, ξ at W",
+        "fast law",
+        "solver",
+    )
+    table(columns, rows, "A circular contact on a bonded layer, by one integral equation to ten digits")
 
 
 def held_out() -> None:
     """Print the laws' largest errors in contacts that nothing was fitted to, and Hertz theory's."""
     kept = np.load(KEPT)
-    print("\nContacts held out, largest (and 95 %) relative error within the laws' range; Hertz: largest")
+    rows: list[tuple[object, ...]] = []
     for title, name in (
         ("elliptical paraboloid on a layer", "elliptical_held_out"),
         ("whole pad on deep tissue", "pads_held_out"),
         ("whole pad on a layer", "layered_held_out"),
     ):
-        rows = kept[name]
-        placement, tissue = kept_contacts(rows, is_pad=not name.startswith("elliptical"))
-        load, area, depth, ratio, peak = rows[:, -5:].T
+        rows_of = kept[name]
+        placement, tissue = kept_contacts(rows_of, is_pad=not name.startswith("elliptical"))
+        load, area, depth, ratio, peak = rows_of[:, -5:].T
         solved = {"load": load, "area": area / AREA_BIAS, "indentation": depth}
         for given in _NAMES:
             fast = fast_contact(placement, tissue, **{given: solved[given]})
             hertz = hertz_contact(placement, tissue, **{given: solved[given]})
-            wanted = [each for each in _NAMES if each != given]
             inside = fast.flag_code == 0
-            print(f"    {title}, by {given} ({inside.sum()} of {len(rows)} within)")
-            for each in wanted:
-                _print(each, getattr(fast, each)[inside], solved[each][inside], getattr(hertz, each)[inside])
+            errors = [
+                _cell(getattr(fast, each)[inside], solved[each][inside], getattr(hertz, each)[inside])
+                if each != given
+                else "given"
+                for each in _NAMES
+            ]
+            rows.append((title, given, f"{inside.sum()} of {len(rows_of)}", *errors, "", ""))
         form = fast_contact(placement, tissue, area=solved["area"])
         inside = np.isfinite(form.semi_major)
         hertz = hertz_contact(placement, tissue, area=solved["area"])
-        print(f"    {title}, by area")
-        _print(
-            "aspect ratio",
-            form.aspect_ratio[inside],
-            1 / ratio[inside],
-            hertz.aspect_ratio[inside],
-        )
         mean = load / solved["area"]
-        _print(
-            "peak pressure",
-            (form.peak_pressure / form.mean_pressure * mean)[inside],
-            peak[inside],
-            (1.5 * mean)[inside],
-        )
+        shape = _cell(form.aspect_ratio[inside], 1 / ratio[inside], hertz.aspect_ratio[inside])
+        peaks = (form.peak_pressure / form.mean_pressure * mean)[inside]
+        highest = _cell(peaks, peak[inside], (1.5 * mean)[inside])
+        rows.append((title, "area", f"{inside.sum()} of {len(rows_of)}", "", "", "", shape, highest))
+    table(
+        ("contacts", "given", "within range", *_NAMES, "aspect ratio", "peak pressure"),
+        rows,
+        "Largest error on contacts that nothing was fitted to (Hertz theory's)",
+    )
 
 
 def kept_contacts(rows: FloatArray, *, is_pad: bool) -> tuple[AnyPlacement, Tissue]:
@@ -88,10 +98,8 @@ def kept_contacts(rows: FloatArray, *, is_pad: bool) -> tuple[AnyPlacement, Tiss
     return pads, Tissue.of_reduced_modulus(1.0, rows[:, 6], thickness=rows[:, 5])
 
 
-def _print(name: str, fast: FloatArray, solved: FloatArray, hertz: FloatArray) -> None:
-    error = np.abs(fast / solved - 1)
-    beside = np.abs(hertz / solved - 1).max()
-    print(f"        {name:<14}{error.max():8.2%}  ({np.percentile(error, 95):.2%})    Hertz {beside:.0%}")
+def _cell(fast: FloatArray, solved: FloatArray, hertz: FloatArray) -> str:
+    return f"{np.abs(fast / solved - 1).max():.2%} ({np.abs(hertz / solved - 1).max():.0%})"
 
 
 def cost(count: int = 400_000) -> None:
@@ -129,13 +137,15 @@ def cost(count: int = 400_000) -> None:
             start = time.process_time()
             call()
             shortest[title] = min(shortest[title], time.process_time() - start)
-    print(f"\n{count:,} contacts, one thread: time over that of `hertz_contact` (asked: 2)")
-    for title, seconds in shortest.items():
-        print(f"    {title:<40}{seconds / shortest['Hertz']:.1f}")
+    table(
+        ("law", "time over that of `hertz_contact`"),
+        ((title, f"{seconds / shortest['Hertz']:.1f}") for title, seconds in shortest.items()),
+        f"{count:,} contacts, one thread",
+    )
 
 
 def report() -> None:
     """Print all tables."""
-    circles()
     held_out()
     cost()
+    circles()
