@@ -154,6 +154,19 @@ def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: s
     expect(page.locator(".results > *")).to_have_count(1)
 
 
+def test_numbers_and_files_for_simulators(tab: Tab) -> None:
+    tab.expected.append("422")
+    page = tab.go("results/simulator")
+    card = page.locator("section.card").first
+    expect(card.get_by_role("row", name="Newton kh")).to_be_visible()
+    with page.expect_download() as download:
+        card.get_by_role("link", name="Files of").click()
+    assert download.value.suggested_filename.endswith("_simulator.zip")
+    page.get_by_label("Effective mass").fill("1e-9")
+    page.keyboard.press("Enter")
+    expect(card.get_by_text("MuJoCo would need time steps below")).to_be_visible()
+
+
 def test_figure_for_publication(tab: Tab) -> None:
     tab.expected.append("422")
     page = tab.go("results/figures")
