@@ -10,6 +10,12 @@ import numpy as np
 
 def plain(value: Any) -> Any:
     """Return `value` as what JSON can hold."""
+    if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+        known = np.isfinite(value)
+        if not known.all():
+            value = value.astype(object)
+            value[~known] = None
+        return value.tolist()
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, Mapping):

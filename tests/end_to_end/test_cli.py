@@ -612,6 +612,27 @@ def test_init_then_run(tmp_path: Path) -> None:
     assert names <= {path.name for path in (tmp_path / "results").iterdir()}
 
 
+def test_init_from_files(tmp_path: Path) -> None:
+    files = tmp_path / "photos"
+    run("init", "--example", tmp_path / "example")
+    files.mkdir()
+    shutil.copy(tmp_path / "example" / "contact_1N.png", files / "IMG_0033.png")
+    shutil.copy(tmp_path / "example" / "photograph_palmar.jpg", files / "left_index_palmar.jpg")
+    code, out, _ = run("init", "--from-files", files)
+    assert code == 0
+    assert "left_index_palmar.jpg: photograph" in out
+    assert "Not taken:\n  IMG_0033.png: nothing states its finger: give --finger NAME" in out
+    assert run("init", "--from-files", files)[0] == 2  # nothing is overwritten
+    (files / "study.toml").unlink()
+    (files / "study.schema.json").unlink()
+    code, out, _ = run("init", "--from-files", "--finger", "left_index", files)
+    assert "IMG_0033.png: contact image" in out
+    assert "observation IMG_0033: the load is missing" in out
+    assert "Not taken" not in out
+    for wrong in (("--finger", "x"), ("--from-files", "--example")):
+        assert run("init", *wrong, tmp_path / "other")[0] == 2
+
+
 def test_results_beside_manifest(tmp_path: Path) -> None:
     run("init", tmp_path / "mine")
     assert run("run", tmp_path / "mine")[0] == 0

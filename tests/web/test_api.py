@@ -59,6 +59,7 @@ def test_the_state_lists_each_item_once(standing):
     assert state["scales"][0] == {
         "name": "camera",
         "table": {"mm_per_px": 0.05, "relative_std": 0.002},
+        "words": "0.05 mm/px",
         "used_by": 3,
         "complete": True,
     }
@@ -279,7 +280,8 @@ def test_a_coin_is_a_scale(client):
 def test_a_length_has_its_uncertainty(standing):
     params = {"scale": "camera", "line_px": [[0, 0], [0, 200]], "ends_px_std": 0}
     found = standing.post("/api/studies/demo/measure/length", json=params).json()
-    assert found == {"length_mm": pytest.approx(10), "length_mm_std": pytest.approx(0.02)}
+    assert (found["length_mm"], found["length_mm_std"]) == (pytest.approx(10), pytest.approx(0.02))
+    assert found["words"] == {"length_mm": "10.000\u00a0±\u00a00.020 mm"}
 
 
 def test_geometry_is_that_of_the_library(standing):
@@ -349,7 +351,12 @@ def test_a_grid_gives_a_scale_and_rectifies_pictures(client, studies_folder):
     table = {"grid": "board.png", "points": [7, 9], "spacing_mm": 4.0, "spacing_mm_std": 0.004}
     found = client.post("/api/studies/demo/measure/scale", json={"table": table}).json()
     assert found["flags"] == ["grid_tilted"]
-    assert found["relative_std"] > 0.02 > found["grid"]["rectified_relative_std"] > 0.001
+    assert (
+        found["relative_std"]
+        > 0.02
+        > found["grid"]["rectified_mm_per_px_std"] / found["grid"]["rectified_mm_per_px"]
+        > 0.001
+    )
     assert len(found["grid"]["points_px"]) == 63
     made = client.post(
         "/api/studies/demo/scale/rectify", json={"table": table, "files": ["board.png"]}

@@ -7,7 +7,9 @@ from typing import Any
 import pytest
 
 from fingerpad.study.results.table import COLUMNS, GLOSSARY
-from fingerpad.web.app import STATIC
+from fingerpad.web.answers import UNITS as WRITTEN
+from fingerpad.web.answers import Quantities
+from fingerpad.web.api.results import _label
 
 CONTACT = "synthetic_30deg_2N"
 PHOTOGRAPH = "synthetic_pad/synthetic/photograph_palmar.jpg"
@@ -160,21 +162,49 @@ def test_numbers_are_those_of_the_tables(done):
         assert found[key] == pytest.approx(rows[CONTACT][key], rel=1e-3, abs=1e-6), key
 
 
-def test_the_page_writes_those_units():
-    """Its table of endings is the one that is tested here."""
-    script = (STATIC / "core" / "quantity.js").read_text()
-    shown = dict(re.findall(r'\["(_\w+)", "([^"]+)"\]', script))
+def test_words_have_those_units():
+    """Numbers in words and headers of the table name the unit of their key."""
     written = {"mm²": "mm2", "°": "deg"}
-    tested = {key: unit for key, unit in UNITS.items() if key != "mm_per_px"}
-    assert {key: written.get(unit, unit) for key, unit in shown.items() if key != "_per_mm"} == tested
-    # And the headers that name their unit themselves.
-    table = (STATIC / "views" / "results_table.js").read_text()
-    for key, header in re.findall(r'^  (\w+): "([^"]+)",$', table, re.MULTILINE):
-        if key in COLUMNS and COLUMNS[key].unit not in {"", "1"}:
-            unit = header.rpartition(", ")[2]
-            assert written.get(unit, unit) == COLUMNS[key].unit, (key, header)
-        elif key in COLUMNS:
-            assert ", " not in header, (key, header)
+    said = {key: written.get(unit, unit) for key, unit in WRITTEN.items() if key != "_per_mm"}
+    assert said == UNITS
+    for column in (one for name, one in COLUMNS.items() if not name.endswith("_std")):
+        unit = _label(column).rpartition(", ")[2] if ", " in _label(column) else ""
+        assert written.get(unit, unit).lower() == ("" if column.unit == "1" else column.unit.lower()), (
+            column.name
+        )
+
+
+def test_quantities_in_words():
+    """Rounded by the standard uncertainty, by that with the model's part where there is one."""
+
+    class Some(Quantities):
+        gross_area_mm2: float
+        gross_area_mm2_std: float | None
+        youngs_modulus_kpa: float
+        youngs_modulus_kpa_std: float
+        youngs_modulus_kpa_total_std: float
+        wedge_angle_deg: float
+        ellipse_iou: float | None
+        semi_axes_mm: dict[str, float]
+        semi_axes_mm_std: dict[str, float]
+
+    some = Some(
+        gross_area_mm2=1234.5,
+        gross_area_mm2_std=56.7,
+        youngs_modulus_kpa=39.3,
+        youngs_modulus_kpa_std=4.1,
+        youngs_modulus_kpa_total_std=94.0,
+        wedge_angle_deg=30,
+        ellipse_iou=None,
+        semi_axes_mm={"palmar": 7.9},
+        semi_axes_mm_std={"palmar": 0.0996},
+    )
+    assert {key: words.replace("\u00a0", " ") for key, words in some.words.items()} == {
+        "gross_area_mm2": "1234 ± 57 mm²",
+        "youngs_modulus_kpa": "39 ×/÷ 3.4 kPa",
+        "wedge_angle_deg": "30°",
+        "semi_axes_mm.palmar": "7.90 ± 0.10 mm",
+    }
 
 
 def test_symbols_are_those_of_their_columns():

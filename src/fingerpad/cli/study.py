@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
+from fingerpad.exceptions import ManifestError
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
 
 if TYPE_CHECKING:
@@ -24,10 +25,23 @@ def init(
     example: Annotated[
         bool, typer.Option("--example", help="Write a small synthetic study that runs as it is.")
     ] = False,
+    from_files: Annotated[
+        bool, typer.Option("--from-files", help="Write the manifest of the files that lie in the folder.")
+    ] = False,
+    finger: Annotated[
+        str, typer.Option(help="With --from-files, the finger of files that name none.", show_default=False)
+    ] = "",
 ) -> None:
-    """Write a commented study manifest to start from, or an example study."""
+    """Write a commented study manifest to start from, an example study, or the study of a folder's files."""
     from fingerpad.study.editing.template import write_template
 
+    if finger and not from_files:
+        raise ManifestError("--finger is that of files: give --from-files with it")
+    if from_files and example:
+        raise ManifestError("--example and --from-files write different studies: give one of them")
+    if from_files:
+        _begin(folder, finger)
+        return
     if example:
         from fingerpad.study.editing.template import write_example
 
@@ -38,6 +52,25 @@ def init(
         f"Wrote {manifest}. Its finger and contact are examples: replace them, remove their lines "
         f"`synthetic = true`, put your pictures beside it, then: fingerpad run {manifest}"
     )
+
+
+def _begin(folder: Path, finger: str) -> None:
+    """Write the manifest of the files in a folder, and say what is taken, guessed and not known."""
+    from fingerpad.study.from_files import begin_study
+    from fingerpad.study.manifest.load import STUDY_NAME
+
+    found, manifest = begin_study(folder, finger=finger), folder / STUDY_NAME
+    lacking = [": ".join(filter(None, (f"{one.kind} {one.key}".strip(), one.words))) for one in found.missing]
+    for title, lines in {
+        "Taken": [f"{file}: {words}" for file, words in found.taken.items()],
+        "Guessed, to be checked": found.guesses,
+        "Not taken": [f"{file}: {words}" for file, words in found.left.items()],
+        "Missing": lacking,
+    }.items():
+        if lines:
+            typer.echo("\n  ".join([f"{title}:", *lines]))
+    rest = "Enter what is missing, then: " if lacking else "Run it: "
+    typer.echo(f"Wrote {manifest}. {rest}fingerpad run {manifest}")
 
 
 def run(

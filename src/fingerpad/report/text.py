@@ -18,6 +18,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.rows import IMPLAUSIBLE
 from fingerpad.study.results.study_result import StudyResult
+from fingerpad.study.results.summary_file import CheckRecord
 from fingerpad.study.results.table import items, records
 from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.study.results.validity.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
@@ -105,6 +106,30 @@ def remedies(checks: Iterable[ValidityCheck]) -> dict[str, str]:
     off = [one.name for one in checks if one.verdict in {STRAINED, FAILS} and one.name in _REMEDIES]
     first = {_REMEDIES[name]: name for name in reversed(off)}
     return {name: words for words, name in first.items()}
+
+
+def check_words(check: CheckRecord) -> str:
+    """Return what a check of the model compares, its verdict, and by how much it is off."""
+    off, of = check.relative_difference, f"{check.difference_of} " if check.difference_of else ""
+    numbers = [
+        "" if math.isnan(off) else f"{of}{100 * off:+.1f} %".replace("-", "−"),
+        "" if math.isnan(check.p_value) else p_words(check.p_value),
+        check.note or "",
+    ]
+    said = ", ".join(filter(None, numbers))
+    return f"{check.compared}: {check.verdict}{f' ({said})' if said else ''}"
+
+
+def p_words(p_value: float) -> str:
+    """Return a probability with its letter.
+
+    Examples
+    --------
+    >>> p_words(0.04321), p_words(1e-9)
+    ('p = 0.043', 'p < 0.001')
+    """
+    words = probability(p_value)
+    return f"p {words}" if words.startswith("<") else f"p = {words}"
 
 
 def pooling_words(row: Mapping[str, Any]) -> str:

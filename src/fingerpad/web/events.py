@@ -3,13 +3,51 @@
 import asyncio
 from collections.abc import AsyncIterator
 from threading import Lock
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from fingerpad._json import dumps
-from fingerpad.web.answers.study import EVENTS
+from fingerpad.web.answers import Answer
 
 _KEEP_ALIVE_S: Final = 15.0
 _MAX_WAITING: Final = 200
+
+
+class RunStatus(Answer):
+    """Progress of a run; `version` rises with each change."""
+
+    state: Literal["idle", "running", "cancelling", "done", "cancelled", "failed"]
+    phase: Literal["measuring", "tables", "report"] | None
+    total: int
+    done: int
+    failed: int
+    current: str
+    file: str
+    seconds: float
+    seconds_left: float | None
+    error: str | None
+    failures: list[str]
+    version: int
+
+
+class StudyEvent(Answer):
+    """Event ``study``: the manifest has changed."""
+
+    digest: str
+
+
+class CorrectionsEvent(Answer):
+    """Event ``corrections``: an item was corrected."""
+
+    item: str
+    last_id: int
+
+
+# Server-sent events by their names.
+EVENTS: Final[dict[str, type[Answer]]] = {
+    "study": StudyEvent,
+    "corrections": CorrectionsEvent,
+    "run": RunStatus,
+}
 
 
 class Events:

@@ -31,11 +31,12 @@ _SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
 def plain_name(name: str) -> str:
     """Return a file's name with letters, digits and _ + - only, and . in decimal fractions.
 
-    The decimal point is kept: the page reads the load from the name, and 0.5N is not 5N.
+    The decimal point is kept, and a decimal comma becomes one: the load is read from the name, and 0.5N is
+    not 5N.
 
     Examples
     --------
-    >>> plain_name("../../Finger (1).PNG"), plain_name("ü b.tif"), plain_name("30deg_0.5N.png")
+    >>> plain_name("../../Finger (1).PNG"), plain_name("ü b.tif"), plain_name("30deg_0,5N.png")
     ('Finger-1.PNG', 'ü-b.tif', '30deg_0.5N.png')
     """
     last = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
@@ -46,6 +47,7 @@ def plain_name(name: str) -> str:
             f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), videos (AVI, MP4) and tables "
             "(CSV, TSV, XLSX, MAT, TDMS) can be used",
         )
+    stem = re.sub(r"(?<=\d),(?=\d)", ".", stem)
     plain = re.sub(r"(?:(?!(?<=\d)\.(?=\d))[^\w+-])+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
     return f"{plain}.{suffix}"
 

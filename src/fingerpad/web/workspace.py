@@ -13,7 +13,11 @@ from typing import Any, Final
 
 import fingerpad
 from fingerpad.image import MEMORY_LIMIT
+from fingerpad.report.text import VERDICT_SYMBOLS
 from fingerpad.study.editing.edit import title_of
+from fingerpad.study.editing.propose import TAKES, USES
+from fingerpad.study.editing.scales import CARD, COINS, SCALE_WAYS
+from fingerpad.study.imports.names import AMBIGUOUS, FACES, NUMBER
 from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.results.result_set import RESULTS_NAME
 from fingerpad.study.results.table import GLOSSARY
@@ -27,6 +31,20 @@ UPLOAD_LIMIT: Final = 4 * 2**30
 NAME: Final = r"^\w[\w.+-]{0,59}$"
 # The version changes the address, so that browsers may keep the script.
 PLOTLY_ADDRESS: Final = f"/static/vendor/plotly-{version('plotly')}.min.js"
+
+_RULES: Final = {
+    # As NAME, in the regular expressions of browsers.
+    "name": r"[\p{L}\p{N}_][\p{L}\p{N}_.+\-]*",
+    "number": NUMBER,
+    "ambiguous": AMBIGUOUS,
+    "faces": FACES,
+    "uses": USES,
+    "takes": TAKES,
+    "scale_ways": {way: asdict(one) for way, one in SCALE_WAYS.items()},
+    "coins": [asdict(one) for one in COINS],
+    "card": [asdict(one) for one in CARD],
+    "verdicts": VERDICT_SYMBOLS,
+}
 
 
 class Workspace:
@@ -77,6 +95,7 @@ class Workspace:
             "plotly": PLOTLY_ADDRESS,
             "limits": {"upload_bytes": self.upload_limit, "picture_memory_bytes": self.memory_limit},
             "glossary": {symbol: asdict(meaning) for symbol, meaning in GLOSSARY.items()},
+            "rules": _RULES,
         }
 
     def studies(self) -> list[str]:

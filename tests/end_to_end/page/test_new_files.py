@@ -100,7 +100,7 @@ def test_the_resolution_that_a_contact_image_states_is_a_guess(
         Image.open(path).save(tmp_path / name, dpi=(ppi, ppi))
     drop(page, [tmp_path / name for name in stated])
     scales = [page.get_by_label(f"Scale of {name}") for name in stated]
-    for scale, shown in zip(scales, ["ppi:500", "", ""], strict=True):
+    for scale, shown in zip(scales, ["500 ppi", "", ""], strict=True):
         expect(scale).to_have_value(shown)
     expect(page.get_by_text("500 ppi, from the file")).to_have_count(1)
     page.get_by_label("Finger of all new files").fill("left_index")

@@ -11,7 +11,6 @@ from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, changed, drag, focus, launched, numbers, served
 from tests.end_to_end.page.test_contacts import PRINT, corrections
 
-from fingerpad._rounding import value_with_uncertainty
 from fingerpad.study.editing.template import write_example
 
 
@@ -203,37 +202,6 @@ def test_an_address_opens_its_study(browser, demo) -> None:
         page.get_by_role("heading", name="Open study").wait_for()
         other.close()
         tab.close()
-
-
-# Value and standard uncertainty, as the page, the report and the command line round them.
-_ROUNDED = [
-    *[
-        (value, std)
-        for value in (1234.5, 1235.0, 1245.0, 0.5, 2.5, -13.80484)
-        for std in (56.7, 5.67, 0.0567)
-    ],
-    *[(value, None) for value in (0.0, 0.5, 0.0004, 4e-10, 0.9996, 1.0, 9.9999, 12345.0, 1234.5, -2.25, 7e7)],
-    *[(value, 0.25) for value in (0.125, 0.375, 1.125, 100.0)],
-    (13.61796, 0.00025),
-    (0.0, 0.0996),
-    (1e6, 99600.0),
-    (0.1, 0.00995),
-    (5678.0, 1000.0),
-    (2.0, float("nan")),
-]
-
-
-def test_the_page_rounds_as_python_does(tab: Tab) -> None:
-    page = tab.open()
-    shown = page.evaluate(
-        """async (pairs) => {
-          const { withStd } = await import("/static/-/core/quantity.js");
-          return pairs.map(([value, std]) => withStd(value, std));
-        }""",
-        [[value, None if std != std else std] for value, std in _ROUNDED],
-    )
-    plain = [text.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-") for text in shown]
-    assert plain == [value_with_uncertainty(*pair) for pair in _ROUNDED]
 
 
 def test_a_list_shows_what_it_holds_when_its_options_move(tab: Tab) -> None:

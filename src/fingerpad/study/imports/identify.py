@@ -318,12 +318,15 @@ class FileIdentity:
 
     Attributes
     ----------
+    kind : {"picture", "sequence", "table", "other"}
+        FileKind of file.
     contents : mapping of str to float
         What it may be, most likely first; the numbers sum to 1. They rank, and are no frequencies.
     faces : mapping of str to float
         The face that it shows if it is a photograph, most likely first.
     """
 
+    kind: FileKind
     contents: Mapping[Content, float]
     faces: Mapping[Face, float]
 
@@ -418,7 +421,7 @@ def _identity(
             weights[content] *= _NAMED
     if "face" in reading and kind in {"picture", "table"}:
         by_face = {reading["face"]: 1.0, **{face: 0.0 for face in by_face if face != reading["face"]}}
-    return FileIdentity(contents=_ranked(weights), faces=by_face)
+    return FileIdentity(kind=kind, contents=_ranked(weights), faces=by_face)
 
 
 def _ranked(weights: Mapping[Content, float]) -> dict[Content, float]:

@@ -77,7 +77,10 @@ FACTORS: Final[Mapping[str, Mapping[str, float]]] = {
     "ppi": {"ppi": 1.0, "dpi": 1.0},
 }
 _LIMITS: Final = {"load": (0.0, 1e4), "wedge": (0.0, 90.0), "roll": (-90.0, 90.0)}
-_QUANTITY: Final = re.compile(r"\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)?\s*")
+# A number with a decimal point or comma, and one whose comma may part thousands; the page reads by them too.
+NUMBER: Final = r"[+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?"
+AMBIGUOUS: Final = r"[+-]?[1-9]\d{0,2},\d{3}"
+_QUANTITY: Final = re.compile(rf"\s*({NUMBER})\s*(\S.*?)?\s*")
 
 
 def number_in(text: str, quantity: str, unit: str | None = None) -> float:
@@ -106,6 +109,8 @@ def number_in(text: str, quantity: str, unit: str | None = None) -> float:
     found = _QUANTITY.fullmatch(text)
     if found is None:
         raise ValueError(f"{text!r} is not a number")
+    if re.fullmatch(AMBIGUOUS, found[1]):
+        raise ValueError(f"{text!r} could be {found[1].replace(',', '.')} or {found[1].replace(',', '')}")
     said = (found[2] or unit or next(iter(known))).casefold()
     if said not in known:
         raise ValueError(f"{text!r} has an unknown unit; {quantity} is read in {', '.join(known)}")
@@ -193,19 +198,34 @@ def _named(name: str, text: str) -> str:
 
 def _read_scale(values: FileValues, text: str, unit: str | None) -> None:
     """Read a number with the unit of a scale, or the name of one."""
-    found = _QUANTITY.fullmatch(text)
-    if found is None:
+    if _QUANTITY.fullmatch(text) is None:
         values["scale"] = _named(plain_name(text), text)
-        return
-    said = (found[2] or unit or "").casefold()
-    if said in FACTORS["mm_per_px"]:
-        values["mm_per_px"] = number_in(text, "mm_per_px", said)
-    elif said in FACTORS["px_per_mm"]:
-        values["mm_per_px"] = 1 / number_in(text, "px_per_mm", said)
-    elif said in FACTORS["ppi"]:
-        values["ppi"] = number_in(text, "ppi", said)
     else:
-        raise ValueError(f"{text!r} has no unit: give mm/px or ppi")
+        values.update(scale_in(text, unit))  # type: ignore[typeddict-item]
+
+
+def scale_in(text: str, unit: str | None = None) -> dict[str, float]:
+    """Return the table of a scale that is written as a number with its unit.
+
+    Raises
+    ------
+    ValueError
+        If it is no such number.
+
+    Examples
+    --------
+    >>> scale_in("500 dpi"), scale_in("50 um/px"), scale_in("0,05", "mm/px")
+    ({'ppi': 500.0}, {'mm_per_px': 0.05}, {'mm_per_px': 0.05})
+    """
+    found = _QUANTITY.fullmatch(text)
+    said = ((found and found[2]) or unit or "").casefold()
+    if said in FACTORS["mm_per_px"]:
+        return {"mm_per_px": number_in(text, "mm_per_px", said)}
+    if said in FACTORS["px_per_mm"]:
+        return {"mm_per_px": float(f"{1 / number_in(text, 'px_per_mm', said):.12g}")}
+    if said in FACTORS["ppi"]:
+        return {"ppi": number_in(text, "ppi", said)}
+    raise ValueError(f"{text!r} has no unit: give mm/px or ppi")
 
 
 FileKind: TypeAlias = Literal["picture", "sequence", "table", "other"]

@@ -19,7 +19,7 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, POOLED_OUTPUTS, Modelled, contact_inputs
 from fingerpad.study.results.repeats import ContactRepeatability
-from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Indices, table_of
+from fingerpad.study.results.table import COLUMNS, ColumnArray, GrowingArray, Indices, Row, table_of
 from fingerpad.uncertainty import PAD_SOURCES, Inputs
 from fingerpad.units import KPA_PER_MPA
 
@@ -145,6 +145,15 @@ def model_contacts(
         highest_load=highest_load,
         highest_on_layer=highest_on_layer,
     )
+
+
+def model_contact(
+    study: Study, finger: FingerResult, contact: Contact, measured: Measurement, names: Iterable[str]
+) -> Row:
+    """Return some columns of the row of one contact, as `model_contacts` does, without making a table."""
+    columns = _Batch.of(study, {finger.name: finger}, [(contact, measured)], {}).columns
+    known = ((name, columns[name].tolist()[0] if name in columns else None) for name in names)
+    return {name: None if value != value else value for name, value in known}  # noqa: PLR0124
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

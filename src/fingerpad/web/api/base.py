@@ -18,7 +18,7 @@ from starlette.exceptions import HTTPException
 from fingerpad._json import dumps
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.manifest.models import Pixel
-from fingerpad.web.answers.base import Refusal
+from fingerpad.web.answers import Refusal
 from fingerpad.web.errors import RequestError
 from fingerpad.web.study_session import StudySession
 from fingerpad.web.workspace import Workspace
@@ -52,7 +52,7 @@ class _Strictly:
 _P = TypeVar("_P", bound=Params)
 Body: TypeAlias = Annotated[_P, _Strictly()]
 
-Point: TypeAlias = tuple[Pixel, Pixel]
+PointParam: TypeAlias = tuple[Pixel, Pixel]
 Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]
 Person: TypeAlias = Annotated[str, Field(max_length=60)]
 

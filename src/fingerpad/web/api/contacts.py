@@ -38,42 +38,159 @@ from fingerpad.study.measuring.contacts import (
     reviewed,
 )
 from fingerpad.study.measuring.scales import FoundScale
-from fingerpad.study.results.rows import PLACEMENT, model_contacts
-from fingerpad.study.results.table import COLUMNS, records
+from fingerpad.study.results.rows import PLACEMENT, model_contact
+from fingerpad.study.results.table import COLUMNS
 from fingerpad.study.results.validity import HEADLINES
-from fingerpad.web.answers import measurements as answers
+from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantities
 from fingerpad.web.api.base import Body, Item, Opened, Params, study_router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
-from fingerpad.web.last_results import item_row, last_headlines, last_results
+from fingerpad.web.last_results import item_row, known_finger, last_headlines, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession, frame_of
 
 router = study_router()
 
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
+_AUTOMATIC: Final[Cache[tuple[ContactImageResult | None, str | None]]] = Cache(50, lambda _: 1)
 _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
-# What the page shows of a contact's row, and what that is made of.
-_MODEL_COLUMNS: Final = COLUMNS.keys() & {
-    *(*PLACEMENT, *HEADLINES, *answers.ContactModel.model_fields),
-    *(f"{name}_std" for name in HEADLINES),
-}
 # A sequence may have thousands of frames; some of them suffice to estimate its settings.
 _SAMPLED_FRAMES: Final = 200
 
 
+class ContactNumbers(Quantities):
+    """The numbers measured in a contact image."""
+
+    semi_major_mm: float
+    semi_major_mm_std: float | None
+    semi_minor_mm: float
+    semi_minor_mm_std: float | None
+    orientation_deg: float
+    gross_area_mm2: float
+    gross_area_mm2_std: float | None
+    ridge_area_mm2: float | None
+    ridge_area_mm2_std: float | None
+    ridge_period_mm: float | None
+    ellipse_iou: float | None
+
+
+class AutomaticContact(ContactNumbers):
+    """The automatic measurement, to compare with a corrected one."""
+
+    outline_px: list[Point]
+
+
+class ContactEllipsePx(Answer):
+    """A contact ellipse; the angle is that of the major axis from straight up."""
+
+    centre: Point
+    semi_axes: Point
+    orientation_deg: float
+
+
+class ContactHandles(Answer):
+    """Where the handles of a contact ellipse are."""
+
+    centre_px: Point
+    major_ends_px: tuple[Point, Point]
+    minor_ends_px: tuple[Point, Point]
+
+
+class ContactSettings(Answer):
+    """Settings of the measurement, chosen automatically unless they were corrected."""
+
+    dark_on_light: bool
+    threshold: float | None
+
+
+class ContactModel(Quantities):
+    """What the contact model gives for a contact: keys as in ``results.csv``.
+
+    Of the last run are `verdicts`, by key, and the model's part of a ``_total_std``.
+    """
+
+    load_N: float  # noqa: N815
+    u_deg: float | None
+    mean_curvature_radius_mm: float | None
+    mean_curvature_radius_mm_std: float | None
+    radius_from_indentation_mm: float | None
+    radius_from_indentation_mm_total_std: float | None
+    radius_from_compliance_mm: float | None
+    radius_from_compliance_mm_std: float | None
+    indentation_mm: float | None
+    indentation_mm_total_std: float | None
+    youngs_modulus_kpa: float | None
+    youngs_modulus_kpa_total_std: float | None
+    effective_thickness_mm: float | None
+    effective_thickness_mm_std: float | None
+    youngs_modulus_on_layer_kpa: float | None
+    youngs_modulus_on_layer_kpa_std: float | None
+    indentation_on_layer_mm: float | None
+    indentation_on_layer_mm_std: float | None
+    loading_radius_on_layer_mm: float | None
+    loading_radius_on_layer_mm_std: float | None
+    layer_flag: str | None
+    range_notes: list[str]
+    verdicts: dict[str, str]
+
+
+class ContactPooling(Answer):
+    """Whether a contact will be pooled: the flags against it, and its manual correction."""
+
+    pooled: bool
+    excluding_flags: list[str]
+    correction: PoolingCorrectionRecord | None
+
+
+class ContactMeasurement(Answer):
+    """A contact image measured under a correction; its model may wait for photographs of the finger."""
+
+    item: str
+    by: MeasuredBy
+    outline_px: list[Point]
+    ellipse_px: ContactEllipsePx
+    handles: ContactHandles
+    numbers: ContactNumbers
+    automatic: AutomaticContact | None
+    automatic_error: str | None
+    model: ContactModel | None
+    waits: bool
+    settings: ContactSettings
+    flags: list[str]
+    pooling: ContactPooling | None
+    mm_per_px: float
+    mm_per_px_std: float
+    milliseconds: float
+
+
+class ContactLevels(Answer):
+    """How many pixels have which level: grey levels from the background towards contact."""
+
+    counts: list[float]
+    edges: list[float]
+    automatic_threshold: float | None
+
+
+# What the page shows of a contact's row, and what that is made of.
+_MODEL_COLUMNS: Final = COLUMNS.keys() & {
+    *(*PLACEMENT, *HEADLINES, *ContactModel.model_fields),
+    *(f"{name}_std" for name in HEADLINES),
+}
+
+
 class ContactParams(Params):
-    """A contact image, and the correction under which it is measured."""
+    """A contact image, and the correction under which it is measured; `soon` waits for no photographs."""
 
     item: Item
     change: ContactCorrection | None = None
     scale: ScaleKey | None = None
+    soon: bool = False
 
 
 @router.post("/measure/contact")
-def measure(opened: Opened, params: Body[ContactParams]) -> answers.ContactMeasurement:
+def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     """Measure a contact image under a correction; nothing is stored."""
     began = time.perf_counter()
     contact, complete = _contact(opened, params)
@@ -82,40 +199,37 @@ def measure(opened: Opened, params: Body[ContactParams]) -> answers.ContactMeasu
     change = params.change or correction_of(opened, params.item)
     prepared = _prepared(opened, params.item, contact, found, change)
     contact_image = measured_under(prepared, change)
-    model = _model(opened, params.item, contact, contact_image, found) if complete else None
+    waits = params.soon and complete and known_finger(opened, contact.finger) is None
+    model = _model(opened, params.item, contact, contact_image, found) if complete and not waits else None
     own, error = _automatic(opened, params.item, contact, found) if change.edits else (contact_image, None)
-    return answers.ContactMeasurement.of(
-        {
-            "item": params.item,
-            "by": _by(change),
-            **_drawn(contact_image, found),
-            "numbers": numbers(contact_image),
-            "automatic": own and {**numbers(own), "outline_px": own.outline.round(2)},
-            "automatic_error": error,
-            "model": model,
-            "settings": {
-                "dark_on_light": contact_image.dark_on_light,
-                "threshold": contact_image.threshold,
-            },
-            "flags": [*doubts_of(contact_image), *found.flags],
-            "pooling": _pooling(
-                opened,
-                params.item,
-                contact,
-                from_contact_image(contact_image, contact, found),
-                plausible=IMPLAUSIBLE_SIZE not in model["range_notes"],
-            )
-            if model is not None
-            else None,
-            "mm_per_px": found.scale.mm_per_px,
-            "mm_per_px_std": found.scale.mm_per_px_std,
-            "milliseconds": 1000 * (time.perf_counter() - began),
-        }
+    pooling = None
+    if model is not None:
+        measured = from_contact_image(contact_image, contact, found)
+        plausible = IMPLAUSIBLE_SIZE not in model.range_notes
+        pooling = _pooling(opened, params.item, contact, measured, plausible=plausible)
+    return ContactMeasurement(
+        item=params.item,
+        by=_by(change),
+        outline_px=_points(contact_image),
+        **_drawn(contact_image, found),
+        numbers=ContactNumbers(**numbers(contact_image)),
+        automatic=None if own is None else AutomaticContact(**numbers(own), outline_px=_points(own)),
+        automatic_error=error,
+        model=model,
+        waits=waits,
+        settings=ContactSettings(
+            dark_on_light=contact_image.dark_on_light, threshold=contact_image.threshold
+        ),
+        flags=[*doubts_of(contact_image), *found.flags],
+        pooling=pooling,
+        mm_per_px=found.scale.mm_per_px,
+        mm_per_px_std=found.scale.mm_per_px_std,
+        milliseconds=1000 * (time.perf_counter() - began),
     )
 
 
 @router.post("/measure/levels")
-def levels(opened: Opened, params: Body[ContactParams]) -> answers.ContactLevels:
+def levels(opened: Opened, params: Body[ContactParams]) -> ContactLevels:
     """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
     contact, _ = _contact(opened, params)
     assert contact.scale is not None
@@ -123,7 +237,7 @@ def levels(opened: Opened, params: Body[ContactParams]) -> answers.ContactLevels
     change = (params.change or ContactCorrection()).model_copy(update={"threshold": None})
     prepared = _prepared(opened, params.item, contact, found, change)
     counts, edges = prepared.level_histogram()
-    return answers.ContactLevels.of(
+    return ContactLevels.of(
         {
             "counts": counts,
             "edges": edges,
@@ -164,20 +278,31 @@ def _prepared(
     """Return a prepared contact image; strokes and a manual ellipse do not change it."""
     place = opened.image_location(item)
     reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
-    settings = sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
     return _PREPARED.get(
-        (
-            *(place.stamp, _background_stamp(opened, contact), found.scale),
-            *(contact.model_dump_json(), reading.model_dump_json(), settings and tuple(settings.items())),
-        ),
+        _reading_of(opened, item, contact, found, reading),
         lambda: prepared_contact(
             opened.pictures.grey(place).pixels,
             found.scale,
             contact,
             opened.folder,
             reading,
-            settings=settings,
+            settings=_settings(opened, contact, found),
         ),
+    )
+
+
+def _settings(opened: StudySession, contact: Contact, found: FoundScale) -> ContactImageOptions | None:
+    return sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
+
+
+def _reading_of(
+    opened: StudySession, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
+) -> Hashable:
+    """Return all that the reading of a contact image depends on."""
+    settings = _settings(opened, contact, found)
+    return (
+        *(opened.image_location(item).stamp, _background_stamp(opened, contact), found.scale),
+        *(contact.model_dump_json(), change.model_dump_json(), settings and tuple(settings.items())),
     )
 
 
@@ -220,13 +345,17 @@ def _automatic(
     opened: StudySession, item: str, contact: Contact, found: FoundScale
 ) -> tuple[ContactImageResult | None, str | None]:
     """Return the automatic measurement, or why it failed."""
-    try:
-        return _prepared(opened, item, contact, found, ContactCorrection()).measure(), None
-    except ImageError as error:
-        return None, str(error)
+
+    def measured() -> tuple[ContactImageResult | None, str | None]:
+        try:
+            return _prepared(opened, item, contact, found, ContactCorrection()).measure(), None
+        except ImageError as error:
+            return None, str(error)
+
+    return _AUTOMATIC.get(_reading_of(opened, item, contact, found, ContactCorrection()), measured)
 
 
-def _by(change: ContactCorrection) -> str:
+def _by(change: ContactCorrection) -> MeasuredBy:
     if change.ellipse_px is not None:
         return "manual"
     return "corrected" if change.edits else "automatic"
@@ -235,39 +364,38 @@ def _by(change: ContactCorrection) -> str:
 def numbers(contact_image: ContactImageResult) -> dict[str, Any]:
     """Return the numbers of a contact."""
     record = contact_image.as_record()
-    return {name: record[name] for name in answers.ContactNumbers.model_fields}
+    return {name: record[name] for name in ContactNumbers.model_fields}
+
+
+def _points(contact_image: ContactImageResult) -> list[Any]:
+    points: list[Any] = contact_image.outline.round(2).tolist()
+    return points
 
 
 def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, Any]:
-    """Return outline, ellipse and handles of a contact in pixels."""
+    """Return ellipse and handles of a contact in pixels."""
     size = found.scale.mm_per_px
     major, minor = (
         float(contact_image.ellipse.semi_major) / size,
         float(contact_image.ellipse.semi_minor) / size,
     )
-    hand = ImageEllipse(
-        centre=contact_image.centroid, semi_axes=(major, minor), orientation=contact_image.orientation
-    )
+    centre = contact_image.centroid
+    hand = ImageEllipse(centre=centre, semi_axes=(major, minor), orientation=contact_image.orientation)
     # Four points: the ends of both axes.
-    top, left, bottom, right = hand.points(4)
+    top, left, bottom, right = hand.points(4).tolist()
     return {
-        "outline_px": contact_image.outline.round(2),
-        "ellipse_px": {
-            "centre": contact_image.centroid,
-            "semi_axes": [major, minor],
-            "orientation_deg": float(np.degrees(contact_image.orientation)),
-        },
-        "handles": {
-            "centre_px": contact_image.centroid,
-            "major_ends_px": [top, bottom],
-            "minor_ends_px": [left, right],
-        },
+        "ellipse_px": ContactEllipsePx(
+            centre=centre,
+            semi_axes=(major, minor),
+            orientation_deg=float(np.degrees(contact_image.orientation)),
+        ),
+        "handles": ContactHandles(centre_px=centre, major_ends_px=(top, bottom), minor_ends_px=(left, right)),
     }
 
 
 def _model(
     opened: StudySession, item: str, contact: Contact, contact_image: ContactImageResult, found: FoundScale
-) -> dict[str, Any] | None:
+) -> ContactModel | None:
     """Return what the contact model gives, as in the results."""
     try:
         finger = measured_finger(opened, contact.finger)
@@ -280,8 +408,7 @@ def _model(
         return None
     seen = from_contact_image(contact_image, contact, found)
     measured = replace(seen, observation=item, load_N=load)
-    table = model_contacts(opened.study(), {finger.name: finger}, [(contact, measured)]).table
-    (row,) = records(table, *_MODEL_COLUMNS)
+    row = model_contact(opened.study(), finger, contact, measured, _MODEL_COLUMNS)
     headlines = last_headlines(opened, tuple(row[name] for name in PLACEMENT))
     for name in HEADLINES:
         if (std := row[f"{name}_std"]) is not None:
@@ -289,23 +416,24 @@ def _model(
             row[f"{name}_total_std"] = math.hypot(std, relative * row[name])
     row["range_notes"] = (row["range_notes"] or "").split()
     row["verdicts"] = {name: one.verdict for name, one in headlines.items()}
-    return {name: row[name] for name in answers.ContactModel.model_fields}
+    return ContactModel(**{name: row[name] for name in ContactModel.model_fields})
 
 
 def _pooling(
     opened: StudySession, item: str, contact: Contact, measured: Measurement, *, plausible: bool
-) -> dict[str, Any] | None:
+) -> ContactPooling | None:
     """Return whether a contact will be pooled; None of frames, for which other rules hold."""
     if isinstance(contact, ContactSequence):
         return None
     active_correction = opened.corrections.active_correction(item)
     seen = reviewed(measured, active_correction)
     excluding = excluding_flags(contact, seen, plausible=plausible)
-    return {
-        "pooled": is_pooled(seen, excluding),
-        "excluding_flags": sorted(excluding),
-        "correction": pooling_correction(active_correction),
-    }
+    corrected = pooling_correction(active_correction)
+    return ContactPooling(
+        pooled=is_pooled(seen, excluding),
+        excluding_flags=sorted(excluding),
+        correction=None if corrected is None else PoolingCorrectionRecord(**corrected),
+    )
 
 
 def _load_of_frame(opened: StudySession, item: str) -> float | None:

@@ -11,6 +11,7 @@ from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import (
+    Action,
     ActiveCorrection,
     Record,
     kind_of,
@@ -20,10 +21,10 @@ from fingerpad.study.corrections.items import (
 )
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.measuring.operators import blind_order
-from fingerpad.web.answers.measurements import Corrections, SimilarImages
-from fingerpad.web.answers.study import SecondOperator
+from fingerpad.study.results.summary_file import OperatorAgreementRecord
+from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Body, Item, Opened, Params, Person, study_router
-from fingerpad.web.api.state import review_record
+from fingerpad.web.api.state import Review, review_record
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results
 from fingerpad.web.study_session import StudySession
@@ -31,6 +32,66 @@ from fingerpad.web.study_session import StudySession
 router = study_router()
 
 _Seen = Annotated[int, Field(ge=0, le=2**53)]
+
+
+class CorrectionRecord(Answer):
+    """One record of the corrections."""
+
+    id: int
+    item: str
+    when: str
+    who: str
+    action: Action
+    change: dict[str, Any]
+    picture: str
+
+
+class Corrections(Answer):
+    """The corrections of an item; `change` is the active one."""
+
+    item: str
+    last_id: int
+    change: dict[str, Any]
+    on_another_image: bool
+    can_undo: bool
+    can_redo: bool
+    history: list[CorrectionRecord]
+
+
+class SimilarImage(Answer):
+    """Another image of the same finger and device: its correction, and what it would become."""
+
+    item: str
+    last_id: int
+    change: dict[str, Any]
+    proposed: dict[str, Any]
+    differs: bool
+
+
+class SimilarImages(Answer):
+    """The settings of an image's correction, and the images that they may apply to."""
+
+    item: str
+    settings: dict[str, Any]
+    images: list[SimilarImage]
+
+
+class SecondOperatorImage(Review):
+    """An image, and the second operator's review of it."""
+
+    item: str
+
+
+class SecondOperator(Answer):
+    """Images that the first operator looked at, in random order, and how the second agrees.
+
+    `unseen` are those that the first has not looked at yet.
+    """
+
+    first_operators: list[str]
+    images: list[SecondOperatorImage]
+    unseen: int
+    agreement: list[OperatorAgreementRecord]
 
 
 class ItemParams(Params):

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
 from fastapi import Query, Response
 from pydantic import Field
@@ -19,7 +19,7 @@ from fingerpad.figures.publish import (
     plain_text,
 )
 from fingerpad.study.results.result_set import RERUN, result_files
-from fingerpad.web.answers import results as answers
+from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Opened, Params, study_router
 from fingerpad.web.api.results import require_results
 from fingerpad.web.errors import RequestError
@@ -35,6 +35,41 @@ _MEDIA: Final = {
     "png": "image/png",
     "csv": "text/csv; charset=utf-8",
 }
+
+
+class FigureEntry(Answer):
+    """A figure of the report, and the addresses of its files."""
+
+    name: str
+    caption: str
+    svg: str
+    png: str | None
+    settable: bool
+
+
+class FigureAxis(Answer):
+    """An axis of a figure; it can be set where all panels show one quantity on it."""
+
+    axis: Literal["x", "y"]
+    name: str
+    scale: Literal["linear", "log"]
+    settable: bool
+
+
+class FigureDetails(Answer):
+    """What can be set of a figure, as it is in the report."""
+
+    name: str
+    width_mm: float
+    height_mm: float
+    colours: list[str]
+    axes: list[FigureAxis]
+
+
+class Figures(Answer):
+    """The figures of the report."""
+
+    figures: list[FigureEntry]
 
 
 class FigureParams(Params):
@@ -62,11 +97,11 @@ class FigureFileParams(FigureParams):
 
 
 @router.get("/results/figures")
-def figures(opened: Opened) -> answers.Figures:
+def figures(opened: Opened) -> Figures:
     """Return the report's figures with their captions."""
     require_results(opened)
     names = [name for name in result_files(opened.out) if name.startswith("figures/")]
-    return answers.Figures.of({"figures": list(_listed(opened, names))})
+    return Figures.of({"figures": list(_listed(opened, names))})
 
 
 def _listed(opened: StudySession, names: list[str]) -> Iterator[dict[str, Any]]:
@@ -87,10 +122,10 @@ def _listed(opened: StudySession, names: list[str]) -> Iterator[dict[str, Any]]:
 
 
 @router.get("/results/figure")
-def figure(opened: Opened, params: Annotated[FigureParams, Query()]) -> answers.FigureDetails:
+def figure(opened: Opened, params: Annotated[FigureParams, Query()]) -> FigureDetails:
     """Return what can be set of a figure, as it is in the report."""
     found = _read(opened, params.name)
-    return answers.FigureDetails.of(
+    return FigureDetails.of(
         {
             "name": params.name,
             "width_mm": found.width_mm,

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from http import HTTPStatus
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 from uuid import uuid4
 
 from fastapi import Path as PathParameter
@@ -21,18 +21,11 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, StreamingResponse
 
 from fingerpad.study.share import Bundle, pack, unpack
-from fingerpad.web.answers.files import BundleContents, UploadedFile
-from fingerpad.web.answers.study import (
-    CorrectionsEvent,
-    RunStatus,
-    State,
-    StateAfterRemoval,
-    StateAfterRestore,
-    StudyEvent,
-)
+from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
-from fingerpad.web.api.state import document
+from fingerpad.web.api.state import State, StateAfterRemoval, StateAfterRestore, document
 from fingerpad.web.errors import RequestError
+from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
 from fingerpad.web.last_results import require_file
 from fingerpad.web.security import FRAMED_HEADERS
 from fingerpad.web.study_session import StudySession
@@ -69,6 +62,35 @@ _DRAWN: Final = re.compile(
 
 
 FilePath = Annotated[str, PathParameter(max_length=300)]
+
+
+class UploadedFile(Answer):
+    """An uploaded file."""
+
+    file: str
+    kind: Literal["picture", "sequence", "table", "other"]
+    bytes: int
+    rows_px: int | None
+    columns_px: int | None
+    resolution_ppi: float | None
+    frames: int | None
+    columns: list[str] | None
+    problem: str | None
+
+
+class LeftOutFile(Answer):
+    """A file that the ZIP does not hold, and why."""
+
+    file: str
+    why: str
+
+
+class BundleContents(Answer):
+    """What the ZIP of the study holds."""
+
+    files: int
+    bytes: int
+    left_out: list[LeftOutFile]
 
 
 class EventStream(StreamingResponse):

@@ -9,7 +9,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
-from fingerpad.web.answers import results as answers
+from fingerpad.web.answers import Answer, Point3D, Quantities, SemiAxes
 from fingerpad.web.api.base import Body, Opened, Params, study_router
 from fingerpad.web.api.photographs import measured_finger
 from fingerpad.web.errors import RequestError
@@ -19,6 +19,67 @@ router = study_router()
 
 _AXES: Final = ("palmar", "distal", "radial_ulnar")
 _Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
+
+
+class Mesh(Answer):
+    """A grid of points, mm."""
+
+    x_mm: list[list[float]]
+    y_mm: list[list[float]]
+    z_mm: list[list[float]]
+
+
+class NamedLine(Answer):
+    """A line to draw, mm."""
+
+    name: str
+    points_mm: list[Point3D]
+
+
+class Platen(Answer):
+    """The corners of the platen, mm."""
+
+    corners_mm: list[Point3D]
+
+
+class Wedge(Answer):
+    """The wedge as a solid of triangles, mm."""
+
+    vertices_mm: list[Point3D]
+    faces: list[tuple[int, int, int]]
+
+
+class SurfacePoint(Answer):
+    """A point of the midline at the parametric angle u."""
+
+    u_deg: float
+    point_mm: Point3D
+
+
+class PadGeometry(Quantities):
+    """A pad on its wedge: semi-axes, place of contact, curvature, and what to draw."""
+
+    semi_axes_mm: SemiAxes
+    semi_axes_mm_std: SemiAxes | None
+    u_deg: float
+    u_deg_std: float | None
+    v_deg: float
+    in_plane_radius_mm: float | None
+    in_plane_radius_mm_std: float | None
+    transverse_radius_mm: float | None
+    transverse_radius_mm_std: float | None
+    mean_curvature_radius_mm: float | None
+    mean_curvature_radius_mm_std: float | None
+    geometric_mean_radius_mm: float | None
+    geometric_mean_radius_mm_std: float | None
+    contact_point_mm: Point3D
+    normal: Point3D
+    principal_directions: tuple[Point3D, Point3D]
+    mesh: Mesh
+    lines: list[NamedLine]
+    platen: Platen
+    wedge: Wedge
+    points: list[SurfacePoint]
 
 
 class PadParams(Params):
@@ -47,7 +108,7 @@ class GeometryParams(PadParams):
 
 
 @router.post("/geometry")
-def geometry(opened: Opened, params: Body[GeometryParams]) -> answers.PadGeometry:
+def geometry(opened: Opened, params: Body[GeometryParams]) -> PadGeometry:
     """Return the point of contact, the curvature there, and the drawing."""
     axes, covariance, angle_stds = _pad(opened, params)
     pad = Ellipsoid(*axes)
@@ -57,7 +118,7 @@ def geometry(opened: Opened, params: Body[GeometryParams]) -> answers.PadGeometr
     height = np.linspace(0, np.pi, params.detail + 1)
     mesh = pad.point(turn[:, None], height)
     stds = None if covariance is None else np.sqrt(covariance.diagonal())
-    return answers.PadGeometry.of(
+    return PadGeometry.of(
         {
             "semi_axes_mm": dict(zip(_AXES, axes, strict=True)),
             "semi_axes_mm_std": None if stds is None else dict(zip(_AXES, stds, strict=True)),

@@ -7,13 +7,25 @@ from urllib.parse import urlencode
 from fastapi import Query, Response
 from pydantic import Field
 
-from fingerpad.web.answers import files as answers
+from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import IMMUTABLE, Item, Opened, Params, study_router
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_sequence
 
 router = study_router()
 
 _NO_CACHE: Final = {"cache-control": "private, no-cache"}
+
+
+class PictureInfo(Answer):
+    """Size and depth of a picture, and the addresses of its previews."""
+
+    item: str
+    rows_px: int
+    columns_px: int
+    bits: int
+    resolution_ppi: float | None
+    preview: str
+    thumbnail: str
 
 
 class PictureParams(Params):
@@ -30,14 +42,14 @@ class PreviewParams(PictureParams):
 
 
 @router.get("/picture/info")
-def info(opened: Opened, params: Annotated[PictureParams, Query()]) -> answers.PictureInfo:
+def info(opened: Opened, params: Annotated[PictureParams, Query()]) -> PictureInfo:
     """Return the size of an image and the addresses of its previews."""
     place = opened.image_location(params.item)
     is_frame = place.colour and is_sequence(place.path)
     picture = opened.pictures.grey(ImageLocation(place.path, frame=0) if is_frame else place)
     rows, columns = picture.pixels.shape
     query = urlencode({"item": params.item, "v": version(place)})
-    return answers.PictureInfo.of(
+    return PictureInfo.of(
         {
             "item": params.item,
             "rows_px": rows,

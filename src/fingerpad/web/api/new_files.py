@@ -1,11 +1,20 @@
-"""New files: what each may be, and what a spreadsheet or their names state of them."""
+"""New files: what each may be, what a spreadsheet or their names state of them, and their edits."""
 
 from threading import Lock
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
 from fastapi import Query
 from pydantic import Field
 
+from fingerpad.study.editing.edit import Edit
+from fingerpad.study.editing.propose import (
+    NewFile,
+    Use,
+    guess_of,
+    proposed_edits,
+    stated_values,
+    written_scale,
+)
 from fingerpad.study.imports import (
     FileValues,
     identify_file,
@@ -14,16 +23,21 @@ from fingerpad.study.imports import (
     parse_file_table,
     read_file_table,
 )
-from fingerpad.web.answers import files as answers
+from fingerpad.study.imports.identify import FileIdentity
+from fingerpad.study.manifest import LoadedStudy
+from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, Opened, Params, study_router
 from fingerpad.web.errors import RequestError
+from fingerpad.web.pictures import Cache, ImageLocation
+from fingerpad.web.study_session import StudySession
 
 router = study_router()
 
 FileName = Annotated[str, Field(min_length=1, max_length=1000)]
+NewFiles = Annotated[list[NewFile], Field(max_length=20_000)]
 # One at a time: together pictures could take more memory than the limit of each.
 _READING: Final = Lock()
-_KEYS: Final = tuple(answers.StatedValues.model_fields)
+_FOUND: Final[Cache[FileIdentity]] = Cache(2000, lambda _: 1)
 
 
 class FileParams(Params):
@@ -32,40 +46,104 @@ class FileParams(Params):
     file: FileName
 
 
+class GuessedScale(Answer):
+    """A scale that may hold, and why."""
+
+    scale: str
+    why: str
+
+
+class FileGuess(Answer):
+    """What a new file may be used as, most likely first, its face if a photograph, and scales by use."""
+
+    file: str
+    uses: list[Use]
+    sure: bool
+    face: Face | None
+    face_sure: bool
+    scales: dict[str, GuessedScale]
+    stated: str
+
+
+@router.get("/files/identity")
+def identity(opened: Opened, params: Annotated[FileParams, Query()]) -> FileGuess:
+    """Guess what a file is."""
+    place = ImageLocation(opened.file(params.file))
+    with _READING:
+        found = _FOUND.get(place.stamp, lambda: identify_file(place.path, memory_limit=opened.memory_limit))
+    ppi = opened.pictures.grey(place).dots_per_inch if found.kind == "picture" else None
+    guess = guess_of(found, _scales(opened.read()), ppi=ppi)
+    return FileGuess(
+        file=params.file,
+        uses=list(guess.uses),
+        sure=guess.sure,
+        face=guess.face,
+        face_sure=guess.face_sure,
+        stated=guess.stated,
+        scales={use: GuessedScale(scale=scale, why=why) for use, (scale, why) in guess.scales.items()},
+    )
+
+
+def _scales(loaded: LoadedStudy) -> dict[str, Any]:
+    return {one.key: one.content for one in loaded.tables if one.kind == "scale"}
+
+
 class TableParams(Params):
     """A spreadsheet, as a file of the study or as pasted text, and the new files."""
 
     file: FileName | None = None
     text: Annotated[str, Field(max_length=1_000_000)] | None = None
-    files: Annotated[list[FileName], Field(max_length=20_000)]
+    files: NewFiles
 
 
-class PatternParams(Params):
-    """A pattern of names, and the new files."""
+class StatedValues(Answer):
+    """What a spreadsheet or a name states of a file, for a new file; null where nothing."""
 
-    pattern: Annotated[str, Field(max_length=300)]
-    files: Annotated[list[FileName], Field(max_length=20_000)]
+    use: Use | None = None
+    person: str | None = None
+    finger: str | None = None
+    face: Face | None = None
+    wedge_angle_deg: float | None = None
+    load_N: float | None = None  # noqa: N815
+    scale: str | None = None
+    session: str | None = None
+    guessed: list[str]
 
 
-@router.get("/files/identity")
-def identity(opened: Opened, params: Annotated[FileParams, Query()]) -> answers.FileGuess:
-    """Guess what a file is."""
-    path = opened.file(params.file)
-    with _READING:
-        found = identify_file(path, memory_limit=opened.memory_limit)
-    return answers.FileGuess.of(
-        {
-            "file": params.file,
-            "contents": list(found.contents),
-            "faces": list(found.faces),
-            "sure": found.is_sure,
-            "face_sure": found.is_face_sure,
-        }
-    )
+class StatedFile(Answer):
+    """A file, what is stated of it, and what could not be read."""
+
+    file: str
+    values: StatedValues
+    problem: str
+
+
+class TableColumn(Answer):
+    """A column of a spreadsheet; its meaning is null where it is not understood."""
+
+    header: str
+    meaning: str | None
+    unit: str | None
+
+
+class TableRow(Answer):
+    """A row of a spreadsheet that names no new file, or one that another row names too."""
+
+    line: int
+    file: str
+
+
+class JoinedTable(Answer):
+    """A spreadsheet joined to new files."""
+
+    columns: list[TableColumn]
+    files: list[StatedFile]
+    rows_without_file: list[TableRow]
+    files_without_row: list[str]
 
 
 @router.post("/files/table")
-def join(opened: Opened, params: Body[TableParams]) -> answers.JoinedTable:
+def join(opened: Opened, params: Body[TableParams]) -> JoinedTable:
     """Join a spreadsheet to new files."""
     if params.file is not None:
         table = read_file_table(opened.file(params.file))
@@ -73,24 +151,99 @@ def join(opened: Opened, params: Body[TableParams]) -> answers.JoinedTable:
         table = parse_file_table(params.text)
     else:
         raise RequestError.impossible("give a file or a text")
-    found = join_files(table, params.files)
-    problems = {id(row.values): "; ".join(row.problems) for row in table.rows}
-    return answers.JoinedTable.of(
-        {
-            "columns": [column._asdict() for column in table.columns],
-            "files": [_stated(file, values, problems[id(values)]) for file, values in found.values.items()],
-            "rows_without_file": [{"line": row.line, "file": row.file} for row in found.rows_without_file],
-            "files_without_row": found.files_without_row,
-        }
+    new = {one.file: one for one in params.files}
+    found = join_files(table, new)
+    problems = {id(row.values): row.problems for row in table.rows}
+    return JoinedTable(
+        columns=[TableColumn(**column._asdict()) for column in table.columns],
+        files=[
+            _stated(opened, new[file], values, problems[id(values)]) for file, values in found.values.items()
+        ],
+        rows_without_file=[TableRow(line=row.line, file=row.file) for row in found.rows_without_file],
+        files_without_row=found.files_without_row,
     )
 
 
+class PatternParams(Params):
+    """A pattern of names, and the new files."""
+
+    pattern: Annotated[str, Field(max_length=300)]
+    files: NewFiles
+
+
+class PatternMatches(Answer):
+    """What a pattern gives of the name of each new file."""
+
+    files: list[StatedFile]
+
+
 @router.post("/files/pattern")
-def match(_: Opened, params: Body[PatternParams]) -> answers.PatternMatches:
+def match(opened: Opened, params: Body[PatternParams]) -> PatternMatches:
     """Read the names of new files by a pattern."""
-    found = match_file_names(params.pattern, params.files)
-    return answers.PatternMatches.of({"files": [_stated(one.file, one.values, one.problem) for one in found]})
+    found = match_file_names(params.pattern, [one.file for one in params.files])
+    return PatternMatches(
+        files=[
+            _stated(opened, new, one.values, (one.problem,))
+            for new, one in zip(params.files, found, strict=True)
+        ]
+    )
 
 
-def _stated(file: str, values: FileValues, problem: str) -> dict[str, Any]:
-    return {"file": file, "values": {key: values.get(key) for key in _KEYS}, "problem": problem}
+def _stated(opened: StudySession, new: NewFile, values: FileValues, problems: tuple[str, ...]) -> StatedFile:
+    taken, problem = stated_values(new, values, _scales(opened.read()))
+    words = "; ".join(filter(None, (*problems, problem)))
+    return StatedFile(file=new.file, values=StatedValues.model_validate(taken), problem=words)
+
+
+class WrittenParams(Params):
+    """A scale as a person writes it."""
+
+    words: Annotated[str, Field(max_length=200)]
+
+
+class WrittenScale(Answer):
+    """A scale in the one way in which a new file has it."""
+
+    scale: str
+
+
+@router.get("/files/scale")
+def scale(opened: Opened, params: Annotated[WrittenParams, Query()]) -> WrittenScale:
+    """Read a scale: a number with its unit, or the name of one."""
+    return WrittenScale(scale=written_scale(params.words, _scales(opened.read())))
+
+
+class ProposalParams(Params):
+    """New files with all that is known of them, and whether they are rendered or simulated."""
+
+    files: NewFiles
+    synthetic: bool = False
+
+
+class ProposedEdit(Answer):
+    """An edit that adds to the manifest."""
+
+    kind: Literal["scale", "finger", "photograph", "observation", "sequence", "curve"]
+    key: str
+    set: dict[str, Any]
+
+
+class ProposedEdits(Answer):
+    """The edits that add new files, how many of these they add, and those whose finger is not known."""
+
+    edits: list[ProposedEdit]
+    added: int
+    waiting: list[str]
+
+
+@router.post("/files/edits")
+def edits(opened: Opened, params: Body[ProposalParams]) -> ProposedEdits:
+    """Return the edits that add new files to the study; nothing is written."""
+    found = proposed_edits(opened.read(), params.files, synthetic=params.synthetic)
+    return ProposedEdits(
+        edits=[_edit(one) for one in found.edits], added=found.added, waiting=list(found.waiting)
+    )
+
+
+def _edit(one: Edit) -> ProposedEdit:
+    return ProposedEdit.model_validate({"kind": one.kind, "key": one.key, "set": one.set})

@@ -7,6 +7,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import (
     FACE_AXES,
@@ -18,6 +19,7 @@ from fingerpad.image import (
     photograph_from_handles,
     with_marked_points,
 )
+from fingerpad.report.text import p_words
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.items import is_rejected
@@ -29,8 +31,8 @@ from fingerpad.study.measuring.fingers import (
     outline_radii,
     photograph_item,
 )
-from fingerpad.web.answers import measurements as answers
-from fingerpad.web.api.base import Body, Item, Opened, Params, Point, study_router
+from fingerpad.web.answers import Answer, Axis, Face, MeasuredBy, Point, Quantities, SemiAxes
+from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router
 from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import known_finger
@@ -41,16 +43,99 @@ router = study_router()
 
 _FITS: Final[Cache[PhotographFit]] = Cache(60, lambda _: 1)
 _AUTOMATIC: Final[Cache[PhotographFit | None]] = Cache(60, lambda _: 1)
+# By the identity of a fit, which the value keeps.
+_RADII: Final[Cache[tuple[PhotographFit, tuple[tuple[float, float, float], ...]]]] = Cache(60, lambda _: 1)
 # A manual ellipse needs none.
 _NO_PICTURE: Final = np.zeros((1, 1), dtype=np.uint8)
+
+
+class FaceEllipse(Answer):
+    """The ellipse of a face."""
+
+    centre: Point
+    semi_axes: Point
+    tilt_deg: float
+
+
+class FaceHandles(Answer):
+    """Where the handles of a face's ellipse are."""
+
+    centre_px: Point
+    across_end_px: Point
+    along_end_px: Point
+
+
+class FaceAxes(Quantities):
+    """Semi-axes that a face gives, mm, with standard uncertainties."""
+
+    semi_axes_mm: dict[Axis, float]
+    semi_axes_mm_std: dict[Axis, float | None]
+
+
+class FaceDifference(Answer):
+    """By how much a face's semi-axes exceed those of all faces, relative to these; null where it has none."""
+
+    item: str
+    face: Face
+    palmar: float | None
+    distal: float | None
+    radial_ulnar: float | None
+
+
+class CombinedFaces(Quantities):
+    """The semi-axes that all faces of a finger give."""
+
+    semi_axes_mm: SemiAxes
+    semi_axes_mm_std: SemiAxes
+    chi_square: float
+    degrees_of_freedom: int
+    p_words: str
+    disagree: bool
+    between_relative_std: float
+    disagreements: list[FaceDifference]
+
+
+class SideRadius(Quantities):
+    """Radii of curvature of a side face where a wedge touches: of the outline itself, and of the ellipse."""
+
+    wedge_angle_deg: float
+    outline_mm: float
+    outline_mm_std: float
+    ellipse_mm: float
+
+
+class PhotographMeasurement(FaceAxes):
+    """A photograph measured under a correction; the terms of its uncertainty in words."""
+
+    item: str
+    by: MeasuredBy
+    face: Face
+    axes: list[Axis]
+    ellipse_px: FaceEllipse
+    handles: FaceHandles
+    points_px: list[Point]
+    outliers_px: list[Point]
+    uncertainty_words: dict[Axis, str]
+    arc_deg: float | None
+    exponent: float | None
+    exponent_std: float | None
+    radii: list[SideRadius]
+    tilt_deg: float | None
+    flags: list[str]
+    mm_per_px: float
+    mm_per_px_std: float
+    automatic: FaceAxes | None
+    finger: CombinedFaces | None
+    finger_error: str | None
+    milliseconds: float
 
 
 class Handles(Params):
     """The handles of an ellipse."""
 
-    centre_px: Point
-    across_end_px: Point
-    along_end_px: Point
+    centre_px: PointParam
+    across_end_px: PointParam
+    along_end_px: PointParam
 
 
 class PhotographParams(Params):
@@ -65,7 +150,7 @@ class PhotographParams(Params):
 
 
 @router.post("/measure/photograph")
-def measure(opened: Opened, params: Body[PhotographParams]) -> answers.PhotographMeasurement:
+def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasurement:
     """Measure a photograph under a correction; nothing is stored."""
     began = time.perf_counter()
     finger, photograph = _table(opened, params)
@@ -83,7 +168,7 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> answers.Photograp
     manual = params.handles is not None or change.ellipse_px is not None
     edited = manual or bool(change.edits)
     own = _automatic(opened, params.item, photograph) if edited else None
-    return answers.PhotographMeasurement.of(
+    return PhotographMeasurement.of(
         {
             "item": params.item,
             "by": "manual" if manual else "corrected" if edited else "automatic",
@@ -122,7 +207,7 @@ def described(fit: PhotographFit) -> dict[str, Any]:
         "handles": {"centre_px": centre, "across_end_px": across, "along_end_px": along},
         "points_px": fit.points.round(2),
         "outliers_px": fit.outliers.round(2),
-        "uncertainty_mm_std": fit.uncertainty_mm_std,
+        "uncertainty_words": {axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
         "arc_deg": fit.arc_deg,
         "exponent": None if math.isnan(fit.exponent) else fit.exponent,
         "exponent_std": None if math.isnan(fit.exponent) else fit.exponent_std,
@@ -132,6 +217,13 @@ def described(fit: PhotographFit) -> dict[str, Any]:
         "mm_per_px": fit.scale.mm_per_px,
         "mm_per_px_std": fit.scale.mm_per_px_std,
     }
+
+
+def _terms(fit: PhotographFit, axis: str) -> str:
+    """Return the terms of a semi-axis' uncertainty, largest first."""
+    stds = {term: by_axis[axis] for term, by_axis in fit.uncertainty_mm_std.items() if by_axis[axis] > 0}
+    ordered = sorted(stds, key=lambda term: -stds[term])
+    return ", ".join(f"{term} {value_with_uncertainty(stds[term])} mm" for term in ordered)
 
 
 def _semi_axes(fit: PhotographFit) -> dict[str, Any]:
@@ -194,11 +286,16 @@ def measured_finger(opened: StudySession, name: str) -> FingerResult | None:
         return found if finger is not None else None
     faces = _faces(opened, finger)
     sides = (
-        outline_radii(_stored_fit(opened, item, one))
+        _outline_radii(_stored_fit(opened, item, one))
         for one in finger.photographs
         if one.outline is None and (item := photograph_item(finger, one)) in faces
     )
     return finger_from_faces(finger, combine_faces(faces.values()), sides)
+
+
+def _outline_radii(fit: PhotographFit) -> tuple[tuple[float, float, float], ...]:
+    """Return the radii of a photograph's outline, once for each fit that is kept."""
+    return _RADII.get(id(fit), lambda: (fit, outline_radii(fit)))[1]
 
 
 def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
@@ -239,7 +336,7 @@ def _joint(found: PadSemiAxes, items: list[str]) -> dict[str, Any]:
         "semi_axes_mm_std": dict(zip(SEMI_AXES, found.stds, strict=True)),
         "chi_square": found.chi_square,
         "degrees_of_freedom": found.degrees_of_freedom,
-        "p_value": found.p_value,
+        "p_words": p_words(found.p_value),
         "disagree": found.disagree,
         "between_relative_std": found.between_relative_std,
         "disagreements": [

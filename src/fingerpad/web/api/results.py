@@ -1,7 +1,9 @@
 """Results of the last run: rows, plots, uncertainty budgets, and the audit of published numbers."""
 
+import math
+import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Annotated, Any, Final
 
@@ -11,17 +13,26 @@ from fastapi import Query
 from pydantic import Field
 
 from fingerpad._arrays import BoolArray
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.flags import FLAGS
-from fingerpad.published import audit
+from fingerpad.published import AuditItem, audit
 from fingerpad.report.plots import group_name
-from fingerpad.report.text import pooling_words
+from fingerpad.report.text import check_words, pooling_words
 from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT
-from fingerpad.study.results.summary_file import PlacementRecord
-from fingerpad.study.results.table import COLUMNS, Column, items, records
-from fingerpad.web.answers import results as answers
+from fingerpad.study.results.summary_file import PlacementRecord, UncertaintyCheckRecord
+from fingerpad.study.results.table import COLUMNS, GLOSSARY, Column, Row, items, records
+from fingerpad.web.answers import (
+    Answer,
+    Cell,
+    PoolingCorrectionRecord,
+    Quantities,
+    quantity_words,
+    unit_of,
+    with_unit,
+)
 from fingerpad.web.api.base import Opened, Params, api_router, study_router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.errors import RequestError
@@ -32,6 +43,170 @@ router = study_router()
 here = api_router("/api")
 
 _MOST_IN_QUESTION: Final = 200
+
+
+class ColumnEntry(Answer):
+    """A column of the results: its label with its unit, its meaning, and the symbol of its glossary.
+
+    `std` is the column of its standard uncertainty, the model's part in it.
+    """
+
+    key: str
+    label: str
+    words: str
+    symbol: str | None
+    std: str | None
+
+
+class Rows(Answer):
+    """Some rows of the results, and their numbers in words, without units."""
+
+    total: int
+    matching: int
+    columns: list[ColumnEntry]
+    rows: list[dict[str, Cell]]
+    words: list[dict[str, str]]
+
+
+class RangeNote(Answer):
+    """A limit of the model that some rows are beyond."""
+
+    code: str
+    words: str
+    to_do: str
+    rows: int
+
+
+class Group(Quantities):
+    """A finger at one placement; `figure` begins the names of its figures in the report."""
+
+    finger: str
+    wedge_angle_deg: float
+    roll_angle_deg: float
+    synthetic: bool
+    figure: str
+
+
+class PlottedRows(Answer):
+    """The columns that are plotted."""
+
+    item: list[str]
+    load_N: list[float | None]  # noqa: N815
+    radius_from_indentation_mm: list[float | None]
+    radius_from_indentation_mm_total_std: list[float | None]
+    radius_from_indentation_mm_fixed_geometry_std: list[float | None]
+    radius_from_compliance_mm: list[float | None]
+    gross_area_mm2: list[float | None]
+    gross_area_mm2_std: list[float | None]
+    aspect_ratio: list[float | None]
+    indentation_mm: list[float | None]
+    indentation_mm_total_std: list[float | None]
+    youngs_modulus_kpa: list[float | None]
+    youngs_modulus_kpa_total_std: list[float | None]
+    indentation_on_layer_mm: list[float | None]
+    indentation_on_layer_mm_std: list[float | None]
+    youngs_modulus_on_layer_kpa: list[float | None]
+    youngs_modulus_on_layer_kpa_std: list[float | None]
+    pooled: list[bool]
+
+
+class PooledContact(Answer):
+    """A contact that is left out of the pooled radius, or about which a person or a flag has a say.
+
+    `pooled` and `why` are of the last run; `correction` is what is wanted now.
+    """
+
+    item: str
+    load_N: float | None  # noqa: N815
+    pooled: bool
+    why: str
+    correction: PoolingCorrectionRecord | None
+
+
+class Pooling(Answer):
+    """How many contacts and frames of a group count in its pooled radius, and the contacts in question.
+
+    `contacts` is the number of measured and rejected ones.
+    """
+
+    contacts: int
+    contacts_pooled: int
+    contacts_rejected: int
+    frames: int
+    frames_pooled: int
+    in_question: list[PooledContact]
+
+
+class CheckWords(Answer):
+    """A check of the model, in words."""
+
+    verdict: str
+    words: str
+
+
+class PlottedGroup(Group):
+    """A finger at one placement: pooled values, the rows to plot, and whether Hertz theory holds.
+
+    `radius_verdict` is that of the corrected radius, `radius_of_model` whether its standard uncertainty holds
+    what the model leaves uncertain.
+    """
+
+    radius_from_indentation_mm: float | None
+    radius_from_indentation_mm_total_std: float | None
+    radius_verdict: str
+    radius_of_model: bool
+    mean_curvature_radius_mm: float | None
+    mean_curvature_radius_mm_std: float | None
+    loading_radius_mm: float | None
+    loading_radius_mm_std: float | None
+    rows: PlottedRows
+    point_words: dict[str, list[str]]
+    range_notes: list[RangeNote]
+    verdict: str
+    checks: list[CheckWords]
+    pooling: Pooling
+
+
+class Plot(Answer):
+    """What to plot."""
+
+    groups: list[PlottedGroup]
+
+
+class BudgetGroup(Group):
+    """The uncertainty budget of a finger at one placement."""
+
+    pooled: dict[str, float | None] | None
+    check_words: str
+    check: UncertaintyCheckRecord | None
+
+
+class Budget(Answer):
+    """The uncertainty budgets."""
+
+    groups: list[BudgetGroup]
+
+
+class AuditedNumber(Answer):
+    """A number printed by Dzidek et al. (2017), and what the equations give."""
+
+    item: str
+    printed: float
+    unit: str
+    verdict: str
+    computed: float | None
+    low: float | None
+    high: float | None
+    with_misprint: float | None
+    words: dict[str, str]
+    formula: str
+    remark: str
+
+
+class Audit(Answer):
+    """The audit of the printed numbers."""
+
+    items: list[AuditedNumber]
 
 
 def require_results(opened: StudySession) -> Results:
@@ -67,7 +242,7 @@ class RowsParams(Params):
 
 
 @router.get("/results/rows")
-def rows(opened: Opened, params: Annotated[RowsParams, Query()]) -> answers.Rows:
+def rows(opened: Opened, params: Annotated[RowsParams, Query()]) -> Rows:
     """Return some rows of the results."""
     found = require_results(opened)
     chosen = found.table[_chosen(found.table, params)]
@@ -78,7 +253,7 @@ def rows(opened: Opened, params: Annotated[RowsParams, Query()]) -> answers.Rows
         chosen = chosen.sort_values(key, ascending=not params.sort.startswith("-"), kind="stable")
     columns = [name for name in params.columns.split(",") if name in found.table] or list(found.table)
     shown = chosen[params.offset : params.offset + params.limit]
-    return answers.Rows.of(
+    return Rows.of(
         {
             "total": len(found.table),
             "matching": len(chosen),
@@ -87,8 +262,13 @@ def rows(opened: Opened, params: Annotated[RowsParams, Query()]) -> answers.Rows
                 {"item": item, **row}
                 for item, row in zip(items(shown["observation"]), records(shown, *columns), strict=True)
             ],
+            "words": [_words(row, columns) for row in records(shown, *_with_stds(columns))],
         }
     )
+
+
+def _words(row: Row, columns: list[str]) -> dict[str, str]:
+    return {name: quantity_words(row, name, "") for name in columns if isinstance(row[name], float)}
 
 
 def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
@@ -107,12 +287,43 @@ def _chosen(table: pd.DataFrame, params: RowsParams) -> BoolArray:
     return chosen
 
 
+# Columns that the page calls by less than their names.
+_LABELS: Final = {
+    "finger": "Finger",
+    "status": "Status",
+    "wedge_angle_deg": "θ",
+    "load_N": "W",
+    "semi_major_mm": "ℓ_d",
+    "semi_minor_mm": "ℓ_e",
+    "gross_area_mm2": "Gross area",
+    "ridge_area_mm2": "Ridge area",
+    "indentation_mm": "ξ",
+    "youngs_modulus_kpa": "E",
+    "youngs_modulus_on_layer_kpa": "E on layer",
+    "indentation_on_layer_mm": "ξ on layer",
+    "loading_radius_on_layer_mm": "R_g on layer",
+    "layer_flag": "Layer out of range",
+    "radius_from_indentation_mm": "Corrected R",
+    "radius_from_compliance_mm": "R_Aξ",
+    "mean_curvature_radius_mm": "R_0g",
+    "contact_radius_ratio": "a/R",
+    "measured_by": "By",
+}
+
+
+def _label(column: Column) -> str:
+    unit = unit_of(column.name)
+    plain = re.sub(r"_(mm2?|kpa|deg|px|N|s)$", "", column.name).replace("_", " ")
+    return ", ".join(filter(None, (_LABELS.get(column.name, plain), unit)))
+
+
 def _column(column: Column) -> dict[str, Any]:
     stds = [f"{column.name}_total_std", f"{column.name}_std"]
     return {
         "key": column.name,
+        "label": _label(column),
         "words": column.meaning,
-        "unit": column.unit if column.unit not in {"", "1"} else None,
+        "symbol": next((key for key, symbol in GLOSSARY.items() if symbol.column == column.name), None),
         "std": next((std for std in stds if std in COLUMNS), None),
     }
 
@@ -124,7 +335,7 @@ class PlotParams(Params):
 
 
 @router.get("/results/plot")
-def plot(opened: Opened, params: Annotated[PlotParams, Query()]) -> answers.Plot:
+def plot(opened: Opened, params: Annotated[PlotParams, Query()]) -> Plot:
     """Return the data to plot for each finger and placement."""
     found = require_results(opened)
     active_corrections = opened.corrections.active_corrections()
@@ -133,7 +344,7 @@ def plot(opened: Opened, params: Annotated[PlotParams, Query()]) -> answers.Plot
         for one in found.summary.summaries
         if params.finger in {None, one.finger}
     ]
-    return answers.Plot.of({"groups": groups})
+    return Plot.of({"groups": groups})
 
 
 def _placed(of: PlacementRecord) -> dict[str, Any]:
@@ -147,6 +358,7 @@ def _group(
     placed = np.logical_and.reduce([table[name].to_numpy() == value for name, value in placement])
     rows = table[placed & table["radius_from_indentation_mm"].notna()]
     rejected = placed & (table["status"].to_numpy() == "rejected") & table["frame"].isna()
+    radius = of.validity.headlines["radius_from_indentation_mm"]
     codes = Counter(code for notes in items(rows["range_notes"]) for code in (notes or "").split())
     return {
         **_placed(of),
@@ -157,16 +369,47 @@ def _group(
         "loading_radius_mm_std": of.loading_radius_mm_std,
         "pooling": _pooling(rows, int(rejected.sum()), active_corrections),
         "rows": {
-            name: items(rows["observation" if name == "item" else name])
-            for name in answers.PlottedRows.model_fields
+            name: items(rows["observation" if name == "item" else name]) for name in PlottedRows.model_fields
         },
+        "point_words": _point_words(rows),
         "range_notes": [
             {"code": code, "words": flag.words, "to_do": flag.to_do, "rows": codes[code]}
             for code, flag in FLAGS["row"].items()
             if code in codes
         ],
-        "validity": of.validity.model_dump(),
+        "verdict": of.validity.verdict,
+        "checks": [{"verdict": one.verdict, "words": check_words(one)} for one in of.validity.checks],
+        "radius_verdict": radius.verdict,
+        "radius_of_model": not math.isnan(radius.model_std),
+        "radius_from_indentation_mm_total_std": radius.total_std,
     }
+
+
+# What is plotted against load.
+_PLOTTED: Final = (
+    *("radius_from_indentation_mm", "radius_from_compliance_mm", "gross_area_mm2", "aspect_ratio"),
+    *("indentation_mm", "youngs_modulus_kpa", "indentation_on_layer_mm", "youngs_modulus_on_layer_kpa"),
+)
+
+
+_ON_GIVEN_PAD: Final = "radius_from_indentation_mm_fixed_geometry"
+
+
+def _with_stds(names: Iterable[str]) -> list[str]:
+    """Return columns and those of their standard uncertainties."""
+    return [one for name in names for one in (name, f"{name}_std", f"{name}_total_std") if one in COLUMNS]
+
+
+def _point_words(rows: pd.DataFrame) -> dict[str, list[str]]:
+    """Return what is plotted in words, by column; also of the corrected radius on a given pad."""
+    found: dict[str, list[str]] = {name: [] for name in (*_PLOTTED, _ON_GIVEN_PAD)}
+    radius = _PLOTTED[0]
+    for row in records(rows, *_with_stds(_PLOTTED), f"{_ON_GIVEN_PAD}_std"):
+        for name in _PLOTTED:
+            found[name].append(quantity_words(row, name))
+        given = {radius: row[radius], f"{radius}_std": row[f"{_ON_GIVEN_PAD}_std"]}
+        found[_ON_GIVEN_PAD].append(quantity_words(given, radius))
+    return found
 
 
 def _pooling(
@@ -215,14 +458,15 @@ def _pooling(
 
 
 @router.get("/results/budget")
-def budget(opened: Opened) -> answers.Budget:
+def budget(opened: Opened) -> Budget:
     """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
-    return answers.Budget.of(
+    return Budget.of(
         {
             "groups": [
                 {
                     **_placed(one),
                     "pooled": one.radius_from_indentation_variance_shares,
+                    "check_words": _check_words(one),
                     "check": one.uncertainty_check and one.uncertainty_check.model_dump(),
                 }
                 for one in require_results(opened).summary.summaries
@@ -231,7 +475,22 @@ def budget(opened: Opened) -> answers.Budget:
     )
 
 
+def _check_words(one: PlacementRecord) -> str:
+    check = one.uncertainty_check
+    return f"{check.observation}: {value_with_uncertainty(check.value, check.std)} mm" if check else ""
+
+
 @here.get("/published")
-def published() -> answers.Audit:
+def published() -> Audit:
     """Return the audit of the numbers that Dzidek et al. (2017) print."""
-    return answers.Audit.of({"items": [asdict(item) for item in audit()]})
+    return Audit.of({"items": [{**asdict(item), "words": _audit_words(item)} for item in audit()]})
+
+
+def _audit_words(item: AuditItem) -> dict[str, str]:
+    def words(value: float | None) -> str:
+        return "–" if value is None else with_unit(value_with_uncertainty(value), item.unit)
+
+    low = "–" if item.low is None else f"{value_with_uncertainty(item.low)} to {words(item.high)}"
+    printed = "–" if item.printed is None else with_unit(f"{item.printed:g}", item.unit)
+    computed, misprint = words(item.computed), words(item.with_misprint)
+    return {"printed": printed, "computed": computed, "range": low, "with_misprint": misprint}

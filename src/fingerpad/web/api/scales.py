@@ -12,8 +12,8 @@ from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
 from fingerpad.image.scale import circle_through
 from fingerpad.study.manifest import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
-from fingerpad.web.answers import measurements as answers
-from fingerpad.web.api.base import Body, Item, Opened, Params, Point, study_router
+from fingerpad.web.answers import Answer, Point, Quantities
+from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 from fingerpad.web.study_session import StudySession
@@ -21,6 +21,53 @@ from fingerpad.web.study_session import StudySession
 router = study_router()
 
 _FOUND: Final[Cache[FoundScale | str]] = Cache(100, lambda _: 1)
+
+
+class CoinOutline(Quantities):
+    """A coin found in a picture."""
+
+    outline_px: list[Point]
+    radius_px: float
+    radius_px_std: float
+
+
+class GridMeasurement(Quantities):
+    """A grid found in a picture, how far it is from flat, and the scale of rectified pictures."""
+
+    points_px: list[Point]
+    residual_px: float
+    anisotropy: float
+    variation: float
+    unevenness: float
+    rectified_mm_per_px: float
+    rectified_mm_per_px_std: float
+
+
+class ScaleMeasurement(Quantities):
+    """The scale that a table gives."""
+
+    mm_per_px: float
+    mm_per_px_std: float
+    relative_std: float
+    resolution_ppi: float
+    flags: list[str]
+    coin: CoinOutline | None
+    grid: GridMeasurement | None
+
+
+class RectifiedPictures(Answer):
+    """Files of rectified pictures, by those that they were made of, and the scale of all of them."""
+
+    files: dict[str, str]
+    mm_per_px: float
+    relative_std: float
+
+
+class LengthMeasurement(Quantities):
+    """The length of a line."""
+
+    length_mm: float
+    length_mm_std: float
 
 
 def scale_of(opened: StudySession, key: ScaleKey) -> FoundScale:
@@ -57,7 +104,7 @@ class ScaleParams(Params):
 
 
 @router.post("/measure/scale")
-def scale(opened: Opened, params: Body[ScaleParams]) -> answers.ScaleMeasurement:
+def scale(opened: Opened, params: Body[ScaleParams]) -> ScaleMeasurement:
     """Return the scale that a table means."""
     table = params.table
     coin = grid = None
@@ -73,7 +120,7 @@ def scale(opened: Opened, params: Body[ScaleParams]) -> answers.ScaleMeasurement
         found = FoundScale(scale=grid.scale, flags=grid.flags)
     else:
         found = scale_of(opened, table)
-    return answers.ScaleMeasurement.of(
+    return ScaleMeasurement.of(
         {
             "mm_per_px": found.scale.mm_per_px,
             "mm_per_px_std": found.scale.mm_per_px_std,
@@ -102,7 +149,7 @@ def _grid(grid: Grid) -> dict[str, Any]:
         "variation": grid.variation,
         "unevenness": grid.unevenness,
         "rectified_mm_per_px": sides.mm_per_px,
-        "rectified_relative_std": sides.relative_std,
+        "rectified_mm_per_px_std": sides.mm_per_px_std,
     }
 
 
@@ -135,7 +182,7 @@ class RectifyParams(Params):
 
 
 @router.post("/scale/rectify")
-def rectify(opened: Opened, params: Body[RectifyParams]) -> answers.RectifiedPictures:
+def rectify(opened: Opened, params: Body[RectifyParams]) -> RectifiedPictures:
     """Write pictures as if seen straight on into the folder ``rectified`` of the study."""
     grid = _measured_grid(opened, params.table)
     folder = opened.folder / _RECTIFIED
@@ -153,7 +200,7 @@ def rectify(opened: Opened, params: Body[RectifyParams]) -> answers.RectifiedPic
         part.replace(target)
         written[file] = f"{_RECTIFIED}/{target.name}"
     scale = grid.rectified_scale
-    return answers.RectifiedPictures.of(
+    return RectifiedPictures.of(
         {"files": written, "mm_per_px": scale.mm_per_px, "relative_std": scale.relative_std}
     )
 
@@ -162,13 +209,13 @@ class LengthParams(Params):
     """A line drawn on a picture, and the picture's scale."""
 
     scale: ScaleKey
-    line_px: tuple[Point, Point]
+    line_px: tuple[PointParam, PointParam]
     ends_px_std: Annotated[float, Field(ge=0, le=1000)] = 1.0
 
 
 @router.post("/measure/length")
-def length(opened: Opened, params: Body[LengthParams]) -> answers.LengthMeasurement:
+def length(opened: Opened, params: Body[LengthParams]) -> LengthMeasurement:
     """Return the length of a line."""
     start, end = ((row, column) for row, column in params.line_px)
     found, std = scale_of(opened, params.scale).scale.length(start, end, point_px_std=params.ends_px_std)
-    return answers.LengthMeasurement.of({"length_mm": found, "length_mm_std": std})
+    return LengthMeasurement.of({"length_mm": found, "length_mm_std": std})

@@ -2,7 +2,7 @@
 
 from functools import partial
 from itertools import pairwise
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from fastapi import Query
@@ -14,7 +14,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, read_force_signal
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.study.manifest.messages import in_study
-from fingerpad.web.answers import study as answers
+from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Opened, Params, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import frame_rows, last_results
@@ -27,6 +27,32 @@ _SHIFTS: Final = 81
 _FARTHEST: Final = 0.2
 
 
+class PhaseStart(Answer):
+    """A phase of a press, and the time on the force's clock after which it begins."""
+
+    phase: Literal["before", "loading", "hold", "unloading", "after"]
+    start_s: float
+
+
+class SequenceSignal(Answer):
+    """Force of a sequence over time, thinned for drawing, and how well displaced frames agree with it.
+
+    `phases` are those found from the force; what a person set is the correction of ``SEQUENCE#phases``.
+
+    `time_s` and `load_N` are the extremes in some thousand steps of time. `area_scatter` is the relative
+    scatter of the areas of the last run about a power law of the load, with all frames later by `shift_s`.
+    `start_s` is the time of frame 0 on the force's clock, None where each frame has a time of its own or no
+    run has measured them.
+    """
+
+    time_s: list[float]
+    load_N: list[float]  # noqa: N815
+    phases: list[PhaseStart]
+    start_s: float | None
+    shift_s: list[float]
+    area_scatter: list[float | None]
+
+
 class SignalParams(Params):
     """A sequence."""
 
@@ -34,7 +60,7 @@ class SignalParams(Params):
 
 
 @router.get("/signal")
-def signal(opened: Opened, params: Annotated[SignalParams, Query()]) -> answers.SequenceSignal:
+def signal(opened: Opened, params: Annotated[SignalParams, Query()]) -> SequenceSignal:
     """Return the force of a sequence over time, and how well its frames agree with it."""
     sequence = opened.sequence(params.sequence)
     if not sequence.force:
@@ -49,7 +75,7 @@ def signal(opened: Opened, params: Annotated[SignalParams, Query()]) -> answers.
     rows = list(frame_rows(found.table, sequence.name).items()) if found else []
     timed = [(frame, row) for frame, row in rows if row["time_s"] is not None]
     drawn, found_phases = _extremes(force), phase_intervals(force.time, force.load)
-    return answers.SequenceSignal.of(
+    return SequenceSignal.of(
         {
             "time_s": force.time[drawn].tolist(),
             "load_N": force.load[drawn].tolist(),

@@ -12,7 +12,7 @@ from pydantic import Field
 from fingerpad._files import file_stem
 from fingerpad.simulator import SimulatorLaw, export_finger, simulator_law
 from fingerpad.study.results.load import MeasuredPad, measured_pad
-from fingerpad.web.answers.base import Answer
+from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Opened, Params, study_router
 from fingerpad.web.api.results import require_results
 from fingerpad.web.study_session import StudySession

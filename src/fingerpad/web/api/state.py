@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, Final, get_args
+from typing import Annotated, Any, Final, Literal, get_args
 
 import numpy as np
 from fastapi import Query
@@ -25,11 +25,13 @@ from fingerpad.study.corrections.items import (
     frames_of,
     is_rejected,
 )
+from fingerpad.study.editing.propose import Use, named_file
+from fingerpad.study.editing.scales import scale_words
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.imports.names import read_file_name
+from fingerpad.study.imports.names import FileKind
 from fingerpad.study.manifest import Finger, LoadedStudy, Study
-from fingerpad.study.manifest.load import STUDY_NAME
-from fingerpad.study.manifest.models import Surface
+from fingerpad.study.manifest.load import STUDY_NAME, Kind
+from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.run import StudyItems
@@ -37,8 +39,9 @@ from fingerpad.study.results.load import Results
 from fingerpad.study.results.summary_file import FingerRecord
 from fingerpad.study.results.table import COLUMNS
 from fingerpad.study.status import item_states, semi_axes_state
-from fingerpad.web.answers import study as answers
+from fingerpad.web.answers import Answer, Face, Quantities, SemiAxes, Status
 from fingerpad.web.api.base import Opened, Params, study_router
+from fingerpad.web.events import RunStatus
 from fingerpad.web.last_results import (
     FRAME_COLUMNS,
     contact_rows,
@@ -60,6 +63,246 @@ _WORDS: Final[Mapping[str, Any]] = {
     },
     "columns": {name: column.meaning for name, column in COLUMNS.items()},
 }
+
+
+class MissingEntry(Answer):
+    """Something that the study lacks; `place` is the key of the table that would hold it, or empty."""
+
+    kind: Kind | Literal["file", "folder"]
+    key: str
+    words: str
+    place: str
+
+
+class Review(Answer):
+    """What a person did to an item."""
+
+    corrected: bool
+    accepted: bool
+    rejected: str | None
+    who: str | None
+
+
+class ScaleEntry(Answer):
+    """A named scale; `table` is as the manifest states it."""
+
+    name: str
+    table: dict[str, Any]
+    words: str
+    used_by: int
+    complete: bool
+
+
+class PhotographEntry(Review):
+    """A photograph or an outline of a finger's face."""
+
+    item: str
+    file: str | None
+    outline: bool
+    status: Status
+    face: Face | None
+    scale: str | dict[str, Any] | None
+    scale_words: str
+    tip: str | None
+    palmar_side: str | None
+    synthetic: bool
+
+
+class FingerEntry(Quantities):
+    """A finger of the study; `status` and `reason` are of its semi-axes."""
+
+    has_units = False
+
+    name: str
+    table: dict[str, Any]
+    complete: bool
+    synthetic: bool
+    semi_axes_mm: SemiAxes | None
+    semi_axes_mm_std: SemiAxes | None
+    effective_thickness_mm: float | None
+    effective_thickness_mm_std: float | None
+    status: Status
+    reason: str | None
+    photographs: list[PhotographEntry]
+
+
+class ObservationEntry(Review):
+    """An observation: one contact at one load."""
+
+    item: str
+    finger: str | None
+    wedge_angle_deg: float | None
+    roll_angle_deg: float | None
+    load_N: float | None  # noqa: N815
+    scale: str | dict[str, Any] | None
+    scale_words: str
+    file: str | None
+    notes: str
+    surface: Surface
+    synthetic: bool
+    status: Status
+    flags: list[str]
+    reason: str | None
+    complete: bool
+
+
+class SequenceEntry(Answer):
+    """A sequence of contact images."""
+
+    name: str
+    finger: str | None
+    wedge_angle_deg: float | None
+    roll_angle_deg: float | None
+    force: str | None
+    scale: str | dict[str, Any] | None
+    scale_words: str
+    file: str | None
+    frames_per_second: float | None
+    surface: Surface
+    synthetic: bool
+    status: Status
+    frames: int | None
+    flags: dict[str, int]
+    corrected: int
+    rejected: int
+    reviewed: int
+    complete: bool
+
+
+class CurveEntry(Quantities):
+    """A loading curve, or a radius from loading data."""
+
+    has_units = False
+
+    key: str
+    finger: str | None
+    wedge_angle_deg: float | None
+    file: str | None
+    loading_radius_mm: float | None
+    loading_radius_mm_std: float | None
+    synthetic: bool
+    complete: bool
+    status: Status
+    reason: str | None
+
+
+class FileReading(Answer):
+    """What the name of a file says; empty or null where it says nothing or could mean two things."""
+
+    use: Use
+    finger: str
+    face: Face | None
+    wedge_angle_deg: float | None
+    load_N: float | None  # noqa: N815
+
+
+class FileEntry(Answer):
+    """A file of the study folder; what its name says where the study does not use it."""
+
+    file: str
+    kind: FileKind
+    bytes: int
+    used: bool
+    reading: FileReading | None
+
+
+class FlagWords(Answer):
+    """What a flag means, and what to do about it."""
+
+    words: str
+    to_do: str
+
+
+class Descriptions(Answer):
+    """Descriptions of flags, by what is flagged and their codes, and of columns."""
+
+    flags: dict[str, dict[str, FlagWords]]
+    columns: dict[str, str]
+
+
+class Counts(Answer):
+    """Number of items of each status."""
+
+    done: int
+    failed: int
+    stale: int
+    left: int
+    total: int
+
+
+class ResultsStatus(Answer):
+    """Whether there are results, and whether they are those of the current study."""
+
+    there: bool
+    faults: list[str]
+    report: bool
+    finished: str | None
+    fresh: bool
+
+
+class State(Answer):
+    """The state of a study; `stated` are the keys of `uncertainty` that its manifest holds."""
+
+    name: str
+    title: str
+    description: str
+    digest: str
+    poisson_ratio: float
+    surface: Surface
+    uncertainty: Uncertainty
+    stated: list[str]
+    apparatus: Apparatus
+    taken_as_exact: list[str]
+    assumed: list[str]
+    ready: bool
+    missing: list[MissingEntry]
+    scales: list[ScaleEntry]
+    fingers: list[FingerEntry]
+    observations: list[ObservationEntry]
+    sequences: list[SequenceEntry]
+    curves: list[CurveEntry]
+    files: list[FileEntry]
+    words: Descriptions
+    counts: Counts
+    run: RunStatus
+    results: ResultsStatus
+
+
+class StateAfterRemoval(State):
+    """The state of a study, and the number by which the removed file can be restored."""
+
+    removed: str
+
+
+class StateAfterRestore(State):
+    """The state of a study, and the name of the restored file."""
+
+    restored: str
+
+
+class FrameEntry(Review):
+    """A frame of a sequence."""
+
+    item: str
+    frame: int
+    status: str
+    flags: list[str]
+    phase: str | None
+    phase_corrected_by: str | None
+    time_s: float | None
+    load_N: float | None  # noqa: N815
+    measured_indentation_mm: float | None
+    gross_area_mm2: float | None
+    aspect_ratio: float | None
+    pooled: bool
+    interpolated: bool
+
+
+class Frames(Answer):
+    """Some frames of a sequence, and how many there are."""
+
+    total: int
+    frames: list[FrameEntry]
 
 
 def document(opened: StudySession) -> dict[str, Any]:
@@ -197,7 +440,13 @@ def _scales(loaded: LoadedStudy) -> list[dict[str, Any]]:
         names = (table.get("scale") for table in one.tables)
         uses.update(name for name in names if isinstance(name, str))
     return [
-        {"name": name, "table": table, "used_by": uses[name], "complete": complete}
+        {
+            "name": name,
+            "table": table,
+            "words": scale_words(table),
+            "used_by": uses[name],
+            "complete": complete,
+        }
         for name, table, complete in _tables(loaded, "scale")
     ]
 
@@ -224,6 +473,7 @@ def _finger(
         "semi_axes_mm": known and dict(zip(axes, known.semi_axes.tolist(), strict=True)),
         "semi_axes_mm_std": known
         and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
+        **_values(table, (int, float), "effective_thickness_mm", "effective_thickness_mm_std"),
         "status": status,
         "reason": record.reason if record and status == "failed" else None,
         "photographs": [
@@ -248,6 +498,7 @@ def _photograph(
         "face": face if face in FACE_AXES else None,
         **_values(table, str, "tip", "palmar_side"),
         **_values(table, (str, dict), "scale"),
+        "scale_words": scale_words(table.get("scale")),
         "synthetic": table.get("synthetic") is True,
         **review_record(active_corrections.get(f"{finger}/{file}")),
     }
@@ -274,6 +525,7 @@ def _observation(
         **_values(table, str, "finger"),
         **_values(table, (int, float), "wedge_angle_deg", "roll_angle_deg", "load_N"),
         **_values(table, (str, dict), "scale"),
+        "scale_words": scale_words(table.get("scale")),
         "file": _text(table, "file"),
         "notes": _text(table, "notes") or "",
         "synthetic": table.get("synthetic") is True,
@@ -307,6 +559,7 @@ def _sequence(
         **_values(table, str, "finger", "force"),
         **_values(table, (int, float), "wedge_angle_deg", "roll_angle_deg", "frames_per_second"),
         **_values(table, (str, dict), "scale"),
+        "scale_words": scale_words(table.get("scale")),
         "file": _text(table, "file"),
         "synthetic": table.get("synthetic") is True,
         "status": states.get(name, "left"),
@@ -357,17 +610,17 @@ def _files(opened: StudySession) -> list[dict[str, Any]]:
             kind = "sequence"
         reading = None
         if name in unused:
-            stated = read_file_name(name, kind, fingers=fingers)
-            reading = {key: stated.get(key) for key in answers.FileReading.model_fields}
+            stated = named_file(name, kind, fingers)
+            reading = {key: getattr(stated, key) for key in FileReading.model_fields}
         return {"file": name, "kind": kind, "bytes": size, "used": used, "reading": reading}
 
     return [described(name, status.st_size) for name, status in opened.files().items()]
 
 
 @router.get("/state")
-def state(opened: Opened) -> answers.State:
+def state(opened: Opened) -> State:
     """Return the state of the open study."""
-    return answers.State.of(document(opened))
+    return State.of(document(opened))
 
 
 class FramesParams(Params):
@@ -379,14 +632,14 @@ class FramesParams(Params):
 
 
 @router.get("/frames")
-def frames(opened: Opened, params: Annotated[FramesParams, Query()]) -> answers.Frames:
+def frames(opened: Opened, params: Annotated[FramesParams, Query()]) -> Frames:
     """Return frames of a sequence, with the results of the last run."""
     name, found = params.sequence, last_results(opened)
     total = opened.count_frames(opened.sequence_file(name)) or 0
     rows = frame_rows(found.table, name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
     active = frame_corrections(opened.corrections.active_corrections(), name, shown)
-    return answers.Frames.of(
+    return Frames.of(
         {
             "total": total,
             "frames": [_frame(name, number, rows.get(number), active.get(number)) for number in shown],

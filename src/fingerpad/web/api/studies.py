@@ -8,18 +8,76 @@ from pydantic import Field
 
 from fingerpad.exceptions import EditConflict
 from fingerpad.study.editing.edit import Edit, create_study
+from fingerpad.study.editing.scales import KnownSize, ScaleWay
 from fingerpad.study.editing.template import write_example
+from fingerpad.study.imports.names import FileKind
 from fingerpad.study.manifest.load import STUDY_NAME, Kind
-from fingerpad.web.answers import study as answers
+from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
-from fingerpad.web.api.state import document
+from fingerpad.web.api.state import State, document
 from fingerpad.web.errors import RequestError
+from fingerpad.web.events import RunStatus
 from fingerpad.web.workspace import NAME
 
 router = study_router()
 here = api_router("/api")
 
 _Name = Annotated[str, Field(pattern=NAME, max_length=60)]
+
+
+class StudyName(Answer):
+    """A study of the workspace; the title is null where its manifest cannot be read."""
+
+    name: str
+    title: str | None
+
+
+class Limits(Answer):
+    """What can be uploaded."""
+
+    upload_bytes: int
+    picture_memory_bytes: int
+
+
+class SymbolMeaning(Answer):
+    """What a symbol means, its unit, and the column of ``results.csv`` that holds it."""
+
+    name: str
+    meaning: str
+    unit: str
+    column: str
+
+
+class EntryRules(Answer):
+    """What can be entered: patterns of names and numbers, uses of files, scales, signs of verdicts.
+
+    A number that fits `ambiguous` could be two.
+    """
+
+    name: str
+    number: str
+    ambiguous: str
+    faces: list[Face]
+    uses: dict[FileKind, dict[str, str]]
+    takes: dict[str, list[str]]
+    scale_ways: dict[str, ScaleWay]
+    coins: list[KnownSize]
+    card: list[KnownSize]
+    verdicts: dict[str, str]
+
+
+class Session(Answer):
+    """What is open, what can be opened, symbols, rules of entries, and the address of Plotly's script."""
+
+    version: str
+    study: StudyName | None
+    workspace: str
+    studies: list[StudyName]
+    who: str
+    plotly: str
+    limits: Limits
+    glossary: dict[str, SymbolMeaning]
+    rules: EntryRules
 
 
 class NewParams(Params):
@@ -43,33 +101,33 @@ class RunParams(Params):
 
 
 @here.get("/session")
-def session(workspace: Here) -> answers.Session:
+def session(workspace: Here) -> Session:
     """Return the studies of the workspace and the open one."""
-    return answers.Session.of(workspace.describe())
+    return Session.of(workspace.describe())
 
 
 @here.post("/session/new", status_code=HTTPStatus.CREATED)
-def new(workspace: Here, params: Body[NewParams]) -> answers.State:
+def new(workspace: Here, params: Body[NewParams]) -> State:
     """Create a study in a new folder."""
     folder = workspace.new_folder(params.name)
     create_study(folder, params.title or params.name)
-    return answers.State.of(document(workspace.open_folder(folder)))
+    return State.of(document(workspace.open_folder(folder)))
 
 
 @here.post("/session/example", status_code=HTTPStatus.CREATED)
-def example(workspace: Here) -> answers.State:
+def example(workspace: Here) -> State:
     """Write the example study into a new folder, and open it."""
     taken = {path.name for path in workspace.workspace.iterdir()}
     names = ("example", *(f"example-{number}" for number in range(2, 1000)))
     folder = workspace.new_folder(next(name for name in names if name not in taken))
     write_example(folder)
-    return answers.State.of(document(workspace.open_folder(folder)))
+    return State.of(document(workspace.open_folder(folder)))
 
 
 @here.post("/session/open")
-def open_study(workspace: Here, params: Body[OpenParams]) -> answers.State:
+def open_study(workspace: Here, params: Body[OpenParams]) -> State:
     """Open a study of the workspace."""
-    return answers.State.of(document(workspace.open(params.name)))
+    return State.of(document(workspace.open(params.name)))
 
 
 class EditParams(Params):
@@ -88,7 +146,7 @@ class EditsParams(Params):
 
 
 @router.post("/edits")
-def edit(opened: Opened, params: Body[EditsParams]) -> answers.State:
+def edit(opened: Opened, params: Body[EditsParams]) -> State:
     """Apply all edits to the manifest, or none."""
     edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in params.edits]
     try:
@@ -97,15 +155,15 @@ def edit(opened: Opened, params: Body[EditsParams]) -> answers.State:
         raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
     found = document(opened)
     opened.events.send("study", {"digest": found["digest"]})
-    return answers.State.of(found)
+    return State.of(found)
 
 
 @router.post("/run", status_code=HTTPStatus.ACCEPTED)
-def run(opened: Opened, params: Body[RunParams]) -> answers.RunStatus:
+def run(opened: Opened, params: Body[RunParams]) -> RunStatus:
     """Start a run of the study."""
     opened.require_complete()
     workers = min(params.workers, os.cpu_count() or 1)
-    return answers.RunStatus.of(
+    return RunStatus.of(
         opened.run_job.start(
             opened.folder / STUDY_NAME,
             opened.out,
@@ -117,12 +175,12 @@ def run(opened: Opened, params: Body[RunParams]) -> answers.RunStatus:
 
 
 @router.get("/run")
-def progress(opened: Opened) -> answers.RunStatus:
+def progress(opened: Opened) -> RunStatus:
     """Return the status of the run."""
-    return answers.RunStatus.of(opened.run_job.describe())
+    return RunStatus.of(opened.run_job.describe())
 
 
 @router.post("/run/cancel", status_code=HTTPStatus.ACCEPTED)
-def cancel(opened: Opened) -> answers.RunStatus:
+def cancel(opened: Opened) -> RunStatus:
     """Stop the run; finished measurements are kept."""
-    return answers.RunStatus.of(opened.run_job.cancel())
+    return RunStatus.of(opened.run_job.cancel())

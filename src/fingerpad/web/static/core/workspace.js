@@ -260,6 +260,9 @@ function tableOf(study, { kind, key }) {
 
 export const workspace = new Workspace();
 
+/** What can be entered, by the library's rules. */
+export const rules = () => workspace.session.rules;
+
 export const who = () => localStorage.getItem("fingerpad.who") || workspace.session?.who || "";
 export const setWho = (name) => localStorage.setItem("fingerpad.who", name.trim());
 

@@ -1,7 +1,7 @@
 // The histogram of an image's levels, with the threshold as a slider on it.
 
 import { attributes, h, s } from "../core/dom.js";
-import { plain } from "../core/quantity.js";
+import { short } from "../core/quantity.js";
 
 const HEIGHT = 64;
 const STEPS = 400;
@@ -108,8 +108,8 @@ export class Histogram {
       d: automatic === null ? "" : `M${automatic} 0V${HEIGHT}`,
     });
     this.mark.setAttribute("d", `M${threshold} 0V${HEIGHT}`);
-    this.text.textContent = `${plain(threshold)}${this.held || this.chosen ? "" : " (automatic)"}`;
-    this.input.setAttribute("aria-valuetext", `${plain(threshold)} grey levels above the background`);
+    this.text.textContent = `${short(threshold)}${this.held || this.chosen ? "" : " (automatic)"}`;
+    this.input.setAttribute("aria-valuetext", `${short(threshold)} grey levels above the background`);
     // The slider starts at zero, the histogram below: noise of the background.
     this.root.style.setProperty("--zero", `${(100 * -low) / (high - low)}%`);
   }

@@ -3,7 +3,7 @@
 import { Corrections } from "../core/corrections.js";
 import { h, render, s } from "../core/dom.js";
 import { showError } from "../core/messages.js";
-import { ago, plain } from "../core/quantity.js";
+import { ago, short } from "../core/quantity.js";
 import { text } from "../parts/forms.js";
 
 const REASON = "no reason given";
@@ -196,7 +196,7 @@ export class PhaseLimits {
       valuemin: low,
       valuemax: high,
       valuenow: start,
-      valuetext: `${plain(Number(start.toPrecision(4)))} s`,
+      valuetext: `${short(start)} s`,
     }))
       node.setAttribute(`aria-${key}`, String(value));
   }

@@ -1,7 +1,7 @@
 // Force and contact area of a sequence over time, and area against force, with the current frame.
 
 import { h, render, s } from "../core/dom.js";
-import { plain } from "../core/quantity.js";
+import { short } from "../core/quantity.js";
 import { PhaseLimits } from "./phase_limits.js";
 
 const HEIGHT = 132;
@@ -172,7 +172,7 @@ export class SequenceTraces {
     this.loadY = scale(0, greatest(load) || 1, bottom, PAD.top);
     this.areaY = scale(0, greatest(areas) || 1, bottom, PAD.top);
     this.plot.setAttribute("width", String(width));
-    const number = (value) => plain(Number(value.toPrecision(2)));
+    const number = (value) => short(value, 2);
     const label = (x, y, words, kind, anchor = "start") =>
       s("text", { x, y, class: kind, "text-anchor": anchor }, words);
     this.areas = s(
@@ -195,8 +195,8 @@ export class SequenceTraces {
       label(PAD.left - 4, bottom, "N", "load", "end"),
       label(width - PAD.right + 4, PAD.top + 9, frames.length ? number(greatest(areas)) : "", "area"),
       label(width - PAD.right + 4, bottom, frames.length ? "mm²" : "", "area"),
-      label(PAD.left - 4, HEIGHT - 7, `${plain(Number(ends[0].toPrecision(3)))} s`, "", "end"),
-      label(width - PAD.right + 4, HEIGHT - 7, `${plain(Number(ends[1].toPrecision(3)))} s`, ""),
+      label(PAD.left - 4, HEIGHT - 7, `${short(ends[0], 3)} s`, "", "end"),
+      label(width - PAD.right + 4, HEIGHT - 7, `${short(ends[1], 3)} s`, ""),
     );
     const step =
       frames.length > 1 ? (times.at(-1) - times[0]) / (times.length - 1) : (ends[1] - ends[0]) / 500;
@@ -230,7 +230,7 @@ export class SequenceTraces {
       );
       side.grown = s("path.grown");
       side.drawn = 0;
-      const number = (value) => plain(Number(value.toPrecision(3)));
+      const number = (value) => short(value, 3);
       render(
         side.plot,
         s("path.axis", { d: `M${SIDE_LEFT} ${PAD.top}V${bottom}H${right}` }),
@@ -266,7 +266,7 @@ export class SequenceTraces {
     this.plot.setAttribute("aria-valuemin", String(this.#frames[0].time_s));
     this.plot.setAttribute("aria-valuemax", String(this.#frames.at(-1).time_s));
     this.plot.setAttribute("aria-valuenow", String(frame.time_s));
-    this.plot.setAttribute("aria-valuetext", `frame ${frame.frame}, ${plain(frame.time_s)} s`);
+    this.plot.setAttribute("aria-valuetext", `frame ${frame.frame}, ${short(frame.time_s)} s`);
   }
 
   #press(event) {

@@ -2,7 +2,7 @@
 
 import { enter, h, newId, on } from "../core/dom.js";
 import { showError } from "../core/messages.js";
-import { readNumber } from "../core/quantity.js";
+import { rules } from "../core/workspace.js";
 
 /**
  * A labelled field around a control, with its unit and a hint.
@@ -73,6 +73,30 @@ function fillDown(event) {
   }
 }
 
+/**
+ * The number that a text states with a decimal point or comma, null of an empty one; NaN, and what is wrong,
+ * if it is none or could be two.
+ *
+ * @param {string} words
+ * @returns {{ value: number | null, problem: string }}
+ */
+function readNumber(words) {
+  const plain = words.trim().replace("−", "-");
+  if (plain === "") return { value: null, problem: "" };
+  const refused = (problem) => ({ value: Number.NaN, problem: `"${words.trim()}" ${problem}` });
+  const fits = (pattern) => new RegExp(`^(?:${pattern})$`).test(plain);
+  if (fits(rules().ambiguous))
+    return refused(`could be ${plain.replace(",", ".")} or ${plain.replace(",", "")}: write which.`);
+  if (!fits(rules().number))
+    return refused(
+      /^[-+]?\d[\d.,'’ \u00a0\u202f]*$/.test(plain)
+        ? "is not a number here: write no thousands separator, and one decimal point."
+        : "is not a number.",
+    );
+  const value = Number(plain.replace(",", "."));
+  return Number.isFinite(value) ? { value, problem: "" } : refused("is too large.");
+}
+
 /** The number in a field, null if it is empty. @param {HTMLInputElement} input */
 export const numberIn = (input) => readNumber(input.value).value;
 
@@ -120,10 +144,7 @@ export function number({ value, onset, min, above, max, placeholder, label }) {
 }
 
 /** Names of a study, as the library takes them: they become names of files. */
-export const NAME = "[\\p{L}\\p{N}_][\\p{L}\\p{N}_.+\\-]*";
-
-/** What was typed, as a name: with _ for spaces. @param {string} words */
-export const asName = (words) => words.trim().replace(/\s+/g, "_");
+export const namePattern = () => rules().name;
 
 /**
  * A field for text; `pattern` is what it may be.
@@ -151,7 +172,7 @@ export function text({ value, onset, placeholder, list, required, label, pattern
     };
     on(input, "input", say);
     const take = (event) => {
-      event.currentTarget.value = asName(event.currentTarget.value);
+      event.currentTarget.value = event.currentTarget.value.trim().replace(/\s+/g, "_");
       say(event);
       event.currentTarget.reportValidity();
     };

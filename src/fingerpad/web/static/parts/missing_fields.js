@@ -2,9 +2,9 @@
 
 import { h } from "../core/dom.js";
 import { showError } from "../core/messages.js";
-import { workspace } from "../core/workspace.js";
+import { rules, workspace } from "../core/workspace.js";
 import { button, choose, number } from "./forms.js";
-import { scaleChoice } from "./scale_choice.js";
+import { scaleChoice } from "./scale_ways.js";
 
 /** Semi-axes of a pad, and what they are called. */
 export const AXES = [
@@ -18,8 +18,6 @@ export const SURFACES = [
   ["ridged", "ridged"],
   ["smooth", "smooth"],
 ];
-
-export const FACES = ["palmar", "distal", "radial", "ulnar"];
 
 /** Limits and unit of the numbers that may be missing. */
 const NUMBERS = {
@@ -49,7 +47,7 @@ function fieldOf({ kind, key, place, words }) {
       .catch(showError);
   const list = (options) =>
     choose({ value: "", options: [["", "– select –"], ...options], label, onset: set });
-  if (place === "face") return list(FACES);
+  if (place === "face") return list(rules().faces);
   if (place === "finger") return list(fingers.map(({ name }) => name));
   if (place === "force")
     return list(files.filter(({ kind: type }) => type === "table").map(({ file }) => file));

@@ -136,7 +136,7 @@ export class PadScene {
       ),
     ];
     this.edges = sharpEdges(scene.wedge);
-    this.reach = 0.93 * Math.max(...[...scene.platen.corners_mm, ...vertices].map((at) => Math.hypot(...at)));
+    this.reach = Math.max(...[...scene.platen.corners_mm, ...vertices].map((at) => Math.hypot(...at)));
     this.draw();
   }
 
@@ -155,7 +155,8 @@ export class PadScene {
     const { clientWidth: width, clientHeight: height } = this.root;
     if (!this.scene || !width || !height) return;
     const axes = this.#axes();
-    const scale = Math.min(width, height) / 2 / this.reach;
+    // A platen rarely stands upright: above and below it may reach further.
+    const scale = Math.min(width, height / 0.93) / 2 / this.reach;
     this.project = (point) => [
       width / 2 + scale * dot(axes[0], point),
       height / 2 - scale * dot(axes[1], point),

@@ -3,7 +3,7 @@
 import { Corrections, withoutDefaults } from "../core/corrections.js";
 import { h, update } from "../core/dom.js";
 import { showError } from "../core/messages.js";
-import { ago, plain } from "../core/quantity.js";
+import { ago, short } from "../core/quantity.js";
 import { button, text } from "./forms.js";
 
 const REASON = "no reason given";
@@ -67,7 +67,7 @@ export function poolingList(pooling) {
         showError(error);
       }
     };
-    const load = one.load_N === null ? "" : `, ${plain(one.load_N)} N`;
+    const load = one.load_N === null ? "" : `, ${short(one.load_N)} N`;
     return h(
       "li",
       { "data-pooled": String(one.pooled) },

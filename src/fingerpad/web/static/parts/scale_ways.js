@@ -1,28 +1,16 @@
-// Ways to state a scale: what each needs, and the fields in which it is entered.
+// Scales: the choice of one, and the fields in which each way to state it is entered.
 
+import { rules, workspace } from "../core/workspace.js";
 import { choose, field, number } from "./forms.js";
 
-/** Diameters of coins, mm. */
-export const COINS = [
-  ["", "– other –"],
-  ["16.25", "1 euro cent, 16.25 mm"],
-  ["18.75", "2 euro cent, 18.75 mm"],
-  ["21.25", "5 euro cent, 21.25 mm"],
-  ["19.75", "10 euro cent, 19.75 mm"],
-  ["22.25", "20 euro cent, 22.25 mm"],
-  ["24.25", "50 euro cent, 24.25 mm"],
-  ["23.25", "1 euro, 23.25 mm"],
-  ["25.75", "2 euro, 25.75 mm"],
-  ["24.26", "US quarter, 24.26 mm"],
-  ["20.3", "UK penny, 20.3 mm"],
-];
+/** The choice of a coin by its diameter, mm. */
+export const coinOptions = (diameter, none = "– other –") => sizeOptions(rules().coins, diameter, none);
 
-// ISO/IEC 7810, format ID-1: bank cards, most identity cards and driving licences.
-const KNOWN_LENGTHS = [
-  ["", "a ruler, or other"],
-  ["85.6", "a bank card's long side, 85.60 mm"],
-  ["53.98", "a bank card's short side, 53.98 mm"],
-];
+/** The choice among sizes that everybody has at hand. */
+const sizeOptions = (sizes, size, none) => ({
+  value: String(sizes.find(({ size_mm }) => size_mm === size)?.size_mm ?? ""),
+  options: [["", none], ...sizes.map(({ size_mm, words }) => [String(size_mm), words])],
+});
 
 /**
  * @typedef {object} Fields
@@ -40,20 +28,12 @@ const uncertainty = (fields, key, words, unit) =>
   field(words, numberOf(fields, key, { placeholder: "not stated" }), { unit });
 
 /** A choice of known sizes that fills in a number. @param {Fields} fields */
-const known = ({ table, set, redraw }, words, key, options, more = {}) =>
-  field(
-    words,
-    choose({
-      value: options.map(([size]) => size).find((size) => size === String(table[key])) ?? "",
-      options,
-      onset: (value) => value && (set(key)(Number(value)), redraw()),
-    }),
-    more,
-  );
+const known = ({ set, redraw }, words, key, options, more = {}) =>
+  field(words, choose({ ...options, onset: (value) => value && (set(key)(Number(value)), redraw()) }), more);
 
 /** @param {Fields} fields */
 const diameter = (fields) => [
-  known(fields, "Coin type", "diameter_mm", COINS, { wide: true }),
+  known(fields, "Coin type", "diameter_mm", coinOptions(fields.table.diameter_mm), { wide: true }),
   field("Diameter", numberOf(fields, "diameter_mm"), { unit: "mm" }),
   uncertainty(fields, "diameter_mm_std", "Uncertainty", "mm"),
 ];
@@ -80,57 +60,45 @@ const count = ({ table, set }, words, place) =>
   );
 
 /**
- * What each way is called, the keys that it needs and may have, what it starts with (the ends of a line are
- * drawn to about one pixel), what to do with its picture, what to say while something lacks, its fields, and
- * it in short.
+ * What each way is called, what to do with its picture, what to say while something lacks, and its fields.
  *
- * @type {Record<string, {
- *   words: string, needs: string[], may: string[], defaults?: Record<string, any>, picture?: string,
- *   lacking: (table: any) => string, fields: (fields: Fields) => any[], summary: (table: any) => string }>}
+ * @type {Record<string, { words: string, picture?: string, lacking: (table: any) => string,
+ *   fields: (fields: Fields) => any[] }>}
  */
 export const WAYS = {
   line: {
     words: "Ruler",
-    needs: ["line", "length_mm"],
-    may: ["length_mm_std", "ends_px_std"],
-    defaults: { ends_px_std: 1 },
     picture: "Draw a line between two marks of the ruler.",
     lacking: ({ line }) => (line ? "Enter the length of the line." : "Draw a line on the ruler."),
     fields: (fields) => [
-      known(fields, "Line along", "length_mm", KNOWN_LENGTHS),
+      known(
+        fields,
+        "Line along",
+        "length_mm",
+        sizeOptions(rules().card, fields.table.length_mm, "a ruler, or other"),
+      ),
       field("Length of the line", numberOf(fields, "length_mm"), { unit: "mm" }),
       uncertainty(fields, "length_mm_std", "Uncertainty", "mm"),
       uncertainty(fields, "ends_px_std", "Uncertainty of each end", "px"),
     ],
-    summary: ({ length_mm }) => `line of ${length_mm} mm`,
   },
   coin: {
     words: "Coin",
-    needs: ["coin", "diameter_mm"],
-    may: ["diameter_mm_std"],
     picture: "The whole coin, parallel to the image plane, on a plain background.",
     lacking: () => "Select or enter the coin's diameter.",
     fields: diameter,
-    summary: ({ diameter_mm }) => `coin of ${diameter_mm} mm`,
   },
   circle: {
     words: "Circle",
-    needs: ["circle", "diameter_mm"],
-    may: ["diameter_mm_std", "points_px_std"],
-    defaults: { points_px_std: 1 },
     picture: "Click three points on the rim of a coin, far apart; drag them to move them.",
     lacking: ({ circle }) => (circle ? "Enter the diameter." : "Click three points on the rim."),
     fields: (fields) => [
       ...diameter(fields),
       uncertainty(fields, "points_px_std", "Uncertainty of each point", "px"),
     ],
-    summary: ({ diameter_mm }) => `circle of ${diameter_mm} mm`,
   },
   grid: {
     words: "Grid",
-    needs: ["grid", "points", "spacing_mm"],
-    may: ["pattern", "spacing_mm_std"],
-    defaults: { pattern: "checkerboard" },
     picture: "A flat checkerboard or grid of dots where the finger touches, on a light margin.",
     lacking: () => "Count the points of the grid, and enter their spacing.",
     fields: (fields) => [
@@ -151,47 +119,59 @@ export const WAYS = {
       field("Spacing", numberOf(fields, "spacing_mm"), { unit: "mm" }),
       uncertainty(fields, "spacing_mm_std", "Uncertainty", "mm"),
     ],
-    summary: ({ spacing_mm }) => `grid of ${spacing_mm} mm`,
   },
   ppi: {
     words: "ppi",
-    needs: ["ppi"],
-    may: ["relative_std"],
     lacking: () => "Enter the resolution.",
     fields: (fields) => [
       field("Pixels per inch", numberOf(fields, "ppi"), { unit: "ppi" }),
       relative(fields),
     ],
-    summary: ({ ppi }) => `${ppi} ppi`,
   },
   mm_per_px: {
     words: "mm/px",
-    needs: ["mm_per_px"],
-    may: ["relative_std"],
     lacking: () => "Enter the size of a pixel.",
     fields: (fields) => [
       field("Millimetres per pixel", numberOf(fields, "mm_per_px"), { unit: "mm/px" }),
       relative(fields),
     ],
-    summary: ({ mm_per_px }) => `${mm_per_px} mm/px`,
   },
 };
 
 /** The way in which a scale is stated, undefined if in none yet. */
 export const wayOf = (table) => Object.keys(WAYS).find((key) => table?.[key] !== undefined);
 
-/** A scale in short. */
-export const scaleWords = (table) => WAYS[wayOf(table)]?.summary(table) ?? "incomplete";
+/** What a scale begins with. */
+export const startOf = (way) => ({ ...rules().scale_ways[way].starts });
 
 /** The keys of a way that are filled in. */
 export function definitionOf(table, way) {
-  const keys = [...WAYS[way].needs, ...WAYS[way].may];
-  return Object.fromEntries(keys.filter((key) => table[key] !== undefined).map((key) => [key, table[key]]));
+  const { needs, may } = rules().scale_ways[way];
+  const keys = [...needs, ...may].filter((key) => table[key] !== undefined);
+  return Object.fromEntries(keys.map((key) => [key, table[key]]));
 }
 
 /** What is still to be entered, null when the scale is complete. */
 export function lackingOf(table, way) {
   const given = (value) =>
     value !== undefined && value !== "" && !(Array.isArray(value) && value.includes(null));
-  return WAYS[way].needs.every((key) => given(table[key])) ? null : WAYS[way].lacking(table);
+  return rules().scale_ways[way].needs.every((key) => given(table[key])) ? null : WAYS[way].lacking(table);
 }
+
+export const scaleNames = () => workspace.study?.scales.map(({ name }) => name) ?? [];
+
+/** A drop-down list of named scales; an image's own scale, in `words`, is kept. */
+export function scaleChoice({ value, words = "", onset, label = "Scale" }) {
+  const own = value && typeof value === "object";
+  const options = [["", "– none –"], ...scaleNames().map((name) => [name, name])];
+  if (own) options.push(["\u0000own", `own: ${words}`]);
+  return choose({
+    value: own ? "\u0000own" : (value ?? ""),
+    options,
+    label,
+    onset: (key) => key !== "\u0000own" && onset(key || null),
+  });
+}
+
+/** Which scale an image has. @param {{ scale_words: string }} one */
+export const whichScale = ({ scale_words: words }) => (words ? `scale ${words}` : "no scale");

@@ -1,6 +1,5 @@
 // Labels and filters of the filmstrip of contact images.
 
-import { plain } from "../core/quantity.js";
 import { describeCode } from "../core/workspace.js";
 import { reviewMarks } from "./review_layout.js";
 
@@ -39,7 +38,7 @@ export function describe(entry, { named = false } = {}) {
     label: framed
       ? `${entry.frame}${load ? ` · ${load}` : ""}`
       : load
-        ? `${load} · ${plain(entry.wedge_angle_deg)}°`
+        ? `${load} · ${entry.wedge_angle_deg}°`
         : entry.item,
     name: [
       framed ? `Frame ${entry.frame}` : entry.item,

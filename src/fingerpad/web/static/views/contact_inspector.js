@@ -3,7 +3,7 @@
 import { h, render, update } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
-import { plain, quantityRow, quantityText } from "../core/quantity.js";
+import { quantityRow, short } from "../core/quantity.js";
 import { adviseCode, describeCode, workspace } from "../core/workspace.js";
 import { Histogram } from "../editor/histogram.js";
 import { button, check, chip, choose, field, list, number, segments, synthetic } from "../parts/forms.js";
@@ -24,8 +24,7 @@ const QUANTITIES_SHOWN = [
 ];
 
 /** Whether Hertz theory held for a quantity in the last run. */
-const verdictOf = ({ verdicts }, key) =>
-  key in verdicts && verdictChip({ verdict: verdicts[key], checks: [] });
+const verdictOf = ({ verdicts }, key) => key in verdicts && verdictChip(verdicts[key]);
 
 /** @type {[key: string, label: () => any, title: string][]} */
 const MODEL = [
@@ -223,10 +222,10 @@ export class ContactInspector extends Inspector {
     const outOfDate = () =>
       staleChip((this.view.sequence ?? this.view.entry).finger, "semi-axes out of date");
     const line = ([key, label, words, mark]) =>
-      quantityRow(label(), quantityText(numbers, key), {
+      quantityRow(label(), numbers.words[key], {
         mark,
         title: words,
-        was: corrected && automatic ? quantityText(automatic, key) : undefined,
+        was: corrected && automatic ? automatic.words[key] : undefined,
       });
     render(
       this.parts.numbers,
@@ -234,11 +233,7 @@ export class ContactInspector extends Inspector {
         h(
           "div.headline.main-number",
           h("span", "Corrected radius ", symbol("R_g^corr")),
-          h(
-            "span.figure-big.number",
-            { "data-live": "radius" },
-            quantityText(model, "radius_from_indentation_mm"),
-          ),
+          h("span.figure-big.number", { "data-live": "radius" }, model.words.radius_from_indentation_mm),
           verdictOf(model, "radius_from_indentation_mm"),
           outOfDate(),
         ),
@@ -247,32 +242,26 @@ export class ContactInspector extends Inspector {
         "dl.readings",
         { "data-live": "numbers" },
         QUANTITIES_SHOWN.filter(([key]) => key !== "ridge_area_mm2" || !this.isSmooth()).map(line),
-        !this.isSmooth() && quantityRow("Ridge period", quantityText(numbers, "ridge_period_mm")),
-        quantityRow(
-          [symbol("IoU"), " of ellipse and region"],
-          numbers.ellipse_iou === null || numbers.ellipse_iou === undefined
-            ? "–"
-            : plain(numbers.ellipse_iou),
-          { title: "intersection over union; 1 is a perfect match" },
-        ),
+        !this.isSmooth() && quantityRow("Ridge period", numbers.words.ridge_period_mm),
+        quantityRow([symbol("IoU"), " of ellipse and region"], numbers.words.ellipse_iou ?? "–", {
+          title: "intersection over union; 1 is a perfect match",
+        }),
       ),
       model && [
         h("div.headline", h("h3", layered(model) ? "Model, Hertz theory" : "Model"), outOfDate()),
         h(
           "dl.readings",
           MODEL.map(([key, label, words]) =>
-            quantityRow(label(), [quantityText(model, key), " ", verdictOf(model, key)], { title: words }),
+            quantityRow(label(), [model.words[key], " ", verdictOf(model, key)], { title: words }),
           ),
         ),
       ],
       layered(model) && [
-        h("h3", `Model, ${quantityText(model, "effective_thickness_mm")} of tissue over bone`),
+        h("h3", `Model, ${model.words.effective_thickness_mm} of tissue over bone`),
         h(
           "dl.readings",
           { "data-live": "layer" },
-          ON_LAYER.map(([key, label, words]) =>
-            quantityRow(label(), quantityText(model, key), { title: words }),
-          ),
+          ON_LAYER.map(([key, label, words]) => quantityRow(label(), model.words[key], { title: words })),
         ),
         model.layer_flag && h("p.soft", `Out of range. ${adviseCode(model.layer_flag)}`),
       ],
@@ -281,7 +270,9 @@ export class ContactInspector extends Inspector {
           "p.soft",
           this.view.lacking?.length
             ? "The corrected radius needs what is missing above."
-            : "The corrected radius needs the finger's semi-axes: see Study and Photographs.",
+            : answer.waits
+              ? "Measuring the photographs of the finger …"
+              : "The corrected radius needs the finger's semi-axes: see Study and Photographs.",
         ),
       flagNote(answer.flags),
       answer.pooling &&
@@ -345,7 +336,7 @@ export class ContactInspector extends Inspector {
             number({
               value: change.threshold ?? null,
               min: 0,
-              placeholder: used?.threshold == null ? "automatic" : `automatic: ${plain(used.threshold)}`,
+              placeholder: used?.threshold == null ? "automatic" : `automatic: ${short(used.threshold)}`,
               onset: (value) => this.view.set("threshold", value),
             }),
           ),

@@ -54,9 +54,16 @@ export class ContactReview extends Review {
       this.area?.dry();
       this.inspector.blind();
     } else {
-      const answer = await post("/measure/contact", { item, change });
+      // Photographs that no run has measured take longer than the contact.
+      const answer = await post("/measure/contact", { item, change, soon: true });
       if (!newest()) return;
       this.show(answer);
+      if (answer.waits) {
+        const whole = await post("/measure/contact", { item, change });
+        if (!newest()) return;
+        this.show(whole, { live: true });
+        this.#say(whole);
+      }
     }
     await this.#levels(item, newest);
   }
@@ -93,7 +100,7 @@ export class ContactReview extends Review {
    * @param {{ live?: boolean }} [options]
    */
   show(answer, { live = false } = {}) {
-    if (!live) this.#say(answer);
+    if (!live && !answer.waits) this.#say(answer);
     this.measured = answer;
     this.stage.setScale(answer.mm_per_px);
     this.overlay.region(answer.outline_px);

@@ -3,14 +3,14 @@
 import { get, LatestRequest, post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
-import { plain } from "../core/quantity.js";
+import { short } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { SequenceTraces } from "../editor/sequence_traces.js";
 import { figureButton } from "../parts/figure_settings.js";
 import { choose, empty } from "../parts/forms.js";
 import { icon } from "../parts/icons.js";
 import { missingOf } from "../parts/missing_fields.js";
-import { scaleWords } from "../parts/scale_choice.js";
+import { whichScale } from "../parts/scale_ways.js";
 import { describe, FILTER_TESTS, FILTERS } from "./contact_entries.js";
 import { ContactInspector } from "./contact_inspector.js";
 import { ContactReview } from "./contact_review.js";
@@ -334,13 +334,13 @@ class Contacts extends ContactReview {
       entry,
       lines: [
         of.finger ?? "no finger",
-        ...(of.wedge_angle_deg === null ? [] : [`θ ${plain(of.wedge_angle_deg)}°`]),
-        ...(of.roll_angle_deg ? [`φ ${plain(of.roll_angle_deg)}°`] : []),
-        ...(entry.load_N === null || entry.load_N === undefined ? [] : [`${plain(entry.load_N)} N`]),
+        ...(of.wedge_angle_deg === null ? [] : [`θ ${of.wedge_angle_deg}°`]),
+        ...(of.roll_angle_deg ? [`φ ${of.roll_angle_deg}°`] : []),
+        ...(entry.load_N === null || entry.load_N === undefined ? [] : [`${short(entry.load_N)} N`]),
         ...(entry.time_s === undefined || entry.time_s === null
           ? []
-          : [`${plain(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
-        scaleWords(of.scale, "scale "),
+          : [`${short(entry.time_s)} s${entry.phase ? `, ${entry.phase}` : ""}`]),
+        whichScale(of),
         ...(this.info?.bits > 8 ? [`${this.info.bits} bit, shown in 8`] : []),
       ],
     };

@@ -4,21 +4,11 @@ import { get, picture, post, remove } from "../core/api.js";
 import { h, render, update } from "../core/dom.js";
 import { ask, showError, toast } from "../core/messages.js";
 import { bytes } from "../core/quantity.js";
-import { workspace } from "../core/workspace.js";
-import { button, check, faultList, NAME, number, text } from "../parts/forms.js";
-import { scaleNames } from "../parts/scale_choice.js";
+import { rules, workspace } from "../core/workspace.js";
+import { button, check, faultList } from "../parts/forms.js";
+import { scaleNames } from "../parts/scale_ways.js";
 import { tableOf } from "../parts/tables.js";
-import {
-  AS_OF_CONTENT,
-  draftOf,
-  editsOf,
-  guessedScaleWords,
-  isNewScale,
-  newScaleWords,
-  parseScale,
-  takeValues,
-} from "./new_files_edits.js";
-import { base, fileRow, KINDS, scaleAsked, takeFace, takes } from "./new_files_row.js";
+import { allRow, base, fileRow, guessesOf, takeGuess, takes } from "./new_files_row.js";
 import { NewFileTools } from "./new_files_tools.js";
 
 const COLUMNS = [
@@ -46,13 +36,15 @@ export class NewFiles {
     this.showMissing = showMissing;
     this.problem = h("div");
     this.status = h("span.soft", { role: "status" });
+    /** A scale that is read now, for all files. */
+    this.reading = Promise.resolve();
     /** Files that are looked at now, one after the other. */
     this.looking = Promise.resolve();
     this.toLookAt = 0;
     this.lookedAt = new Set();
     /** Files that no spreadsheet was joined to yet. */
     this.fresh = /** @type {string[]} */ ([]);
-    this.tools = new NewFileTools({ files: () => this.files, take: (stated) => this.#take(stated) });
+    this.tools = new NewFileTools({ files: () => this.entered(), take: (stated) => this.#take(stated) });
     this.study = workspace.study.name;
     /** What was entered for each file, kept over a reload until the file is used. */
     this.drafts = new Map(Object.entries(JSON.parse(localStorage.getItem(this.#key) ?? "{}")));
@@ -70,7 +62,7 @@ export class NewFiles {
   }
 
   get #key() {
-    return `fingerpad.files.${this.study}`;
+    return `fingerpad.drafts.${this.study}`;
   }
 
   /** Keep what was entered. */
@@ -88,22 +80,23 @@ export class NewFiles {
     const unused = workspace.study.files.filter(({ used, kind }) => !used && kind !== "other");
     const uploaded = unused.filter(({ file }) => file.startsWith("uploads/"));
     for (const each of uploaded) {
-      const { file, kind } = each;
-      if (!this.drafts.has(file)) this.drafts.set(file, draftOf(each));
+      const { file, kind, reading } = each;
+      if (!this.drafts.has(file)) this.drafts.set(file, { file, guessed: [], scale: "", ...reading });
       if (kind === "picture" && !this.info.has(file)) this.#loadInfo(file);
-      if (!this.drafts.get(file).guesses && !this.lookedAt.has(file)) this.#lookAt(file);
+      // Which scale may hold changes with the scales of the study.
+      const looked = `${file} ${scaleNames().join()}`;
+      if (this.drafts.get(file).looked !== looked && !this.lookedAt.has(looked)) this.#lookAt(file, looked);
     }
     const names = new Set(uploaded.map(({ file }) => file));
     for (const file of this.drafts.keys()) if (!names.has(file)) this.drafts.delete(file);
     this.keep();
-    const isSheet = ({ file }) => this.drafts.get(file)?.as === "sheet";
+    const isSheet = ({ file }) => this.drafts.get(file)?.use === "sheet";
     const files = uploaded.filter((each) => !isSheet(each));
     this.#drawRest(unused.filter((each) => !names.has(each.file) || isSheet(each)));
     this.files = files.map(({ file }) => file);
     this.root.hidden = !files.length;
     if (!files.length) return;
     this.#useCoin();
-    for (const file of this.files) this.#guessScale(file);
     const shown = files.slice(0, 60);
     this.status.textContent = this.toLookAt ? `Looking at ${plural(this.toLookAt)} …` : LOOKED;
     update(
@@ -118,7 +111,7 @@ export class NewFiles {
         ),
       ),
       this.problem,
-      this.#common(),
+      allRow(this),
       this.tools.root,
       h(
         "div.table-wrap",
@@ -161,33 +154,39 @@ export class NewFiles {
     );
   }
 
+  /** What is known of the new files. */
+  entered(files = this.files) {
+    return files.map((file) => {
+      const { touched, guess, looked, ...known } = this.drafts.get(file);
+      return known;
+    });
+  }
+
   /** Find out what a file is, after those before it. */
-  #lookAt(file) {
+  #lookAt(file, looked) {
     this.toLookAt += 1;
-    this.lookedAt.add(file);
-    this.fresh.push(file);
+    this.lookedAt.add(looked);
+    if (!this.drafts.get(file).looked) this.fresh.push(file);
     const look = async () => {
       const guess = await get("/files/identity", { file }).catch(() => null);
       const draft = this.drafts.get(file);
       this.toLookAt -= 1;
       if (guess && draft) {
-        const before = JSON.stringify([draft.as, draft.face]);
-        draft.guesses = guess.contents.map((content) => AS_OF_CONTENT[content]);
-        if (!draft.touched) Object.assign(draft, { as: draft.guesses[0], asked: !guess.sure });
-        draft.faceGuess = { face: guess.faces[0], faceAsked: !guess.face_sure };
-        takeFace(draft);
+        const shown = () => JSON.stringify([draft.use, draft.face, draft.scale, guessesOf(draft)]);
+        const before = shown();
+        Object.assign(draft, { guess, looked });
+        takeGuess(draft);
         // What is as drawn stays: drawing again would drop a value that is being entered.
-        this.different ||=
-          draft.asked || draft.faceAsked || JSON.stringify([draft.as, draft.face]) !== before;
+        this.different ||= shown() !== before;
       }
       if (this.toLookAt) return;
       const fresh = this.fresh.splice(0);
-      const isSheet = (one) => this.drafts.get(one)?.as === "sheet";
+      const isSheet = (one) => this.drafts.get(one)?.use === "sheet";
       this.files = this.files.filter((one) => !isSheet(one));
       const wanted = this.files.filter((one) => fresh.includes(one));
       for (const sheet of [...this.drafts.keys()].filter(isSheet)) {
-        if (fresh.includes(sheet)) await this.tools.join({ file: sheet }, this.files);
-        else if (wanted.length) await this.tools.join({ file: sheet }, wanted, { quiet: true });
+        if (fresh.includes(sheet)) await this.tools.join({ file: sheet });
+        else if (wanted.length) await this.tools.join({ file: sheet }, this.entered(wanted), { quiet: true });
       }
       this.keep();
       if (this.different) this.changed();
@@ -197,25 +196,24 @@ export class NewFiles {
     this.looking = this.looking.then(look).catch(showError);
   }
 
-  /** Take stated values into the drafts; return what cannot be taken. */
+  /** Take what is stated of files into the drafts. */
   #take(stated) {
-    const problems = stated
-      .map(({ file, values }) => [file, takeValues(this.drafts.get(file), values)])
-      .filter(([, problem]) => problem)
-      .map(([file, problem]) => `${base(file)}: ${problem}`);
+    for (const { file, values } of stated)
+      for (const [key, value] of Object.entries(values))
+        if (value !== null) this.drafts.get(file)[key] = value;
     this.keep();
     this.draw();
-    return problems;
   }
 
   /** Take the scale of the one coin for photographs that have none. */
   #useCoin() {
-    const coins = this.files.filter((file) => this.drafts.get(file).as === "coin");
-    const scale = coins.length === 1 && this.drafts.get(coins[0]).diameter_mm > 0 ? `coin:${coins[0]}` : "";
+    const coins = this.files.filter((file) => this.drafts.get(file).use === "coin");
+    const scale =
+      coins.length === 1 && this.drafts.get(coins[0]).diameter_mm > 0 ? `coin in ${coins[0]}` : "";
     for (const file of this.files) {
       const draft = this.drafts.get(file);
-      if (draft.scale?.startsWith("coin:") && !coins.includes(draft.scale.slice(5))) draft.scale = "";
-      if (scale && draft.as === "photograph" && !draft.scale) draft.scale = scale;
+      if (draft.scale.startsWith("coin in ") && draft.scale !== scale) draft.scale = "";
+      if (scale && draft.use === "photograph" && !draft.scale) draft.scale = scale;
     }
   }
 
@@ -225,7 +223,7 @@ export class NewFiles {
     for (const file of this.files) {
       const draft = this.drafts.get(file);
       if (!takes(draft, key)) continue;
-      if (draft[key] === undefined || draft[key] === "") draft[key] = above;
+      if (draft[key] === undefined || draft[key] === null || draft[key] === "") draft[key] = above;
       else above = draft[key];
     }
     this.keep();
@@ -273,80 +271,6 @@ export class NewFiles {
     if (this.drafts.has(file)) this.draw();
   }
 
-  #common() {
-    const every = (key, value) => {
-      this.shared[key] = value;
-      for (const draft of this.drafts.values()) draft[key] = value;
-      this.draw();
-    };
-    const finger = text({
-      value: this.shared.finger,
-      placeholder: "e.g. left_index",
-      list: "fingers",
-      pattern: NAME,
-      label: "Finger of all new files",
-      onset: (value, input) => value && input.checkValidity() && every("finger", value),
-    });
-    const scaleFor = (as, words, placeholder) => {
-      if (!this.files.some((file) => this.drafts.get(file).as === as)) return null;
-      const control = text({
-        value: this.shared[`scale_${as}`],
-        placeholder,
-        list: "new-scales",
-        label: `Scale of all new ${words}`,
-        onset: (value, field) => {
-          const scale = value && parseScale(value);
-          field.setCustomValidity(
-            value && !scale ? "As in 500 ppi or 0.05 mm/px, or the name of a scale of the study" : "",
-          );
-          if (!field.reportValidity()) return;
-          this.shared[`scale_${as}`] = isNewScale(scale) ? newScaleWords(scale) : value;
-          for (const draft of this.drafts.values())
-            if (draft.as === as) Object.assign(draft, { scale, scaleGuess: undefined });
-          this.keep();
-          this.draw();
-        },
-      });
-      return h("label", `scale of ${words}`, control);
-    };
-    const wedge = number({
-      value: this.shared.wedge_angle_deg,
-      min: 0,
-      max: 90,
-      label: "Wedge angle of all new files, degrees",
-      onset: (value) => every("wedge_angle_deg", value ?? undefined),
-    });
-    return (
-      this.drafts.size > 1 &&
-      h(
-        "div.common",
-        h("span.soft", "All files:"),
-        h("label", "finger", finger),
-        h("label", "wedge °", wedge),
-        scaleFor("observation", "contact images", "e.g. 500 ppi"),
-        scaleFor("photograph", "photographs", "e.g. 0.05 mm/px"),
-      )
-    );
-  }
-
-  /**
-   * Propose a scale where none is stated: the only one of the study, or that in a contact image's file. A
-   * resolution is a scanner's, and no photograph's.
-   */
-  #guessScale(file) {
-    const draft = this.drafts.get(file);
-    if (draft.scale !== undefined && draft.scale !== draft.scaleGuess) return;
-    const { scales } = workspace.study;
-    const ppi = this.info.get(file)?.resolution_ppi;
-    const [only] = scales.length === 1 ? scales : [];
-    const scanned = only && (only.table.ppi !== undefined || only.table.mm_per_px !== undefined);
-    let guess = only && !(draft.as === "photograph" && scanned) ? only.name : "";
-    // Programs that know no resolution write 72 or 96; a camera's says nothing of the finger.
-    if (!guess && draft.as === "observation" && ppi > 96)
-      guess = scales.find(({ table }) => Math.abs(Number(table.ppi) - ppi) < 0.1)?.name ?? `ppi:${ppi}`;
-    Object.assign(draft, { scale: guess, scaleGuess: guess });
-  }
-
   async forget(file) {
     const draft = this.drafts.get(file);
     try {
@@ -375,29 +299,25 @@ export class NewFiles {
 
   /** Ask whether the guesses are right; true if they are. */
   async #confirmed() {
-    const open = this.files
-      .map((file) => ({ file, draft: this.drafts.get(file) }))
-      .filter(
-        ({ draft }) => draft.asked || (draft.as === "photograph" && draft.faceAsked) || scaleAsked(draft),
-      );
+    const open = this.files.map((file) => this.drafts.get(file)).filter((draft) => guessesOf(draft).length);
     if (!open.length) return true;
-    const kinds = Object.fromEntries(Object.values(KINDS).flat());
+    const uses = Object.assign({}, ...Object.values(rules().uses));
     const right = await ask(
       open.length === 1 ? "Is this right?" : "Are these right?",
       h(
         "ul.guesses",
         open
           .slice(0, 30)
-          .map(({ file, draft }) =>
+          .map((draft) =>
             h(
               "li",
-              h("img.small-thumb", { src: picture("thumbnail", `file:${file}`), alt: "" }),
-              h("strong", base(file)),
+              h("img.small-thumb", { src: picture("thumbnail", `file:${draft.file}`), alt: "" }),
+              h("strong", base(draft.file)),
               h(
                 "span",
-                kinds[draft.as],
-                draft.as === "photograph" && draft.face && `, ${draft.face} face`,
-                scaleAsked(draft) && `, ${guessedScaleWords(draft.scale)}`,
+                uses[draft.use],
+                draft.use === "photograph" && draft.face && `, ${draft.face} face`,
+                guessesOf(draft).includes("scale") && `, ${draft.guess.scales[draft.use].why}`,
               ),
             ),
           ),
@@ -407,23 +327,24 @@ export class NewFiles {
       { no: "Change" },
     );
     if (!right) {
-      const { file, draft } = open[0];
-      const face = draft.as === "photograph" && draft.faceAsked;
-      const what = draft.asked ? "Type of" : face ? "Face on" : "Scale of";
-      this.root.querySelector(`select[aria-label="${CSS.escape(`${what} ${base(file)}`)}"]`)?.focus();
+      const [draft] = open;
+      const what = { use: "Type of", face: "Face on", scale: "Scale of" }[guessesOf(draft)[0]];
+      this.root.querySelector(`select[aria-label="${CSS.escape(`${what} ${base(draft.file)}`)}"]`)?.focus();
       return false;
     }
-    for (const { draft } of open)
-      Object.assign(draft, { asked: false, faceAsked: false, scaleGuess: undefined });
+    for (const draft of open) draft.guessed = [];
     return true;
   }
 
   async #use() {
+    await Promise.all([this.looking, this.reading]);
     const wrong = this.root.querySelector("input:invalid");
     if (wrong) return wrong.reportValidity();
-    await this.looking;
     if (!(await this.#confirmed())) return undefined;
-    const { edits, added, waiting } = editsOf(this.files, this.drafts, this.shared);
+    const asked = { files: this.entered(), synthetic: this.shared.synthetic ?? false };
+    const found = await post("/files/edits", asked).catch((error) => error);
+    if (found instanceof Error) return render(this.problem, faultList(found));
+    const { edits, added, waiting } = found;
     render(this.problem);
     if (waiting.length) {
       const words = edits.length

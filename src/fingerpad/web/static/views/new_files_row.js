@@ -1,32 +1,11 @@
 // A row of the table of new files: what a file is, whose finger, and what else it needs.
 
-import { picture } from "../core/api.js";
+import { get, picture } from "../core/api.js";
 import { h, on } from "../core/dom.js";
 import { bytes } from "../core/quantity.js";
-import { button, chip, choose, NAME, number, text } from "../parts/forms.js";
-import { FACES } from "../parts/missing_fields.js";
-import { scaleNames } from "../parts/scale_choice.js";
-import { COINS } from "../parts/scale_ways.js";
-import { isNewScale, newScaleWords } from "./new_files_edits.js";
-
-export const KINDS = {
-  picture: [
-    ["observation", "contact image"],
-    ["photograph", "photograph"],
-    ["coin", "coin, for the scale"],
-    ["ruler", "ruler, for the scale"],
-    ["", "something else"],
-  ],
-  sequence: [["sequence", "sequence"]],
-  table: [
-    ["curve", "loading curve"],
-    ["outline", "outline of a face"],
-    ["force", "force of a sequence"],
-    ["sheet", "spreadsheet of files"],
-    ["", "something else"],
-  ],
-  other: [["", "unknown"]],
-};
+import { rules } from "../core/workspace.js";
+import { button, chip, choose, namePattern, number, text } from "../parts/forms.js";
+import { coinOptions, scaleNames } from "../parts/scale_ways.js";
 
 export const base = (file) => file.split("/").at(-1);
 
@@ -38,17 +17,18 @@ export const base = (file) => file.split("/").at(-1);
  */
 export function fileRow(files, { file, kind, bytes: size }) {
   const draft = files.drafts.get(file);
-  const put = (key) => (value) => (draft[key] = value ?? undefined);
+  const put = (key) => (value) => (draft[key] = value);
   const name = base(file);
-  const order = draft.guesses ?? [];
-  const rank = ([value]) => (order.includes(value) ? order.indexOf(value) : order.length);
-  const as = choose({
-    value: draft.as,
-    options: [...KINDS[kind]].sort((one, other) => rank(one) - rank(other)),
+  const order = draft.guess?.uses ?? [];
+  const rank = ([value, _words]) => (order.includes(value) ? order.indexOf(value) : order.length);
+  const use = choose({
+    value: draft.use,
+    options: Object.entries(rules().uses[kind]).sort((one, other) => rank(one) - rank(other)),
     label: `Type of ${name}`,
     onset: (value) => {
-      Object.assign(draft, { as: value, asked: false, touched: true });
-      takeFace(draft);
+      state(draft, "use", value);
+      draft.touched = true;
+      takeGuess(draft);
       files.draw();
     },
   });
@@ -56,17 +36,17 @@ export function fileRow(files, { file, kind, bytes: size }) {
     value: draft.finger,
     placeholder: "e.g. left_index",
     list: "fingers",
-    pattern: NAME,
+    pattern: namePattern(),
     label: `Finger on ${name}`,
     onset: put("finger"),
   });
   on(finger, "input", ({ currentTarget }) => (draft.finger = currentTarget.value.trim()));
   const face = choose({
     value: draft.face ?? "",
-    options: [["", "–"], ...FACES],
+    options: [["", "–"], ...rules().faces],
     label: `Face on ${name}`,
     onset: (value) => {
-      Object.assign(draft, { face: value || undefined, faceAsked: false });
+      state(draft, "face", value || null);
       files.draw();
     },
   });
@@ -99,12 +79,12 @@ export function fileRow(files, { file, kind, bytes: size }) {
         : h("span.chip", kind),
     ),
     h("td", h("strong", name), h("div.soft", about(files, file, size))),
-    h("td", as, draft.asked && guessed()),
-    draft.as === "coin"
+    h("td", use, guessed(draft, "use")),
+    draft.use === "coin"
       ? h("td", { colspan: 5 }, coinChoice(files, file))
       : [
           h("td", { "data-label": "Finger" }, takes(draft, "finger") && finger),
-          h("td", { "data-label": "Face" }, takes(draft, "face") && [face, draft.faceAsked && guessed()]),
+          h("td", { "data-label": "Face" }, takes(draft, "face") && [face, guessed(draft, "face")]),
           h("td", { "data-label": "Wedge, °" }, takes(draft, "wedge_angle_deg") && wedge),
           h("td", { "data-label": "Load, N" }, takes(draft, "load_N") && load),
           h("td", { "data-label": "Scale" }, takes(draft, "scale") && scaleCell(files, file)),
@@ -130,16 +110,14 @@ function coinChoice(files, file) {
   const draft = files.drafts.get(file);
   const name = base(file);
   const set = (value) => {
-    draft.diameter_mm = value ?? undefined;
+    draft.diameter_mm = value;
     files.keep();
     files.draw();
   };
-  const known = String(draft.diameter_mm ?? "");
   return h(
     "div.coin-choice",
     choose({
-      value: COINS.some(([diameter]) => diameter === known) ? known : "",
-      options: COINS.map(([diameter, words]) => [diameter, diameter ? words : "which coin?"]),
+      ...coinOptions(draft.diameter_mm, "which coin?"),
       label: `Coin on ${name}`,
       onset: (value) => value && set(Number(value)),
     }),
@@ -157,50 +135,134 @@ function coinChoice(files, file) {
   );
 }
 
+const COIN = "coin in ";
+
+/** Whether a scale is none of the study yet: a number with its unit, or a coin. */
+export const isNewScale = (scale) => Boolean(scale) && !scaleNames().includes(scale);
+export const newScaleWords = (scale) => (scale.startsWith(COIN) ? COIN + base(scale) : scale);
+
+/** The choice of a file's scale. @param {import("./new_files.js").NewFiles} files */
+function scaleCell(files, file) {
+  const draft = files.drafts.get(file);
+  const stated = draft.guess?.stated ?? "";
+  const others = [...files.drafts.values()].map(({ scale }) => scale);
+  const unnamed = new Set([stated, ...others].filter(isNewScale));
+  return [
+    choose({
+      value: draft.scale,
+      options: [
+        ["", "– later –"],
+        ...scaleNames(),
+        ...[...unnamed].map((scale) => [
+          scale,
+          newScaleWords(scale) + (scale === stated ? ", from the file" : ""),
+        ]),
+      ],
+      label: `Scale of ${base(file)}`,
+      onset: (value) => {
+        state(draft, "scale", value);
+        files.draw();
+      },
+    }),
+    guessed(draft, "scale"),
+  ];
+}
+
+/** Enter a value that may have been a guess. */
+export function state(draft, key, value) {
+  draft[key] = value;
+  draft.guessed = draft.guessed.filter((one) => one !== key);
+}
+
+/** Take what is guessed for the use that a file has now; what is stated stays. */
+export function takeGuess(draft) {
+  const { guess } = draft;
+  if (!guess) return;
+  const take = (key, value, sure) => {
+    if (draft[key] && !draft.guessed.includes(key)) return;
+    state(draft, key, value);
+    if (value && !sure) draft.guessed.push(key);
+  };
+  if (!draft.touched) {
+    state(draft, "use", guess.uses[0]);
+    if (!guess.sure) draft.guessed.push("use");
+  }
+  if (draft.use === "photograph") take("face", guess.face, guess.face_sure);
+  take("scale", guess.scales[draft.use]?.scale ?? "", false);
+}
+
+/** What of a draft is a guess, among what its use takes. */
+export const guessesOf = (draft) => draft.guessed.filter((key) => key === "use" || takes(draft, key));
+
+const guessed = (draft, key) =>
+  guessesOf(draft).includes(key) &&
+  chip("guess: check", "warn", "The page is not sure. Choose again, or confirm when you add.");
+
+/** Whether a file of its use takes a value. */
+export const takes = ({ use }, key) => (rules().takes[use] ?? []).includes(key);
+
 /**
- * The choice of a file's scale, and whether it is a guess.
+ * The fields that enter a value for all files at once.
  *
  * @param {import("./new_files.js").NewFiles} files
  */
-function scaleCell(files, file) {
-  const draft = files.drafts.get(file);
-  const ppi = files.info.get(file)?.resolution_ppi;
-  const options = [["", "– later –"], ...scaleNames().map((name) => [name, name])];
-  if (ppi) options.push([`ppi:${ppi}`, `${Number(ppi.toFixed(1))} ppi, from the file`]);
-  const others = [...files.drafts.values()].map(({ scale }) => scale).filter(isNewScale);
-  for (const scale of new Set(others))
-    if (!options.some(([value]) => value === scale)) options.push([scale, newScaleWords(scale)]);
-  const select = choose({
-    value: draft.scale,
-    options,
-    label: `Scale of ${base(file)}`,
-    onset: (value) => {
-      Object.assign(draft, { scale: value, scaleGuess: undefined });
-      files.draw();
-    },
-  });
-  return [select, ...(scaleAsked(draft) ? [guessed()] : [])];
+export function allRow(files) {
+  const { shared, drafts } = files;
+  if (drafts.size < 2) return null;
+  const every = (key, value) => {
+    shared[key] = value;
+    for (const draft of drafts.values()) draft[key] = value;
+    files.draw();
+  };
+  const scaleOf = async (use, words, field) => {
+    const read = words ? await get("/files/scale", { words }).catch((error) => error) : { scale: "" };
+    field.setCustomValidity(read instanceof Error ? read.message : "");
+    if (!field.reportValidity()) return;
+    shared[`scale_${use}`] = read.scale;
+    for (const draft of drafts.values()) if (draft.use === use) state(draft, "scale", read.scale);
+    files.keep();
+    files.draw();
+  };
+  const scaleFor = (use, words, placeholder) =>
+    files.files.some((file) => drafts.get(file).use === use) &&
+    h(
+      "label",
+      `scale of ${words}`,
+      text({
+        value: shared[`scale_${use}`],
+        placeholder,
+        list: "new-scales",
+        label: `Scale of all new ${words}`,
+        onset: (value, field) => (files.reading = scaleOf(use, value, field)),
+      }),
+    );
+  return h(
+    "div.common",
+    h("span.soft", "All files:"),
+    h(
+      "label",
+      "finger",
+      text({
+        value: shared.finger,
+        placeholder: "e.g. left_index",
+        list: "fingers",
+        pattern: namePattern(),
+        label: "Finger of all new files",
+        onset: (value, input) => value && input.checkValidity() && every("finger", value),
+      }),
+    ),
+    h(
+      "label",
+      "wedge °",
+      number({
+        value: shared.wedge_angle_deg,
+        min: 0,
+        max: 90,
+        label: "Wedge angle of all new files, degrees",
+        onset: (value) => every("wedge_angle_deg", value),
+      }),
+    ),
+    scaleFor("observation", "contact images", "e.g. 500 ppi"),
+    scaleFor("photograph", "photographs", "e.g. 0.05 mm/px"),
+  );
 }
-
-/** Take the guessed face of a photograph whose face nothing states. */
-export function takeFace(draft) {
-  if (draft.as === "photograph" && !draft.face && draft.faceGuess?.face)
-    Object.assign(draft, draft.faceGuess);
-}
-
-const guessed = () =>
-  chip("guess: check", "warn", "The page is not sure. Choose again, or confirm when you add.");
-
-/** Whether the scale of a draft was proposed, and is still to be confirmed. */
-export const scaleAsked = (draft) =>
-  takes(draft, "scale") && Boolean(draft.scale) && draft.scale === draft.scaleGuess;
-
-/** Whether a file of its kind takes a value. */
-export const takes = ({ as }, key) =>
-  ({
-    finger: ["observation", "photograph", "sequence", "curve", "outline"],
-    face: ["photograph", "outline"],
-    wedge_angle_deg: ["observation", "sequence", "curve"],
-    load_N: ["observation"],
-    scale: ["observation", "photograph", "sequence"],
-  })[key].includes(as);

@@ -19,7 +19,7 @@ const MEANINGS = {
   session: "session",
 };
 const SHOWN = [
-  ["role", "type"],
+  ["use", "type"],
   ["person", "person"],
   ["finger", "finger"],
   ["face", "face"],
@@ -33,8 +33,8 @@ const some = (names) =>
 
 export class NewFileTools {
   /**
-   * @param {{ files: () => string[], take: (stated: Answers["StatedFile"][]) => string[] }} of the new files,
-   *   and what takes values and returns what cannot be taken
+   * @param {{ files: () => any[], take: (stated: Answers["StatedFile"][]) => void }} of the new files, and
+   *   what takes values
    */
   constructor({ files, take }) {
     this.files = files;
@@ -76,7 +76,8 @@ export class NewFileTools {
     field.addEventListener("input", () => this.#match(field.value));
     const use = button("Fill in", () => {
       const fit = this.matches.filter(({ problem }) => !problem);
-      this.#say(fit.length, this.take(fit), "by the pattern");
+      this.take(fit);
+      toast(`${fit.length} file${fit.length === 1 ? "" : "s"} filled in by the pattern.`, { kind: "good" });
     });
     return h(
       "details",
@@ -98,12 +99,10 @@ export class NewFileTools {
     try {
       const found = await post("/files/table", { ...source, files });
       if (quiet && !found.files.length) return;
-      const problems = [
-        ...found.files
-          .filter(({ problem }) => problem)
-          .map(({ file, problem }) => `${base(file)}: ${problem}`),
-        ...this.take(found.files),
-      ];
+      const problems = found.files
+        .filter(({ problem }) => problem)
+        .map(({ file, problem }) => `${base(file)}: ${problem}`);
+      this.take(found.files);
       const unknown = found.columns.filter(({ header, meaning }) => header && meaning === null);
       render(
         this.report,
@@ -172,10 +171,5 @@ export class NewFileTools {
       if (wanted !== this.wanted) return undefined;
       return error.status === 422 ? render(this.preview, h("p.soft", error.message)) : showError(error);
     }
-  }
-
-  #say(count, problems, how) {
-    toast(`${count} file${count === 1 ? "" : "s"} filled in ${how}.`, { kind: "good" });
-    if (problems.length) toast(some(problems), { kind: "error" });
   }
 }

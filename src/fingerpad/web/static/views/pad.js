@@ -4,7 +4,7 @@ import { LatestRequest, post } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { bindHere } from "../core/keys.js";
-import { plain, quantityRow, quantityText, withStd } from "../core/quantity.js";
+import { quantityRow } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, choose, empty, field, number, synthetic } from "../parts/forms.js";
 import { AXES } from "../parts/missing_fields.js";
@@ -197,14 +197,9 @@ class PadView {
     render(this.axesTitle, h("h3", "Semi-axes"), staleChip(this.finger));
     render(
       this.axesShown,
-      AXES.map(([axis, words]) =>
-        quantityRow(words, `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`),
-      ),
+      AXES.map(([axis, words]) => quantityRow(words, answer.words[`semi_axes_mm.${axis}`])),
     );
-    this.scene.show(
-      answer,
-      `The pad on a wedge of ${plain(this.wedge)}°, touching at u = ${plain(answer.u_deg)}°`,
-    );
+    this.scene.show(answer, `The pad on a wedge of ${this.wedge}°, touching at u = ${answer.words.u_deg}`);
     render(
       this.caption,
       h("span", h("i.key.along"), "principal direction along the finger"),
@@ -219,16 +214,16 @@ class PadView {
       h(
         "div.headline",
         h("span", "Contact at ", symbol("u")),
-        h("span.figure-big.number", { "data-live": "u" }, quantityText(answer, "u_deg")),
+        h("span.figure-big.number", { "data-live": "u" }, answer.words.u_deg),
       ),
       answer.v_deg !== null &&
         Math.abs(answer.v_deg - 90) > 0.005 &&
-        h("p.soft.number", symbol("v"), ` = ${quantityText(answer, "v_deg")}`),
+        h("p.soft.number", symbol("v"), ` = ${answer.words.v_deg}`),
       h("div", staleChip(this.finger)),
       h(
         "dl.readings",
         { "data-live": "radii" },
-        QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), quantityText(answer, key))),
+        QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), answer.words[key])),
       ),
       !this.finger && h("p.soft", "No uncertainty: these semi-axes belong to no finger of the study."),
     );

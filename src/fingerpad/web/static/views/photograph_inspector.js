@@ -3,11 +3,11 @@
 import { h, render, s, update } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
-import { plain, probability, quantityRow, quantityText, withStd } from "../core/quantity.js";
-import { PHOTOGRAPH_FLAGS, workspace } from "../core/workspace.js";
+import { quantityRow } from "../core/quantity.js";
+import { PHOTOGRAPH_FLAGS, rules, workspace } from "../core/workspace.js";
 import { chip, choose, field, synthetic } from "../parts/forms.js";
-import { AXES, FACES } from "../parts/missing_fields.js";
-import { scaleChoice, scaleWords } from "../parts/scale_choice.js";
+import { AXES } from "../parts/missing_fields.js";
+import { scaleChoice, whichScale } from "../parts/scale_ways.js";
 import { flagNote, Inspector } from "./inspector.js";
 
 const NAMES = Object.fromEntries(AXES);
@@ -26,17 +26,6 @@ const RESETS = [
   ["erased", "Reset erased points"],
   ["region_of_interest_px", "Reset region of interest"],
 ];
-
-/** @param {PhotographMeasurement} answer */
-function uncertaintyByTerm({ uncertainty_mm_std: terms }, axis) {
-  /** @type {[string, number][]} */
-  const stds = Object.entries(terms).map(([term, byAxis]) => [term, byAxis[axis]]);
-  return stds
-    .filter(([, std]) => std > 0)
-    .sort(([, first], [, second]) => second - first)
-    .map(([term, std]) => `${term} ${plain(std)} mm`)
-    .join(", ");
-}
 
 export class PhotographInspector extends Inspector {
   tools = {
@@ -58,11 +47,11 @@ export class PhotographInspector extends Inspector {
   }
 
   head() {
-    const { finger, scale, file, synthetic: made } = this.view.entry;
+    const { finger, file, synthetic: made } = this.view.entry;
     render(
       this.parts.head,
       h("div.headline", h("h2", `${finger}, ${faceWords(this.view.entry)}`), synthetic(made)),
-      h("p.soft", `${file} · ${scaleWords(scale, "scale ")}`),
+      h("p.soft", `${file} · ${whichScale(this.view.entry)}`),
     );
   }
 
@@ -97,28 +86,21 @@ export class PhotographInspector extends Inspector {
         "dl.readings",
         { "data-live": "face" },
         answer.axes.map((axis) =>
+          quantityRow(`${NAMES[axis]} semi-axis`, answer.words[`semi_axes_mm.${axis}`], {
+            mark: "face",
+            title: `Standard uncertainty: ${answer.uncertainty_words[axis]}`,
+            was: automatic?.words[`semi_axes_mm.${axis}`],
+          }),
+        ),
+        quantityRow("Arc of the pad", answer.words.arc_deg ?? "–"),
+        answer.exponent !== null && quantityRow("Exponent (ellipse: 2)", answer.words.exponent),
+        answer.radii.map(({ words }) =>
           quantityRow(
-            `${NAMES[axis]} semi-axis`,
-            `${withStd(answer.semi_axes_mm[axis], answer.semi_axes_mm_std?.[axis])} mm`,
-            {
-              mark: "face",
-              title: `Standard uncertainty: ${uncertaintyByTerm(answer, axis)}`,
-              was: automatic
-                ? `${withStd(automatic.semi_axes_mm[axis], automatic.semi_axes_mm_std?.[axis])} mm`
-                : undefined,
-            },
+            `Radius at ${words.wedge_angle_deg}, outline`,
+            `${words.outline_mm} (ellipse ${words.ellipse_mm})`,
           ),
         ),
-        quantityRow("Arc of the pad", answer.arc_deg === null ? "–" : `${plain(answer.arc_deg)}°`),
-        answer.exponent !== null &&
-          quantityRow("Exponent (ellipse: 2)", withStd(answer.exponent, answer.exponent_std)),
-        answer.radii.map(({ wedge_angle_deg, outline_mm, outline_mm_std, ellipse_mm }) =>
-          quantityRow(
-            `Radius at ${plain(wedge_angle_deg)}°, outline`,
-            `${withStd(outline_mm, outline_mm_std)} mm (ellipse ${plain(ellipse_mm)} mm)`,
-          ),
-        ),
-        quantityRow("Tilt", answer.tilt_deg === null ? "–" : `${plain(answer.tilt_deg)}°`),
+        quantityRow("Tilt", answer.words.tilt_deg ?? "–"),
       ),
       flagNote(answer.flags, PHOTOGRAPH_FLAGS),
     );
@@ -153,16 +135,12 @@ export class PhotographInspector extends Inspector {
         "dl.readings",
         { "data-live": "finger" },
         Object.entries(NAMES).map(([axis, words]) =>
-          quantityRow(
-            `${words} semi-axis`,
-            h("strong.figure", `${withStd(finger.semi_axes_mm[axis], finger.semi_axes_mm_std?.[axis])} mm`),
-          ),
+          quantityRow(`${words} semi-axis`, h("strong.figure", finger.words[`semi_axes_mm.${axis}`])),
         ),
         finger.degrees_of_freedom > 0 &&
           quantityRow("Agreement", [
             symbol("χ²"),
-            ` = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ` +
-              probability(finger.p_value),
+            ` = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ${finger.p_words}`,
           ]),
       ),
       finger.disagreements?.length > 0 &&
@@ -204,12 +182,16 @@ export class PhotographInspector extends Inspector {
         face &&
           field(
             "Face",
-            choose({ value: face, options: FACES, onset: (value) => this.#state("face", value) }),
+            choose({ value: face, options: rules().faces, onset: (value) => this.#state("face", value) }),
           ),
         scale &&
           field(
             "Scale",
-            scaleChoice({ value: scale, onset: (value) => value && this.#state("scale", value) }),
+            scaleChoice({
+              value: scale,
+              words: this.view.entry.scale_words,
+              onset: (value) => value && this.#state("scale", value),
+            }),
           ),
         side("tip", "Fingertip points"),
         ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side"),
@@ -224,7 +206,7 @@ export class PhotographInspector extends Inspector {
     if (line)
       render(
         line,
-        h("span.figure-big.number", quantityText(answer, "length_mm")),
+        h("span.figure-big.number", answer.words.length_mm),
         h("br"),
         "uncertainty of each end: 1 px",
       );

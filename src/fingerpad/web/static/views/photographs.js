@@ -2,7 +2,6 @@
 
 import { LatestRequest, post } from "../core/api.js";
 import { h, render, s } from "../core/dom.js";
-import { quantityText } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { handle } from "../editor/handle.js";
 import { Click, Line } from "../editor/tools.js";
@@ -162,7 +161,7 @@ class Photographs extends Review {
 
   /** @param {Answers["LengthMeasurement"]} answer */
   #length(answer) {
-    this.line.write(quantityText(answer, "length_mm"));
+    this.line.write(answer.words.length_mm);
     this.inspector.length(answer);
   }
 

@@ -2,7 +2,6 @@
 
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
-import { plain, unitOf, withUnit } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 import { tableOf } from "../parts/tables.js";
 
@@ -45,28 +44,12 @@ export class Audit {
   }
 }
 
-/** @param {Answers["AuditedNumber"]} item */
-function row({
-  item,
-  printed,
-  computed,
-  low,
-  high,
-  with_misprint: misprint,
-  verdict,
-  formula,
-  remark,
-  unit = unitOf(item),
-}) {
-  const number = (words, known) =>
-    h("td.number", known === null || known === undefined ? "–" : withUnit(words, unit));
+/** @param {Answers["AuditedNumber"]} number */
+function row({ item, words, verdict, formula, remark }) {
   return h(
     "tr",
     h("th", { scope: "row" }, item),
-    number(String(printed), printed),
-    number(plain(computed), computed),
-    number(`${plain(low)} to ${plain(high)}`, low),
-    number(plain(misprint), misprint),
+    [words.printed, words.computed, words.range, words.with_misprint].map((each) => h("td.number", each)),
     h("td", chip(verdict, KIND[verdict] ?? "warn")),
     h("td.formula", formula && h("code", formula), remark && h("p.soft", remark)),
   );

@@ -3,7 +3,6 @@
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
-import { withStd } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 import { groupHeader } from "../parts/results.js";
 import { tableOf } from "../parts/tables.js";
@@ -36,7 +35,7 @@ export class Budget {
 
   /** @param {Answers["BudgetGroup"]} group */
   #group(group) {
-    const { finger, wedge_angle_deg: wedge, pooled, check } = group;
+    const { finger, wedge_angle_deg: wedge, pooled, check, check_words: words } = group;
     const sources = Object.keys(pooled ?? check?.shares ?? {}).sort(
       (a, b) => (pooled ?? check.shares)[b] - (pooled ?? check.shares)[a],
     );
@@ -52,7 +51,7 @@ export class Budget {
       check &&
         h(
           "p",
-          h("span.number", `${check.observation}: ${withStd(check.value, check.std)} mm`),
+          h("span.number", words),
           " ",
           check.valid
             ? chip("linear approximation valid", "good")

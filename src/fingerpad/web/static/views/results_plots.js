@@ -3,12 +3,12 @@
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
-import { plain, unitOf, withStd, withTotal, withUnit } from "../core/quantity.js";
+import { short } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
-import { checkList, groupHeader, verdictChip } from "../parts/results.js";
+import { groupHeader, verdictChip } from "../parts/results.js";
 
 // Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
 /** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */
@@ -162,11 +162,8 @@ export class Plots {
     const why = this.#why(group);
     const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
-    const { model_std, total_std, verdict } = group.validity.headlines.radius_from_indentation_mm;
-    const fact = (label, value, std, mark) =>
-      value !== null &&
-      value !== undefined &&
-      h("div", h("dt", label), h("dd.number", withStd(value, std), " mm", mark));
+    const fact = (label, key) =>
+      group[key] !== null && h("div", h("dt", label), h("dd.number", group.words[key]));
     return h(
       "section.card.plot-card",
       { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` },
@@ -180,22 +177,27 @@ export class Plots {
             h(
               "dd.number",
               {
-                title: model_std === null ? "" : "standard uncertainty with what the model leaves uncertain",
+                title: group.radius_of_model
+                  ? "standard uncertainty with what the model leaves uncertain"
+                  : "",
               },
-              withTotal(group.radius_from_indentation_mm, total_std),
-              " mm ",
-              verdictChip({ ...group.validity, verdict }),
+              group.words.radius_from_indentation_mm,
+              " ",
+              verdictChip(group.radius_verdict, group.checks),
             ),
           ),
-        fact(symbol("R_0g"), group.mean_curvature_radius_mm, group.mean_curvature_radius_mm_std),
-        fact(symbol("R_g"), group.loading_radius_mm, group.loading_radius_mm_std),
+        fact(symbol("R_0g"), "mean_curvature_radius_mm"),
+        fact(symbol("R_g"), "loading_radius_mm"),
       ),
       poolingList(group.pooling),
       node,
       h(
         "details.range",
-        h("summary", `Does the model hold? ${group.validity.verdict}`),
-        checkList(group.validity),
+        h("summary", `Does the model hold? ${group.verdict}`),
+        list(
+          group.checks.map(({ words }) => words),
+          "ul.note",
+        ),
       ),
       group.range_notes.length > 0 &&
         h(
@@ -237,8 +239,8 @@ export class Plots {
   #words(group) {
     const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
     const values = group.rows[key].filter((value) => value !== null);
-    const range = [Math.min(...values), Math.max(...values)].map(plain).join(" to ");
-    return `Chart of ${words} against load: ${values.length} values from ${withUnit(range, unitOf(key))}`;
+    const ends = [Math.min(...values), Math.max(...values)].map((end) => short(end));
+    return `Chart of ${words} against load: ${values.length} values from ${ends.join(" to ")}`;
   }
 
   async #plot(node) {
@@ -251,9 +253,8 @@ export class Plots {
     const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
     const radius = this.quantity === QUANTITIES[0][0];
     const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
-    const std =
-      rows[radius && this.bars === "given" ? `${key}_fixed_geometry_std` : `${key}_total_std`] ??
-      rows[`${key}_std`];
+    const given = radius && this.bars === "given";
+    const std = rows[given ? `${key}_fixed_geometry_std` : `${key}_total_std`] ?? rows[`${key}_std`];
     const layerKey = ON_LAYER[key];
     const onLayer = layerKey && rows[layerKey].some((value) => value !== null);
     const crowded = rows.item.length > 80;
@@ -287,10 +288,8 @@ export class Plots {
         marker: square,
         hovertemplate: rows.item.map(
           (_, index) =>
-            `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ${withUnit(
-              withStd(rows[layerKey][index], rows[`${layerKey}_std`][index]),
-              unitOf(layerKey),
-            )}<extra></extra>`,
+            `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ` +
+            `${group.point_words[layerKey][index]}<extra></extra>`,
         ),
         text: rows.item,
       },
@@ -309,7 +308,7 @@ export class Plots {
         hovertemplate: rows.item.map(
           (_, index) =>
             `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ` +
-            `${withUnit(withTotal(rows[key][index], std?.[index]), unitOf(key))}<extra></extra>`,
+            `${group.point_words[given ? `${key}_fixed_geometry` : key][index]}<extra></extra>`,
         ),
         text: rows.item,
       },
@@ -349,7 +348,7 @@ export class Plots {
           x: 1.01,
           xanchor: "left",
           y: value,
-          text: `${label} ${plain(value)}`,
+          text: `${label} ${short(Number(value))}`,
         })),
         chosen: ({ pointIndex }) => {
           const item = name(pointIndex);

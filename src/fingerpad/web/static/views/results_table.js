@@ -3,7 +3,6 @@
 import { download, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol, symbolParts } from "../core/glossary.js";
-import { plain, withStd, withTotal } from "../core/quantity.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
 import { tableOf } from "../parts/tables.js";
@@ -34,32 +33,6 @@ const SHOWN = [
   "contact_radius_ratio",
   "measured_by",
 ];
-const SHORT = {
-  finger: "Finger",
-  status: "Status",
-  wedge_angle_deg: "θ, °",
-  load_N: "W, N",
-  semi_major_mm: "ℓ_d, mm",
-  semi_minor_mm: "ℓ_e, mm",
-  gross_area_mm2: "Gross area, mm²",
-  ridge_area_mm2: "Ridge area, mm²",
-  indentation_mm: "ξ, mm",
-  youngs_modulus_kpa: "E, kPa",
-  youngs_modulus_on_layer_kpa: "E on layer, kPa",
-  indentation_on_layer_mm: "ξ on layer, mm",
-  loading_radius_on_layer_mm: "R_g on layer, mm",
-  layer_flag: "Layer out of range",
-  radius_from_indentation_mm: "Corrected R, mm",
-  radius_from_compliance_mm: "R_Aξ, mm",
-  mean_curvature_radius_mm: "R_0g, mm",
-  contact_radius_ratio: "a/R",
-  measured_by: "By",
-};
-
-// Symbols of the headers, by the column.
-const symbolOf = (key) =>
-  Object.entries(workspace.session.glossary).find(([, { column }]) => column === key)?.[0];
-
 /** A label whose first word is a symbol, with its subscript. */
 function labelParts(label) {
   const [first] = /^[^ ,]+/.exec(label) ?? [""];
@@ -168,7 +141,7 @@ export class Table {
   }
 
   #draw() {
-    const { columns, rows, matching, total } = this.answer;
+    const { columns, rows, words, matching, total } = this.answer;
     const { offset } = this.asked;
     const stds = new Set(columns.map(({ std }) => std).filter(Boolean));
     const known = new Map(columns.map((column) => [column.key, column]));
@@ -205,10 +178,10 @@ export class Table {
       tableOf(
         "table.tight",
         [
-          this.#header({ key: "observation", words: "name of the observation" }, false),
+          this.#header({ key: "observation", label: "Contact", words: "name of the observation" }, false),
           ...shown.map((column) => this.#header(column, numeric(column.key))),
         ],
-        rows.map((row) =>
+        rows.map((row, index) =>
           h(
             "tr",
             h(
@@ -223,7 +196,7 @@ export class Table {
                 .filter(Boolean)
                 .map((flag) => chip(flag.replaceAll("_", " "), "warn", describeCode(flag))),
             ),
-            shown.map((column) => this.#cell(row, column)),
+            shown.map(({ key }) => this.#cell(row, words[index], key, numeric(key))),
           ),
         ),
       ),
@@ -248,19 +221,13 @@ export class Table {
   }
 
   /**
-   * @param {{ key: string, words: string, unit?: string | null }} column
+   * @param {{ key: string, label: string, words: string, symbol?: string | null }} column
    * @param {boolean} number
    */
-  #header({ key, words, unit }, number) {
+  #header({ key, label, words, symbol: term }, number) {
     const { sort } = this.asked;
     const way = sort === key ? "ascending" : sort === `-${key}` ? "descending" : undefined;
     const next = way === "ascending" ? `-${key}` : way === "descending" ? "" : key;
-    const term = symbolOf(key);
-    const label =
-      key === "observation"
-        ? "Contact"
-        : (SHORT[key] ??
-          `${key.replace(/_(mm2?|kpa|deg|px|N|s)$/, "").replaceAll("_", " ")}${unit ? `, ${unit}` : ""}`);
     return h(
       "th",
       {
@@ -282,9 +249,11 @@ export class Table {
 
   /**
    * @param {Answers["Rows"]["rows"][number]} row
-   * @param {Answers["Column"]} column
+   * @param {Answers["Rows"]["words"][number]} words
+   * @param {string} key of its column
+   * @param {boolean} isNumber whether numbers stand in it
    */
-  #cell(row, { key, std }) {
+  #cell(row, words, key, isNumber) {
     const value = row[key];
     if (key === "status")
       return h(
@@ -292,12 +261,9 @@ export class Table {
         chip(value, KIND[value] ?? "", row.reason || undefined),
         row.reason && h("div.soft.reason", row.reason),
       );
-    if (typeof value === "number") {
-      const text = std?.endsWith("_total_std") ? withTotal : withStd;
-      return h("td.number", std ? text(value, row[std]) : plain(value));
-    }
+    if (typeof value === "number") return h("td.number", words[key] ?? String(value));
     return h(
-      "td",
+      isNumber ? "td.number" : "td",
       value === null || value === undefined || value === "" ? h("span.soft", "–") : String(value),
     );
   }

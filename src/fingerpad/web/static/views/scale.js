@@ -4,12 +4,12 @@ import { get, LatestRequest, post } from "../core/api.js";
 import { h, pathOf, render, s } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
-import { plain, withStd } from "../core/quantity.js";
+import { short } from "../core/quantity.js";
 import { adviseCode, workspace } from "../core/workspace.js";
 import { Stage } from "../editor/stage.js";
 import { Line, ThreePoints } from "../editor/tools.js";
-import { button, chip, choose, faultList, field, list, NAME, segments, text } from "../parts/forms.js";
-import { definitionOf, lackingOf, scaleWords, WAYS, wayOf } from "../parts/scale_ways.js";
+import { button, chip, choose, faultList, field, list, namePattern, segments, text } from "../parts/forms.js";
+import { definitionOf, lackingOf, startOf, WAYS, wayOf } from "../parts/scale_ways.js";
 import { gridWords, rectification } from "./scale_grid.js";
 import { ScaleImages } from "./scale_images.js";
 
@@ -90,7 +90,7 @@ class Scales {
     this.stage.setScale(null);
     this.name = scale?.name ?? draft?.name ?? "";
     /** @type {ScaleTable} */
-    this.table = structuredClone(scale?.table ?? draft?.table ?? WAYS.line.defaults);
+    this.table = structuredClone(scale?.table ?? draft?.table ?? startOf("line"));
     this.way = draft?.way ?? wayOf(this.table) ?? "line";
     this.answer = null;
     this.file = this.table.coin ?? this.table.grid ?? this.#guess();
@@ -129,7 +129,7 @@ class Scales {
     );
     render(
       this.list,
-      workspace.study.scales.map(({ name, table, used_by: uses }) =>
+      workspace.study.scales.map(({ name, words, used_by: uses }) =>
         h(
           "button.scale-item",
           {
@@ -138,7 +138,7 @@ class Scales {
             onclick: () => this.#start(workspace.study.scales.find((scale) => scale.name === name)),
           },
           h("strong", name),
-          h("span.soft", scaleWords(table)),
+          h("span.soft", words),
           chip(`${uses} image${uses === 1 ? "" : "s"}`),
         ),
       ),
@@ -160,7 +160,7 @@ class Scales {
       value: this.name,
       onset: (value) => (this.name = value),
       placeholder: "reader, camera …",
-      pattern: NAME,
+      pattern: namePattern(),
     });
     this.nameField.addEventListener("input", () => (this.name = this.nameField.value.trim()));
     render(
@@ -218,7 +218,7 @@ class Scales {
   #choose(way) {
     this.live.cancel();
     this.way = way;
-    this.table = way === wayOf(this.old?.table) ? structuredClone(this.old.table) : { ...WAYS[way].defaults };
+    this.table = way === wayOf(this.old?.table) ? structuredClone(this.old.table) : startOf(way);
     if (way === "coin" || way === "grid") this.table[way] = this.file;
     this.answer = null;
     this.#drawForm();
@@ -292,28 +292,23 @@ class Scales {
       "d",
       (answer.grid?.points_px ?? []).map(([row, column]) => `M${column} ${row}h0`).join(""),
     );
-    if (this.way === "line") this.line.write(`${plain(this.table.length_mm)} mm`);
+    if (this.way === "line") this.line.write(`${this.table.length_mm} mm`);
     render(
       this.result,
       h("h3", "Scale"),
-      h(
-        "p.figure-big.number",
-        { "data-live": "scale" },
-        withStd(answer.mm_per_px, answer.mm_per_px_std),
-        h("span.unit", " mm/px"),
-      ),
+      h("p.figure-big.number", { "data-live": "scale" }, answer.words.mm_per_px),
       h(
         "p.soft.number",
-        `${plain(answer.resolution_ppi)} ppi`,
+        answer.words.resolution_ppi,
         answer.relative_std > 0
-          ? `, relative uncertainty ${plain(answer.relative_std * 100)} %`
+          ? `, relative uncertainty ${short(answer.relative_std * 100, 2)} %`
           : ", uncertainty not stated",
       ),
       answer.coin &&
         h(
           "p.soft.number",
           `${this.way === "circle" ? "circle" : "coin"}: radius `,
-          `${withStd(answer.coin.radius_px, answer.coin.radius_px_std)} px`,
+          answer.coin.words.radius_px,
         ),
       answer.grid && gridWords(answer.grid),
       answer.flags?.length > 0 &&
@@ -379,11 +374,7 @@ class Scales {
   }
 
   #keepDraft() {
-    if (
-      this.old ||
-      !(this.name || JSON.stringify(this.table) !== JSON.stringify(WAYS[this.way].defaults ?? {}))
-    )
-      return;
+    if (this.old || !(this.name || JSON.stringify(this.table) !== JSON.stringify(startOf(this.way)))) return;
     const draft = { study: this.study, name: this.name, way: this.way, table: this.table };
     sessionStorage.setItem(UNSAVED, JSON.stringify(draft));
   }

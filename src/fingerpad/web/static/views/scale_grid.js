@@ -3,7 +3,6 @@
 import { post } from "../core/api.js";
 import { h } from "../core/dom.js";
 import { toast } from "../core/messages.js";
-import { withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button } from "../parts/forms.js";
 
@@ -17,10 +16,7 @@ export function gridWords(grid) {
       ["Sides of a pixel differ by", percent(grid.anisotropy)],
       ["Scale differs over the grid by", percent(grid.variation)],
       ["Left once rectified", percent(grid.unevenness)],
-      [
-        "Once rectified, mm/px",
-        `${withStd(grid.rectified_mm_per_px, grid.rectified_mm_per_px * grid.rectified_relative_std)}`,
-      ],
+      ["Once rectified", grid.words.rectified_mm_per_px],
     ].map(([words, value]) => [h("dt", words), h("dd", value)]),
   );
 }

@@ -4,7 +4,6 @@ import { get, picture, post } from "../core/api.js";
 import { describeChange, withoutDefaults } from "../core/corrections.js";
 import { h, pathOf, render, s } from "../core/dom.js";
 import { openDialog, showError } from "../core/messages.js";
-import { quantityText } from "../core/quantity.js";
 import { describeCode, who } from "../core/workspace.js";
 import { button } from "../parts/forms.js";
 
@@ -68,7 +67,7 @@ class Card {
     const area = (answer) => answer.numbers.gross_area_mm2;
     render(
       this.words,
-      h("p.number", `Area ${quantityText(then.numbers, "gross_area_mm2")}`),
+      h("p.number", `Area ${then.numbers.words.gross_area_mm2}`),
       h(
         "p.soft.number",
         now ? `${percent(area(then) / area(now) - 1)} from now` : "No contact is found now.",

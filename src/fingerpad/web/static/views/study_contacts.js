@@ -3,7 +3,7 @@
 import { h } from "../core/dom.js";
 import { describeCode, workspace } from "../core/workspace.js";
 import { chip, choose, number, synthetic } from "../parts/forms.js";
-import { scaleChoice } from "../parts/scale_choice.js";
+import { scaleChoice } from "../parts/scale_ways.js";
 import { card, cell, paged, row, statusChip, table } from "../parts/tables.js";
 
 const PAGE = 50;
@@ -103,7 +103,12 @@ export class ContactTable {
         ? h(
             "td",
             { "data-empty": !one.scale },
-            scaleChoice({ value: one.scale, label: `Scale of ${one.item}`, onset: set("scale") }),
+            scaleChoice({
+              value: one.scale,
+              words: one.scale_words,
+              label: `Scale of ${one.item}`,
+              onset: set("scale"),
+            }),
           )
         : h("td.soft", "ellipse given"),
       cell(statusChip(one)),

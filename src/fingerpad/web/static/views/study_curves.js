@@ -3,7 +3,6 @@
 import { h } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { ask } from "../core/messages.js";
-import { plain, withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, choose, field, number, numberIn, synthetic } from "../parts/forms.js";
 import { card, cell, row, statusChip, table } from "../parts/tables.js";
@@ -50,14 +49,7 @@ export class CurveTable {
           onset: (value) => this.tables.change("curve", one.key, { wedge_angle_deg: value }),
         }),
       ),
-      h(
-        "td.number",
-        one.loading_radius_mm
-          ? withStd(one.loading_radius_mm, one.loading_radius_mm_std)
-          : one.file
-            ? "from the curve"
-            : plain(null),
-      ),
+      h("td.number", one.loading_radius_mm ? one.words.loading_radius_mm : one.file ? "from the curve" : "–"),
       cell(statusChip(one)),
       cell(this.tables.removal("curve", one.key, `curve ${one.key}`, one.file ?? "this radius")),
     );

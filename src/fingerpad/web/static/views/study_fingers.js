@@ -3,9 +3,8 @@
 import { picture } from "../core/api.js";
 import { h } from "../core/dom.js";
 import { ask } from "../core/messages.js";
-import { withStd } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, chip, field, NAME, number, numberIn, synthetic, text } from "../parts/forms.js";
+import { button, chip, field, namePattern, number, numberIn, synthetic, text } from "../parts/forms.js";
 import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
 import { staleChip } from "../parts/stale_axes.js";
 import { card, cell, incompleteChip, paged, row, table } from "../parts/tables.js";
@@ -47,25 +46,19 @@ export class FingerTable {
 
   /** @param {Finger} finger */
   #finger(finger) {
-    const { name, photographs, table: typed } = finger;
-    const thickness = typed.effective_thickness_mm;
+    const { name, photographs, words, effective_thickness_mm: thickness } = finger;
     return row(
       cell(h("strong", name), " ", synthetic(finger.synthetic), " ", incompleteChip(finger)),
       AXES.map(([axis]) =>
-        h(
-          "td.number",
-          withStd(finger.semi_axes_mm?.[axis], finger.semi_axes_mm_std?.[axis]),
-          " ",
-          staleChip(name, "out of date"),
-        ),
+        h("td.number", finger.words[`semi_axes_mm.${axis}`] ?? "–", " ", staleChip(name, "out of date")),
       ),
       h(
         "td.number",
-        button(
-          thickness === undefined ? "Enter" : withStd(thickness, typed.effective_thickness_mm_std),
-          () => this.#thickness(finger),
-          { kind: "small", label: `Thickness of ${name}`, title: "Effective thickness over bone" },
-        ),
+        button(thickness === null ? "Enter" : words.effective_thickness_mm, () => this.#thickness(finger), {
+          kind: "small",
+          label: `Thickness of ${name}`,
+          title: "Effective thickness over bone",
+        }),
       ),
       cell(
         photographs?.length
@@ -73,7 +66,7 @@ export class FingerTable {
               "div.faces",
               photographs.map((photograph) => this.#face(photograph)),
             )
-          : h("span.soft", typed.semi_axes_mm ? "entered" : "none"),
+          : h("span.soft", finger.table.semi_axes_mm ? "entered" : "none"),
       ),
       cell(
         h(
@@ -120,7 +113,7 @@ export class FingerTable {
 
   /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
-    const name = text({ placeholder: "left_index", value, pattern: NAME });
+    const name = text({ placeholder: "left_index", value, pattern: namePattern() });
     const body = h(
       "div",
       field("Name of the finger", name, { hint: "Letters, digits, - and _. A space becomes _." }),

@@ -3,7 +3,7 @@
 import { h } from "../core/dom.js";
 import { workspace } from "../core/workspace.js";
 import { choose, number, synthetic } from "../parts/forms.js";
-import { scaleChoice } from "../parts/scale_choice.js";
+import { scaleChoice } from "../parts/scale_ways.js";
 import { card, cell, row, statusChip, table } from "../parts/tables.js";
 
 /**
@@ -73,7 +73,14 @@ function sequenceRow(tables, one) {
         h("span.unit", "frames/s"),
       ),
     ),
-    cell(scaleChoice({ value: one.scale, label: `Scale of ${one.name}`, onset: set("scale") })),
+    cell(
+      scaleChoice({
+        value: one.scale,
+        words: one.scale_words,
+        label: `Scale of ${one.name}`,
+        onset: set("scale"),
+      }),
+    ),
     cell(statusChip(one)),
     cell(tables.removal("sequence", one.name, one.name, one.name)),
   );

@@ -1,0 +1,431 @@
+"""New files: what each is taken as, and the edits that add them to a study. Guesses say that they are."""
+
+import re
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import PurePosixPath
+from typing import Any, Final, Literal, TypeAlias
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.image import Face
+from fingerpad.study.editing.edit import Edit
+from fingerpad.study.imports.identify import Content, FileIdentity
+from fingerpad.study.imports.names import (
+    FileKind,
+    FileValues,
+    Role,
+    number_in,
+    plain_name,
+    read_file_name,
+    scale_in,
+)
+from fingerpad.study.manifest import LoadedStudy
+
+Use: TypeAlias = Role | Literal["coin", "ruler", "force", "sheet", ""]
+
+OF_CONTENT: Final[Mapping[Content, Use]] = {
+    "contact image": "observation",
+    "photograph": "photograph",
+    "coin": "coin",
+    "ruler": "ruler",
+    "sequence": "sequence",
+    "loading curve": "curve",
+    "force table": "force",
+    "outline": "outline",
+    "table of files": "sheet",
+    "other": "",
+}
+# What a file of each kind may be used as, in words.
+USES: Final[Mapping[FileKind, Mapping[Use, str]]] = {
+    "picture": {
+        "observation": "contact image",
+        "photograph": "photograph",
+        "coin": "coin, for the scale",
+        "ruler": "ruler, for the scale",
+        "": "something else",
+    },
+    "sequence": {"sequence": "sequence"},
+    "table": {
+        "curve": "loading curve",
+        "outline": "outline of a face",
+        "force": "force of a sequence",
+        "sheet": "spreadsheet of files",
+        "": "something else",
+    },
+    "other": {"": "unknown"},
+}
+# Which values a file is given, by its use.
+TAKES: Final[Mapping[Use, tuple[str, ...]]] = {
+    "observation": ("finger", "wedge_angle_deg", "load_N", "scale", "session"),
+    "photograph": ("finger", "face", "scale"),
+    "sequence": ("finger", "wedge_angle_deg", "scale"),
+    "curve": ("finger", "wedge_angle_deg"),
+    "outline": ("finger", "face"),
+}
+COIN: Final = "coin in "
+# Programs that know no resolution write 72 or 96.
+_SCREEN_PPI: Final = 96
+_LEAST_PPI: Final = 72
+_SAME_PPI: Final = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewFile:
+    """A file to add to a study, and what is known of it.
+
+    Attributes
+    ----------
+    file : str
+        Its name in the study folder.
+    use : str
+        What it is used as: a role, ``coin``, ``ruler``, ``force``, ``sheet``, or empty for none.
+    person, finger, session : str
+        Empty where unknown.
+    face : str or None
+        Of a photograph or an outline.
+    wedge_angle_deg, load_N : float or None
+        Of a contact.
+    scale : str
+        The name of a scale of the study, a scale as it is written, ``500 ppi`` or ``0.05 mm/px``, or
+        ``coin in FILE``; empty where unknown.
+    diameter_mm : float or None
+        Of a coin.
+    guessed : tuple of str
+        Which of ``use``, ``face`` and ``scale`` are guesses, to be confirmed.
+    """
+
+    file: str
+    use: Use = ""
+    person: str = ""
+    finger: str = ""
+    session: str = ""
+    face: Face | None = None
+    wedge_angle_deg: float | None = None
+    load_N: float | None = None  # noqa: N815
+    scale: str = ""
+    diameter_mm: float | None = None
+    guessed: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Guess:
+    """What a new file may be, from its content and its name.
+
+    Attributes
+    ----------
+    uses : tuple of str
+        What it may be used as, most likely first.
+    sure : bool
+        Whether no other use is at all likely.
+    face : str or None
+        The face that it shows if it is a photograph.
+    face_sure : bool
+        Whether no other face is at all likely.
+    scales : mapping
+        By use, the scale that may hold and why; nothing where none is proposed.
+    stated : str
+        The scale that its file states, whether or not it is proposed; empty without one.
+    """
+
+    uses: tuple[Use, ...]
+    sure: bool
+    face: Face | None = None
+    face_sure: bool = False
+    scales: Mapping[Use, tuple[str, str]] = field(default_factory=dict)
+    stated: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Proposal:
+    """Edits that add files to a study.
+
+    Attributes
+    ----------
+    edits : tuple of Edit
+        In order.
+    added : int
+        The number of files that they add.
+    waiting : tuple of str
+        Files that are not added, as their finger is not known.
+    """
+
+    edits: tuple[Edit, ...]
+    added: int
+    waiting: tuple[str, ...]
+
+
+def named_file(file: str, kind: FileKind, fingers: Collection[str]) -> NewFile:
+    """Return what the name of a file says; the study's only finger is that of a file that names none.
+
+    Examples
+    --------
+    >>> named_file("uploads/LI_30deg_0,5N.png", "picture", ())
+    NewFile(file='uploads/LI_30deg_0,5N.png', use='observation', person='', finger='left_index', session='', \
+face=None, wedge_angle_deg=30.0, load_N=0.5, scale='', diameter_mm=None, guessed=())
+    """
+    found = read_file_name(file, kind, fingers=fingers)
+    only = next(iter(fingers)) if len(fingers) == 1 else ""
+    return NewFile(
+        file=file,
+        use=found.get("role", ""),
+        finger=found.get("finger", only),
+        face=found.get("face"),
+        wedge_angle_deg=found.get("wedge_angle_deg"),
+        load_N=found.get("load_N"),
+    )
+
+
+def guess_of(
+    found: FileIdentity, scales: Mapping[str, Mapping[str, Any]], *, ppi: float | None = None
+) -> Guess:
+    """Return what a file may be used as, and which scale may hold for it.
+
+    Parameters
+    ----------
+    found : FileIdentity
+        What it may be.
+    scales : mapping
+        The tables of the study's scales by their names.
+    ppi : float, optional
+        The resolution that its file states.
+
+    Returns
+    -------
+    Guess
+        A scale is proposed where the study has only one, or the file of a contact image states a resolution:
+        that of a scanner, so that it is proposed for no photograph.
+    """
+    return Guess(
+        uses=tuple(OF_CONTENT[content] for content in found.contents),
+        sure=found.is_sure,
+        face=found.face,
+        face_sure=found.is_face_sure,
+        scales=dict(_guessed_scales(ppi, scales)),
+        stated="" if ppi is None else f"{round(ppi, 1):g} ppi",
+    )
+
+
+def _guessed_scales(
+    ppi: float | None, scales: Mapping[str, Mapping[str, Any]]
+) -> Iterator[tuple[Use, tuple[str, str]]]:
+    if len(scales) == 1:
+        ((name, table),) = scales.items()
+        only = (name, f"scale {name}, the only one of the study")
+        yield "observation", only
+        yield "sequence", only
+        if table.keys().isdisjoint({"ppi", "mm_per_px"}):
+            yield "photograph", only
+    elif ppi is not None and ppi > _SCREEN_PPI:
+        same = [name for name, table in scales.items() if abs(_ppi(table) - ppi) < _SAME_PPI]
+        if same:
+            yield "observation", (same[0], f"scale {same[0]}, with the resolution in its file")
+        else:
+            written = f"{round(ppi, 1):g} ppi"
+            yield "observation", (written, f"{written} as its file says")
+
+
+def _ppi(table: Mapping[str, Any]) -> float:
+    return float(ppi) if isinstance(ppi := table.get("ppi"), int | float) else -1.0
+
+
+def with_guess(new: NewFile, guess: Guess) -> NewFile:
+    """Return a file with what is guessed of it where its name says nothing.
+
+    Examples
+    --------
+    >>> with_guess(NewFile(file="IMG_1.png"), Guess(uses=("observation", "coin"), sure=False)).guessed
+    ('use',)
+    """
+    use, guessed = guess.uses[0], [] if guess.sure else ["use"]
+    face, scale = new.face, new.scale
+    if use == "photograph" and face is None and (face := guess.face) and not guess.face_sure:
+        guessed.append("face")
+    if use in guess.scales and not scale:
+        scale, _ = guess.scales[use]
+        guessed.append("scale")
+    return replace(new, use=use, face=face, scale=scale, guessed=tuple(guessed))
+
+
+def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> tuple[dict[str, Any], str]:
+    """Return what a spreadsheet or a name states of a file, and what of that cannot be taken.
+
+    Returns
+    -------
+    dict
+        Values of a `NewFile` by their keys; what is stated is no guess.
+    str
+        Empty where all can be taken.
+
+    Examples
+    --------
+    >>> stated_values(NewFile(file="a.png", finger="index"), {"person": "S7", "ppi": 500.0}, ())[0]
+    {'person': 'S7', 'finger': 'S7_index', 'scale': '500 ppi', 'guessed': ()}
+    >>> stated_values(NewFile(file="a.png"), {"scale": "Reader"}, ["camera"])[1]
+    'no scale of the study is called Reader'
+    """
+    taken: dict[str, Any] = {
+        key: value
+        for key, value in values.items()
+        if key in {"person", "finger", "face", "wedge_angle_deg", "load_N", "session"}
+    }
+    problem, finger, person = "", values.get("finger", new.finger), values.get("person")
+    if "role" in values:
+        taken["use"] = values["role"]
+    elif "face" in values and new.use == "observation" and "use" in new.guessed:
+        taken["use"] = "photograph"
+    if person and finger:
+        taken["finger"] = finger if finger.startswith(f"{person}_") else f"{person}_{finger}"
+    for way in ("ppi", "mm_per_px"):
+        if way in values:
+            taken["scale"] = _written({way: values[way]})
+    if (scale := values.get("scale")) is not None:
+        if known := next((name for name in scales if name.casefold() == scale.casefold()), None):
+            taken["scale"] = known
+        else:
+            problem = f"no scale of the study is called {scale}"
+    return {**taken, "guessed": tuple(key for key in new.guessed if key not in taken)}, problem
+
+
+def written_scale(words: str, scales: Collection[str]) -> str:
+    """Return a scale as a person writes it, in the one way in which it is kept.
+
+    A number alone from 72 on is the resolution of a scanner.
+
+    Raises
+    ------
+    ManifestError
+        If it is neither the name of one of the `scales` nor a number with its unit.
+
+    Examples
+    --------
+    >>> written_scale("500", ()), written_scale("50 um/px", ()), written_scale("reader", ["reader"])
+    ('500 ppi', '0.05 mm/px', 'reader')
+    """
+    if words in scales:
+        return words
+    try:
+        bare = words.strip().replace(",", ".").replace(".", "", 1).isdecimal()
+        table = scale_in(words, "ppi" if bare and number_in(words, "ppi") >= _LEAST_PPI else None)
+    except ValueError:
+        raise ManifestError(
+            f"{words!r}: write it as 500 ppi or 0.05 mm/px, or as the name of a scale of the study"
+        ) from None
+    return _written(table)
+
+
+def _written(table: Mapping[str, float]) -> str:
+    ((way, value),) = table.items()
+    return f"{value:.12g} {'ppi' if way == 'ppi' else 'mm/px'}"
+
+
+def proposed_edits(loaded: LoadedStudy, files: Sequence[NewFile], *, synthetic: bool = False) -> Proposal:
+    """Return the edits that add files to a study.
+
+    Parameters
+    ----------
+    loaded : LoadedStudy
+        The study.
+    files : sequence of NewFile
+        The files; a ruler, a spreadsheet and what is used as nothing are passed over.
+    synthetic : bool
+        Whether they were rendered or simulated.
+
+    Returns
+    -------
+    Proposal
+        New fingers come before their files, and a scale that several files share has a name. The first force
+        is that of all sequences.
+
+    Raises
+    ------
+    ManifestError
+        If a scale cannot be read.
+    """
+    return _Proposing(loaded, files, synthetic=synthetic).proposal()
+
+
+class _Proposing:
+    def __init__(self, loaded: LoadedStudy, files: Sequence[NewFile], *, synthetic: bool) -> None:
+        self.files = files
+        self.own = {"synthetic": True if synthetic else None}
+        keys = {kind: {one.key for one in loaded.tables if one.kind == kind} for kind in ("scale", "finger")}
+        self.scales, self.fingers = keys["scale"], keys["finger"]
+        self.taken = {one.key for one in loaded.tables if one.kind in {"observation", "sequence"}}
+        self.curves = sum(one.kind == "curve" for one in loaded.tables)
+        self.known = frozenset(self.scales)
+        self.named: dict[str, str] = {}
+        self.uses = Counter(one.scale for one in files if "scale" in TAKES.get(one.use, ()))
+        self.force = next((one.file for one in files if one.use == "force"), None)
+        self.edits: list[Edit] = []
+
+    def proposal(self) -> Proposal:
+        waiting, added = [], 0
+        for new in self.files:
+            if new.use == "coin" and new.diameter_mm:
+                self._scale(f"{COIN}{new.file}")
+            if new.use not in TAKES:
+                continue
+            if not new.finger:
+                waiting.append(new.file)
+                continue
+            added += 1
+            self._add(new)
+        coins = sum(written.startswith(COIN) for written in self.named)
+        return Proposal(edits=tuple(self.edits), added=added + coins, waiting=tuple(waiting))
+
+    def _add(self, new: NewFile) -> None:
+        if new.finger not in self.fingers:
+            self._edit("finger", new.finger, person=new.person)
+            self.fingers.add(new.finger)
+        values = {key: getattr(new, key) for key in TAKES[new.use]}
+        if "scale" in values:
+            values["scale"] = self._scale(new.scale)
+        match new.use:
+            case "observation":
+                self._edit("observation", self._name(new), **values, file=new.file, **self.own)
+            case "sequence":
+                self._edit("sequence", self._name(new), **values, file=new.file, force=self.force, **self.own)
+            case "curve":
+                self._edit("curve", str(self.curves), **values, file=new.file, **self.own)
+                self.curves += 1
+            case _:
+                outline = new.file if new.use == "outline" else None
+                del values["finger"]
+                self._edit("photograph", f"{new.finger}/{new.file}", **values, outline=outline, **self.own)
+
+    def _edit(self, kind: Any, key: str, **values: Any) -> None:
+        said = {name: value for name, value in values.items() if value not in (None, "")}
+        self.edits.append(Edit(kind=kind, key=key, set=said))
+
+    def _name(self, new: NewFile) -> str:
+        return _free(plain_name(PurePosixPath(new.file).stem) or "contact", self.taken)
+
+    def _scale(self, written: str) -> Any:
+        """Return the name of a scale, added where several files share it; else its table."""
+        if not written or written in self.known:
+            return written
+        if not written.startswith(COIN):
+            table: dict[str, Any] = {**scale_in(written)}
+            if self.uses[written] < 2:
+                return table
+            name = re.sub(r"[^\w.]+", "_", written)
+        else:
+            file = written.removeprefix(COIN)
+            table, name = {"coin": file}, "coin"
+            if diameter := next((one.diameter_mm for one in self.files if one.file == file), None):
+                table["diameter_mm"] = diameter
+        if written not in self.named:
+            self.named[written] = _free(name, self.scales)
+            self._edit("scale", self.named[written], **table)
+        return self.named[written]
+
+
+def _free(stem: str, taken: set[str]) -> str:
+    """Return a name that is not taken, and take it."""
+    number, name = 1, stem
+    while name in taken:
+        number += 1
+        name = f"{stem}_{number}"
+    taken.add(name)
+    return name

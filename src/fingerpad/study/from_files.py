@@ -1,0 +1,155 @@
+"""A study begun from the files in its folder: what each is taken as, and what is not known."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from fingerpad.exceptions import FingerpadError, ManifestError
+from fingerpad.image import read_image
+from fingerpad.study.editing.edit import change_study, create_study
+from fingerpad.study.editing.propose import (
+    COIN,
+    TAKES,
+    USES,
+    Guess,
+    NewFile,
+    guess_of,
+    named_file,
+    proposed_edits,
+    stated_values,
+    with_guess,
+)
+from fingerpad.study.imports.identify import identify_file, join_files, read_file_table
+from fingerpad.study.manifest import LoadedStudy, Study
+from fingerpad.study.status import Missing, missing
+
+_WORDS: Mapping[str, str] = {use: words for uses in USES.values() for use, words in uses.items() if use}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BegunStudy:
+    """A study that was begun from files.
+
+    Attributes
+    ----------
+    loaded : LoadedStudy
+        The study, complete or not.
+    taken : mapping of str to str
+        What each file that the study names was taken as, in words.
+    guesses : tuple of str
+        What of it is not sure, and is to be checked.
+    left : mapping of str to str
+        Files that it does not name, and why.
+    missing : tuple of Missing
+        What it still lacks.
+    """
+
+    loaded: LoadedStudy
+    taken: Mapping[str, str]
+    guesses: tuple[str, ...]
+    left: Mapping[str, str]
+    missing: tuple[Missing, ...]
+
+
+def begin_study(folder: Path, *, finger: str = "") -> BegunStudy:
+    """Begin a study from the files that lie in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder, without a study yet. Pictures, sequences and tables are looked at; what a spreadsheet that
+        names files states of them holds before their names.
+    finger : str, optional
+        The finger of files for which nothing states one.
+
+    Returns
+    -------
+    BegunStudy
+        Loads, wedge angles and scales that nothing states are left out.
+
+    Raises
+    ------
+    ManifestError
+        If there is a study already, or no file that could be part of one.
+    StoreError
+        If the folder cannot be written.
+    """
+    if not folder.is_dir():
+        raise ManifestError(f"{folder}: is no folder: name that of the pictures")
+    title = folder.resolve().name
+    empty = LoadedStudy(folder=folder, digest="", study=Study(title=title), tables=(), issues=())
+    left: dict[str, str] = {}
+    found: dict[str, tuple[NewFile, Guess]] = {}
+    for one in missing(empty):
+        if one.kind in {"file", "folder"}:
+            try:
+                found[one.key] = _looked_at(folder, one.key, is_frames=one.kind == "folder")
+            except FingerpadError as error:
+                left[one.key] = f"cannot be read: {error}"
+    if not found:
+        raise ManifestError(f"{folder}: holds no picture, sequence or table that can be read: put them there")
+    problems = list(_filled_in(folder, found))
+    coins = [file for file, (new, _) in found.items() if new.use == "coin"]
+    for file, (new, guess) in found.items():
+        own = new if new.finger or new.use not in TAKES else replace(new, finger=finger)
+        if own.use == "photograph" and not own.scale and len(coins) == 1:
+            own = replace(own, scale=COIN + coins[0])
+        found[file] = own, guess
+    proposal = proposed_edits(empty, [new for new, _ in found.values()])
+    loaded = create_study(folder, title)
+    if proposal.edits:
+        loaded = change_study(folder, proposal.edits, expected=loaded.digest, before=loaded)
+    used = {Path(name).as_posix() for name in loaded.files()}
+    for file, (new, _) in found.items():
+        if file in proposal.waiting:
+            left[file] = "nothing states its finger: give --finger NAME"
+        elif file not in used:
+            left[file] = _WORDS.get(new.use, "nothing that a study needs")
+    return BegunStudy(
+        loaded=loaded,
+        taken={file: _WORDS[new.use] for file, (new, _) in found.items() if file in used},
+        guesses=(*problems, *(words for file in found if file in used for words in _guesses(*found[file]))),
+        left=left,
+        missing=tuple(one for one in missing(loaded) if one.kind not in {"file", "folder"}),
+    )
+
+
+def _looked_at(folder: Path, file: str, *, is_frames: bool) -> tuple[NewFile, Guess]:
+    """Return what a file is taken as; a folder of frames is a sequence."""
+    if is_frames:
+        return named_file(file, "sequence", ()), Guess(uses=("sequence",), sure=True)
+    identity = identify_file(folder / file)
+    ppi = read_image(folder / file).dots_per_inch if identity.kind == "picture" else None
+    guess = guess_of(identity, {}, ppi=ppi)
+    return with_guess(named_file(file, identity.kind, ()), guess), guess
+
+
+def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> Iterator[str]:
+    """Take what spreadsheets state of files, and yield what of it cannot be taken."""
+    for sheet in [file for file, (new, _) in found.items() if new.use == "sheet"]:
+        table = read_file_table(folder / sheet)
+        joined = join_files(table, [file for file in found if file != sheet])
+        yield from (
+            f"{sheet}, line {row.line}: {'; '.join(row.problems)}" for row in table.rows if row.problems
+        )
+        yield from (
+            f"{sheet}, line {row.line}: no one file is called {row.file!r}"
+            for row in joined.rows_without_file
+        )
+        for file, values in joined.values.items():
+            new, guess = found[file]
+            taken, problem = stated_values(new, values, ())
+            if problem:
+                yield f"{file}: {problem}"
+            found[file] = replace(new, **taken), guess
+
+
+def _guesses(new: NewFile, guess: Guess) -> Iterator[str]:
+    """Yield what of a file is a guess."""
+    if "use" in new.guessed:
+        others = " or ".join(_WORDS.get(use, "something else") for use in guess.uses[1:3])
+        yield f"{new.file}: taken as {_WORDS[new.use]}, but may be {others}"
+    if "face" in new.guessed:
+        yield f"{new.file}: its face is taken as {new.face}"
+    if "scale" in new.guessed:
+        yield f"{new.file}: {guess.scales[new.use][1]}"

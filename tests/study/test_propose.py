@@ -1,0 +1,222 @@
+"""Proposals for new files: what their names, their content, spreadsheets and written scales make of them."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from fingerpad.exceptions import ManifestError
+from fingerpad.simulate import render_contact_image
+from fingerpad.study.editing.propose import (
+    Guess,
+    NewFile,
+    guess_of,
+    named_file,
+    proposed_edits,
+    stated_values,
+    with_guess,
+    written_scale,
+)
+from fingerpad.study.from_files import begin_study
+from fingerpad.study.imports.identify import FileIdentity
+from fingerpad.study.manifest import LoadedStudy, Study, load_study
+
+
+def empty(tmp_path, *, tables=()):
+    return LoadedStudy(folder=tmp_path, digest="", study=Study(title="s"), tables=tables, issues=())
+
+
+@pytest.mark.parametrize(
+    ("file", "kind", "known"),
+    [
+        ("IMG_0031.jpg", "picture", {"use": "observation"}),
+        ("LI_30deg_0,5N.png", "picture", {"finger": "left_index", "wedge_angle_deg": 30, "load_N": 0.5}),
+        ("S01_right_thumb_w45_500mN.tif", "picture", {"finger": "S01_right_thumb", "load_N": 0.5}),
+        ("left_index_palmar.jpg", "picture", {"use": "photograph", "face": "palmar"}),
+        ("ruler.jpg", "picture", {"use": "", "finger": ""}),
+        ("press.avi", "sequence", {"use": "sequence"}),
+        ("notes.xyz", "other", {"use": ""}),
+    ],
+)
+def test_names(file, kind, known) -> None:
+    new = named_file(f"uploads/{file}", kind, ())
+    assert {key: getattr(new, key) for key in known} == known
+    assert new.guessed == ()
+
+
+def test_the_only_finger_is_that_of_a_file_that_names_none() -> None:
+    assert named_file("IMG_1.jpg", "picture", ["left_index"]).finger == "left_index"
+    assert named_file("IMG_1.jpg", "picture", ["left_index", "right_index"]).finger == ""
+
+
+@pytest.mark.parametrize(
+    ("use", "ppi", "scales", "expected"),
+    [
+        ("observation", 500.0, {}, "500 ppi"),
+        ("observation", 72.0, {}, ""),
+        ("photograph", 500.0, {}, ""),
+        ("observation", 500.0, {"reader": {"ppi": 500}, "b": {"ppi": 1000}}, "reader"),
+        ("observation", None, {"reader": {"ppi": 500}}, "reader"),
+        ("photograph", None, {"reader": {"ppi": 500}}, ""),  # a scanner's
+        ("photograph", None, {"camera": {"coin": "a.png"}}, "camera"),
+        ("curve", 500.0, {"reader": {"ppi": 500}}, ""),
+    ],
+)
+def test_guessed_scales(use, ppi, scales, expected) -> None:
+    content = {"observation": "contact image", "photograph": "photograph", "curve": "loading curve"}[use]
+    guess = guess_of(FileIdentity(kind="picture", contents={content: 1.0}, faces={}), scales, ppi=ppi)
+    new = with_guess(NewFile(file="IMG_0031.png"), guess)
+    assert (new.use, new.scale) == (use, expected)
+    assert new.guessed == (("scale",) if expected else ())
+
+
+@pytest.mark.parametrize(
+    ("words", "written"),
+    [
+        ("500", "500 ppi"),
+        ("500 dpi", "500 ppi"),
+        ("0,05 mm/px", "0.05 mm/px"),
+        ("50 µm/px", "0.05 mm/px"),
+        ("20 px/mm", "0.05 mm/px"),
+        ("Reader 2", "Reader 2"),
+        ("0.05", None),
+        ("reader", None),
+        ("1,234 ppi", None),  # could be two numbers
+        ("", None),
+    ],
+)
+def test_written_scales(words, written) -> None:
+    if written is None:
+        with pytest.raises(ManifestError, match="500 ppi or 0.05 mm/px"):
+            written_scale(words, ["Reader 2"])
+    else:
+        assert written_scale(words, ["Reader 2"]) == written
+
+
+def test_what_is_stated_is_no_guess() -> None:
+    new = NewFile(file="a.png", use="observation", finger="index", guessed=("use", "scale"), scale="500 ppi")
+    taken, problem = stated_values(new, {"person": "S7", "face": "distal", "scale": "READER"}, ["reader"])
+    assert taken == {
+        "person": "S7",
+        "finger": "S7_index",
+        "face": "distal",
+        "use": "photograph",
+        "scale": "reader",
+        "guessed": (),
+    }
+    assert problem == ""
+    assert stated_values(new, {"scale": "other"}, ["reader"]) == (
+        {"guessed": ("use", "scale")},
+        "no scale of the study is called other",
+    )
+
+
+def test_edits(tmp_path) -> None:
+    """Fingers come first, a shared scale has a name, and a file without a finger waits."""
+    known = {"finger": "left_index", "use": "observation", "wedge_angle_deg": 30.0}
+    face = {"finger": "left_index", "face": "palmar"}
+    found = proposed_edits(
+        empty(tmp_path),
+        [
+            NewFile(file="a/IMG 1.png", load_N=1.0, scale="500 ppi", **known),
+            NewFile(file="b/IMG 1.png", scale="500 ppi", session="2", **known),
+            NewFile(file="c.png", use="observation"),
+            NewFile(file="coin.png", use="coin", diameter_mm=23.25),
+            NewFile(file="p.jpg", use="photograph", scale="coin in coin.png", **face),
+            NewFile(file="o.csv", use="outline", finger="left_index", face="radial"),
+            NewFile(file="film.avi", use="sequence", finger="S7_ring", person="S7", scale="0.05 mm/px"),
+            NewFile(file="force.csv", use="force"),
+            NewFile(file="curve.csv", use="curve", finger="S7_ring"),
+            NewFile(file="ruler.jpg", use="ruler"),
+            NewFile(file="odd.bin"),
+        ],
+        synthetic=True,
+    )
+    assert (found.added, found.waiting) == (7, ("c.png",))
+    made = {"synthetic": True}
+    contact = {"finger": "left_index", "wedge_angle_deg": 30.0, "scale": "500_ppi"}
+    assert [(edit.kind, edit.key, edit.set) for edit in found.edits] == [
+        ("finger", "left_index", {}),
+        ("scale", "500_ppi", {"ppi": 500.0}),
+        ("observation", "IMG_1", {**contact, "load_N": 1.0, "file": "a/IMG 1.png", **made}),
+        ("observation", "IMG_1_2", {**contact, "session": "2", "file": "b/IMG 1.png", **made}),
+        ("scale", "coin", {"coin": "coin.png", "diameter_mm": 23.25}),
+        ("photograph", "left_index/p.jpg", {"face": "palmar", "scale": "coin", **made}),
+        ("photograph", "left_index/o.csv", {"face": "radial", "outline": "o.csv", **made}),
+        ("finger", "S7_ring", {"person": "S7"}),
+        (
+            "sequence",
+            "film",
+            {
+                "finger": "S7_ring",
+                "scale": {"mm_per_px": 0.05},
+                "file": "film.avi",
+                "force": "force.csv",
+                **made,
+            },
+        ),
+        ("curve", "0", {"finger": "S7_ring", "file": "curve.csv", **made}),
+    ]
+
+
+@pytest.fixture
+def camera_files(tmp_path):
+    """Files as a camera, a reader and a load cell name them, with decimal commas in the tables."""
+
+    pixels = render_contact_image(semi_major=6.0, semi_minor=4.0, orientation=0.0, ppi=500, seed=1).pixels
+    Image.fromarray(pixels).save(tmp_path / "IMG_0031.png", dpi=(500, 500))
+    Image.fromarray(pixels).save(tmp_path / "LI_30deg_0,5N.png")
+    (tmp_path / "force.csv").write_text("time (s);force (N)\n0;0,1\n0,5;1,5\n1;2,25\n")
+    (tmp_path / "details.csv").write_text("file;wedge (deg);load (N)\nIMG_0031;45;1,5\nIMG_0099;0;2\n")
+    (tmp_path / "odd.csv").write_text("a,b\n1,2\n")
+    (tmp_path / "notes.txt").write_text("not of the study")
+    return tmp_path
+
+
+def test_a_study_begins_from_files(camera_files) -> None:
+    begun = begin_study(camera_files, finger="right_index")
+    study = {one.key: one.content for one in load_study(camera_files / "study.toml").tables}
+    contact = study["IMG_0031"]
+    assert (contact["finger"], contact["wedge_angle_deg"], contact["load_N"]) == ("right_index", 45, 1.5)
+    assert contact["scale"] == {"ppi": 500}
+    named = study["LI_30deg_0_5N"]
+    assert (named["finger"], named["wedge_angle_deg"], named["load_N"]) == ("left_index", 30, 0.5)
+    assert "scale" not in named  # nothing is guessed in silence
+    assert begun.taken["IMG_0031.png"] == "contact image"
+    assert any("IMG_0031.png: 500 ppi as its file says" in line for line in begun.guesses)
+    assert "details.csv, line 3: no one file is called 'IMG_0099'" in begun.guesses
+    assert begun.left["force.csv"] == "force of a sequence"
+    assert begun.left["details.csv"] == "spreadsheet of files"
+    assert begun.left["odd.csv"] == "nothing that a study needs"
+    assert "notes.txt" not in begun.left
+    assert any(one.key == "LI_30deg_0_5N" and one.place == "scale" for one in begun.missing)
+
+
+def test_a_file_without_a_finger_is_left(camera_files) -> None:
+    begun = begin_study(camera_files)
+    assert begun.left["IMG_0031.png"] == "nothing states its finger: give --finger NAME"
+    assert "IMG_0031.png" not in begun.taken
+
+
+def test_folders_without_files_and_with_a_study_are_refused(tmp_path) -> None:
+    with pytest.raises(ManifestError, match="holds no picture"):
+        begin_study(tmp_path)
+    assert not (tmp_path / "study.toml").exists()
+    with pytest.raises(ManifestError, match="is no folder"):
+        begin_study(tmp_path / "none")
+    Image.fromarray(np.zeros((50, 50), np.uint8)).save(tmp_path / "a.png")
+    begin_study(tmp_path)
+    with pytest.raises(ManifestError, match="there is a study already"):
+        begin_study(tmp_path)
+
+
+def test_a_file_that_cannot_be_read_is_left(tmp_path) -> None:
+    (tmp_path / "a.png").write_bytes(b"no picture")
+    Image.fromarray(np.zeros((50, 50), np.uint8)).save(tmp_path / "b.png")
+    assert "cannot be read" in begin_study(tmp_path).left["a.png"]
+
+
+def test_guesses_say_so() -> None:
+    guess = Guess(uses=("observation", "photograph"), sure=False, scales={"observation": ("500 ppi", "why")})
+    assert with_guess(NewFile(file="a.png"), guess).guessed == ("use", "scale")
+    named = NewFile(file="a.png", scale="reader", face="palmar")
+    assert with_guess(named, guess).guessed == ("use",)
