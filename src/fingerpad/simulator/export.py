@@ -262,9 +262,10 @@ def _readme(
             "`finger.inp` (mm, N, MPa) is the tissue around the place of contact, ten-node tetrahedra "
             "between\n  SKIN and BONE. By linear finite elements it carries "
             f"**{low:.2f} of the law's load at the lowest load, {high:.2f} at the\n  highest**. The mesh is "
-            "not the reason: elements of a flat, wide layer are 2 to 6 % above the law. It is\n  the geometry: this "
-            "tissue is bent as the pad is and its sides are free, where the law, and with it all\n  targets "
-            "above, has a flat layer without sides. Which is nearer to a finger was not measured: do\n  not "
+            "not the reason: elements of a flat, wide layer are 2 to 6 % above the law. It is\n  the "
+            "geometry: this tissue is bent as the pad is and its sides are free, where the law, and\n  with "
+            "it all targets above, has a flat layer without sides. Which is nearer to a finger\n  was not "
+            "measured: do not "
             "take E from one and loads from the other."
         )
     turned = [math.degrees(float(angle)) for angle in (placement.wedge_angle, placement.roll_angle)]
