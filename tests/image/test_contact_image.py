@@ -375,6 +375,16 @@ def with_line_of_text(pixels, row, font, height, stroke):
     return out
 
 
+@pytest.mark.parametrize(("bend", "flags"), [(0.0, ("not_a_contact_image",)), (0.01, ())])
+def test_ruled_lines_are_no_contact_and_bent_ridges_are(bend, flags):
+    y, x = (np.indices((420, 420)) - 210) * PPI_500.mm_per_px
+    lines = np.cos(2 * np.pi * (0.95 * y + 0.1 * x + bend * x**2) / 0.47) > -0.1
+    inside = (x / 6.2) ** 2 + (y / 5.0) ** 2 < 1
+    pixels = cv2.GaussianBlur(205 - 120.0 * (lines & inside), (0, 0), 0.8)
+    pixels += np.random.default_rng(2).normal(0, 4, pixels.shape)
+    assert measure_contact_image(np.clip(pixels, 0, 255).astype(np.uint8), PPI_500).flags == flags
+
+
 @pytest.mark.parametrize("font", FONTS)
 @pytest.mark.parametrize(("height", "stroke"), [(34, 5), (48, 8)])
 @pytest.mark.parametrize("look", ["ink", "livescan"])
