@@ -38,6 +38,8 @@ export class NewFiles {
     this.status = h("span.soft", { role: "status" });
     /** A scale that is read now, for all files. */
     this.reading = Promise.resolve();
+    /** What the file is that is looked at now. */
+    this.now = Promise.resolve(null);
     /** Files that are looked at now, one after the other. */
     this.looking = Promise.resolve();
     this.toLookAt = 0;
@@ -168,7 +170,9 @@ export class NewFiles {
     this.lookedAt.add(looked);
     if (!this.drafts.get(file).looked) this.fresh.push(file);
     const look = async () => {
-      const guess = await get("/files/identity", { file }).catch(() => null);
+      const known = this.drafts.has(file); // else it was removed meanwhile
+      this.now = known ? get("/files/identity", { file }).catch(() => null) : Promise.resolve(null);
+      const guess = await this.now;
       const draft = this.drafts.get(file);
       this.toLookAt -= 1;
       if (guess && draft) {
@@ -273,6 +277,8 @@ export class NewFiles {
 
   async forget(file) {
     const draft = this.drafts.get(file);
+    this.drafts.delete(file);
+    await this.now; // it may be looked at
     try {
       const { removed } = await remove("/files", { file });
       toast(`${base(file)} was removed.`, {
@@ -281,6 +287,7 @@ export class NewFiles {
         stays: true,
       });
     } catch (error) {
+      if (draft) this.drafts.set(file, draft);
       showError(error);
     }
     await workspace.reload().catch(showError);

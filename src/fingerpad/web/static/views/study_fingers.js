@@ -48,10 +48,16 @@ export class FingerTable {
   #finger(finger) {
     const { name, photographs, words, effective_thickness_mm: thickness } = finger;
     return row(
-      cell(h("strong", name), " ", synthetic(finger.synthetic), " ", incompleteChip(finger)),
-      AXES.map(([axis]) =>
-        h("td.number", finger.words[`semi_axes_mm.${axis}`] ?? "–", " ", staleChip(name, "out of date")),
+      cell(
+        h("strong", name),
+        " ",
+        synthetic(finger.synthetic),
+        " ",
+        incompleteChip(finger),
+        " ",
+        staleChip(name, "out of date"),
       ),
+      AXES.map(([axis]) => h("td.number", words[`semi_axes_mm.${axis}`] ?? "–")),
       h(
         "td.number",
         button(thickness === null ? "Enter" : words.effective_thickness_mm, () => this.#thickness(finger), {
