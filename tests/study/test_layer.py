@@ -13,6 +13,7 @@ from tests.studies import Table, contact, curve, finger, run
 
 from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.report.simulator import simulator_plots
 from fingerpad.study.results.layer import POOLED_ON_LAYER, CurveOnLayer, curve_on_layer
 from fingerpad.study.results.load import load_results, read_rows
 from fingerpad.study.results.study_result import StudyResult
@@ -234,6 +235,19 @@ def test_a_curve_gives_the_modulus_that_made_it(pressed: tuple[StudyResult, Path
     record = json.loads((folder / "out" / "summary.json").read_text())["curves"][0]["on_layer"]
     assert record[f"{name}_kpa"] == pytest.approx(layered.value)
     assert record["contact_shift_mm"] == pytest.approx(found.contact_shift)
+
+
+def test_the_law_that_simulators_take_goes_through_the_points_of_the_curve(
+    pressed: tuple[StudyResult, Path],
+) -> None:
+    result, _ = pressed
+    (figure,) = (one.figure for one in simulator_plots(result, result.curves[0], "curve1"))
+    marks = {mark.label: mark for mark in figure.panels[0].marks}
+    points, law = marks["measured"], marks["law of the pad"]
+    beyond = points.y > 0.4  # where noise is small beside the load
+    off = np.interp(points.x[beyond], law.x, law.y) / points.y[beyond] - 1
+    assert np.abs(off).max() < 0.08
+    assert list(simulator_plots(result, replace(result.curves[0], fit=None), "curve1")) == []
 
 
 def test_an_uncertain_roll_changes_the_modulus_of_a_curve_to_second_order(

@@ -20,7 +20,6 @@ from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.compare import MOST_NAMES, colours_of
 from fingerpad.flags import FLAGS, Flag, flags_in
-from fingerpad.geometry import Ellipsoid
 from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plots
 from fingerpad.report.plots import (
@@ -190,10 +189,7 @@ def _drawn_in_full(result: StudyResult, found: Sequence[Answer], draw: _Draw) ->
             )
         ],
         "curves": [
-            {
-                "curve": curve,
-                "figures": draw(curve_plots(curve, number, _pad_of(result, curve.manifest.finger))),
-            }
+            {"curve": curve, "figures": draw(curve_plots(result, curve, number))}
             for number, curve in enumerate(result.curves, start=1)
         ],
         "velocities": draw(velocity_plots(result.curves)),
@@ -204,12 +200,6 @@ def _drawn_in_full(result: StudyResult, found: Sequence[Answer], draw: _Draw) ->
         ],
         "sequences": _sequences(result, draw),
     }
-
-
-def _pad_of(result: StudyResult, name: str) -> Ellipsoid | None:
-    """Return a finger's pad, where its semi-axes are known."""
-    finger = result.fingers.get(name)
-    return Ellipsoid(*finger.semi_axes) if finger and np.isfinite(finger.semi_axes).all() else None
 
 
 def _line(result: StudyResult, summary: Summary, found: Answer) -> dict[str, Any]:

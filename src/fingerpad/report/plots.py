@@ -223,8 +223,8 @@ def by_wedge_plot(
     )
 
 
-def curve_plots(curve: CurveResult, number: int, pad: Ellipsoid | None = None) -> Iterator[Plot]:
-    """Draw one loading curve, and of a pad what simulators make of it."""
+def curve_plots(result: StudyResult, curve: CurveResult, number: int) -> Iterator[Plot]:
+    """Draw one loading curve, and what simulators make of it."""
     if curve.curve is None or curve.fit is None:
         return
     of, shape = curve.manifest, curve.shape
@@ -239,8 +239,7 @@ def curve_plots(curve: CurveResult, number: int, pad: Ellipsoid | None = None) -
         expected_ratio=None if shape is None else (shape.load, shape.ratio),
         synthetic=of.synthetic,
     )
-    if pad is not None:
-        yield from simulator_plots(curve, pad, name)
+    yield from simulator_plots(result, curve, name)
 
 
 def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:

@@ -12,31 +12,45 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report.plot import Plot, panel
 from fingerpad.simulator import simulator_law
 from fingerpad.study.measuring.curves import CurveResult
+from fingerpad.study.results.layer import curve_on_layer
+from fingerpad.study.results.study_result import StudyResult
+from fingerpad.units import KPA_PER_MPA
 
 _LOWEST: Final = 0.05  # of the curve's highest load
 _MASS: Final = 0.1  # kg, as of `fingerpad simulator`
 
 
-def simulator_plots(curve: CurveResult, pad: Ellipsoid, name: str) -> Iterator[Plot]:
-    """Draw the law of the layer that explains a curve, and what simulators make of it, where there is one."""
-    of, fit, layer = curve.manifest, curve.fit, curve.layer
-    if fit is None or layer is None or not (layer.thickness.known and layer.youngs_modulus.known):
+def simulator_plots(result: StudyResult, curve: CurveResult, name: str) -> Iterator[Plot]:
+    """Draw the law of a curve's finger on its bone, and what simulators make of it.
+
+    With a stated thickness the modulus is that of the curve's highest load; else thickness and modulus are
+    those that explain the curve, where they are known.
+    """
+    of, fit, finger = curve.manifest, curve.fit, result.fingers.get(curve.manifest.finger)
+    if fit is None or finger is None or not np.isfinite(finger.semi_axes).all():
         return
-    tissue = Tissue(layer.youngs_modulus.value, thickness=layer.thickness.value)
-    placement = Placement(pad, wedge_angle=np.radians(of.wedge_angle_deg))
+    nu = result.study.poisson_ratio
+    if (stated := curve_on_layer(result.study, finger, curve)) and not stated.flag:
+        modulus = stated.quantities["youngs_modulus_from_indentation_on_layer"]
+        tissue = Tissue(modulus.value / KPA_PER_MPA, nu, finger.effective_thickness or np.inf)
+        # Its uncertainty holds that of the thickness.
+        stds, moved = {"youngs_modulus": modulus.std / KPA_PER_MPA}, stated.contact_shift
+        words = "tissue of the stated thickness on bone"
+    elif (layer := curve.layer) and layer.thickness.known and layer.youngs_modulus.known:
+        tissue = Tissue(layer.youngs_modulus.value, nu, layer.thickness.value)
+        stds = {"youngs_modulus": layer.youngs_modulus.std, "thickness": layer.thickness.std}
+        # The layer has its own place of contact, by which the points count here.
+        moved = fit.main.values["contact_offset"] - layer.contact_offset.value
+        words = "the layer that explains the curve"
+    else:
+        return
+    placement = Placement(Ellipsoid(*finger.semi_axes), wedge_angle=np.radians(of.wedge_angle_deg))
     highest = float(fit.load.max())
     try:
-        law = simulator_law(
-            placement,
-            tissue,
-            (_LOWEST * highest, highest),
-            stds={"youngs_modulus": layer.youngs_modulus.std, "thickness": layer.thickness.std},
-        )
+        law = simulator_law(placement, tissue, (_LOWEST * highest, highest), stds=stds)
         simulated = law.simulated_loads(_MASS)
     except GeometryError:  # beyond the law, or too stiff for MuJoCo: `fingerpad simulator` says which
         return
-    # The layer has its own place of contact, by which the points count here.
-    moved = fit.main.values["contact_offset"] - layer.contact_offset.value
     yield Plot(
         name=f"{name}_simulator",
         figure=panel(
@@ -48,6 +62,6 @@ def simulator_plots(curve: CurveResult, pad: Ellipsoid, name: str) -> Iterator[P
             measured=(fit.indentation + moved, fit.load),
             synthetic=of.synthetic,
         ),
-        caption="Load by indentation in robot simulators, with numbers fitted to the law of the layer that "
-        f"explains the curve; the band is its standard uncertainty ({curve.name}).",
+        caption="Load by indentation in robot simulators, with numbers fitted to the law of "
+        f"{words}; the band is its standard uncertainty ({curve.name}).",
     )
