@@ -95,7 +95,8 @@ def _task(part: StudyResult) -> Task:
         item=name,
         file=file,
         key=digest_of_values(
-            shown, code_digest("report", "figures", "image", "units.py", "study/results/answers.py")
+            shown,
+            code_digest("report", "figures", "image", "simulator", "units.py", "study/results/output.py"),
         ),
         work=partial(_draw, part, file),
         inputs=(),
