@@ -435,16 +435,11 @@ def test_rows_are_filtered_sorted_and_paged(done):
     )
     assert rows(done, text="TABLE3")["matching"] == 4
     assert rows(done, sequence="synthetic_press_30deg")["matching"] > 10
-    column = {one["key"]: one for one in every["columns"]}["radius_from_indentation_mm"]
-    assert column["unit"] == "mm"
-    assert column["std"] == "radius_from_indentation_mm_total_std"
-    units = {one["key"]: one["unit"] for one in every["columns"]}
-    assert [units[name] for name in ("mm_per_px", "youngs_modulus_kpa", "aspect_ratio", "finger")] == [
-        "mm/px",
-        "kPa",
-        None,
-        None,
-    ]
+    columns = {one["key"]: one for one in every["columns"]}
+    assert columns["radius_from_indentation_mm"]["std"] == "radius_from_indentation_mm_total_std"
+    named = ("mm_per_px", "youngs_modulus_kpa", "aspect_ratio")
+    labels = [columns[name]["label"] for name in named]
+    assert labels == ["Scale, mm/px", "E, kPa", "aspect ratio"]
     assert done.get("/api/studies/demo/results/rows", params={"sort": "nothing"}).status_code == 422
 
 

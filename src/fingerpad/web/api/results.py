@@ -293,6 +293,7 @@ _LABELS: Final = {
     "status": "Status",
     "wedge_angle_deg": "θ",
     "load_N": "W",
+    "mm_per_px": "Scale",
     "semi_major_mm": "ℓ_d",
     "semi_minor_mm": "ℓ_e",
     "gross_area_mm2": "Gross area",
