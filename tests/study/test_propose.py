@@ -173,7 +173,7 @@ def camera_files(tmp_path):
 
 
 def test_a_study_begins_from_files(camera_files) -> None:
-    begun = begin_study(camera_files, finger="right_index")
+    started = begin_study(camera_files, finger="right_index")
     study = {one.key: one.content for one in load_study(camera_files / "study.toml").tables}
     contact = study["IMG_0031"]
     assert (contact["finger"], contact["wedge_angle_deg"], contact["load_N"]) == ("right_index", 45, 1.5)
@@ -181,20 +181,20 @@ def test_a_study_begins_from_files(camera_files) -> None:
     named = study["LI_30deg_0_5N"]
     assert (named["finger"], named["wedge_angle_deg"], named["load_N"]) == ("left_index", 30, 0.5)
     assert "scale" not in named  # nothing is guessed in silence
-    assert begun.taken["IMG_0031.png"] == "contact image"
-    assert any("IMG_0031.png: 500 ppi as its file says" in line for line in begun.guesses)
-    assert "details.csv, line 3: no one file is called 'IMG_0099'" in begun.guesses
-    assert begun.left["force.csv"] == "force of a sequence"
-    assert begun.left["details.csv"] == "spreadsheet of files"
-    assert begun.left["odd.csv"] == "nothing that a study needs"
-    assert "notes.txt" not in begun.left
-    assert any(one.key == "LI_30deg_0_5N" and one.place == "scale" for one in begun.missing)
+    assert started.taken["IMG_0031.png"] == "contact image"
+    assert any("IMG_0031.png: 500 ppi as its file says" in line for line in started.guesses)
+    assert "details.csv, line 3: no one file is called 'IMG_0099'" in started.guesses
+    assert started.left["force.csv"] == "force of a sequence"
+    assert started.left["details.csv"] == "spreadsheet of files"
+    assert started.left["odd.csv"] == "nothing that a study needs"
+    assert "notes.txt" not in started.left
+    assert any(one.key == "LI_30deg_0_5N" and one.place == "scale" for one in started.missing)
 
 
 def test_a_file_without_a_finger_is_left(camera_files) -> None:
-    begun = begin_study(camera_files)
-    assert begun.left["IMG_0031.png"] == "nothing states its finger: give --finger NAME"
-    assert "IMG_0031.png" not in begun.taken
+    started = begin_study(camera_files)
+    assert started.left["IMG_0031.png"] == "nothing states its finger: give --finger NAME"
+    assert "IMG_0031.png" not in started.taken
 
 
 def test_folders_without_files_and_with_a_study_are_refused(tmp_path) -> None:

@@ -1,4 +1,4 @@
-"""A study begun from the files in its folder: what each is taken as, and what is not known."""
+"""A study started from the files in its folder: what each is taken as, and what is not known."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ _WORDS: Mapping[str, str] = {use: words for uses in USES.values() for use, words
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BegunStudy:
-    """A study that was begun from files.
+    """A study that was started from files.
 
     Attributes
     ----------
