@@ -16,7 +16,7 @@ from fingerpad.study.editing.propose import (
     with_guess,
     written_scale,
 )
-from fingerpad.study.from_files import begin_study
+from fingerpad.study.from_files import start_study
 from fingerpad.study.imports.identify import FileIdentity
 from fingerpad.study.manifest import LoadedStudy, Study, load_study
 
@@ -173,7 +173,7 @@ def camera_files(tmp_path):
 
 
 def test_a_study_begins_from_files(camera_files) -> None:
-    started = begin_study(camera_files, finger="right_index")
+    started = start_study(camera_files, finger="right_index")
     study = {one.key: one.content for one in load_study(camera_files / "study.toml").tables}
     contact = study["IMG_0031"]
     assert (contact["finger"], contact["wedge_angle_deg"], contact["load_N"]) == ("right_index", 45, 1.5)
@@ -185,34 +185,35 @@ def test_a_study_begins_from_files(camera_files) -> None:
     assert any("IMG_0031.png: 500 ppi as its file says" in line for line in started.guesses)
     assert "details.csv, line 3: no one file is called 'IMG_0099'" in started.guesses
     assert started.left["force.csv"] == "force of a sequence"
-    assert started.left["details.csv"] == "spreadsheet of files"
+    assert started.taken["details.csv"].startswith("what it states of ")
+    assert started.guesses[0] == "load_relative_std = 0.01: every load is known within 1 %"
     assert started.left["odd.csv"] == "nothing that a study needs"
     assert "notes.txt" not in started.left
     assert any(one.key == "LI_30deg_0_5N" and one.place == "scale" for one in started.missing)
 
 
 def test_a_file_without_a_finger_is_left(camera_files) -> None:
-    started = begin_study(camera_files)
+    started = start_study(camera_files)
     assert started.left["IMG_0031.png"] == "nothing states its finger: give --finger NAME"
     assert "IMG_0031.png" not in started.taken
 
 
 def test_folders_without_files_and_with_a_study_are_refused(tmp_path) -> None:
     with pytest.raises(ManifestError, match="holds no picture"):
-        begin_study(tmp_path)
+        start_study(tmp_path)
     assert not (tmp_path / "study.toml").exists()
     with pytest.raises(ManifestError, match="is no folder"):
-        begin_study(tmp_path / "none")
+        start_study(tmp_path / "none")
     Image.fromarray(np.zeros((50, 50), np.uint8)).save(tmp_path / "a.png")
-    begin_study(tmp_path)
+    start_study(tmp_path)
     with pytest.raises(ManifestError, match="there is a study already"):
-        begin_study(tmp_path)
+        start_study(tmp_path)
 
 
 def test_a_file_that_cannot_be_read_is_left(tmp_path) -> None:
     (tmp_path / "a.png").write_bytes(b"no picture")
     Image.fromarray(np.zeros((50, 50), np.uint8)).save(tmp_path / "b.png")
-    assert "cannot be read" in begin_study(tmp_path).left["a.png"]
+    assert "cannot be read" in start_study(tmp_path).left["a.png"]
 
 
 def test_guesses_say_so() -> None:

@@ -56,10 +56,10 @@ def init(
 
 def _begin(folder: Path, finger: str) -> None:
     """Write the manifest of the files in a folder, and say what is taken, guessed and not known."""
-    from fingerpad.study.from_files import begin_study
+    from fingerpad.study.from_files import start_study
     from fingerpad.study.manifest.load import STUDY_NAME
 
-    found, manifest = begin_study(folder, finger=finger), folder / STUDY_NAME
+    found, manifest = start_study(folder, finger=finger), folder / STUDY_NAME
     lacking = [": ".join(filter(None, (f"{one.kind} {one.key}".strip(), one.words))) for one in found.missing]
     for title, lines in {
         "Taken": [f"{file}: {words}" for file, words in found.taken.items()],

@@ -21,13 +21,14 @@ from fingerpad.study.editing.propose import (
 )
 from fingerpad.study.imports.identify import identify_file, join_files, read_file_table
 from fingerpad.study.manifest import LoadedStudy, Study
+from fingerpad.study.manifest.messages import counted
 from fingerpad.study.status import Missing, missing
 
 _WORDS: Mapping[str, str] = {use: words for uses in USES.values() for use, words in uses.items() if use}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BegunStudy:
+class StartedStudy:
     """A study that was started from files.
 
     Attributes
@@ -51,8 +52,8 @@ class BegunStudy:
     missing: tuple[Missing, ...]
 
 
-def begin_study(folder: Path, *, finger: str = "") -> BegunStudy:
-    """Begin a study from the files that lie in a folder.
+def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
+    """Start a study from the files that lie in a folder.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ def begin_study(folder: Path, *, finger: str = "") -> BegunStudy:
 
     Returns
     -------
-    BegunStudy
+    StartedStudy
         Loads, wedge angles and scales that nothing states are left out.
 
     Raises
@@ -88,7 +89,7 @@ def begin_study(folder: Path, *, finger: str = "") -> BegunStudy:
                 left[one.key] = f"cannot be read: {error}"
     if not found:
         raise ManifestError(f"{folder}: holds no picture, sequence or table that can be read: put them there")
-    problems = list(_filled_in(folder, found))
+    read, problems = _filled_in(folder, found)
     coins = [file for file, (new, _) in found.items() if new.use == "coin"]
     for file, (new, guess) in found.items():
         own = new if new.finger or new.use not in TAKES else replace(new, finger=finger)
@@ -103,12 +104,16 @@ def begin_study(folder: Path, *, finger: str = "") -> BegunStudy:
     for file, (new, _) in found.items():
         if file in proposal.waiting:
             left[file] = "nothing states its finger: give --finger NAME"
-        elif file not in used:
+        elif file not in used and file not in read:
             left[file] = _WORDS.get(new.use, "nothing that a study needs")
-    return BegunStudy(
+    return StartedStudy(
         loaded=loaded,
-        taken={file: _WORDS[new.use] for file, (new, _) in found.items() if file in used},
-        guesses=(*problems, *(words for file in found if file in used for words in _guesses(*found[file]))),
+        taken={file: _WORDS[new.use] for file, (new, _) in found.items() if file in used} | read,
+        guesses=(
+            *_beginning(loaded.study),
+            *problems,
+            *(words for file in found if file in used for words in _guesses(*found[file])),
+        ),
         left=left,
         missing=tuple(one for one in missing(loaded) if one.kind not in {"file", "folder"}),
     )
@@ -124,24 +129,34 @@ def _looked_at(folder: Path, file: str, *, is_frames: bool) -> tuple[NewFile, Gu
     return with_guess(named_file(file, identity.kind, ()), guess), guess
 
 
-def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> Iterator[str]:
-    """Take what spreadsheets state of files, and yield what of it cannot be taken."""
+def _beginning(study: Study) -> Iterator[str]:
+    """Yield what every study is started with."""
+    if std := study.uncertainty.load_relative_std:
+        yield f"load_relative_std = {std:g}: every load is known within {100 * std:g} %"
+
+
+def _filled_in(folder: Path, found: dict[str, tuple[NewFile, Guess]]) -> tuple[dict[str, str], list[str]]:
+    """Take what spreadsheets state of files; return of how many each does, and what cannot be taken."""
+    read, problems = {}, []
     for sheet in [file for file, (new, _) in found.items() if new.use == "sheet"]:
         table = read_file_table(folder / sheet)
         joined = join_files(table, [file for file in found if file != sheet])
-        yield from (
+        problems += [
             f"{sheet}, line {row.line}: {'; '.join(row.problems)}" for row in table.rows if row.problems
-        )
-        yield from (
+        ]
+        problems += [
             f"{sheet}, line {row.line}: no one file is called {row.file!r}"
             for row in joined.rows_without_file
-        )
+        ]
+        if joined.values:
+            read[sheet] = f"what it states of {counted(len(joined.values), 'file')}"
         for file, values in joined.values.items():
             new, guess = found[file]
             taken, problem = stated_values(new, values, ())
             if problem:
-                yield f"{file}: {problem}"
+                problems.append(f"{file}: {problem}")
             found[file] = replace(new, **taken), guess
+    return read, problems
 
 
 def _guesses(new: NewFile, guess: Guess) -> Iterator[str]:
