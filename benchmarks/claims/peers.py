@@ -177,7 +177,11 @@ def contact_image(count: int = 2) -> None:
         ("as an ImageJ macro: median, IsoData, close, fill, fit", _by_imagej),
         ("pyfing: gradient magnitude (GMFS)", _by_pyfing),
     ):
-        found = [way(image) for image in images]
+        try:
+            found = [way(image) for image in images]
+        except ModuleNotFoundError:
+            rows.append((f"{name}: not installed", *4 * ("–",), 0))
+            continue
         area = np.array([one.area / image.gross_area - 1 for one, image in zip(found, images, strict=True)])
         axes = np.array(
             [
@@ -233,14 +237,11 @@ def _by_imagej(image: IndependentImage) -> Measured:
 
 
 def _by_pyfing(image: IndependentImage) -> Measured:
-    """Measure by the gradient-magnitude segmentation of Cappelli (2023), nothing if pyfing is not there."""
+    """Measure by the gradient-magnitude segmentation of Cappelli (2023)."""
     sys.modules.setdefault(
         "keras", ModuleType("keras")
     )  # imported for networks that this method does without
-    try:
-        methods = import_module("pyfing.segmentation")
-    except ImportError:
-        return _NONE
+    methods = import_module("pyfing.segmentation")
     parameters = methods.GmfsParameters(image_dpi=round(25.4 / image.mm_per_px))
     return _largest_region(methods.Gmfs(parameters).run(_dark_on_light(image)) > 0, image)
 
