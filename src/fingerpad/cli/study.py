@@ -192,7 +192,12 @@ def verify(
 
 
 def _print_outcome(result: "StudyResult", report: Path) -> None:
-    from fingerpad.report.text import fingers_without_results, implausible_values, why_not_pooled
+    from fingerpad.report.text import (
+        fingers_without_results,
+        implausible_values,
+        moduli_apart,
+        why_not_pooled,
+    )
     from fingerpad.study.results.output import answers_of
     from fingerpad.study.results.validity.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
@@ -208,7 +213,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"more than {FAILS_ABOVE:.0%}; in brackets, its largest difference"
         )
     _print_doubts(result)
-    for note in (*result.notes, *implausible_values(result)):
+    for note in (*result.notes, *implausible_values(result), *moduli_apart(result)):
         typer.echo(f"note: {note}", err=True)
     for failure in result.failures:
         typer.echo(f"failed: {failure}", err=True)

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import combinations
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.manifest.messages import counted
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
+from fingerpad.study.results.output import Answer, answers_of
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.rows import IMPLAUSIBLE
 from fingerpad.study.results.study_result import StudyResult
@@ -56,6 +58,10 @@ _REMEDIES: Final[Mapping[str, str]] = {
     "loading_radius_on_layer": "check the thickness, and the scales of area and displacement",
     "modulus_on_layer": "check the thickness, and the scales of area and displacement",
 }
+
+# Moduli of a finger further apart than these, in standard uncertainties and as a ratio, under loads that
+# differ by no more than the last, are not of one tissue.
+_MOST_APART, _FAR_APART, _LIKE_LOADS = 3.0, 1.2, 1.25
 
 _NOT_LOADING: Final = "no loading frame, or too small an ellipse"
 _AXIS_WORDS: Final[Mapping[str, str]] = {
@@ -184,6 +190,31 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
                 yield (
                     f"{placement_words(summary)}: in {counts[code]} of {counted(total, 'contact')}{frames} "
                     f"{FLAGS['row'][code].words}: {FLAGS['row'][code].to_do}"
+                )
+
+
+def moduli_apart(result: StudyResult) -> Iterator[str]:
+    """Yield where a finger's modulus differs between two angles, under like loads, by more than chance."""
+    by_finger: dict[tuple[str, bool, bool], list[Answer]] = {}
+    for one in answers_of(result):
+        by_finger.setdefault((one.of.finger, one.of.synthetic, one.on_bone), []).append(one)
+    for found in by_finger.values():
+        for first, second in combinations(found, 2):
+            apart = abs(first.modulus - second.modulus) / math.hypot(first.modulus_std, second.modulus_std)
+            ratio, loads = second.modulus / first.modulus, second.load / first.load
+            if (
+                apart > _MOST_APART
+                and abs(math.log(ratio)) > math.log(_FAR_APART)
+                and abs(math.log(loads)) < math.log(_LIKE_LOADS)
+            ):
+                both = " and ".join(
+                    f"{value_with_uncertainty(one.modulus, one.modulus_std)} kPa at "
+                    f"{one.label.partition(', ')[2]}"
+                    for one in (first, second)
+                )
+                yield (
+                    f"{first.of.finger}: the moduli {both} are {apart:.1f} standard uncertainties apart, and "
+                    "one tissue has one: state each with its angle, and check angles, semi-axes and thickness"
                 )
 
 
