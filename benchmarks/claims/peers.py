@@ -179,7 +179,7 @@ def contact_image(count: int = 2) -> None:
     ):
         try:
             found = [way(image) for image in images]
-        except ModuleNotFoundError:
+        except ImportError:
             rows.append((f"{name}: not installed", *4 * ("–",), 0))
             continue
         area = np.array([one.area / image.gross_area - 1 for one, image in zip(found, images, strict=True)])
