@@ -30,6 +30,8 @@ class EdgeModel:
     deeper: Band = (-1.6, -0.8)  # the one before
     outside: Band = (0.1, 0.3)  # ridges just outside
     beyond: Band = (0.4, 0.7)  # ridges beyond
+    rim: Band = (-1.2, -0.4)  # contrast round the outline
+    near: Band = (0.0, 0.5)  # contrast just outside
     followed: float = 3.0  # periods; over this length an outline follows a ridge or does not
     along: float = 2.0  # periods; ridges are what varies along the outline over less than this
     sectors: int = 24  # parts of the outline whose means are compared
@@ -46,10 +48,12 @@ class EdgeModel:
     shared_std: float = 0.08  # periods; at least
     beyond_std: float = 3.5  # periods a contrast; by the ridges beyond
     rim_std: float = 0.25  # periods; where a rim covers all ridges
+    unevenness_std: float = 0.5  # periods a contrast; by how uneven the contrast just outside is
 
     # Standard deviation by which the edge varies within one image.
     varies: float = 0.7  # share of the shared deviation
     alike: float = 0.25  # share of the outline over which it is the same
+    lack_std: float = 1.0  # periods a contrast; by how the contrast of the rim differs from elsewhere
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

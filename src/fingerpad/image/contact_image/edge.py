@@ -46,6 +46,9 @@ class Edge:
     softness: float  # by what share the ridges' area would change if their level moved by the whole rise
     resolved: bool  # whether the period was seen in the picture, or is one that fingers usually have
     manual: BoolArray  # (n,); where a person drew it
+    # (n,); Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for
+    # all points, by how the contrast inside differs from that along the rest of the outline
+    differs: FloatArray
     # How far further out the edge lies because the contact fades towards it; below 0 where it is sharp
     fade: float = 0.0
     # How much ridges beyond the outline vary along it, in parts of the interior's contrast
@@ -53,6 +56,8 @@ class Edge:
     # By how much ridges stand out less at the outline than inside because a halo or a meniscus covers them,
     # from 0 to 1; squared
     rim: float = 0.0
+    # Standard deviation along the outline of the contrast just outside it, in parts of the interior's
+    unevenness: float = 0.0
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
@@ -71,6 +76,7 @@ def drawn_edge(points: FloatArray, view: View) -> Edge:
         softness=0.0,
         resolved=True,
         manual=np.ones(len(points), dtype=bool),
+        differs=np.zeros(len(points)),
     )
 
 
@@ -114,6 +120,7 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
         softness=_softness(ridges.amount, patch),
         resolved=view.resolved,
         manual=np.zeros(len(points), dtype=bool),
+        differs=np.zeros(len(points)),
     )
 
 
@@ -133,6 +140,10 @@ class FadeSigns(NamedTuple):
     outside: float  # how much ridges vary along the outline just outside it, in parts of that inside
     beyond: float  # the same further out, in parts of the interior's contrast
     rim: float  # as in `Edge`
+    unevenness: float  # as in `Edge`
+    # (n,); By how much the contrast inside is less than elsewhere along the outline, in parts of the
+    # interior's
+    differs: FloatArray
 
 
 def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArray) -> FadeSigns:
@@ -140,8 +151,8 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
     depth = distance_to(~patch)
     deep = depth > min(EDGE.interior_depth * edge.period, 0.6 * float(depth.max()))
     interior = contact[deep].mean()
-    ground, inside, outside, beyond = _across(
-        contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond
+    ground, inside, outside, beyond, rim, near = _across(
+        contact, edge, EDGE.ground, EDGE.inside, EDGE.outside, EDGE.beyond, EDGE.rim, EDGE.near
     )
     plain = float(ground.mean())
     contrast = np.float32(max(interior - plain, 1e-9))
@@ -154,16 +165,19 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
     standing_out = seen[:2] / np.maximum(means, EDGE.least)
     shown = standing_out[1] / np.maximum(standing_out[0], EDGE.least)
     last, before = (band.mean() for band in _across(as_float32(amount), edge, EDGE.inside, EDGE.deeper))
+    rim = running_mean(rim.mean(axis=0), round(EDGE.alike * len(edge.points)))
     return FadeSigns(
         thinning=float(1 - last / max(before, _LITTLE)),
         outside=float(seen[1] / np.maximum(seen[0], EDGE.least)),
         beyond=float(seen[2]),
         rim=float(np.maximum(1 - shown, 0) ** 2),
+        unevenness=float(np.std(_sector_means(near.mean(axis=0))) / contrast),
+        differs=np.asarray((rim.mean() - rim) / contrast, dtype=np.float64),
     )
 
 
 def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
-    """Return an outline with how far the edge of a fading contact lies beyond it.
+    """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
 
     Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
     contrast. The outline at half the local contrast then lies inside the edge. Two things show how far: there
@@ -174,9 +188,11 @@ def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
     fade += EDGE.by_outside * signs.outside + EDGE.by_beyond * max(signs.beyond - EDGE.hardly, 0.0)
     return replace(
         edge,
+        differs=EDGE.lack_std * signs.differs * edge.period,
         fade=fade * edge.period,
         beyond=signs.beyond,
         rim=signs.rim,
+        unevenness=signs.unevenness,
     )
 
 
@@ -262,6 +278,7 @@ def edge_offset_std(edge: Edge) -> float:
         EDGE.shared_std * edge.period,
         EDGE.beyond_std * edge.beyond * edge.period,
         EDGE.rim_std * edge.rim * edge.period,
+        EDGE.unevenness_std * edge.unevenness * edge.period,
         0.0 if edge.resolved else EDGE.ends * edge.period / 2,
     )
     return math.hypot(*terms)
@@ -274,8 +291,9 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
     with the blur. The contribution of blur and the length of a stretch are fitted to the errors of rendered
     contacts (`accuracy_and_coverage` in benchmarks/claims/contact_images.py). Besides, an edge that fades
-    does not fade alike all round, nor in all images of one device. Where the edge was drawn manually, the
-    error of drawing replaces these; half of its variance is shared by all that was drawn.
+    does not fade alike all round, nor in all images of one device: less so where the contrast inside
+    differs as well. Where the edge was drawn manually, the error of drawing replaces these; half of its
+    variance is shared by all that was drawn.
     """
     along = edge.along.clip(0, 1)
     soft = EDGE.softness_std * edge.softness
@@ -289,5 +307,6 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     long = max(1, round(EDGE.alike * len(varying)))
     varied = running_mean(varying, long)
     drawn = (weights * (edge.steps * edge.manual * MANUAL * edge.period)[:, None]).sum(axis=0)
+    uneven = weights.T @ (edge.steps * ~edge.manual * edge.differs)
     independent = spread.T @ spread * width + varied.T @ varied * long
-    return np.asarray(independent + np.outer(drawn, drawn))
+    return np.asarray(independent + np.outer(uneven, uneven) + np.outer(drawn, drawn))

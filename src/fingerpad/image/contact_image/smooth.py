@@ -256,6 +256,7 @@ def _edge(step: Step, view: View) -> SmoothEdge:
         softness=0.0,
         resolved=False,
         manual=np.zeros(len(points), dtype=bool),
+        differs=np.zeros(len(points)),
         own=own / view.step,
         stretch=run * float(steps.mean()),
         hidden=hidden / view.step,
