@@ -119,11 +119,8 @@ def write_page(
         "headlines": HEADLINE_WORDS,
         "picture_of": lambda overlay: _picture(overlays / overlay),
     }
-    path, draw, found = (
-        out / name,
-        partial(save_plots, folder=out / "figures", on_drawn=on_drawn),
-        answers_of(result),
-    )
+    path, found = out / name, answers_of(result)
+    draw = partial(save_plots, folder=out / "figures", on_drawn=on_drawn)
     try:
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)

@@ -17,7 +17,6 @@ from fingerpad.study.results.study_result import StudyResult
 from fingerpad.units import KPA_PER_MPA
 
 _LOWEST: Final = 0.05  # of the curve's highest load
-_MASS: Final = 0.1  # kg, as of `fingerpad simulator`
 
 
 def simulator_plots(result: StudyResult, curve: CurveResult, name: str) -> Iterator[Plot]:
@@ -48,7 +47,7 @@ def simulator_plots(result: StudyResult, curve: CurveResult, name: str) -> Itera
     highest = float(fit.load.max())
     try:
         law = simulator_law(placement, tissue, (_LOWEST * highest, highest), stds=stds)
-        simulated = law.simulated_loads(_MASS)
+        simulated = law.simulated_loads()
     except GeometryError:  # beyond the law, or too stiff for MuJoCo: `fingerpad simulator` says which
         return
     yield Plot(
