@@ -264,8 +264,8 @@ _CURVE: Final = (
     Flag(
         "modulus_depends_on_load",
         "a modulus that grows with load fits better than one modulus",
-        "state the modulus with the load that it holds at; give the pad's semi-axes too, which tell whether "
-        "bone explains the curve",
+        "state the modulus with the load that it holds at; the fit of a layer, which takes the pad's "
+        "semi-axes, tells whether bone explains it",
     ),
     Flag(
         "modulus_partly_decreases",
