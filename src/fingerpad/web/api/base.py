@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from collections.abc import Callable, Coroutine
 from http import HTTPStatus
 from pathlib import PurePath
@@ -40,7 +41,7 @@ class _Strictly:
     def __get_pydantic_core_schema__(
         self, source: type[Params], handler: GetCoreSchemaHandler
     ) -> core_schema.CoreSchema:
-        # FastAPI hands over what it has parsed; strict validation of that would refuse lists for tuples.
+        # FastAPI has parsed it already; strict validation of that would refuse lists for tuples.
         def strictly(value: Any) -> Any:
             if isinstance(value, dict):
                 return source.model_validate_json(json.dumps(value), strict=True)
@@ -116,6 +117,12 @@ async def _here(request: Request) -> Workspace:
 
 Here: TypeAlias = Annotated[Workspace, Depends(_here)]
 Opened: TypeAlias = Annotated[StudySession, Depends(_opened)]
+
+
+def saved_as(name: str) -> dict[str, str]:
+    """Return the header of a download under a name, of which ASCII is kept."""
+    plain = re.sub(r"[^A-Za-z0-9._+-]", "_", name)
+    return {"content-disposition": f'attachment; filename="{plain}"'}
 
 
 def answer_errors(app: FastAPI) -> None:

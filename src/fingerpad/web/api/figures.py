@@ -20,7 +20,7 @@ from fingerpad.figures.publish import (
 )
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, Params, study_router
+from fingerpad.web.api.base import Opened, Params, saved_as, study_router
 from fingerpad.web.api.results import require_results
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
@@ -161,8 +161,7 @@ def figure_download(opened: Opened, params: Annotated[FigureFileParams, Query()]
     content = figure_file(_read(opened, params.name), params.kind, settings)
     headers = {"cache-control": "private, no-cache"}
     if params.attachment:
-        name = file_stem(params.name).encode("ascii", "replace").decode().replace("?", "_")
-        headers["content-disposition"] = f'attachment; filename="{name}.{params.kind}"'
+        headers |= saved_as(f"{file_stem(params.name)}.{params.kind}")
     return Response(content, media_type=_MEDIA[params.kind], headers=headers)
 
 

@@ -22,7 +22,7 @@ from starlette.responses import FileResponse, StreamingResponse
 
 from fingerpad.study.share import Bundle, pack, unpack
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
+from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, saved_as, study_router
 from fingerpad.web.api.state import State, StateAfterRemoval, StateAfterRestore, document
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
@@ -227,7 +227,7 @@ def download(opened: Opened, path: FilePath, *, attachment: bool = False) -> Res
     require_file(opened, path)
     headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if file.suffix == ".html" else {})
     if attachment:
-        headers["content-disposition"] = f'attachment; filename="{_ascii(file.name)}"'
+        headers |= saved_as(file.name)
     return FileResponse(file, media_type=_TYPES.get(file.suffix, "application/octet-stream"), headers=headers)
 
 
@@ -266,10 +266,6 @@ def _zipped(opened: StudySession) -> Response:
     return FileResponse(
         target,
         media_type="application/zip",
-        headers={"content-disposition": f'attachment; filename="{_ascii(opened.name)}.zip"'},
+        headers=saved_as(f"{opened.name}.zip"),
         background=BackgroundTask(os.unlink, target),
     )
-
-
-def _ascii(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9._+-]", "_", name)
