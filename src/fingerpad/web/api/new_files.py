@@ -1,5 +1,6 @@
 """New files: what each may be, what a spreadsheet or their names state of them, and their edits."""
 
+from collections.abc import Collection
 from threading import Lock
 from typing import Annotated, Any, Final, Literal
 
@@ -29,7 +30,6 @@ from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, Opened, Params, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
-from fingerpad.web.study_session import StudySession
 
 router = study_router()
 
@@ -153,11 +153,12 @@ def join(opened: Opened, params: Body[TableParams]) -> JoinedTable:
         raise RequestError.impossible("give a file or a text")
     new = {one.file: one for one in params.files}
     found = join_files(table, new)
+    scales = _scales(opened.read())
     problems = {id(row.values): row.problems for row in table.rows}
     return JoinedTable(
         columns=[TableColumn(**column._asdict()) for column in table.columns],
         files=[
-            _stated(opened, new[file], values, problems[id(values)]) for file, values in found.values.items()
+            _stated(scales, new[file], values, problems[id(values)]) for file, values in found.values.items()
         ],
         rows_without_file=[TableRow(line=row.line, file=row.file) for row in found.rows_without_file],
         files_without_row=found.files_without_row,
@@ -181,16 +182,19 @@ class PatternMatches(Answer):
 def match(opened: Opened, params: Body[PatternParams]) -> PatternMatches:
     """Read the names of new files by a pattern."""
     found = match_file_names(params.pattern, [one.file for one in params.files])
+    scales = _scales(opened.read())
     return PatternMatches(
         files=[
-            _stated(opened, new, one.values, (one.problem,))
+            _stated(scales, new, one.values, (one.problem,))
             for new, one in zip(params.files, found, strict=True)
         ]
     )
 
 
-def _stated(opened: StudySession, new: NewFile, values: FileValues, problems: tuple[str, ...]) -> StatedFile:
-    taken, problem = stated_values(new, values, _scales(opened.read()))
+def _stated(
+    scales: Collection[str], new: NewFile, values: FileValues, problems: tuple[str, ...]
+) -> StatedFile:
+    taken, problem = stated_values(new, values, scales)
     words = "; ".join(filter(None, (*problems, problem)))
     return StatedFile(file=new.file, values=StatedValues.model_validate(taken), problem=words)
 
