@@ -171,7 +171,7 @@ def test_each_check_that_does_not_hold_says_what_to_do(demo: tuple[StudyResult, 
 
 def test_moduli_of_one_finger_that_differ_between_angles_are_noted(demo) -> None:
     result, page, _ = demo
-    (words,) = moduli_apart(result)
+    (words,) = moduli_apart(answers_of(result))
     assert re.match(
         r"left_index_ellipse: the moduli \d\d\.\d ± .* at 30° and .* at 45° are 4\.\d standard", words
     )

@@ -201,7 +201,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     from fingerpad.study.results.output import answers_of
     from fingerpad.study.results.validity.model_checks import FAILS, FAILS_ABOVE, STRAINED, STRAINED_ABOVE
 
-    for summary, answer in zip(result.summaries, answers_of(result), strict=True):
+    answers = answers_of(result)
+    for summary, answer in zip(result.summaries, answers, strict=True):
         typer.echo(answer.sentence)
         if summary.corrected_radius is None:
             typer.echo(f"{answer.label}: {why_not_pooled(summary)}")
@@ -213,7 +214,7 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"more than {FAILS_ABOVE:.0%}; in brackets, its largest difference"
         )
     _print_doubts(result)
-    for note in (*result.notes, *implausible_values(result), *moduli_apart(result)):
+    for note in (*result.notes, *implausible_values(result), *moduli_apart(answers)):
         typer.echo(f"note: {note}", err=True)
     for failure in result.failures:
         typer.echo(f"failed: {failure}", err=True)

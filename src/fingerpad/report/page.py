@@ -129,7 +129,7 @@ def write_page(
             home=home,
             pages=pages,
             failed=result.failed_contacts,
-            odd=[*result.notes, *implausible_values(result), *moduli_apart(result)],
+            odd=[*result.notes, *implausible_values(result), *moduli_apart(found)],
             most_failed=_MOST_FAILED,
             corrected=list(records(result.corrected[:_MOST_FAILED])),
             corrections=len(result.corrected),

@@ -16,7 +16,7 @@ from fingerpad.study.corrections.apply import ManualPhases
 from fingerpad.study.manifest.messages import counted
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
-from fingerpad.study.results.output import Answer, answers_of
+from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.rows import IMPLAUSIBLE
 from fingerpad.study.results.study_result import StudyResult
@@ -193,10 +193,10 @@ def implausible_values(result: StudyResult) -> Iterator[str]:
                 )
 
 
-def moduli_apart(result: StudyResult) -> Iterator[str]:
+def moduli_apart(answers: Iterable[Answer]) -> Iterator[str]:
     """Yield where a finger's modulus differs between two angles, under like loads, by more than chance."""
     by_finger: dict[tuple[str, bool, bool], list[Answer]] = {}
-    for one in answers_of(result):
+    for one in answers:
         by_finger.setdefault((one.of.finger, one.of.synthetic, one.on_bone), []).append(one)
     for found in by_finger.values():
         for first, second in combinations(found, 2):
@@ -208,8 +208,7 @@ def moduli_apart(result: StudyResult) -> Iterator[str]:
                 and abs(math.log(loads)) < math.log(_LIKE_LOADS)
             ):
                 both = " and ".join(
-                    f"{value_with_uncertainty(one.modulus, one.modulus_std)} kPa at "
-                    f"{one.label.partition(', ')[2]}"
+                    f"{value_with_uncertainty(one.modulus, one.modulus_std)} kPa at {one.angles}"
                     for one in (first, second)
                 )
                 yield (

@@ -486,10 +486,15 @@ class Answer:
     on_bone: bool
 
     @property
+    def angles(self) -> str:
+        """The wedge angle, and the roll where there is one."""
+        roll = f", roll {self.of.roll_angle_deg:g}°".replace("-", "−") if self.of.roll_angle_deg else ""
+        return f"{self.of.wedge_angle_deg:g}°{roll}"
+
+    @property
     def label(self) -> str:
         """The finger and its angles."""
-        roll = f", roll {self.of.roll_angle_deg:g}°".replace("-", "−") if self.of.roll_angle_deg else ""
-        return f"{self.of.finger}, {self.of.wedge_angle_deg:g}°{roll}"
+        return f"{self.of.finger}, {self.angles}"
 
     @property
     def text(self) -> str:
