@@ -159,8 +159,13 @@ def read_colour_image(
     Traceback (most recent call last):
     fingerpad.exceptions.ImageError: no_such_finger.jpg: no such file or folder: check the path
     """
-    levels = eight_bit(read_levels(path, memory_limit)[0])
-    return np.repeat(levels[..., None], 3, axis=2) if levels.ndim == 2 else levels
+    return in_colour(read_levels(path, memory_limit)[0])
+
+
+def in_colour(levels: Pixels) -> npt.NDArray[np.uint8]:
+    """Return levels of a picture as red, green, blue of 8 bits."""
+    eight = eight_bit(levels)
+    return np.repeat(eight[..., None], 3, axis=2) if eight.ndim == 2 else eight
 
 
 def grey_levels(image: ImageLike) -> npt.ArrayLike:

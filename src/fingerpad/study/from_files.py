@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fingerpad.exceptions import FingerpadError, ManifestError
-from fingerpad.image import read_image
 from fingerpad.study.editing.edit import change_study, create_study
 from fingerpad.study.editing.propose import (
     COIN,
@@ -124,8 +123,7 @@ def _looked_at(folder: Path, file: str, *, is_frames: bool) -> tuple[NewFile, Gu
     if is_frames:
         return named_file(file, "sequence", ()), Guess(uses=("sequence",), sure=True)
     identity = identify_file(folder / file)
-    ppi = read_image(folder / file).dots_per_inch if identity.kind == "picture" else None
-    guess = guess_of(identity, {}, ppi=ppi)
+    guess = guess_of(identity, {})
     return with_guess(named_file(file, identity.kind, ()), guess), guess
 
 

@@ -176,9 +176,7 @@ face=None, wedge_angle_deg=30.0, load_N=0.5, scale='', diameter_mm=None, guessed
     )
 
 
-def guess_of(
-    found: FileIdentity, scales: Mapping[str, Mapping[str, Any]], *, ppi: float | None = None
-) -> Guess:
+def guess_of(found: FileIdentity, scales: Mapping[str, Mapping[str, Any]]) -> Guess:
     """Return what a file may be used as, and which scale may hold for it.
 
     Parameters
@@ -187,8 +185,6 @@ def guess_of(
         What it may be.
     scales : mapping
         The tables of the study's scales by their names.
-    ppi : float, optional
-        The resolution that its file states.
 
     Returns
     -------
@@ -196,6 +192,7 @@ def guess_of(
         A scale is proposed where the study has only one, or the file of a contact image states a resolution:
         that of a scanner, so that it is proposed for no photograph.
     """
+    ppi = found.dots_per_inch
     return Guess(
         uses=tuple(OF_CONTENT[content] for content in found.contents),
         sure=found.is_sure,

@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path, PurePosixPath
 from typing import Final, Literal, NamedTuple, TypeAlias
@@ -11,7 +11,8 @@ from typing import Final, Literal, NamedTuple, TypeAlias
 from fingerpad._columns import NAMES
 from fingerpad._tables import TABLE_SUFFIXES, Table, parse_table, read_table
 from fingerpad.exceptions import ManifestError
-from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames, read_colour_image
+from fingerpad.image import MEMORY_LIMIT, Face, Subject, guess_subject, open_frames
+from fingerpad.image.read import in_colour, read_levels
 from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, TIFF_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.imports.names import (
     FACTORS,
@@ -324,11 +325,14 @@ class FileIdentity:
         What it may be, most likely first; the numbers sum to 1. They rank, and are no frequencies.
     faces : mapping of str to float
         The face that it shows if it is a photograph, most likely first.
+    dots_per_inch : float or None
+        The resolution that a picture states, as in `fingerpad.image.Picture`.
     """
 
     kind: FileKind
     contents: Mapping[Content, float]
     faces: Mapping[Face, float]
+    dots_per_inch: float | None = None
 
     @property
     def content(self) -> Content:
@@ -398,9 +402,10 @@ def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT
         return _identity({"sequence": 1.0}, path, "sequence")
     if suffix not in PICTURE_SUFFIXES:
         return _identity({"other": 1.0}, path, "other")
-    guess = guess_subject(read_colour_image(path, memory_limit=memory_limit))
+    levels, dots_per_inch = read_levels(path, memory_limit)
+    guess = guess_subject(in_colour(levels))
     contents = {_OF_SUBJECT[subject]: share for subject, share in guess.subjects.items()}
-    return _identity(contents, path, "picture", guess.faces)
+    return replace(_identity(contents, path, "picture", guess.faces), dots_per_inch=dots_per_inch)
 
 
 def _identity(

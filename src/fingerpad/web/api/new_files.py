@@ -71,8 +71,7 @@ def identity(opened: Opened, params: Annotated[FileParams, Query()]) -> FileGues
     place = ImageLocation(opened.file(params.file))
     with _READING:
         found = _FOUND.get(place.stamp, lambda: identify_file(place.path, memory_limit=opened.memory_limit))
-    ppi = opened.pictures.grey(place).dots_per_inch if found.kind == "picture" else None
-    guess = guess_of(found, _scales(opened.read()), ppi=ppi)
+    guess = guess_of(found, _scales(opened.read()))
     return FileGuess(
         file=params.file,
         uses=list(guess.uses),
