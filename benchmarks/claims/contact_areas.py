@@ -14,9 +14,9 @@ import numpy.typing as npt
 from benchmarks.claims.contact_images import population
 from benchmarks.tables import off, share, stated, table
 from benchmarks.truth import elastic_ridges, pressure_images, stripe_images
-from benchmarks.truth.independent_images import independent_images
+from benchmarks.truth.independent_images import IndependentImage, independent_images
 from fingerpad.exceptions import ImageError
-from fingerpad.image import measure_contact_image
+from fingerpad.image import ContactImageResult, measure_contact_image
 
 Numbers = npt.NDArray[np.float64]
 
@@ -50,6 +50,11 @@ def compare(image: Image) -> Compared:
         found = measure_contact_image(image.pixels, image.mm_per_px)
     except ImageError:
         return Compared(image.condition, np.full(4, np.nan), np.full(4, np.nan), ("refused",))
+    return compared(image, found)
+
+
+def compared(image: Image, found: ContactImageResult) -> Compared:
+    """Return the errors of what was measured in an image."""
     ellipse = found.ellipse
     values = [found.gross_area, found.ridge_area, float(ellipse.semi_major), float(ellipse.semi_minor)]
     stds, truth = np.sqrt(np.diag(found.covariance)), np.array(image.truth)
@@ -60,8 +65,13 @@ def compare(image: Image) -> Compared:
 def independent(count: int, seed: int) -> Iterator[Image]:
     """Yield independent images."""
     for name, one in independent_images(count, seed):
-        truth = one.gross_area, one.ridge_area, one.semi_major, one.semi_minor
-        yield Image(name, one.pixels, one.mm_per_px, truth)
+        yield grown(one, name)
+
+
+def grown(one: IndependentImage, name: str = "") -> Image:
+    """Return an independent image with its truth."""
+    truth = one.gross_area, one.ridge_area, one.semi_major, one.semi_minor
+    return Image(name, one.pixels, one.mm_per_px, truth)
 
 
 def pressed(image: pressure_images.PressureImage, name: str = "") -> Image:
@@ -78,7 +88,7 @@ def ridged(image: elastic_ridges.ElasticImage | stripe_images.StripeImage, name:
 
 def sharp(count: int, seed: int) -> Iterator[Image]:
     """Yield images of the library's own renderer, nine times as many."""
-    for one in population(9 * count, seed, blur=(0, 0.08)):
+    for one in population(9 * count, seed):
         ellipse = one.ellipse
         truth = one.gross_area, one.ridge_area, float(ellipse.semi_major), float(ellipse.semi_minor)
         yield Image("sharp renders", one.pixels, 25.4 / 500, truth)

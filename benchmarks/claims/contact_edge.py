@@ -19,10 +19,9 @@ from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.uncertainty import pool
 
-PAD = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
 ELLIPSE = np.array([7.4, 5.0])
 WEDGE_DEG = 30.0
-AXES = np.array([*PAD.values()])
+AXES = np.array([7.9, 13.8, 11.8])
 STUDY, EXACT = study_of({"f": None}, AXES), finger("f", AXES)
 
 
@@ -84,7 +83,7 @@ def _contact(one: Measured, number: int, shared: bool) -> tuple[Observation, Mea
 
 
 def _true_radius() -> float:
-    curvature = Placement(Ellipsoid(**PAD), wedge_angle=np.radians(WEDGE_DEG)).curvature
+    curvature = Placement(Ellipsoid(*AXES), wedge_angle=np.radians(WEDGE_DEG)).curvature
     return float(equivalent_radius_from_indentation(curvature.mean_curvature_radius, ELLIPSE[1] / ELLIPSE[0]))
 
 

@@ -1,36 +1,23 @@
 """Time of measuring a contact image beside that of decoding it; and the renders that others measure."""
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Literal
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
-from benchmarks.claims.contact_edge import Measured
 from benchmarks.tables import table
-from fingerpad.image import ContactImageResult, Scale, measure_contact_image
+from fingerpad.image import Scale, measure_contact_image
 from fingerpad.simulate import SyntheticContactImage, render_contact_image
 
-SIZES = (100, 170, 240, 300)
 LOOKS: tuple[Literal["ink", "livescan", "prism"], ...] = ("ink", "livescan", "prism")
 PATTERNS: tuple[Literal["arch", "loop", "whorl"], ...] = ("arch", "loop", "whorl")
 NOISES = (4.0, 12.0, 25.0)
-QUANTITIES = ("semi-major", "semi-minor", "gross area", "ridge area")
 SCALE = Scale.of_ppi(500)
 
-Numbers = npt.NDArray[np.float64]
 
-
-def population(
-    count: int,
-    seed: int = 1,
-    *,
-    noise_std: float | None = None,
-    smudges: int = 0,
-    blur: tuple[float, float] = (0, 0.08),
-) -> Iterator[SyntheticContactImage]:
+def population(count: int, seed: int = 1) -> Iterator[SyntheticContactImage]:
     """Render a broad population: sizes, outlines, looks, patterns, noise, blur, light, compression."""
     rng = np.random.default_rng(seed)
     for k in range(count):
@@ -43,37 +30,18 @@ def population(
             ridge_period=rng.uniform(0.38, 0.55),
             pattern=PATTERNS[k // 8 % 3],
             look=LOOKS[k % 3],
-            noise_std=NOISES[rng.integers(3)] if noise_std is None else noise_std,
-            blur=rng.uniform(*blur),
+            noise_std=NOISES[rng.integers(3)],
+            blur=rng.uniform(0, 0.08),
             lighting=rng.uniform(0, 0.4),
             irregularity=rng.choice([0, rng.uniform(0, 0.04)]),
             creases=int(rng.integers(0, 4)),
-            smudges=smudges,
             jpeg_quality=int(rng.integers(60, 96)),
             seed=int(rng.integers(1 << 31)),
             ridge_seed=int(1000 * seed + k // 8),
         )
 
 
-def values_of(item: ContactImageResult | SyntheticContactImage) -> Numbers:
-    """Return semi-major, semi-minor, gross and ridge area."""
-    ellipse = item.ellipse
-    return np.array([float(ellipse.semi_major), float(ellipse.semi_minor), item.gross_area, item.ridge_area])
-
-
-def independent_errors(images: Iterable[Measured]) -> tuple[Numbers, Numbers, list[str]]:
-    """Return relative errors, errors over uncertainty and conditions, on independently rendered images."""
-    errors, scores, names = [], [], []
-    for name, truth, found in images:
-        true = np.array([truth.semi_major, truth.semi_minor, truth.gross_area, truth.ridge_area])
-        off = values_of(found) - true
-        errors.append(off / true)
-        scores.append(off / np.sqrt(np.diag(found.covariance)))
-        names.append(name)
-    return np.array(errors), np.array(scores), names
-
-
-def speed(repeats: int = 60) -> None:
+def report(repeats: int = 60) -> None:
     """Print the processor time of one measurement against that of decoding its PNG, side by side."""
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -97,8 +65,3 @@ def speed(repeats: int = 60) -> None:
     title = "Processor time of one image of 1024 × 1024 px that its contact nearly fills, one thread"
     table(("ridges apart", "measured in", "its PNG decoded in", "ratio (asked: 2)"), rows, title)
     cv2.setNumThreads(threads)
-
-
-def report() -> None:
-    """Print speed."""
-    speed()

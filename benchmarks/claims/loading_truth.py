@@ -98,7 +98,6 @@ class Found(NamedTuple):
     """One quantity of one fit; NaN where undetermined."""
 
     relative_error: float
-    error_over_std: float
     held: float
     flagged: bool
 
@@ -158,9 +157,9 @@ def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:
         if estimate.known and np.isfinite(true):
             error = estimate.value - true
             held = float(estimate.lower <= true <= estimate.upper)
-            found[name] = Found(error / true, error / estimate.std, held, flagged)
+            found[name] = Found(error / true, held, flagged)
         else:
-            found[name] = Found(np.nan, np.nan, np.nan, flagged)
+            found[name] = Found(np.nan, np.nan, flagged)
     return found
 
 
@@ -192,7 +191,7 @@ def _cells(name: str, repeats: int, first_seed: int) -> list[object]:
 
 
 def _cell(found: list[Found]) -> str:
-    error, _, held, flagged = np.array(found, dtype=float).T
+    error, held, flagged = np.array(found, dtype=float).T
     there = np.isfinite(error)
     if not there.any():
         return "–"

@@ -190,7 +190,7 @@ def contact_image(count: int = 2) -> None:
             ]
         )
         seconds = best(lambda way=way: way(images[0]), repeats=3)  # type: ignore[misc]
-        none, worst = int(np.isnan(area).sum()), percent(float(np.nanmax(np.abs(area)))) if found else ""
+        none, worst = int(np.isnan(area).sum()), percent(float(np.nanmax(np.abs(area))))
         rows.append((name, off(area), worst, percent(_rms(axes)), f"{1e3 * seconds:.0f} ms", none))
     table(
         ("contact images", "area: bias, rms error", "worst", "semi-axes, rms", "one image", "none found"),

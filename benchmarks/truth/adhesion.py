@@ -116,11 +116,6 @@ class Sphere:
         )
         return np.where(s1 * d - s2 * a**2 / self.R <= 0, 1.0, -1.0) * np.abs(g)
 
-    def total_energy(self, a, d, X, w):
-        c11, c12, c22, *_ = self.c
-        u = self.Es * (c11 * a * d**2 - c12 * a**3 * d / self.R + c22 * a**5 / self.R**2)
-        return u - w * np.pi * a**2 + (0 if self.k is None else 0.5 * self.k * (X - d) ** 2)
-
     def relax(self, a0, X, w_adv, w_rec, a_big):
         """Downhill motion of the contact line at fixed X from radius a0."""
         if a0 <= 0:

@@ -60,17 +60,11 @@ class Contact:
     pressure: Field
     outside: Field  # mm beyond the true boundary along the radius, negative inside
     phase: Field
-    boundary: Field  # (n, 2): right and down from the middle, mm
     gross_area: float
     ridge_area: float
     hull_area: float
     semi_major: float
     semi_minor: float
-
-    @property
-    def perimeter(self) -> float:
-        """Length of the true boundary, mm."""
-        return float(np.hypot(*np.diff(self.boundary, axis=0, append=self.boundary[:1]).T).sum())
 
 
 def smooth_noise(shape: tuple[int, ...], correlation: float, rng: np.random.Generator) -> Field:
@@ -192,7 +186,6 @@ def press_pad(
         pressure=np.asarray(pressure),
         outside=distance - edge,
         phase=phase,
-        boundary=boundary_of(press),
         gross_area=press.area,
         ridge_area=float(touching.sum() * mm**2),
         hull_area=float(cv2.contourArea(cv2.convexHull(points.astype(np.int32))) * mm**2),

@@ -101,9 +101,6 @@ class PressureImage:
     pixels: npt.NDArray[np.uint8]
     mm_per_px: float
     contact: Contact
-    press: Press
-    skin: Skin
-    optics: Optics
 
 
 def pressure_image(name: str, number: int, area: float | None = None, **skin: Any) -> PressureImage:
@@ -134,4 +131,4 @@ def pressure_image(name: str, number: int, area: float | None = None, **skin: An
     extent = 2 * np.abs(boundary_of(press)).max(axis=0) + 2 * _MARGIN_MM
     columns, rows = np.ceil(extent / mm_per_px).astype(int) * pixels
     contact = press_pad(press, ridges, mm=mm_per_px / pixels, shape=(rows, columns), rng=rng)
-    return PressureImage(photograph(contact, optics, pixels, rng), mm_per_px, contact, press, ridges, optics)
+    return PressureImage(photograph(contact, optics, pixels, rng), mm_per_px, contact)

@@ -91,7 +91,6 @@ class StripeImage:
     gross_area: float
     ridge_area: float
     hull_area: float
-    perimeter: float
     semi_axes: tuple[float, float]
 
 
@@ -295,7 +294,5 @@ def stripe_image(name: str, number: int, seed: int = 0) -> StripeImage:
         pixels = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_GRAYSCALE), np.uint8)
     within, touching = parts["inside"] > 0, parts["touching"]
     hull = cv2.convexHull(np.argwhere(touching).astype(np.int32))
-    axes = _equal_ellipse(parts["inside"], step)
-    around = np.pi * (3 * sum(axes) - np.sqrt((3 * axes[0] + axes[1]) * (axes[0] + 3 * axes[1])))
     gross, ridge, outer = (float(n * step**2) for n in (within.sum(), touching.sum(), cv2.contourArea(hull)))
-    return StripeImage(pixels, pixel, gross, ridge, outer, around, axes)
+    return StripeImage(pixels, pixel, gross, ridge, outer, _equal_ellipse(parts["inside"], step))
