@@ -9,7 +9,7 @@ import { button, text } from "./forms.js";
 const REASON = "no reason given";
 
 /** @param {Answers["PoolingCorrectionRecord"]} correction */
-export const correctionWords = ({ include, why, who, when }) =>
+const correctionWords = ({ include, why, who, when }) =>
   `${include ? "included" : "left out"} by ${who}, ${ago(when)}: ${why}`;
 
 /** Save the correction of a contact's pooling; null goes back to the rule. */

@@ -19,13 +19,22 @@ export function verdictChip(verdict, checks = []) {
 }
 
 /**
- * The header of a card of a finger at a placement: with a button for its figure, if the report has it.
+ * The figure of a kind that the report has of a finger at a placement.
+ *
+ * @param {Answers["Figures"]["figures"]} figures
+ * @param {{ figure: string }} group
+ * @param {string} kind
+ */
+export const figureOf = (figures, group, kind) =>
+  figures.find(({ name }) => name === `${group.figure}_${kind}`);
+
+/**
+ * The header of a card of a finger at a placement: with a button for its figure, if there is one.
  *
  * @param {Answers["PlottedGroup"] | Answers["BudgetGroup"]} group
- * @param {Answers["Figures"]["figures"]} figures
- * @param {string} kind of the figure
+ * @param {Answers["FigureEntry"] | undefined} figure
  */
-export const groupHeader = (group, figures, kind) =>
+export const groupHeader = (group, figure) =>
   h(
     "header",
     h(
@@ -36,5 +45,5 @@ export const groupHeader = (group, figures, kind) =>
       group.roll_angle_deg ? [", ", symbol("φ"), ` = ${group.words.roll_angle_deg}`] : "",
     ),
     synthetic(group.synthetic),
-    h("div.actions", figureButton(figures.find(({ name }) => name === `${group.figure}_${kind}`))),
+    h("div.actions", figureButton(figure)),
   );

@@ -8,7 +8,7 @@ import { rules, workspace } from "../core/workspace.js";
 import { button, check, faultList } from "../parts/forms.js";
 import { scaleNames } from "../parts/scale_ways.js";
 import { tableOf } from "../parts/tables.js";
-import { allRow, base, fileRow, guessesOf, takeGuess, takes } from "./new_files_row.js";
+import { allRow, base, COIN, fileRow, guessesOf, plural, takeGuess, takes } from "./new_files_row.js";
 import { NewFileTools } from "./new_files_tools.js";
 
 const COLUMNS = [
@@ -24,7 +24,6 @@ const COLUMNS = [
 ];
 const LOOKED =
   "What each file is was read from its content and name. Correct it where needed, and enter what is empty.";
-const plural = (count) => `${count} file${count === 1 ? "" : "s"}`;
 
 export class NewFiles {
   /**
@@ -205,18 +204,16 @@ export class NewFiles {
     for (const { file, values } of stated)
       for (const [key, value] of Object.entries(values))
         if (value !== null) this.drafts.get(file)[key] = value;
-    this.keep();
     this.draw();
   }
 
   /** Take the scale of the one coin for photographs that have none. */
   #useCoin() {
     const coins = this.files.filter((file) => this.drafts.get(file).use === "coin");
-    const scale =
-      coins.length === 1 && this.drafts.get(coins[0]).diameter_mm > 0 ? `coin in ${coins[0]}` : "";
+    const scale = coins.length === 1 && this.drafts.get(coins[0]).diameter_mm > 0 ? COIN + coins[0] : "";
     for (const file of this.files) {
       const draft = this.drafts.get(file);
-      if (draft.scale.startsWith("coin in ") && draft.scale !== scale) draft.scale = "";
+      if (draft.scale.startsWith(COIN) && draft.scale !== scale) draft.scale = "";
       if (scale && draft.use === "photograph" && !draft.scale) draft.scale = scale;
     }
   }
@@ -230,7 +227,6 @@ export class NewFiles {
       if (draft[key] === undefined || draft[key] === null || draft[key] === "") draft[key] = above;
       else above = draft[key];
     }
-    this.keep();
     this.draw();
   }
 

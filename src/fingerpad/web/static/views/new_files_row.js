@@ -8,6 +8,7 @@ import { button, chip, choose, namePattern, number, text } from "../parts/forms.
 import { coinOptions, scaleNames } from "../parts/scale_ways.js";
 
 export const base = (file) => file.split("/").at(-1);
+export const plural = (count) => `${count} file${count === 1 ? "" : "s"}`;
 
 /**
  * A row of the table of new files.
@@ -111,7 +112,6 @@ function coinChoice(files, file) {
   const name = base(file);
   const set = (value) => {
     draft.diameter_mm = value;
-    files.keep();
     files.draw();
   };
   return h(
@@ -135,11 +135,11 @@ function coinChoice(files, file) {
   );
 }
 
-const COIN = "coin in ";
+export const COIN = "coin in ";
 
 /** Whether a scale is none of the study yet: a number with its unit, or a coin. */
-export const isNewScale = (scale) => Boolean(scale) && !scaleNames().includes(scale);
-export const newScaleWords = (scale) => (scale.startsWith(COIN) ? COIN + base(scale) : scale);
+const isNewScale = (scale) => Boolean(scale) && !scaleNames().includes(scale);
+const newScaleWords = (scale) => (scale.startsWith(COIN) ? COIN + base(scale) : scale);
 
 /** The choice of a file's scale. @param {import("./new_files.js").NewFiles} files */
 function scaleCell(files, file) {
@@ -220,7 +220,6 @@ export function allRow(files) {
     if (!field.reportValidity()) return;
     shared[`scale_${use}`] = read.scale;
     for (const draft of drafts.values()) if (draft.use === use) state(draft, "scale", read.scale);
-    files.keep();
     files.draw();
   };
   const scaleFor = (use, words, placeholder) =>

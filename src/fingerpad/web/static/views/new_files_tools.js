@@ -5,6 +5,7 @@ import { h, render } from "../core/dom.js";
 import { showError, toast } from "../core/messages.js";
 import { button, chip, text } from "../parts/forms.js";
 import { tableOf } from "../parts/tables.js";
+import { base, plural } from "./new_files_row.js";
 
 const MEANINGS = {
   file: "file",
@@ -27,7 +28,6 @@ const SHOWN = [
   ["load_N", "load, N"],
   ["session", "session"],
 ];
-const base = (file) => file.split("/").at(-1);
 const some = (names) =>
   names.slice(0, 8).join(", ") + (names.length > 8 ? ` and ${names.length - 8} more` : "");
 
@@ -77,7 +77,7 @@ export class NewFileTools {
     const use = button("Fill in", () => {
       const fit = this.matches.filter(({ problem }) => !problem);
       this.take(fit);
-      toast(`${fit.length} file${fit.length === 1 ? "" : "s"} filled in by the pattern.`, { kind: "good" });
+      toast(`${plural(fit.length)} filled in by the pattern.`, { kind: "good" });
     });
     return h(
       "details",

@@ -4,7 +4,7 @@ import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { chip } from "../parts/forms.js";
-import { groupHeader } from "../parts/results.js";
+import { figureOf, groupHeader } from "../parts/results.js";
 import { tableOf } from "../parts/tables.js";
 
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
@@ -47,7 +47,7 @@ export class Budget {
     return h(
       "section.card",
       { "aria-label": `${finger}, wedge ${wedge}°` },
-      groupHeader(group, this.figures, "budget"),
+      groupHeader(group, figureOf(this.figures, group, "budget")),
       check &&
         h(
           "p",

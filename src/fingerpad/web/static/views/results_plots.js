@@ -8,7 +8,7 @@ import { workspace } from "../core/workspace.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choose, field, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
-import { groupHeader, verdictChip } from "../parts/results.js";
+import { figureOf, groupHeader, verdictChip } from "../parts/results.js";
 
 // Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
 /** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */
@@ -167,7 +167,7 @@ export class Plots {
     return h(
       "section.card.plot-card",
       { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` },
-      groupHeader(group, this.figures, FIGURES[this.quantity]),
+      groupHeader(group, figureOf(this.figures, group, FIGURES[this.quantity])),
       h(
         "dl.facts",
         group.radius_from_indentation_mm !== null &&

@@ -70,7 +70,7 @@ export class Simulator {
     return h(
       "section.card",
       { "aria-label": `${finger}, wedge ${wedge}°` },
-      groupHeader({ ...group, figure: drawn?.name.replace(/_simulator$/, "") }, this.figures, "simulator"),
+      groupHeader(group, drawn),
       drawn && h("img", { src: drawn.svg, alt: drawn.caption, loading: "lazy" }),
       body,
     );
