@@ -4,7 +4,7 @@ import hashlib
 from pathlib import Path
 from typing import Final
 
-from fingerpad.exceptions import FingerpadError
+from fingerpad.exceptions import FingerpadError, ManifestError
 
 # Bytes; a file system takes 255 with what is added.
 _LONGEST_STEM: Final = 200
@@ -24,6 +24,18 @@ def make_folder(folder: Path) -> None:
         raise FingerpadError(
             f"{folder}: cannot make this folder ({error.strerror}); choose another"
         ) from error
+
+
+def check_new(folder: Path) -> None:
+    """Refuse a folder for a study that holds anything.
+
+    Raises
+    ------
+    ManifestError
+        If it does.
+    """
+    if folder.is_dir() and any(folder.iterdir()):
+        raise ManifestError(f"{folder}: the folder is not empty; name a new one, so that nothing is lost")
 
 
 def file_stem(name: str) -> str:

@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, PngImagePlugin
 
+from fingerpad._files import check_new
 from fingerpad.contact import Tissue, hertz_contact
-from fingerpad.exceptions import ManifestError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.simulate import render_contact_image, simulate_loading_curve
+from fingerpad.simulate.loading_curve import save_curve
 
 __all__ = ["Synthetic", "write_contact_image", "write_loading_curve", "write_study"]
 
@@ -157,11 +158,7 @@ def write_loading_curve(
         area_std=_AREA_STD,
         seed=seed,
     )
-    assert record.time is not None  # the simulator gives all four
-    assert record.area is not None
-    columns = np.column_stack([record.time, record.load, record.indentation, record.area])
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(path, columns, delimiter=",", header=header, comments="", fmt="%.6g")
+    save_curve(Path(path), record)
     truth = {
         "loading_radius_mm": loading_radius,
         "youngs_modulus_kpa": 1000 * youngs_modulus,
@@ -214,8 +211,7 @@ def write_study(
     ['contact_0.25N.png', 'contact_0.5N.png', 'contact_1N.png', 'curve.csv', 'study.toml']
     """
     folder = Path(folder)
-    if folder.is_dir() and any(folder.iterdir()):
-        raise ManifestError(f"{folder}: the folder is not empty; name a new one, so that nothing is lost")
+    check_new(folder)
     folder.mkdir(parents=True, exist_ok=True)
     place = Placement(_PAD, wedge_angle=wedge_angle)
     radius = float(place.curvature.mean_curvature_radius)

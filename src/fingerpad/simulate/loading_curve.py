@@ -1,6 +1,7 @@
 """Loading curves simulated from a known truth."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -140,6 +141,15 @@ def simulate_loading_curve(
         indentation=xi + contact_offset + displacement_std * rng.standard_normal(points),
         area=area,
     )
+
+
+def save_curve(path: Path, curve: LoadingCurve) -> None:
+    """Write a simulated record with time and areas as CSV, as an instrument would leave it."""
+    columns = np.column_stack(
+        [np.asarray(column) for column in (curve.time, curve.load, curve.indentation, curve.area)]
+    )
+    header = "time_s,force_N,displacement_mm,area_mm2"
+    np.savetxt(path, columns, delimiter=",", header=header, comments="", fmt="%.6g")
 
 
 def _force_noise(

@@ -8,11 +8,13 @@ from typing import Final
 import numpy as np
 from PIL import Image
 
+from fingerpad._files import check_new
 from fingerpad.contact import Tissue, equivalent_radius_from_compliance, hertz_contact
 from fingerpad.exceptions import ManifestError
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, Face
 from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
+from fingerpad.simulate.loading_curve import save_curve
 from fingerpad.study.manifest import Study
 from fingerpad.study.manifest.load import STUDY_NAME
 
@@ -104,8 +106,7 @@ def write_example(folder: Path) -> Path:
     ManifestError
         If the folder holds anything already, or cannot be written.
     """
-    if folder.is_dir() and any(folder.iterdir()):
-        raise ManifestError(f"{folder}: the folder is not empty; name a new one, so that nothing is lost")
+    check_new(folder)
     faces = "".join(
         f'    {{ face = "{face}", file = "photograph_{face}.jpg", scale = "camera", synthetic = true }},\n'
         for face in _FACES
@@ -148,9 +149,5 @@ def write_example(folder: Path) -> Path:
         points=300,
         seed=1,
     )
-    columns = np.column_stack(
-        [np.asarray(column) for column in (loading.time, loading.load, loading.indentation, loading.area)]
-    )
-    header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(folder / "loading_curve.csv", columns, fmt="%.6g", delimiter=",", header=header, comments="")
+    save_curve(folder / "loading_curve.csv", loading)
     return manifest
