@@ -14,6 +14,7 @@ def test_a_small_study_runs_and_finds_its_truth(tmp_path: Path) -> None:
     study = write_study(tmp_path / "study")
     table = fp.run_study(study.path, tmp_path / "out").rows
     assert (table["status"] == "measured").all()
+    assert (table["long_axis"] == table["predicted_long_axis"]).all()
     for _, row in table.iterrows():
         true = study.truth[f"{row['observation']}.gross_area_mm2"]
         assert row["gross_area_mm2"] == pytest.approx(true, abs=3 * row["gross_area_mm2_std"])

@@ -85,7 +85,15 @@ def write_contact_image(
     >>> bool(abs(found.gross_area - image.truth["gross_area_mm2"]) < 3 * found.gross_area_std)
     True
     """
-    render = render_contact_image(semi_major=semi_major, semi_minor=semi_minor, ppi=ppi, seed=seed)
+    return _write_image(Path(path), semi_major, semi_minor, ppi=ppi, seed=seed)
+
+
+def _write_image(
+    path: Path, semi_major: float, semi_minor: float, *, ppi: float, seed: int, orientation: float = 0.0
+) -> Synthetic:
+    render = render_contact_image(
+        semi_major=semi_major, semi_minor=semi_minor, orientation=orientation, ppi=ppi, seed=seed
+    )
     words = PngImagePlugin.PngInfo()
     words.add_text("Description", "synthetic: rendered by fingerpad.testing")
     Image.fromarray(render.pixels).save(path, dpi=(ppi, ppi), pnginfo=words)
@@ -94,10 +102,10 @@ def write_contact_image(
         "ridge_area_mm2": render.ridge_area,
         "semi_major_mm": semi_major,
         "semi_minor_mm": semi_minor,
-        "orientation_deg": 0.0,
+        "orientation_deg": float(np.degrees(render.orientation)),
         "mm_per_px": render.mm_per_px,
     }
-    return Synthetic(path=Path(path), truth=truth)
+    return Synthetic(path=path, truth=truth)
 
 
 def write_loading_curve(
@@ -226,11 +234,13 @@ def write_study(
     for number, load in enumerate(loads):
         contact = hertz_contact(place, Tissue(youngs_modulus), load=load)
         name = f"contact_{load:g}N"
-        image = write_contact_image(
+        image = _write_image(
             folder / f"{name}.png",
-            semi_major=float(contact.semi_major),
-            semi_minor=float(contact.semi_minor),
+            float(contact.semi_major),
+            float(contact.semi_minor),
+            ppi=500,
             seed=seed + number,
+            orientation=0.0 if contact.along else np.pi / 2,
         )
         truth[f"{name}.gross_area_mm2"] = image.truth["gross_area_mm2"]
         seen = f'name = "{name}"\n{where}load_N = {load:g}\nfile = "{name}.png"\nscale = "reader"'
