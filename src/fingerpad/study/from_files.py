@@ -21,7 +21,7 @@ from fingerpad.study.editing.propose import (
 from fingerpad.study.imports.identify import identify_file, join_files, read_file_table
 from fingerpad.study.manifest import LoadedStudy, Study
 from fingerpad.study.manifest.messages import counted
-from fingerpad.study.status import Missing, missing
+from fingerpad.study.status import Missing, lacking, unused_files
 
 _WORDS: Mapping[str, str] = {use: words for uses in USES.values() for use, words in uses.items() if use}
 
@@ -80,12 +80,11 @@ def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
     empty = LoadedStudy(folder=folder, digest="", study=Study(title=title), tables=(), issues=())
     left: dict[str, str] = {}
     found: dict[str, tuple[NewFile, Guess]] = {}
-    for one in missing(empty):
-        if one.kind in {"file", "folder"}:
-            try:
-                found[one.key] = _looked_at(folder, one.key, is_frames=one.kind == "folder")
-            except FingerpadError as error:
-                left[one.key] = f"cannot be read: {error}"
+    for one in unused_files(empty):
+        try:
+            found[one.key] = _looked_at(folder, one.key, is_frames=one.kind == "folder")
+        except FingerpadError as error:
+            left[one.key] = f"cannot be read: {error}"
     if not found:
         raise ManifestError(f"{folder}: holds no picture, sequence or table that can be read: put them there")
     read, problems = _filled_in(folder, found)
@@ -114,7 +113,7 @@ def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
             *(words for file in found if file in used for words in _guesses(*found[file])),
         ),
         left=left,
-        missing=tuple(one for one in missing(loaded) if one.kind not in {"file", "folder"}),
+        missing=tuple(lacking(loaded)),
     )
 
 

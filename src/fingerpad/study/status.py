@@ -305,6 +305,11 @@ class Missing:
 
 def missing(loaded: LoadedStudy) -> list[Missing]:
     """Return what a study lacks to say something about every finger, and files that it does not use."""
+    return [*lacking(loaded), *unused_files(loaded)]
+
+
+def lacking(loaded: LoadedStudy) -> list[Missing]:
+    """Return what a study lacks to say something about every finger."""
     study = loaded.study
     found = [
         _lacking(one, fault) if one.key else Missing(kind=one.kind, key="", words=line)
@@ -318,7 +323,6 @@ def missing(loaded: LoadedStudy) -> list[Missing]:
         found.extend(_lacking_faces(finger))
     if study.fingers:
         found.extend(_lacking_contacts(study, waiting))
-    found.extend(_unused(loaded))
     return found
 
 
@@ -372,7 +376,7 @@ def _lacking_contacts(study: Study, waiting: set[str]) -> Iterator[Missing]:
             yield Missing(kind="finger", key=finger.name, words="no contact image and no curve is of it")
 
 
-def _unused(loaded: LoadedStudy) -> Iterator[Missing]:
+def unused_files(loaded: LoadedStudy) -> Iterator[Missing]:
     """Yield the files that no table names; frames in a folder of their own together."""
     folder = loaded.folder
     used = {Path(name).as_posix() for name in loaded.files()}
