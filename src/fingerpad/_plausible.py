@@ -1,5 +1,6 @@
 """Input that no finger gives, and what it looks like: another unit or order, or widths for semi-axes."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -8,12 +9,12 @@ if TYPE_CHECKING:  # NumPy is slow to import, and a command says its help withou
 
 MOST_N: Final = 100.0  # of a press with one finger
 _MOST_MM, _MOST_MM2 = 60.0, 3000.0  # of travel, and of contact
-_LEAST_SEMI_AXIS_MM: Final = 2.0
+LEAST_SEMI_AXIS_MM: Final = 2.0
 # Half of a distal phalanx 30 mm across. Plausibility, no statistic: the pad of Dzidek et al. (2017) has 7.9
 # and 11.8 mm, and we know of no survey of pads; what is larger is noted, and measured all the same.
 _MOST_SEMI_AXIS_MM: Final = 15.0
 _MOST_FLATTENED: Final = 1.2  # palmar over another semi-axis; below 1 on a finger, about 1 on a sphere
-PLAUSIBLE_MODULUS: Final = (0.001, 5.0)  # Young's modulus, MPa
+PLAUSIBLE_MODULUS_KPA: Final = (1.0, 5000.0)  # Young's modulus
 
 
 def semi_axes_doubt(semi_axes_mm: Sequence[float]) -> str:
@@ -33,7 +34,7 @@ def semi_axes_doubt(semi_axes_mm: Sequence[float]) -> str:
             f"{name} {value:g} mm would be a finger {2 * value:g} mm {across}: are these full widths? "
             "Semi-axes are half of them"
         )
-    if min(semi_axes_mm) < _LEAST_SEMI_AXIS_MM:
+    if min(semi_axes_mm) < LEAST_SEMI_AXIS_MM:
         return f"{min(semi_axes_mm):g} mm is less than any pad has: semi-axes are in millimetres"
     other, name = min((distal, "distal"), (radial_ulnar, "radial_ulnar"))
     if palmar > _MOST_FLATTENED * other:
@@ -41,17 +42,22 @@ def semi_axes_doubt(semi_axes_mm: Sequence[float]) -> str:
     return ""
 
 
-def load_doubts(load: float, modulus: float) -> Iterator[str]:
-    """Yield what a load, N, and Young's modulus, MPa, look like, nothing where they can be a finger's.
+def in_radians(angle_deg: float) -> bool:
+    """Return whether an angle that should be in degrees looks as if it were in radians."""
+    return 0 < angle_deg < math.pi / 2
+
+
+def load_doubts(load: float, modulus_kpa: float) -> Iterator[str]:
+    """Yield what a load, N, and Young's modulus look like, nothing where they can be a finger's.
 
     Examples
     --------
-    >>> list(load_doubts(2.0, 0.06)), len(list(load_doubts(2000.0, 60.0)))
+    >>> list(load_doubts(2.0, 60.0)), len(list(load_doubts(2000.0, 60000.0)))
     ([], 2)
     """
     if load > MOST_N:
         yield f"more than {MOST_N:g} N: is the load in millinewtons?"
-    if not PLAUSIBLE_MODULUS[0] <= modulus <= PLAUSIBLE_MODULUS[1]:
+    if not PLAUSIBLE_MODULUS_KPA[0] <= modulus_kpa <= PLAUSIBLE_MODULUS_KPA[1]:
         yield "Young's modulus lies outside 1–5000 kPa: check load and units"
 
 

@@ -72,7 +72,7 @@ def modulus(
             }
         )
     hertz, whole = records
-    for doubt in load_doubts(load_n, hertz["youngs_modulus_kpa"] / KPA_PER_MPA):
+    for doubt in load_doubts(load_n, hertz["youngs_modulus_kpa"]):
         print_note(doubt)
     if as_json:
         print_json({**whole, "flag": flag or None, "thickness_mm": thickness_mm, "hertz": hertz})

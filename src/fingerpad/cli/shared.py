@@ -15,7 +15,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from fingerpad._json import dumps, plain
-from fingerpad._plausible import semi_axes_doubt
+from fingerpad._plausible import in_radians, semi_axes_doubt
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError, GeometryError, LoadingError, is_interrupt, reason_of
 from fingerpad.units import KPA_PER_MPA
@@ -255,7 +255,7 @@ def placement_of(*, semi_axes_mm: SemiAxes, wedge_deg: WedgeAngle, roll_deg: Rol
     """Return the pad on its wedge."""
     from fingerpad.geometry import Placement
 
-    if 0 < wedge_deg < math.pi / 2:
+    if in_radians(wedge_deg):
         print_note("--wedge-deg: less than 1.6°: angles are in degrees, not radians")
     return Placement(
         checked_pad(semi_axes_mm), wedge_angle=math.radians(wedge_deg), roll_angle=math.radians(roll_deg)

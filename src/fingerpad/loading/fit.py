@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad._plausible import PLAUSIBLE_MODULUS
+from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError, LoadingError
 from fingerpad.loading.contact_point import ESTIMATORS
@@ -40,6 +40,7 @@ from fingerpad.loading.rivals import (
     compare,
     fit_growing,
 )
+from fingerpad.units import KPA_PER_MPA
 
 # Beyond these no finger pad lies, mm: a wrong unit.
 PLAUSIBLE_RADIUS = (2.0, 100.0)
@@ -406,10 +407,11 @@ def _implausible(main: JointFit, given: float | Estimate | None, *, known: bool)
         given_std = given.std if isinstance(given, Estimate) else 0.0
         std = math.hypot(math.sqrt(covariance[0, 0]), given_std, 0.02 * radius)
         contradicted = abs(slope - radius) > _CONTRADICTED * std
+    least, most = PLAUSIBLE_MODULUS_KPA
     doubts = {
         "radius_contradicts_area": contradicted,
         "implausible_radius": known and not PLAUSIBLE_RADIUS[0] <= radius <= PLAUSIBLE_RADIUS[1],
-        "implausible_modulus": known and not PLAUSIBLE_MODULUS[0] <= modulus <= PLAUSIBLE_MODULUS[1],
+        "implausible_modulus": known and not least <= KPA_PER_MPA * modulus <= most,
     }
     return tuple(name for name, seen in doubts.items() if seen)
 

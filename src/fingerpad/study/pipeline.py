@@ -1,7 +1,6 @@
 """The whole way of a study, from its manifest to rows, summaries and the files that hold them."""
 
 import hashlib
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -13,7 +12,7 @@ from typing import Any, Final, TypeAlias
 
 from fingerpad._columns import columns_in_toml, unread_notes
 from fingerpad._files import make_folder
-from fingerpad._plausible import MOST_N, semi_axes_doubt, unit_doubts
+from fingerpad._plausible import MOST_N, in_radians, semi_axes_doubt, unit_doubts
 from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
 from fingerpad.image.sequence.force import unread_force_columns
 from fingerpad.loading.curve import unread_curve_columns
@@ -263,9 +262,7 @@ def _unit_notes(study: Study, curves: Iterable[CurveResult]) -> Iterator[str]:
     pressed = [one.name for one in study.observations if one.load_N > MOST_N]
     if pressed:
         yield f"{_first_of(pressed)}: more than {MOST_N:g} N: load_N is in newtons, not millinewtons"
-    placed = [
-        one.name for one in (*study.observations, *study.sequences) if 0 < one.wedge_angle_deg < math.pi / 2
-    ]
+    placed = [one.name for one in (*study.observations, *study.sequences) if in_radians(one.wedge_angle_deg)]
     if placed:
         yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
 

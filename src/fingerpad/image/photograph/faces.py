@@ -28,6 +28,7 @@ from fingerpad._arrays import (
     set_fields,
 )
 from fingerpad._display import Displayed
+from fingerpad._plausible import LEAST_SEMI_AXIS_MM
 from fingerpad.exceptions import FitError, ImageError
 
 Face: TypeAlias = Literal["palmar", "distal", "radial", "ulnar"]
@@ -46,7 +47,7 @@ STEPS: Mapping[Direction, tuple[int, int]] = {"up": (-1, 0), "right": (0, 1), "d
 _TURNS: tuple[Direction, ...] = ("up", "right", "down", "left")
 
 # Semi-axes of any finger pad lie between these.
-PLAUSIBLE_SEMI_AXIS_MM = (2.0, 40.0)
+PLAUSIBLE_SEMI_AXIS_MM = (LEAST_SEMI_AXIS_MM, 40.0)
 # Relative standard uncertainty below which no semi-axis of a finger is known: a micrometre.
 _MIN_RELATIVE_STD = 1e-4
 # Chance of a disagreement below which it is no accident.

@@ -12,7 +12,7 @@ from fingerpad._csv import write_csv
 from fingerpad._display import Displayed
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
-from fingerpad._plausible import PLAUSIBLE_MODULUS
+from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.compare.values import (
     QUANTITIES,
@@ -25,7 +25,6 @@ from fingerpad.study.compare.values import (
     verdicts_of,
 )
 from fingerpad.uncertainty import RandomEffects, pool_random_effects, proportional_stds
-from fingerpad.units import KPA_PER_MPA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -283,7 +282,7 @@ def compare_studies(paths: Sequence[Path]) -> Comparison:
 
 def _implausible(value: Value) -> bool:
     """Return whether a value is a modulus that no finger has, as of loads in another unit."""
-    least, most = (KPA_PER_MPA * bound for bound in PLAUSIBLE_MODULUS)
+    least, most = PLAUSIBLE_MODULUS_KPA
     return QUANTITIES[value.quantity].unit == "kPa" and not least <= value.value <= most
 
 

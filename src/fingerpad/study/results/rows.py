@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from fingerpad._arrays import BoolArray, FloatArray
+from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import implausible_size
 from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
@@ -370,11 +371,12 @@ def _range_notes(
 ) -> ColumnArray:
     """Return the notes that hold for each row, separated by spaces."""
     disagree = [pad.outlines is not None and pad.outlines.disagree for pad in pads]
+    least, most = PLAUSIBLE_MODULUS_KPA
     notes: dict[str, BoolArray] = {
         "faces_disagree": np.array(disagree, dtype=bool),
         "curvature_disagrees": _curvature_disagrees(row, pads),
         "implausible_size": np.asarray(implausible_size(semi_axes).any(axis=-1)),
-        "implausible_modulus": (row["youngs_modulus_kpa"] < 1) | (row["youngs_modulus_kpa"] > 5000),
+        "implausible_modulus": (row["youngs_modulus_kpa"] < least) | (row["youngs_modulus_kpa"] > most),
         "deeper_than_pad": row["indentation_mm"] > semi_axes[:, 0],
         "layer_out_of_range": np.array([bool(flag) for flag in row["layer_flag"]], dtype=bool),
     }
