@@ -10,6 +10,7 @@ from typing import Any, Final, Literal, TypeAlias
 from fingerpad.exceptions import ManifestError
 from fingerpad.image import Face
 from fingerpad.study.editing.edit import Edit
+from fingerpad.study.editing.scales import scale_words
 from fingerpad.study.imports.identify import Content, FileIdentity
 from fingerpad.study.imports.names import (
     FileKind,
@@ -275,7 +276,7 @@ def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> 
         taken["finger"] = finger if finger.startswith(f"{person}_") else f"{person}_{finger}"
     for way in ("ppi", "mm_per_px"):
         if way in values:
-            taken["scale"] = _written({way: values[way]})
+            taken["scale"] = scale_words({way: values[way]})
     if (scale := values.get("scale")) is not None:
         if known := next((name for name in scales if name.casefold() == scale.casefold()), None):
             taken["scale"] = known
@@ -308,12 +309,7 @@ def written_scale(words: str, scales: Collection[str]) -> str:
         raise ManifestError(
             f"{words!r}: write it as 500 ppi or 0.05 mm/px, or as the name of a scale of the study"
         ) from None
-    return _written(table)
-
-
-def _written(table: Mapping[str, float]) -> str:
-    ((way, value),) = table.items()
-    return f"{value:.12g} {'ppi' if way == 'ppi' else 'mm/px'}"
+    return scale_words(table)
 
 
 def proposed_edits(loaded: LoadedStudy, files: Sequence[NewFile], *, synthetic: bool = False) -> Proposal:

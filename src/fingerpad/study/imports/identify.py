@@ -320,7 +320,7 @@ class FileIdentity:
     Attributes
     ----------
     kind : {"picture", "sequence", "table", "other"}
-        FileKind of file.
+        Kind of file.
     contents : mapping of str to float
         What it may be, most likely first; the numbers sum to 1. They rank, and are no frequencies.
     faces : mapping of str to float

@@ -129,7 +129,7 @@ def finger_name(text: str, hand: str = "") -> str:
     >>> finger_name("LI"), finger_name("Right middle"), finger_name("index", "L"), finger_name("pad 3")
     ('left_index', 'right_middle', 'left_index', 'pad_3')
     """
-    words = [word.lower() for word in re.findall(r"[^\W\d_]+", f"{hand} {text}")]
+    words = _words(f"{hand} {text}")
     sides = [HAND_WORDS[word] for word in words if word in HAND_WORDS]
     digits = [DIGITS[word] for word in words if word in DIGITS]
     if sides and digits:
@@ -272,7 +272,7 @@ def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) ->
     name : str
         Name of the file, with or without folders.
     kind : {"picture", "sequence", "table", "other"}
-        FileKind of file.
+        Kind of file.
     fingers : iterable of str
         Fingers of the study; one of them in the name is that finger.
 
@@ -293,8 +293,7 @@ def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) ->
     >>> read_file_name("IMG_0031.jpg", "picture")
     {'role': 'observation'}
     """
-    stem, values = PurePosixPath(name).stem, FileValues()
-    words = [word.lower() for word in _WORD.findall(stem)]
+    stem, words, values = PurePosixPath(name).stem, _stem_words(name), FileValues()
     if face := next((face for face in FACES if face in words), None):
         values["face"] = face
     role = (_FACE_ROLES if face else _ROLES).get(kind, _ROLES.get(kind))
@@ -312,18 +311,22 @@ def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) ->
 
 def names_a_scale(name: str) -> bool:
     """Tell whether a name says that a file shows a ruler, a coin or the like."""
-    return not _OF_SCALE.isdisjoint(word.lower() for word in _WORD.findall(PurePosixPath(name).stem))
+    return not _OF_SCALE.isdisjoint(_stem_words(name))
 
 
 def names_a_force(name: str) -> bool:
     """Tell whether a name says that a table holds a force, as beside a sequence, and no loading curve."""
-    words = {word.lower() for word in _WORD.findall(PurePosixPath(name).stem)}
+    words = _stem_words(name)
     return "force" in words and words.isdisjoint(("displacement", "indentation", "curve"))
+
+
+def _stem_words(name: str) -> set[str]:
+    return {word.lower() for word in _WORD.findall(PurePosixPath(name).stem)}
 
 
 def _finger(stem: str) -> str | None:
     """Return hand and digit, by full words in any order or by two capitals, after the person."""
-    words = [word.lower() for word in re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))]
+    words = _words(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem))
     pairs = [pair for one, other in pairwise(words) for pair in ((one, other), (other, one))]
     found = [
         *(
