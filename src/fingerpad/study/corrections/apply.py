@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
+from fingerpad._files import content_stamp
 from fingerpad.exceptions import ImageError
 from fingerpad.image import (
     ContactImageOptions,
@@ -386,11 +387,11 @@ def _background(contact: Contact, folder: Path) -> npt.ArrayLike | None:
         return None
     if not path.is_file():  # a folder of frames, or nothing
         return read(path)
-    return _read_once(read, path, (path.stat().st_mtime_ns, path.stat().st_size))
+    return _read_once(read, path, content_stamp(path))
 
 
 @lru_cache(maxsize=1)
-def _read_once(read: Callable[[Path], npt.ArrayLike], path: Path, _state: tuple[int, int]) -> npt.ArrayLike:
+def _read_once(read: Callable[[Path], npt.ArrayLike], path: Path, _stamp: str) -> npt.ArrayLike:
     """Read the picture that all frames share, again only where its file has changed."""
     return read(path)
 

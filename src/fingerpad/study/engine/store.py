@@ -263,10 +263,8 @@ class Store:
 
     def statuses(self, tasks: Iterable[str] | None = None) -> dict[str, TaskStatus]:
         """Return what is known of tasks by their names, all or some, without the results themselves."""
-        query, ask = (
-            "SELECT task, key, status, seconds, count, drawn, limits FROM result",
-            self._connection.execute,
-        )
+        query = "SELECT task, key, status, seconds, count, drawn, limits FROM result"
+        ask = self._connection.execute
         with _plain_errors(self.path):
             if tasks is None:
                 rows = ask(query).fetchall()
