@@ -357,6 +357,6 @@ def _number(table: Table, line: int, cell: str, column: _Column) -> float:
     if not math.isfinite(value):
         raise LoadingError(
             f"{table.name}: {table.line(line)}, column {column.header!r}: {cell!r} is not a finite number"
-            f"{table.hint(cell) if cell.strip() else ': fill it in, or leave out the row'}"
+            f"{table.hint(cell)}"
         )
     return value

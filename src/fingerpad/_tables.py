@@ -93,6 +93,8 @@ class Table:
 
     def hint(self, cell: str) -> str:
         """Return what is to be done about a cell that is not a number, with the colon before it."""
+        if not cell.strip():
+            return ": fill it in, or leave out the row"
         if not self.separator and _DATE.fullmatch(cell):
             return ": the cell is a date or a time in the workbook: give the column the format of numbers"
         if "," in cell:

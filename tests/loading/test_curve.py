@@ -170,6 +170,7 @@ def test_a_column_of_no_such_quantity_is_refused(tmp_path: Path) -> None:
         ("force_lb,displacement_mm\n1,2\n", "column 'force_lb' has unit 'lb'; force is read in N, mN"),
         ("force_N,displacement_kPa\n1,2\n", "column 'displacement_kPa' has unit 'kPa'"),
         ("force_N,displacement_mm\n1,2\nx,3\n", "line 3, column 'force_N': 'x' is not a finite number"),
+        ("force_N,displacement_mm\n1,2\n,3\n", "'' is not a finite number: fill it in, or leave out the row"),
         (
             "Load (lbf),displacement_mm\n1,2\n",
             r"'Load \(lbf\)' has unit 'lbf'; force is read in N, mN.*rename",
