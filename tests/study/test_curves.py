@@ -6,12 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.io import savemat
-from tests import studies
+from tests import command, studies
 from tests.workbooks import sheet_xml, workbook
-from typer.testing import CliRunner
 
 from fingerpad._json import dumps
-from fingerpad.cli import app
 from fingerpad.contact import Tissue, fast_contact
 from fingerpad.exceptions import ManifestError
 from fingerpad.geometry import Ellipsoid, Placement
@@ -151,8 +149,8 @@ def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path: Path) -> None:
     result = study(tmp_path, 'file = "a.csv"\n', 'file = "a.csv"\n')
     assert "a.csv: press 0 is given 2 times, and counts so often in R_g" in result.notes
     assert "implausible_modulus" in {flag.code for _, flag in doubtful_curves(result)}
-    ran = CliRunner().invoke(app, ["run", str(tmp_path / "study.toml"), "--out", str(tmp_path / "out")])
-    assert "doubtful: a.csv: the modulus lies beyond any finger pad's; to do: check the units" in ran.output
+    _, out, _ = command.run("run", tmp_path / "study.toml", "--out", tmp_path / "out")
+    assert "doubtful: a.csv: the modulus lies beyond any finger pad's; to do: check the units" in out
 
 
 def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
