@@ -49,10 +49,14 @@ def contact(
     finger: str = "f",
     session: str | None = None,
     wedge_deg: float = 30.0,
+    relative_scale_std: float = 0.0,
     **more: Any,
 ) -> tuple[Observation, Measurement]:
-    """Return a contact image and what was measured in it: semi-axes, mm, sorted, and their covariance."""
-    minor, major = np.sort(np.asarray(axes, dtype=float)).tolist()
+    """Return a contact image and what was measured in it: semi-axes, mm, sorted, and their covariance.
+
+    What the scale leaves open is added to the covariance.
+    """
+    sizes = np.sort(np.asarray(axes, dtype=float))[::-1]
     observation = Observation(
         name=name,
         finger=finger,
@@ -65,9 +69,10 @@ def contact(
     return observation, Measurement(
         observation=name,
         load_N=load if measured_load is None else measured_load,
-        semi_major_mm=major,
-        semi_minor_mm=minor,
-        covariance_mm2=covariance,
+        semi_major_mm=float(sizes[0]),
+        semi_minor_mm=float(sizes[1]),
+        covariance_mm2=covariance + relative_scale_std**2 * np.outer(sizes, sizes),
+        relative_scale_std=relative_scale_std,
         scale="s",
         **more,
     )

@@ -60,9 +60,9 @@ def held_out() -> None:
         ("whole pad on deep tissue", "pads_held_out"),
         ("whole pad on a layer", "layered_held_out"),
     ):
-        rows_of = kept[name]
-        placement, tissue = kept_contacts(rows_of, is_pad=not name.startswith("elliptical"))
-        load, area, depth, ratio, peak = rows_of[:, -5:].T
+        contacts = kept[name]
+        placement, tissue = kept_contacts(contacts, is_pad=not name.startswith("elliptical"))
+        load, area, depth, ratio, peak = contacts[:, -5:].T
         solved = {"load": load, "area": area / AREA_BIAS, "indentation": depth}
         for given in _NAMES:
             fast = fast_contact(placement, tissue, **{given: solved[given]})
@@ -74,7 +74,7 @@ def held_out() -> None:
                 else "given"
                 for each in _NAMES
             ]
-            rows.append((title, given, f"{inside.sum()} of {len(rows_of)}", *errors, "", ""))
+            rows.append((title, given, f"{inside.sum()} of {len(contacts)}", *errors, "", ""))
         form = fast_contact(placement, tissue, area=solved["area"])
         inside = np.isfinite(form.semi_major)
         hertz = hertz_contact(placement, tissue, area=solved["area"])
@@ -82,7 +82,7 @@ def held_out() -> None:
         shape = _cell(form.aspect_ratio[inside], 1 / ratio[inside], hertz.aspect_ratio[inside])
         peaks = (form.peak_pressure / form.mean_pressure * mean)[inside]
         highest = _cell(peaks, peak[inside], (1.5 * mean)[inside])
-        rows.append((title, "area", f"{inside.sum()} of {len(rows_of)}", "", "", "", shape, highest))
+        rows.append((title, "area", f"{inside.sum()} of {len(contacts)}", "", "", "", shape, highest))
     table(
         ("contacts", "given", "within range", *_NAMES, "aspect ratio", "peak pressure"),
         rows,

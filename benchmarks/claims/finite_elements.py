@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
+from scipy.sparse import csc_array
 from scipy.spatial import cKDTree
 
 from benchmarks.tables import table
@@ -72,11 +74,24 @@ def rows_of(tissue: Tissue, indentations: tuple[float, ...], **size: int) -> Ite
         yield words, float(tissue.youngs_modulus) * load / solved
 
 
+def assembled(
+    points: FloatArray, cells: npt.NDArray[np.integer], poisson_ratio: float, *, order: int
+) -> csc_array:
+    """Return the stiffness for E = 1 MPa by scikit-fem, its rows in the order of the points."""
+    from skfem import Basis, ElementTetP2, ElementVector, MeshTet2  # noqa: PLC0415 (optional)
+    from skfem.models.elasticity import lame_parameters, linear_elasticity  # noqa: PLC0415 (optional)
+
+    basis = Basis(MeshTet2(points.T, cells.T), ElementVector(ElementTetP2()), intorder=order)
+    stiffness = linear_elasticity(*lame_parameters(1.0, poisson_ratio)).assemble(basis).tocsc()
+    rows = np.concatenate([basis.nodal_dofs, basis.edge_dofs], axis=1)
+    _, place = cKDTree(basis.doflocs[:, rows[0]].T).query(points)
+    rows = rows[:, place].T.reshape(-1)
+    return stiffness[rows][:, rows]
+
+
 def exported_loads(folder: Path, indentations: tuple[float, ...], normal: FloatArray) -> FloatArray:
     """Return the loads of ``finger.inp`` as meshio reads it and scikit-fem assembles it, N."""
     import meshio  # noqa: PLC0415 (optional)
-    from skfem import Basis, ElementTetP2, ElementVector, MeshTet2  # noqa: PLC0415 (optional)
-    from skfem.models.elasticity import lame_parameters, linear_elasticity  # noqa: PLC0415 (optional)
 
     file = folder / "finger.inp"
     read = meshio.read(file)
@@ -84,12 +99,6 @@ def exported_loads(folder: Path, indentations: tuple[float, ...], normal: FloatA
     modulus, ratio = map(
         float, file.read_text(encoding="utf-8").split("*ELASTIC\n")[1].split("\n")[0].split(",")
     )
-    basis = Basis(MeshTet2(points.T, cells.T), ElementVector(ElementTetP2()), intorder=3)
-    assembled = linear_elasticity(*lame_parameters(1.0, ratio)).assemble(basis)
-    # Its rows in the order of the file's nodes.
-    rows = np.concatenate([basis.nodal_dofs, basis.edge_dofs], axis=1)
-    _, place = cKDTree(basis.doflocs[:, rows[0]].T).query(points)
-    rows = rows[:, place].T.reshape(-1)
     height = points @ normal
     mesh = LayerMesh(
         points=points,
@@ -100,7 +109,7 @@ def exported_loads(folder: Path, indentations: tuple[float, ...], normal: FloatA
     )
     elements = TissueElements(
         mesh,
-        assembled.tocsc()[rows][:, rows],
+        assembled(points, cells, ratio, order=3),
         normal=normal,
         gap=height.max() - height,
         deepest=indentations[-1],

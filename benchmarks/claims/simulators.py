@@ -70,12 +70,12 @@ def rows_of(pad: Pad, count: int = _LOADS) -> dict[str, Row]:
     indentation = np.interp(np.geomspace(*pad.loads, count), law.load, law.indentation)
     solved = [solve_contact(PLACE, pad.tissue, indentation=depth) for depth in indentation]
     load, area = (np.array([getattr(one, name) for one in solved]) for name in ("load", "area"))
-    kh, table = law.newton_kh().kh, law.pressure_by_depth()
+    kh, pressures = law.newton_kh().kh, law.pressure_by_depth()
     newton, foundation, overlap = [], [], []
     for depth in indentation:
         deep, cell = _overlap(depth)
         newton.append(kh * deep.sum() * cell)
-        foundation.append(float(table.pressure_at(deep).sum()) * cell)
+        foundation.append(float(pressures.pressure_at(deep).sum()) * cell)
         overlap.append(float((deep > 0).sum()) * cell * 1e6)
     factor = np.array(overlap) / area
     rows = {

@@ -184,13 +184,11 @@ def _contacts(
         pressed = press(truth, radii, load)
         c, half = np.sqrt(pressed.area / np.pi), np.exp(pressed.elongation / 2)
         sides = scale * (np.array([c * half, c / half]) + edge) + rng.normal(0, NOISE_STD, 2)
-        covariance = NOISE_STD**2 * np.eye(2) + EDGE_STD**2
-        covariance = covariance + SCALE_STD**2 * np.outer(*2 * (np.sort(sides)[::-1],))
         yield contact(
             f"c{number}",
             load,
             sides,
-            covariance,
+            NOISE_STD**2 * np.eye(2) + EDGE_STD**2,
             measured_load=load * (1 + rng.normal(0, LOAD_STD)),
             wedge_deg=wedge,
             edge_offset_mm_std=EDGE_STD,

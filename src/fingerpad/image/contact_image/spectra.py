@@ -98,8 +98,8 @@ def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -
 
     Local spectra of textured 64 px windows, on the picture and on smaller copies of it; each window
     votes for its strongest ring with the share of its power found there. The copies are those that show the
-    `expected` period (px) and half and twice as much, or all of them where these show nothing. The best is
-    asked again with more windows.
+    `expected` period (px) and half and twice as much, or all of them where these show nothing. Of the
+    best all other windows are asked too.
     """
     copies = [(pixels, inside)]
     while min(copies[-1][0].shape) >= _WINDOW:
