@@ -753,9 +753,15 @@ def test_linear_algebra_threads() -> None:
         assert int(done.stdout.splitlines()[-1]) == 1 + 2 * (threads - 1)
 
 
-def test_import_is_light() -> None:
-    heavy = "matplotlib, cv2, PIL, pydantic, typer, rich, jinja2, tifffile"
-    script = f"import sys, fingerpad.contact; print([m for m in '{heavy}'.split(', ') if m in sys.modules])"
+@pytest.mark.parametrize(
+    ("package", "heavy"),
+    [
+        ("fingerpad.contact", "matplotlib, cv2, PIL, pydantic, typer, rich, jinja2, tifffile"),
+        ("fingerpad.cli", "matplotlib, cv2, PIL, pydantic, scipy, pandas, jinja2, tifffile"),
+    ],
+)
+def test_import_is_light(package: str, heavy: str) -> None:
+    script = f"import sys, {package}; print([m for m in '{heavy}'.split(', ') if m in sys.modules])"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, env={**os.environ}
     )

@@ -2,6 +2,7 @@
 
 import errno
 import hashlib
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -13,7 +14,6 @@ from time import perf_counter
 from typing import Any, Final, Literal, NamedTuple, TypeAlias
 
 from fingerpad.exceptions import StoreError, reason_of
-from fingerpad.study.manifest.messages import in_study
 
 Record: TypeAlias = dict[str, Any]
 # Measures something of the study folder, draws into another, and returns what it found.
@@ -21,6 +21,17 @@ Work: TypeAlias = Callable[[Path, Path], Record]
 
 # The reason of an item whose input is not what it was when the run began.
 CHANGED: Final = "{}: changed while it was being measured: run again"
+
+
+def in_study(words: object, folder: Path) -> str:
+    """Return a message without the place of the study's folder on this machine.
+
+    Examples
+    --------
+    >>> in_study("/home/me/study/prints/a.png: no such file", Path("/home/me/study"))
+    'prints/a.png: no such file'
+    """
+    return str(words).replace(f"{folder}{os.sep}", "")
 
 
 class ChangedError(Exception):

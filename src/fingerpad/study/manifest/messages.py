@@ -1,10 +1,8 @@
-"""Words of a study: what is wrong with the values of a table, names of its files, counts of things."""
+"""Words of a study: what is wrong with the values of a table, and counts of things."""
 
 import difflib
-import os
 from collections.abc import Iterable, Iterator
 from functools import cache
-from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeVar
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
@@ -112,17 +110,6 @@ def _hint(key: str) -> str:
         return f"; write it in the table of a scale, as in scale = {{ {key} = ... }}"
     close = difflib.get_close_matches(key, _keys(), n=1)
     return f"; did you mean {close[0]!r}?" if close else ""
-
-
-def in_study(words: object, folder: Path) -> str:
-    """Return a message without the place of the study's folder on this machine.
-
-    Examples
-    --------
-    >>> in_study("/home/me/study/prints/a.png: no such file", Path("/home/me/study"))
-    'prints/a.png: no such file'
-    """
-    return str(words).replace(f"{folder}{os.sep}", "")
 
 
 def counted(count: int, noun: str) -> str:

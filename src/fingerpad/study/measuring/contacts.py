@@ -21,9 +21,8 @@ from fingerpad.study.corrections.apply import (
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.engine.store import from_record, to_record
-from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.engine.task import Record, Task, in_study
 from fingerpad.study.manifest import Contact, Direction, Observation
-from fingerpad.study.manifest.messages import in_study
 from fingerpad.study.measuring.context import Item
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 

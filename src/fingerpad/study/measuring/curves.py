@@ -29,9 +29,8 @@ from fingerpad.loading import (
     sphere_ratio,
 )
 from fingerpad.study.engine.store import fields_from, to_record
-from fingerpad.study.engine.task import Record, Task, versions_of
+from fingerpad.study.engine.task import Record, Task, in_study, versions_of
 from fingerpad.study.manifest import Curve, Finger, Study, Uncertainty
-from fingerpad.study.manifest.messages import in_study
 from fingerpad.study.measuring.context import Item, cache_key
 from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_item
 from fingerpad.study.measuring.scales import FoundScale, require_scale

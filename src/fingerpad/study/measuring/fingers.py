@@ -29,9 +29,8 @@ from fingerpad.study.corrections.apply import corrected_photograph, photograph_c
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import fields_from, from_record, to_record
-from fingerpad.study.engine.task import Task
+from fingerpad.study.engine.task import Task, in_study
 from fingerpad.study.manifest import Finger, Photograph
-from fingerpad.study.manifest.messages import in_study
 from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
 

@@ -14,9 +14,8 @@ from fingerpad.study.corrections.apply import corrected_contact_image
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
-from fingerpad.study.engine.task import Record, Task
+from fingerpad.study.engine.task import Record, Task, in_study
 from fingerpad.study.manifest import Observation
-from fingerpad.study.manifest.messages import in_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 from fingerpad.uncertainty import Agreement, agreement

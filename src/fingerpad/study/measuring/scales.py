@@ -11,7 +11,7 @@ import numpy.typing as npt
 from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.engine.store import from_record, to_record
-from fingerpad.study.engine.task import Record
+from fingerpad.study.engine.task import Record, in_study
 from fingerpad.study.manifest import (
     CircleScale,
     CoinScale,
@@ -22,7 +22,6 @@ from fingerpad.study.manifest import (
     ScaleTable,
     Study,
 )
-from fingerpad.study.manifest.messages import in_study
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
