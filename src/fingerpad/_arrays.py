@@ -150,13 +150,7 @@ IN_RADIANS = "angles are in radians; for degrees use np.radians(30)"
 
 
 def check_radians(name: str, angle: ArrayLike) -> FloatArray:
-    """Return `angle` as an array, and refuse what lies beyond a full turn, as degrees do. NaN passes.
-
-    Raises
-    ------
-    GeometryError
-        If an angle is larger than 2π either way.
-    """
+    """Return `angle` as an array, and refuse what lies beyond a full turn, as degrees do. NaN passes."""
     values = as_float_array(angle, name)
     expected = f"a number of radians between -2π and 2π ({IN_RADIANS})"
     check_all(~(np.abs(values.real) > 2 * np.pi), name, values.real, expected, GeometryError)
@@ -195,20 +189,6 @@ def apply_blockwise(
 
     A kernel of many steps over a large array is limited by memory; over blocks that fit the cache it is
     limited by arithmetic, and runs three to five times faster.
-
-    Parameters
-    ----------
-    kernel : callable
-        Takes one-dimensional arrays, returns `outputs` one-dimensional arrays.
-    outputs : int
-        Number of arrays that the kernel returns.
-    *values : array_like
-        Inputs that broadcast.
-
-    Returns
-    -------
-    tuple of ndarray
-        The kernel's results in the broadcast shape of the inputs; numbers where all inputs are.
     """
     arrays = broadcast(*values)
     shape = arrays[0].shape

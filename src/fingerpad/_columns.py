@@ -47,12 +47,9 @@ _MOST_PROPOSED: Final = 4
 class ColumnsError(LoadingError):
     """A table in which the column of a quantity is missing, or several may be meant.
 
-    Attributes
-    ----------
-    problem : str
-        The message without the way out.
-    proposed : mapping
-        From each quantity to what its column may be, each ``"HEADER:UNIT"``, as far as a header tells.
+    `problem`: The message without the way out.
+    `proposed`: From each quantity to what its column may be, each ``"HEADER:UNIT"``, as far as a header
+    tells.
     """
 
     def __init__(self, problem: str, proposed: Mapping[str, Sequence[str]] | None = None) -> None:
@@ -90,13 +87,7 @@ def columns_named_by(words: Callable[[dict[str, str]], str]) -> Iterator[None]:
 
 
 def columns_in_toml(key: str, columns: Mapping[str, str]) -> str:
-    """Return the line of a manifest that maps columns.
-
-    Examples
-    --------
-    >>> columns_in_toml("file_columns", {"force": "Fz (mN):mN"})
-    'file_columns = { force = "Fz (mN):mN" }'
-    """
+    """Return the line of a manifest that maps columns."""
     items = ", ".join(
         f"{name} = {json.dumps(column, ensure_ascii=False)}" for name, column in columns.items()
     )
@@ -120,26 +111,8 @@ def read_columns(
 
     Units may stand in a line of their own below the header.
 
-    Parameters
-    ----------
-    path : Path
-        A CSV, XLSX, MAT or TDMS file. Columns of other names are left alone.
-    required, optional : sequence of str
-        Quantities of `fingerpad.units.FACTORS`.
-    columns : mapping, optional
-        From a quantity to ``"HEADER:UNIT"`` where the file's own headers differ.
-
-    Returns
-    -------
-    dict of str to ndarray
-        Each quantity found, in the library's units.
-
-    Raises
-    ------
-    LoadingError
-        If the file cannot be read, a column is missing or has an unknown unit, several may hold one
-        quantity, `columns` names another quantity, or a cell is not a finite number. The message names file,
-        column and line.
+    `required` and `optional` are quantities of `fingerpad.units.FACTORS`; `columns` leads from a quantity to
+    ``"HEADER:UNIT"`` where the file's own headers differ. Arrays are in the library's units.
     """
     table, given = _read_table(path), dict(columns or {})
     found = _find_columns(table, [*required, *optional], given)
@@ -159,23 +132,7 @@ def unread_columns(
 ) -> dict[str, list[str]]:
     """Return columns that `read_columns` leaves alone, and that by name or unit look like what it lacks.
 
-    Parameters
-    ----------
-    path, columns
-        As for `read_columns`.
-    quantities : sequence of str
-        What may be read of the file.
-
-    Returns
-    -------
-    dict of str to list of str
-        From each quantity that has no column to ``"HEADER:UNIT"`` of those that may be it; ``UNIT`` where
-        the header has none.
-
-    Raises
-    ------
-    LoadingError
-        If the file cannot be read.
+    Each is ``"HEADER:UNIT"`` under the quantity that has no column; ``UNIT`` where the header has none.
     """
     if not path.is_file():  # a pipe, which can be read only once
         return {}
@@ -256,17 +213,7 @@ def _find_column(table: Table, name: str, given: Mapping[str, str]) -> _Column |
 
 
 def header_parts(title: str, units: Collection[str] = ()) -> tuple[str, str, bool]:
-    """Return what a header names, in lower case, its unit if it has one, and whether it states that as one.
-
-    Examples
-    --------
-    >>> header_parts("Normal force [mN]")
-    ('normal force', 'mN', True)
-    >>> header_parts("Disp / µm")
-    ('disp', 'um', True)
-    >>> header_parts("force_N"), header_parts("Force N", {"N"}), header_parts("load cell", {"N"})
-    (('force', 'N', False), ('force', 'N', False), ('load cell', '', False))
-    """
+    """Return what a header names, in lower case, its unit if any, and whether it states that as one."""
     for form in (_IN_BRACKETS, _AFTER_MARK, _AFTER_LOW_LINE, _AFTER_SPACE):
         if match := form.fullmatch(title):
             word, unit = re.sub(r"[\s_]+", " ", match[1]).strip().casefold(), _plain_unit(match[2])

@@ -16,13 +16,7 @@ _NUMBERS: Final = re.compile(rf"{_NUMBER}(?:, ?{_NUMBER})*")
 
 
 def escape_formula(text: str) -> str:
-    """Return a text as a CSV cell that no spreadsheet evaluates; `unescape_formula` is its inverse.
-
-    Examples
-    --------
-    >>> [escape_formula(text) for text in ("=1+1", "-1.5", "-x", "'=1", "left")]
-    ["'=1+1", '-1.5', "'-x", "''=1", 'left']
-    """
+    """Return a text as a CSV cell that no spreadsheet evaluates; `unescape_formula` is its inverse."""
     if text[:1] not in _FIRST or not _FORMULA.match(text) or _NUMBERS.fullmatch(text):
         return text
     return f"'{text}"
@@ -34,18 +28,7 @@ def unescape_formula(cell: str) -> str:
 
 
 def csv_cell(value: object) -> str:
-    """Return a value as a CSV cell, empty for None and for numbers that are not finite.
-
-    Raises
-    ------
-    TypeError
-        If no cell can hold it.
-
-    Examples
-    --------
-    >>> [csv_cell(value) for value in (0.1, 2, True, [1.5, 2], None, "=1+1")]
-    ['0.1', '2', 'true', '1.5, 2', '', "'=1+1"]
-    """
+    """Return a value as a CSV cell, empty for None and for numbers that are not finite."""
     if value is None:
         return ""
     if isinstance(value, float):
@@ -62,13 +45,7 @@ def csv_cell(value: object) -> str:
 
 
 def write_csv(path: Path, rows: Iterable[Iterable[object]], mode: Literal["w", "x"] = "w") -> None:
-    """Write rows of values as a CSV file; with mode ``x`` only where there is none.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-    """
+    """Write rows of values as a CSV file; with mode ``x`` only where there is none."""
     with path.open(mode, newline="", encoding="utf-8") as file:
         csv.writer(file).writerows(map(csv_cell, row) for row in rows)
 

@@ -56,13 +56,7 @@ def aligned(values: list[tuple[str, Any]]) -> list[str]:
 
 
 def short_text(value: Any) -> str:
-    """Return a value in few words: small arrays by their items, others by their shape, long results by name.
-
-    Examples
-    --------
-    >>> short_text(np.float64(12.3456789)), short_text(np.arange(3.0)), short_text(np.zeros((512, 2)))
-    ('12.3457', '[0, 1, 2]', '<array (512, 2)>')
-    """
+    """Return a value in few words: arrays by few items or by shape, long results by name."""
     if isinstance(value, np.ndarray):
         few = value.ndim <= 1 and value.size <= _MAX_ITEMS
         return short_text(value.tolist()) if few else f"<array {value.shape}>"

@@ -11,13 +11,7 @@ _LONGEST_STEM: Final = 200
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder for results unless it is there.
-
-    Raises
-    ------
-    FingerpadError
-        Where it cannot be made.
-    """
+    """Make a folder for results unless it is there."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -27,27 +21,13 @@ def make_folder(folder: Path) -> None:
 
 
 def check_new(folder: Path) -> None:
-    """Refuse a folder for a study that holds anything.
-
-    Raises
-    ------
-    ManifestError
-        If it does.
-    """
+    """Refuse a folder for a study that holds anything."""
     if folder.is_dir() and any(folder.iterdir()):
         raise ManifestError(f"{folder}: the folder is not empty; name a new one, so that nothing is lost")
 
 
 def file_stem(name: str) -> str:
-    """Return a name, cut short where no file system could hold it; different names stay different.
-
-    Examples
-    --------
-    >>> file_stem("left_index_30deg")
-    'left_index_30deg'
-    >>> len(file_stem("指" * 90).encode()), file_stem("指" * 90) == file_stem("指" * 91)
-    (197, False)
-    """
+    """Return a name, cut short where no file system could hold it; different names stay different."""
     encoded = name.encode()
     if len(encoded) <= _LONGEST_STEM:
         return name
@@ -57,13 +37,7 @@ def file_stem(name: str) -> str:
 
 
 def sha256_of(path: Path) -> str:
-    """Return the SHA-256 of a file's bytes, which are not held in memory.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    """
+    """Return the SHA-256 of a file's bytes, which are not held in memory."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

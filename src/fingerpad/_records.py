@@ -29,14 +29,7 @@ class Recorded(Displayed):
 
 
 def record_text(title: str, record: Mapping[str, Any]) -> str:
-    """Return a record as lines: numbers with their standard uncertainty, what is unknown left out.
-
-    Examples
-    --------
-    >>> print(record_text("Contact", {"area_mm2": 116.24, "area_mm2_std": 2.3, "period_mm": None}))
-    Contact
-      area_mm2  116.2 ± 2.3
-    """
+    """Return a record as lines: numbers with their standard uncertainty, what is unknown left out."""
     shown = {
         name: _value(value, record.get(f"{name}_std"))
         for name, value in record.items()

@@ -9,30 +9,9 @@ _MOST_DIGITS: Final = 5
 def value_with_uncertainty(value: float | None, std: float | None = None) -> str:
     """Return ``value ± standard uncertainty``, the uncertainty with two digits (GUM 7.2.6).
 
-    Parameters
-    ----------
-    value : float or None
-        The value, in any unit; a dash is returned where it is unknown.
-    std : float, optional
-        Its standard uncertainty.
-
-    Returns
-    -------
-    str
-        Rounded to the digits of the uncertainty, to five significant ones at most: an uncertainty that would
-        ask for more is rounded up. Without an uncertainty: four significant digits; below one three decimals,
-        and at least three digits.
-
-    Examples
-    --------
-    >>> value_with_uncertainty(13.80484, 0.18442)
-    '13.80 ± 0.18'
-    >>> value_with_uncertainty(1234.5, 56.7)
-    '1234 ± 57'
-    >>> value_with_uncertainty(13.61796, 0.00025)
-    '13.618 ± 0.001'
-    >>> value_with_uncertainty(0.5), value_with_uncertainty(0.0004), value_with_uncertainty(12345)
-    ('0.500', '0.000400', '12340')
+    To five significant digits at most: an uncertainty that would ask for more is rounded up. Without an
+    uncertainty: four significant digits; below one three decimals, and at least three digits. A dash where
+    the value is unknown.
     """
     if value is None or not math.isfinite(value):
         return "–"
@@ -46,11 +25,6 @@ def positive_with_uncertainty(value: float | None, std: float | None = None) -> 
     """Return `value_with_uncertainty` of a positive quantity, or ``value ×/÷ factor`` if it is known badly.
 
     That is where two standard uncertainties would reach below zero.
-
-    Examples
-    --------
-    >>> positive_with_uncertainty(39.3, 4.1), positive_with_uncertainty(39.3, 94.0)
-    ('39.3 ± 4.1', '39 ×/÷ 3.4')
     """
     if value is not None and std is not None and _is_factor(value, std):
         return f"{two_digits(value)} {uncertainty_of_positive(value, std)}"
@@ -58,13 +32,7 @@ def positive_with_uncertainty(value: float | None, std: float | None = None) -> 
 
 
 def uncertainty_of_positive(value: float, std: float) -> str:
-    """Return the second part of `positive_with_uncertainty`; a dash where it is unknown.
-
-    Examples
-    --------
-    >>> uncertainty_of_positive(39.3, 4.1), uncertainty_of_positive(39.3, 94.0)
-    ('± 4.1', '×/÷ 3.4')
-    """
+    """Return the second part of `positive_with_uncertainty`; a dash where it is unknown."""
     if not math.isfinite(std):
         return "–"
     if _is_factor(value, std):
@@ -80,22 +48,7 @@ def _is_factor(value: float, std: float) -> bool:
 def two_digits(std: float, value: float = 0.0) -> str:
     """Return a standard uncertainty with two digits.
 
-    Parameters
-    ----------
-    std : float
-        Above zero.
-    value : float, optional
-        The value, beyond five significant digits of which there are none, and the uncertainty is rounded up.
-
-    Returns
-    -------
-    str
-        The digits.
-
-    Examples
-    --------
-    >>> two_digits(0.0996), two_digits(5678.0)
-    ('0.10', '5700')
+    Beyond the five significant digits of the `value` it belongs to, it is rounded up.
     """
     decimals = _decimals(std)
     if (finest := _finest(value)) < decimals:

@@ -40,24 +40,12 @@ _DATE: Final = re.compile(r"\d{4}-\d\d-\d\d.*|(\d+ days?, )?\d+:\d\d.*")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Table:
-    """The cells of a table as text.
+    """The cells of a table as text."""
 
-    Attributes
-    ----------
-    name : str
-        Its file, for messages.
-    header : list of str
-        The cells of its first line; empty where it has none.
-    rows : list of (int, list of str)
-        The number of each other line that is not blank, and its cells.
-    separator : str
-        What separates its cells, empty where it is no text file.
-    """
-
-    name: str
-    header: list[str]
-    rows: list[tuple[int, list[str]]]
-    separator: str
+    name: str  # its file, for messages
+    header: list[str]  # the cells of its first line; empty where it has none
+    rows: list[tuple[int, list[str]]]  # the number of each other line that is not blank, and its cells
+    separator: str  # what separates its cells, empty where it is no text file
 
     def line(self, number: int) -> str:
         """Return how messages name a line."""
@@ -108,23 +96,7 @@ def with_point(cell: str) -> str:
 
 
 def read_table(path: Path, error: type[FingerpadError], *, head_only: bool = False) -> Table:
-    """Read the cells of a file: CSV unless it is an XLSX workbook, a TDMS file or its suffix is ``.mat``.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    error : type
-        The error to raise.
-    head_only : bool
-        Whether the first lines of a CSV file are enough.
-
-    Raises
-    ------
-    FingerpadError
-        An `error` that names the file, if it cannot be read, is too large when unpacked, or is another kind
-        of file.
-    """
+    """Read the cells of a file: CSV unless it is an XLSX workbook, a TDMS file or its suffix is ``.mat``."""
     if path.is_char_device():
         raise error(f"{path}: is a device, not a file")  # which may have no end
     try:
@@ -145,14 +117,7 @@ def _is_packed(path: Path, content: bytes) -> bool:
 
 
 def parse_table(content: bytes | str, name: str, error: type[FingerpadError]) -> Table:
-    r"""Return the cells of a file's content, or of a text; errors are those of `read_table`.
-
-    Examples
-    --------
-    >>> table = parse_table("file;load\na.png;1,5\n", "a.csv", FingerpadError)
-    >>> table.header, table.rows, table.texts([1])
-    (['file', 'load'], [(2, ['a.png', '1,5'])], [['1.5']])
-    """
+    """Return the cells of a file's content, or of a text; errors are those of `read_table`."""
     separator = ""
     lines: Iterable[tuple[int, list[str]]]
     if isinstance(content, bytes) and content[:4] == b"PK\x03\x04":

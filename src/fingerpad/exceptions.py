@@ -69,46 +69,14 @@ class ManifestError(FingerpadError, ValueError):
 
 
 def is_interrupt(error: BaseException | None) -> bool:
-    """Return whether an interrupt caused an error, as imports raise other errors for one.
-
-    Examples
-    --------
-    >>> is_interrupt(KeyboardInterrupt())
-    True
-    >>> is_interrupt(ImportError("initialization failed"))
-    False
-    """
+    """Return whether an interrupt caused an error, as imports raise other errors for one."""
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__
     return error is not None
 
 
 def reason_of(error: Exception, otherwise: str) -> str:
-    """Return why something went wrong, in one line where the error is not one of fingerpad's.
-
-    Parameters
-    ----------
-    error : Exception
-        The error.
-    otherwise : str
-        How to begin where the error does not name the file or the step.
-
-    Returns
-    -------
-    str
-        The message.
-
-    Examples
-    --------
-    >>> reason_of(ImageError("a.png: no such file"), "a.png: cannot be measured")
-    'a.png: no such file'
-    >>> reason_of(PermissionError(13, "Permission denied", "a.csv"), "a.png: cannot be measured")
-    'a.csv: Permission denied'
-    >>> reason_of(OSError(28, "No space left on device"), "cannot write")
-    'cannot write (No space left on device)'
-    >>> reason_of(KeyError("width"), "a.png: cannot be measured")
-    "a.png: cannot be measured (KeyError: 'width')"
-    """
+    """Return why something went wrong, in one line where the error is not one of fingerpad's."""
     if isinstance(error, FingerpadError):
         return str(error)
     if isinstance(error, OSError) and error.strerror:

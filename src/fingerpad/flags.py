@@ -15,24 +15,12 @@ Excludes: TypeAlias = Literal["", "pooling", "pooling unless reviewed", "pooled 
 
 @dataclass(frozen=True, slots=True)
 class Flag:
-    """A doubt about a measurement.
-
-    Attributes
-    ----------
-    code : str
-        As in tables and records.
-    words : str
-        What it means.
-    to_do : str
-        What to do about it.
-    excludes : {"", "pooling", "pooling unless reviewed", "pooled ridge area"}
-        What a contact with it is kept out of.
-    """
+    """A doubt about a measurement."""
 
     code: str
     words: str
     to_do: str
-    excludes: Excludes = ""
+    excludes: Excludes = ""  # what a contact with it is kept out of
 
 
 _REVIEW: Final = "look at its outline on the page, and accept or correct it"
@@ -403,25 +391,8 @@ def flags_in(
 ) -> Iterator[Flag]:
     """Yield the flags of some codes, in their order.
 
-    Parameters
-    ----------
-    codes : str or iterable of str
-        Codes, or a cell of a table with codes separated by spaces.
-    *kinds : {"contact", "scale", "frame", "photograph", "curve", "layer", "row"}
-        What is flagged; where two know a code, the first says what it means.
-    notes : mapping of str to str
-        What a code means in this case, in the place of its own words.
-
-    Yields
-    ------
-    Flag
-        For each code.
-
-    Examples
-    --------
-    >>> [flag.to_do for flag in flags_in("cut_by_mask grid_tilted", "contact", "scale")]
-    ['make the mask or region of interest larger',
-     'rectify the pictures by their grid, or hold the camera square to it']
+    Codes may be a cell of a table, separated by spaces. Where two kinds know a code, the first says what it
+    means; `notes` hold what a code means in this case.
     """
     for code in codes.split() if isinstance(codes, str) else codes:
         flag = next(FLAGS[kind][code] for kind in kinds if code in FLAGS[kind])

@@ -28,51 +28,20 @@ _WORDS: Mapping[str, str] = {use: words for uses in USES.values() for use, words
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StartedStudy:
-    """A study that was started from files.
-
-    Attributes
-    ----------
-    loaded : LoadedStudy
-        The study, complete or not.
-    taken : mapping of str to str
-        What each file that the study names was taken as, in words.
-    guesses : tuple of str
-        What of it is not sure, and is to be checked.
-    left : mapping of str to str
-        Files that it does not name, and why.
-    missing : tuple of Missing
-        What it still lacks.
-    """
+    """A study that was started from files."""
 
     loaded: LoadedStudy
-    taken: Mapping[str, str]
-    guesses: tuple[str, ...]
-    left: Mapping[str, str]
+    taken: Mapping[str, str]  # what each file that the study names was taken as, in words
+    guesses: tuple[str, ...]  # what of it is not sure, and is to be checked
+    left: Mapping[str, str]  # files that it does not name, and why
     missing: tuple[Missing, ...]
 
 
 def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
     """Start a study from the files that lie in a folder.
 
-    Parameters
-    ----------
-    folder : Path
-        The folder, without a study yet. Pictures, sequences and tables are looked at; what a spreadsheet that
-        names files states of them holds before their names.
-    finger : str, optional
-        The finger of files for which nothing states one.
-
-    Returns
-    -------
-    StartedStudy
-        Loads, wedge angles and scales that nothing states are left out.
-
-    Raises
-    ------
-    ManifestError
-        If there is a study already, or no file that could be part of one.
-    StoreError
-        If the folder cannot be written.
+    What a spreadsheet that names files states of them holds before their names; `finger` is that of files for
+    which nothing states one. Loads, angles and scales that nothing states are left out.
     """
     if not folder.is_dir():
         raise ManifestError(f"{folder}: is no folder: name that of the pictures")

@@ -86,13 +86,7 @@ class _Journal(BaseModel):
 
 
 def replace_files(folder: Path, texts: Mapping[str, str]) -> None:
-    """Write files of a study; the caller holds the study's lock.
-
-    Raises
-    ------
-    OSError
-        If one cannot be written. Nothing is changed then.
-    """
+    """Write files of a study; the caller holds the study's lock."""
     journal = folder / JOURNAL_NAME
     try:
         for name, text in texts.items():
@@ -106,15 +100,7 @@ def replace_files(folder: Path, texts: Mapping[str, str]) -> None:
 
 
 def complete(folder: Path) -> None:
-    """Complete a change that was started, if there is one; the caller holds the study's lock.
-
-    Raises
-    ------
-    ManifestError
-        If the journal is damaged.
-    OSError
-        If a file cannot be replaced; the change is completed the next time.
-    """
+    """Complete a change that was started, if there is one; the caller holds the study's lock."""
     text = read_text_or_none(folder / JOURNAL_NAME)
     if text is None:
         return
@@ -136,13 +122,7 @@ def complete(folder: Path) -> None:
 
 
 def recover(folder: Path) -> None:
-    """Complete the change that a killed process had started in a study folder.
-
-    Raises
-    ------
-    ManifestError, StoreError
-        If the journal is damaged, or the folder cannot be written.
-    """
+    """Complete the change that a killed process had started in a study folder."""
     if os.path.lexists(folder / JOURNAL_NAME):
         with locked(folder, folder / LOCK_NAME):
             complete(folder)

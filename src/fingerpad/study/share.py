@@ -41,54 +41,28 @@ _BESIDE_A_STORE: Final = frozenset((f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", "s
 
 @dataclass(frozen=True, slots=True, order=True)
 class LeftOut:
-    """A file or folder that is not in the ZIP.
+    """A file or folder that is not in the ZIP."""
 
-    Attributes
-    ----------
-    file : str
-        Its name in the study; that of a folder ends in a slash.
-    why : str
-        The reason.
-    """
-
-    file: str
+    file: str  # its name in the study; that of a folder ends in a slash
     why: str
 
 
 @dataclass(slots=True, kw_only=True)
 class Bundle:
-    """The files of a study and its results.
+    """The files of a study and its results."""
 
-    Attributes
-    ----------
-    documents : tuple of str
-        The files that the page changes together.
-    files : dict of str to Path
-        Where each file is, by its name in the study; the documents come first.
-    folders : list of str
-        The folders, each with a slash at its end.
-    left_out : list of LeftOut
-        What the ZIP does not hold.
-    """
-
-    documents: tuple[str, ...] = ()
+    documents: tuple[str, ...] = ()  # the files that the page changes together
+    # where each file is, by its name in the study; the documents come first
     files: dict[str, Path] = field(default_factory=dict)
-    folders: list[str] = field(default_factory=list)
-    left_out: list[LeftOut] = field(default_factory=list)
+    folders: list[str] = field(default_factory=list)  # the folders, each with a slash at its end
+    left_out: list[LeftOut] = field(default_factory=list)  # what the ZIP does not hold
 
     @classmethod
     def of(cls, folder: Path, out: Path, named: Iterable[str], sheet: str | None = None) -> Self:
         """List the files of a study.
 
-        Parameters
-        ----------
-        folder, out : Path
-            The study folder, and the folder of its results, wherever that is.
-        named : iterable of str
-            Files and folders of frames that the study uses: these are in the ZIP even if they are hidden or
-            behind links.
-        sheet : str or None
-            The spreadsheet of observations.
+        Files and folders of frames that are `named` by the study are in the ZIP even if they are hidden or
+        behind links; `sheet` is the spreadsheet of observations.
         """
         bundle = cls()
         for name in _DOCUMENTS:
@@ -225,15 +199,7 @@ _DAMAGED: Final = (
 
 
 def pack(folder: Path, bundle: Bundle, target: Path) -> None:
-    """Write a study's files into a ZIP, with a list of what is left out.
-
-    Raises
-    ------
-    ArchiveError
-        If there are more files than an import takes.
-    OSError
-        If a file cannot be read to its end, or the ZIP cannot be written.
-    """
+    """Write a study's files into a ZIP, with a list of what is left out."""
     count = len(bundle.files) + len(bundle.folders)
     if count > MOST_FILES:
         raise ArchiveError(f"the study has {count} files and folders, more than {MOST_FILES}")
@@ -290,13 +256,7 @@ def _settled(path: Path, scratch: Path) -> Path:
 
 
 def unpack(source: Path, folder: Path, most_bytes: int) -> None:
-    """Unpack a study into a new folder; it appears there whole, or not at all.
-
-    Raises
-    ------
-    ArchiveError
-        If the file is no ZIP, holds no study, or anything that a study does not hold.
-    """
+    """Unpack a study into a new folder; it appears there whole, or not at all."""
     beside = folder.with_name(f".{folder.name}.{uuid4().hex}")
     try:
         with zipfile.ZipFile(source) as archive:

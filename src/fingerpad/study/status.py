@@ -29,32 +29,18 @@ _STATES: Final = ("done", "failed", "stale", "left")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Status:
-    """Numbers of photographs, loading curves, observations and sequences of a study.
+    """Numbers of photographs, loading curves, observations and sequences of a study."""
 
-    Attributes
-    ----------
-    done, failed : int
-        Measured, and those in which nothing could be measured, with the inputs as they are now.
-    stale : int
-        Measured, but picture, parameters or measuring code have changed since.
-    left : int
-        Not measured yet.
-    seconds : dict of str to float or None
-        What each of these four costs on one process: what the done and the failed took, and what the stale
-        and the left may take; None without any measured yet.
-    failed_items : tuple of str
-        Names of the failed.
-    faults : tuple of str
-        What is wrong with the files of the last run, each naming its file.
-    """
-
+    # done, failed: measured, and those in which nothing could be measured, with the inputs as they are now
     done: int
     failed: int
-    stale: int
+    stale: int  # measured, but picture, parameters or measuring code have changed since
     left: int
+    # what each of these four costs on one process: what the done and the failed took, and what the stale and
+    # the left may take; None without any measured yet
     seconds: dict[str, float | None]
     failed_items: tuple[str, ...] = ()
-    faults: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()  # what is wrong with the files of the last run, each naming its file
 
     @property
     def seconds_left(self) -> float | None:
@@ -69,15 +55,7 @@ class Status:
 
 
 def study_status(manifest: Path, out: Path) -> Status:
-    """Compare a study with what is stored of it; nothing is measured, and nothing is written.
-
-    Raises
-    ------
-    ManifestError
-        If the manifest cannot be acted upon.
-    StoreError
-        If the store cannot be used.
-    """
+    """Compare a study with what is stored of it; nothing is measured, and nothing is written."""
     manifest = manifest_in(manifest)
     study, folder = read_study(manifest), manifest.absolute().parent
     active_corrections = CorrectionLog(folder).active_corrections()
@@ -135,20 +113,9 @@ def item_states(items: StudyItems) -> dict[str, str]:
 def semi_axes_state(finger: Finger, states: Mapping[str, str], record: FingerRecord | None) -> str:
     """Return the state of a finger's semi-axes in the results of the last run.
 
-    Parameters
-    ----------
-    finger : Finger
-        Its table of the manifest.
-    states : mapping
-        The state of each item, by `item_states`.
-    record : FingerRecord or None
-        What ``summary.json`` says of the finger; None without a run of it.
-
-    Returns
-    -------
-    str
-        ``given`` if they are entered; otherwise as `Status` counts items: ``stale`` also where a photograph
-        was added, removed or rejected since.
+    ``given`` if they are entered; otherwise as `Status` counts items: ``stale`` also where a photograph was
+    added, removed or rejected since. The record is that of ``summary.json``, None without a run of the
+    finger.
     """
     if finger.semi_axes_mm is not None:
         return "given"
@@ -174,33 +141,16 @@ def _by_item(statuses: Mapping[str, TaskStatus]) -> dict[str, list[TaskStatus]]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
-    """What a look at all files of a study found.
+    """What a look at all files of a study found."""
 
-    Attributes
-    ----------
-    intact : dict of str to str
-        What is as it was written: a file or group of files, with what it holds.
-    faults : tuple of str
-        What is not, each naming its file.
-    changed_inputs : tuple of str
-        Inputs that are not those of the last run: the next one measures them again.
-    """
-
-    intact: dict[str, str]
-    faults: tuple[str, ...]
+    intact: dict[str, str]  # what is as it was written: a file or group of files, with what it holds
+    faults: tuple[str, ...]  # what is not, each naming its file
+    # inputs that are not those of the last run: the next one measures them again
     changed_inputs: tuple[str, ...]
 
 
 def verify_study(manifest: Path, out: Path) -> Verification:
-    """Read all that is kept of a study, and compare it with its checksums; nothing is written.
-
-    Parameters
-    ----------
-    manifest : Path
-        The study's TOML file, or its folder.
-    out : Path
-        Folder of its results.
-    """
+    """Read all that is kept of a study, and compare it with its checksums; nothing is written."""
     manifest = manifest_in(manifest)
     folder = manifest.absolute().parent
     intact: dict[str, str] = {}
@@ -284,23 +234,14 @@ _AXIS_WORDS: Final = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "r
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Missing:
-    """One thing that a study lacks.
+    """One thing that a study lacks."""
 
-    Attributes
-    ----------
-    kind, key : str
-        What lacks it, as of an `Edit`; kind ``file`` and its name for a file that nothing names, ``folder``
-        for a folder of frames.
-    words : str
-        What is lacking, and the way out.
-    place : str
-        The key to set in that table; empty where it takes more than one value.
-    """
-
+    # kind, key: what lacks it, as of an `Edit`; kind ``file`` and its name for a file that nothing names,
+    # ``folder`` for a folder of frames
     kind: str
     key: str
-    words: str
-    place: str = ""
+    words: str  # what is lacking, and the way out
+    place: str = ""  # the key to set in that table; empty where it takes more than one value
 
 
 def missing(loaded: LoadedStudy) -> list[Missing]:

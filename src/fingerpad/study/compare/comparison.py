@@ -29,57 +29,33 @@ from fingerpad.uncertainty import RandomEffects, pool_random_effects, proportion
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PersonMean:
-    """The mean over one person's fingers.
-
-    Attributes
-    ----------
-    person : Person
-        Who.
-    fingers : int
-        How many fingers.
-    value, std : float
-        The mean and its standard uncertainty.
-    """
+    """The mean over one person's fingers."""
 
     person: Person
     fingers: int
+    # value, std: the mean and its standard uncertainty
     value: float
     std: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Mean(Displayed):
-    """The mean of a quantity over people, real ones or synthetic ones.
+    """The mean of a quantity over people, real ones or synthetic ones."""
 
-    Attributes
-    ----------
-    quantity : str
-        One of `QUANTITIES`.
-    wedge_angle_deg, roll_angle_deg : float or None
-        The placement; None for what belongs to the finger alone.
-    synthetic : bool
-        Whether it is over rendered or simulated fingers; the two never mix.
-    people : tuple of PersonMean
-        What it is made of.
-    value, std : float
-        The mean and its standard uncertainty, with what fingers of a study share, and values from a model.
-    interval : (float, float) or None
-        95 % interval of the mean; None for one person.
-    between_people_std : float
-        Standard deviation between people beyond what uncertainties explain; NaN for one person.
-    between_fingers_std : float
-        The same between fingers of a person, over all who have several; NaN where no person has.
-    """
-
-    quantity: str
+    quantity: str  # one of `QUANTITIES`
+    # wedge_angle_deg, roll_angle_deg: the placement; None for what belongs to the finger alone
     wedge_angle_deg: float | None
     roll_angle_deg: float | None
-    synthetic: bool
+    synthetic: bool  # whether it is over rendered or simulated fingers; the two never mix
     people: tuple[PersonMean, ...]
+    # value, std: the mean and its standard uncertainty, with what fingers of a study share, and values from a
+    # model
     value: float
     std: float
-    interval: tuple[float, float] | None
+    interval: tuple[float, float] | None  # 95 % interval of the mean; None for one person
+    # standard deviation between people beyond what uncertainties explain; NaN for one person
     between_people_std: float
+    # the same between fingers of a person, over all who have several; NaN where no person has
     between_fingers_std: float
 
     @property
@@ -189,27 +165,14 @@ _SAME_VELOCITY: Final = 1.5
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Comparison(Displayed):
-    """Several finished studies side by side.
-
-    Attributes
-    ----------
-    studies : tuple of FinishedStudy
-        What was compared.
-    values : tuple of Value
-        Every value of every finger.
-    means : tuple of Mean
-        Over people, for each quantity and placement, real and synthetic apart.
-    verdicts : tuple of ValidityVerdict
-        Whether Hertz theory, and the layer where there is one, hold for each finger at each placement.
-    notes : tuple of str
-        What a reader must know.
-    """
+    """Several finished studies side by side."""
 
     studies: tuple[FinishedStudy, ...]
     values: tuple[Value, ...]
-    means: tuple[Mean, ...]
+    means: tuple[Mean, ...]  # over people, for each quantity and placement, real and synthetic apart
+    # whether Hertz theory, and the layer where there is one, hold for each finger at each placement
     verdicts: tuple[ValidityVerdict, ...]
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # what a reader must know
 
     def of(self, quantity: str) -> tuple[list[Value], list[Mean]]:
         """Return values and means of one quantity, by angle, real before synthetic."""
@@ -257,13 +220,7 @@ def _order(one: Value | Mean) -> tuple[float, float, bool]:
 
 
 def compare_studies(paths: Sequence[Path]) -> Comparison:
-    """Compare finished studies, each named by its output folder or a file in it.
-
-    Raises
-    ------
-    FingerpadError
-        If one is no finished run, two are the same, or none tells a value.
-    """
+    """Compare finished studies, each named by its output folder or a file in it."""
     studies = read_finished(paths)
     values = [value for study in studies for value in values_of(study)]
     if not values:
@@ -322,13 +279,7 @@ def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterato
 
 
 def write_comparison(comparison: Comparison, out: Path) -> None:
-    """Write ``compare*.csv`` (values, means, verdicts) and ``compare.json`` into a folder.
-
-    Raises
-    ------
-    FingerpadError
-        If a file cannot be written.
-    """
+    """Write ``compare*.csv`` (values, means, verdicts) and ``compare.json`` into a folder."""
     make_folder(out)
     try:
         for name, rows in (

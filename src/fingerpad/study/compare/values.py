@@ -21,15 +21,7 @@ from fingerpad.study.results.summary_file import (
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FinishedStudy:
-    """The results of one run.
-
-    Attributes
-    ----------
-    folder : Path
-        Its output folder.
-    summary : SummaryFile
-        The content of ``summary.json``.
-    """
+    """The results of one run."""
 
     folder: Path
     summary: SummaryFile
@@ -45,13 +37,7 @@ class FinishedStudy:
 
 
 def read_finished(paths: Sequence[Path]) -> list[FinishedStudy]:
-    """Read finished runs, each named by its output folder or a file in it.
-
-    Raises
-    ------
-    FingerpadError
-        If one is no finished run, two are the same study, or two have one title.
-    """
+    """Read finished runs, each named by its output folder or a file in it."""
     studies: list[FinishedStudy] = []
     for path in paths:
         study = _read(path.parent if path.is_file() else path)
@@ -82,24 +68,12 @@ def _read(folder: Path) -> FinishedStudy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """A quantity that fingers are compared by.
+    """A quantity that fingers are compared by."""
 
-    Attributes
-    ----------
-    symbol : str
-        As Matplotlib's mathtext.
-    unit : str
-        Its unit, empty for a pure number.
-    words : str
-        What it is.
-    proportional : bool
-        Whether its uncertainty grows in proportion to it.
-    """
-
-    symbol: str
-    unit: str
+    symbol: str  # as Matplotlib's mathtext
+    unit: str  # its unit, empty for a pure number
     words: str
-    proportional: bool = True
+    proportional: bool = True  # whether its uncertainty grows in proportion to it
 
 
 QUANTITIES: Final[Mapping[str, Quantity]] = {
@@ -146,69 +120,38 @@ _ON_LAYER: Final = "youngs_modulus_on_layer_kpa"
 
 
 class Person(NamedTuple):
-    """Whose a finger is.
+    """Whose a finger is."""
 
-    Attributes
-    ----------
-    name : str
-        The person, or the study's title where the manifest names none.
-    named : bool
-        Whether the manifest names the person, who is then the same in all studies.
-    """
-
-    name: str
-    named: bool
+    name: str  # the person, or the study's title where the manifest names none
+    named: bool  # whether the manifest names the person, who is then the same in all studies
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Value(Displayed):
-    """One value of one quantity of one finger.
+    """One value of one quantity of one finger."""
 
-    Attributes
-    ----------
-    quantity : str
-        One of `QUANTITIES`.
-    study, finger : str
-        Title of the study, and the finger's name there.
-    person : Person
-        Whose finger it is.
-    wedge_angle_deg, roll_angle_deg : float or None
-        Its placement; None for what belongs to the finger alone.
-    synthetic : bool
-        Whether anything of it was rendered or simulated.
-    value, std : float
-        Value and standard uncertainty with the model's part, in the unit that the quantity's name says; the
-        latter NaN where not known.
-    shared_std : float
-        What the wedge's angle, which fingers of a study share, does to it.
-    gain_std : float
-        What the gain of the force, which moduli from the contacts of a study share, does to it.
-    model_std : float
-        What the model's discrepancy does to it, which all values from that model share; zero where nothing
-        tells it.
-    source : str
-        Loading curve that it comes from, if one.
-    velocity_mm_per_s : float
-        How fast that was; NaN where not known.
-    verdict : str
-        Whether the model that it comes from holds there; empty where it comes from none.
-    """
-
-    quantity: str
+    quantity: str  # one of `QUANTITIES`
+    # study, finger: title of the study, and the finger's name there
     study: str
     finger: str
     person: Person
-    synthetic: bool
+    synthetic: bool  # whether anything of it was rendered or simulated
+    # value, std: value and standard uncertainty with the model's part, in the unit that the quantity's name
+    # says; the latter NaN where not known
     value: float
     std: float
+    # wedge_angle_deg, roll_angle_deg: its placement; None for what belongs to the finger alone
     wedge_angle_deg: float | None = None
     roll_angle_deg: float | None = None
-    shared_std: float = 0.0
+    shared_std: float = 0.0  # what the wedge's angle, which fingers of a study share, does to it
+    # what the gain of the force, which moduli from the contacts of a study share, does to it
     gain_std: float = 0.0
+    # what the model's discrepancy does to it, which all values from that model share; zero where nothing
+    # tells it
     model_std: float = 0.0
-    source: str = ""
-    velocity_mm_per_s: float = math.nan
-    verdict: str = ""
+    source: str = ""  # loading curve that it comes from, if one
+    velocity_mm_per_s: float = math.nan  # how fast that was; NaN where not known
+    verdict: str = ""  # whether the model that it comes from holds there; empty where it comes from none
 
     @property
     def mean_key(self) -> tuple[str, float | None, float | None, bool]:
@@ -237,38 +180,19 @@ class Value(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class ValidityVerdict(Displayed):
-    """Whether a model holds for a finger at one placement, and which checks say so.
+    """Whether a model holds for a finger at one placement, and which checks say so."""
 
-    Attributes
-    ----------
-    study, finger : str
-        Title of the study, and the finger's name there.
-    person : Person
-        Whose finger it is.
-    wedge_angle_deg, roll_angle_deg : float
-        The placement.
-    synthetic : bool
-        Whether anything of it was rendered or simulated.
-    model : str
-        ``Hertz theory``, or the layer with its thickness.
-    verdict : str
-        ``holds``, ``strained``, ``fails`` or ``not tested``.
-    checks : tuple of str
-        Names of the checks with that verdict.
-    compared : tuple of str
-        What each of them compared.
-    """
-
+    # study, finger: title of the study, and the finger's name there
     study: str
     finger: str
     person: Person
     wedge_angle_deg: float
     roll_angle_deg: float
-    synthetic: bool
-    model: str
-    verdict: str
-    checks: tuple[str, ...]
-    compared: tuple[str, ...]
+    synthetic: bool  # whether anything of it was rendered or simulated
+    model: str  # ``Hertz theory``, or the layer with its thickness
+    verdict: str  # ``holds``, ``strained``, ``fails`` or ``not tested``
+    checks: tuple[str, ...]  # names of the checks with that verdict
+    compared: tuple[str, ...]  # what each of them compared
 
     def as_record(self) -> dict[str, Any]:
         """Return the verdict as one row of a table."""

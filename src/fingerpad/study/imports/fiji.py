@@ -41,49 +41,25 @@ _SAME_AREA: Final = 0.05
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasuredEllipse:
-    """One ellipse, in the unit of its file.
+    """One ellipse, in the unit of its file."""
 
-    Attributes
-    ----------
-    label : str
-        What Fiji calls it: the picture's name, or the ROI's.
-    source : str
-        File and line, or file and ROI, for messages.
-    semi_major, semi_minor : float
-        Semi-axes: half of what Fiji's Major and Minor are.
-    orientation_deg : float or None
-        Long axis from straight up in the picture, counter-clockwise, in (−90, 90]; None where not known.
-    doubts : tuple of str
-        What should be looked at.
-    """
-
-    label: str
-    source: str
+    label: str  # what Fiji calls it: the picture's name, or the ROI's
+    source: str  # file and line, or file and ROI, for messages
+    # semi_major, semi_minor: semi-axes: half of what Fiji's Major and Minor are
     semi_major: float
     semi_minor: float
+    # long axis from straight up in the picture, counter-clockwise, in (−90, 90]; None where not known
     orientation_deg: float | None = None
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()  # what should be looked at
 
 
 def upward_deg(angle_deg: float) -> float:
-    """Turn an angle from the horizontal, as Fiji gives it, into one from straight up, in (−90, 90].
-
-    Examples
-    --------
-    >>> upward_deg(90.0), upward_deg(0.0), upward_deg(100.0)
-    (0.0, 90.0, 10.0)
-    """
+    """Turn an angle from the horizontal, as Fiji gives it, into one from straight up, in (−90, 90]."""
     return 90 - (180 - angle_deg) % 180
 
 
 def is_roi_file(path: Path) -> bool:
-    """Tell by its suffix whether a file holds ROIs, which are in pixels, or a table.
-
-    Examples
-    --------
-    >>> is_roi_file(Path("RoiSet.zip")), is_roi_file(Path("Results.csv"))
-    (True, False)
-    """
+    """Tell by its suffix whether a file holds ROIs, which are in pixels, or a table."""
     return path.suffix.lower() in {".roi", ".zip"}
 
 
@@ -92,16 +68,6 @@ def read_results_table(path: Path) -> list[MeasuredEllipse]:
 
     Cells may be separated by commas, tabs or semicolons, the latter two with decimal commas. Rows that Fiji's
     *Summarize* appends are left out.
-
-    Parameters
-    ----------
-    path : Path
-        ``Results.csv``, or ``.txt``, ``.tsv``, ``.xls`` as Fiji writes them: text; or an XLSX workbook.
-
-    Raises
-    ------
-    ManifestError
-        Naming file and line, what was found, and what to do in Fiji.
     """
     table = read_table(path, ManifestError)
     missing = [name for name in ("Major", "Minor") if name not in table.header]
@@ -169,16 +135,6 @@ def read_rois(path: Path) -> list[MeasuredEllipse]:
 
     An oval gives its axes as they are, upright or rotated; a polygon or an outline by freehand or wand the
     ellipse of its area and second moments, as Fiji's *Fit ellipse* does.
-
-    Parameters
-    ----------
-    path : Path
-        The file. Nothing of a zip is unpacked to disk.
-
-    Raises
-    ------
-    ImageError
-        Naming file and ROI, what was found, and what to do in Fiji.
     """
     try:
         if path.suffix.lower() != ".zip":
@@ -316,32 +272,18 @@ class _LabelValues(ManifestModel):
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class ManualObservation(Displayed):
-    """One row of the CSV: an observation whose ellipse a person measured.
+    """One row of the CSV: an observation whose ellipse a person measured."""
 
-    Attributes
-    ----------
-    name : str
-        Made from the label, like no other.
-    values : mapping
-        Those of `FIELDS` that are known.
-    semi_major_mm, semi_minor_mm, ellipse_mm_std : float
-        The ellipse, and the standard uncertainty of either semi-axis.
-    long_axis : {"along", "across"} or None
-        Where it lies, if the picture tells.
-    synthetic : bool
-        Whether the picture was rendered.
-    notes : str
-        Where it comes from, and doubts.
-    """
-
-    name: str
-    values: Mapping[str, str | float]
+    name: str  # made from the label, like no other
+    values: Mapping[str, str | float]  # those of `FIELDS` that are known
+    # semi_major_mm, semi_minor_mm, ellipse_mm_std: the ellipse, and the standard uncertainty of either semi-
+    # axis
     semi_major_mm: float
     semi_minor_mm: float
     ellipse_mm_std: float
-    long_axis: str | None
-    synthetic: bool
-    notes: str
+    long_axis: str | None  # where it lies, if the picture tells
+    synthetic: bool  # whether the picture was rendered
+    notes: str  # where it comes from, and doubts
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -366,33 +308,10 @@ def manual_observations(
 ) -> list[ManualObservation]:
     """Turn ellipses into observations.
 
-    Parameters
-    ----------
-    ellipses : sequence of MeasuredEllipse
-        As read, in the unit of their file.
-    mm_per_unit : float
-        That unit: mm per px, or 1 for a table in mm.
-    semi_axis_mm_std : float
-        Standard uncertainty of either semi-axis as a person finds it, mm.
-    relative_scale_std : float
-        That of the scale; it is added to each row as if it were the row's own.
-    known : mapping, optional
-        Those of `FIELDS` that are the same for all.
-    pattern : str, optional
-        How labels, up to the picture's suffix, tell what an ellipse does not: as of `match_file_names`, with
-        ``{person}``, ``{finger}``, ``{wedge}``, ``{roll}`` and ``{load}``.
-    finger_axis_deg : float
-        The finger's direction in the pictures, from straight up, counter-clockwise.
-    synthetic : bool
-        Whether the pictures were rendered.
-
-    Raises
-    ------
-    CalibrationError
-        If a semi-axis is none that a contact of a finger has.
-    ManifestError
-        If no uncertainty is given, something is given twice, a number is none that a manifest takes, or the
-        pattern is none, or fits no label.
+    `mm_per_unit` is mm per px, or 1 for a table in mm; `semi_axis_mm_std` that of either semi-axis as a
+    person finds it; `relative_scale_std` is added to each row as if it were the row's own. `known` are those
+    of `FIELDS` that are the same for all; the `pattern` tells others by labels, as of `match_file_names`.
+    `finger_axis_deg` is from straight up, counter-clockwise.
     """
     if not (semi_axis_mm_std > 0 and math.isfinite(semi_axis_mm_std)):
         raise ManifestError(f"the standard uncertainty must be positive, found {semi_axis_mm_std:g} mm")
@@ -471,13 +390,7 @@ def _name(label: str, taken: set[str]) -> str:
 
 
 def write_observations(path: Path, rows: Iterable[ManualObservation]) -> None:
-    """Write the CSV that ``observations_csv`` names; what is there already is never replaced.
-
-    Raises
-    ------
-    FingerpadError
-        If the file exists, or cannot be written.
-    """
+    """Write the CSV that ``observations_csv`` names; what is there already is never replaced."""
     try:
         write_csv(path, [_HEADER, *(row.as_record().values() for row in rows)], mode="x")
     except FileExistsError:

@@ -73,15 +73,7 @@ class FileRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FileTable:
-    """A spreadsheet that names files.
-
-    Attributes
-    ----------
-    columns : tuple of FileColumn
-        Its columns in order.
-    rows : tuple of FileRow
-        Its rows.
-    """
+    """A spreadsheet that names files."""
 
     columns: tuple[FileColumn, ...]
     rows: tuple[FileRow, ...]
@@ -94,52 +86,19 @@ class FileTable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JoinedFiles:
-    """Files with the rows that name them.
+    """Files with the rows that name them."""
 
-    Attributes
-    ----------
-    values : mapping of str to FileValues
-        What the spreadsheet states of each file that one row names.
-    rows_without_file : list of FileRow
-        Rows that name no file, or one that another row names too.
-    files_without_row : list of str
-        Files that no row names.
-    """
-
-    values: Mapping[str, FileValues]
-    rows_without_file: list[FileRow]
+    values: Mapping[str, FileValues]  # what the spreadsheet states of each file that one row names
+    rows_without_file: list[FileRow]  # rows that name no file, or one that another row names too
     files_without_row: list[str]
 
 
 def read_file_table(path: str | PathLike[str]) -> FileTable:
-    r"""Read a spreadsheet of which each row names a file and states something of it.
+    """Read a spreadsheet of which each row names a file and states something of it.
 
     One column names the file; others are person, finger, hand, face, type, wedge angle, load, scale and
     session, in any order, each header in its usual words and with its unit: ``Load (mN)``, ``theta [deg]``,
     ``mm/px``. A unit in a cell holds before that of the header. Decimal commas are read too.
-
-    Parameters
-    ----------
-    path : path-like
-        A CSV, TSV or XLSX file.
-
-    Returns
-    -------
-    FileTable
-
-    Raises
-    ------
-    ManifestError
-        If it cannot be read, has no column of files, or two columns of one meaning.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = Path(folder, "files.csv")
-    ...     _ = path.write_text("file,load (mN)\nIMG_1,500\n")
-    ...     read_file_table(path).rows[0].values
-    {'load_N': 0.5}
     """
     path = Path(path)
     if path.is_file() and path.stat().st_size > _MOST_BYTES:
@@ -148,30 +107,7 @@ def read_file_table(path: str | PathLike[str]) -> FileTable:
 
 
 def parse_file_table(text: str) -> FileTable:
-    r"""Read a spreadsheet, as `read_file_table` does, from text: cells that were copied, tabs between them.
-
-    Parameters
-    ----------
-    text : str
-        A line of headers and the rows.
-
-    Returns
-    -------
-    FileTable
-
-    Raises
-    ------
-    ManifestError
-        If it cannot be read, has no column of files, or two columns of one meaning.
-
-    Examples
-    --------
-    >>> table = parse_file_table("file\tfinger\tload, mN\tmood\nIMG_1\tLI\t500\tgood")
-    >>> table.rows[0].values
-    {'finger': 'left_index', 'load_N': 0.5}
-    >>> table.unknown_columns
-    ['mood']
-    """
+    """Read a spreadsheet, as `read_file_table` does, from text: cells that were copied, tabs between them."""
     return file_table(parse_table(text, "the pasted text", ManifestError))
 
 
@@ -236,19 +172,10 @@ def _row(columns: Sequence[FileColumn], cells: Sequence[str], line: int) -> File
 
 
 def join_files(table: FileTable, files: Iterable[str]) -> JoinedFiles:
-    r"""Join the rows of a spreadsheet to files by their names.
+    """Join the rows of a spreadsheet to files by their names.
 
     Case, folders and characters that are neither letters nor digits do not matter, nor does a suffix where
     only one file has the rest of the name.
-
-    Examples
-    --------
-    >>> table = parse_file_table("file,load\nIMG 1,2\nIMG_3.png,4")
-    >>> found = join_files(table, ["uploads/img_1.PNG", "uploads/img_2.PNG"])
-    >>> found.values, found.files_without_row
-    ({'uploads/img_1.PNG': {'load_N': 2.0}}, ['uploads/img_2.PNG'])
-    >>> [row.file for row in found.rows_without_file]
-    ['IMG_3.png']
     """
     files = list(files)
     whole, stems = _by(files, with_suffix=True), _by(files, with_suffix=False)
@@ -315,23 +242,13 @@ _SIDES: Final[tuple[Face, ...]] = ("radial", "ulnar")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FileIdentity:
-    """What a file may be.
-
-    Attributes
-    ----------
-    kind : {"picture", "sequence", "table", "other"}
-        Kind of file.
-    contents : mapping of str to float
-        What it may be, most likely first; the numbers sum to 1. They rank, and are no frequencies.
-    faces : mapping of str to float
-        The face that it shows if it is a photograph, most likely first.
-    dots_per_inch : float or None
-        The resolution that a picture states, as in `fingerpad.image.Picture`.
-    """
+    """What a file may be."""
 
     kind: FileKind
+    # what it may be, most likely first; the numbers sum to 1. They rank, and are no frequencies
     contents: Mapping[Content, float]
-    faces: Mapping[Face, float]
+    faces: Mapping[Face, float]  # the face that it shows if it is a photograph, most likely first
+    # the resolution that a picture states, as in `fingerpad.image.Picture`
     dots_per_inch: float | None = None
 
     @property
@@ -357,40 +274,10 @@ class FileIdentity:
 
 
 def identify_file(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -> FileIdentity:
-    r"""Guess what a file is, by its content and its name.
+    """Guess what a file is, by its content and its name.
 
     Pictures are looked at (`fingerpad.image.guess_subject`), tables are known by their headers, and
     sequences by their frames. A name that says it, as ``palmar``, ``30deg_2N`` or ``coin``, counts for much.
-
-    Parameters
-    ----------
-    path : path-like
-        A picture, a sequence, a table or a spreadsheet.
-    memory_limit : int
-        The most bytes that reading may take, as for `fingerpad.image.read_image`.
-
-    Returns
-    -------
-    FileIdentity
-
-    Raises
-    ------
-    ImageError
-        If a picture or a sequence cannot be read.
-    ManifestError
-        If a table cannot be read.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> import tempfile
-    >>> folder = tempfile.TemporaryDirectory()
-    >>> path = Path(folder.name, "data_12.csv")
-    >>> _ = path.write_text("time_s,force_N,displacement_mm\n0,0,0\n1,0.5,1\n")
-    >>> found = identify_file(path)
-    >>> found.content, found.is_sure
-    ('loading curve', True)
-    >>> folder.cleanup()
     """
     path = Path(path)
     suffix = path.suffix.lower()

@@ -86,24 +86,8 @@ _QUANTITY: Final = re.compile(rf"\s*({NUMBER})\s*(\S.*?)?\s*")
 def number_in(text: str, quantity: str, unit: str | None = None) -> float:
     """Return a number with its unit, in the library's.
 
-    Parameters
-    ----------
-    text : str
-        A number with a decimal point or comma, and perhaps its unit, which then holds.
-    quantity : str
-        ``load``, ``wedge`` or ``roll``, or a scale: ``mm_per_px``, ``px_per_mm`` or ``ppi``.
-    unit : str, optional
-        The unit where the text has none; by default that of the library.
-
-    Raises
-    ------
-    ValueError
-        If it is no such number.
-
-    Examples
-    --------
-    >>> number_in("1,5", "load"), number_in("500 mN", "load"), number_in("50", "load", "g")
-    (1.5, 0.5, 0.4903325)
+    The unit is that of the text, or else `unit`, or else the library's. `quantity` is ``load``, ``wedge`` or
+    ``roll``, or a scale: ``mm_per_px``, ``px_per_mm`` or ``ppi``. A ValueError says what is no such number.
     """
     known = FACTORS[quantity]
     found = _QUANTITY.fullmatch(text)
@@ -122,13 +106,7 @@ def number_in(text: str, quantity: str, unit: str | None = None) -> float:
 
 
 def finger_name(text: str, hand: str = "") -> str:
-    """Return the name of a finger: hand and digit where the words say them, else the words themselves.
-
-    Examples
-    --------
-    >>> finger_name("LI"), finger_name("Right middle"), finger_name("index", "L"), finger_name("pad 3")
-    ('left_index', 'right_middle', 'left_index', 'pad_3')
-    """
+    """Return the name of a finger: hand and digit where the words say them, else the words themselves."""
     words = _words(f"{hand} {text}")
     sides = [HAND_WORDS[word] for word in words if word in HAND_WORDS]
     digits = [DIGITS[word] for word in words if word in DIGITS]
@@ -147,13 +125,7 @@ def plain_name(text: str) -> str:
 
 
 def read_value(values: FileValues, field: Field, text: str, unit: str | None = None) -> None:
-    """Read a text into the values of a file.
-
-    Raises
-    ------
-    ValueError
-        If it cannot be what the field holds.
-    """
+    """Read a text into the values of a file."""
     match field:
         case "load":
             values["load_N"] = number_in(text, "load", unit)
@@ -205,18 +177,7 @@ def _read_scale(values: FileValues, text: str, unit: str | None) -> None:
 
 
 def scale_in(text: str, unit: str | None = None) -> dict[str, float]:
-    """Return the table of a scale that is written as a number with its unit.
-
-    Raises
-    ------
-    ValueError
-        If it is no such number.
-
-    Examples
-    --------
-    >>> scale_in("500 dpi"), scale_in("50 um/px"), scale_in("0,05", "mm/px")
-    ({'ppi': 500.0}, {'mm_per_px': 0.05}, {'mm_per_px': 0.05})
-    """
+    """Return the table of a scale that is written as a number with its unit."""
     found = _QUANTITY.fullmatch(text)
     said = ((found and found[2]) or unit or "").casefold()
     if said in FACTORS["mm_per_px"]:
@@ -267,31 +228,9 @@ _MOST_ANY: Final = 3
 def read_file_name(name: str, kind: FileKind, *, fingers: Iterable[str] = ()) -> FileValues:
     """Read what a file's name says about its content.
 
-    Parameters
-    ----------
-    name : str
-        Name of the file, with or without folders.
-    kind : {"picture", "sequence", "table", "other"}
-        Kind of file.
-    fingers : iterable of str
-        Fingers of the study; one of them in the name is that finger.
-
-    Returns
-    -------
-    FileValues
-        ``role``, ``finger``, ``face``, ``wedge_angle_deg`` and ``load_N``, as far as the name states them and
-        could not mean two things. The person's name is in front of the finger's: ``S01_left_index``. There is
-        no role for a ruler, a coin or the force of a sequence.
-
-    Examples
-    --------
-    >>> found = read_file_name("S01_LI_wedge45_500mN.png", "picture")
-    >>> found["finger"], found["wedge_angle_deg"], found["load_N"]
-    ('S01_left_index', 45.0, 0.5)
-    >>> read_file_name("left-thumb-30deg-1,5N.tif", "picture")["load_N"]
-    1.5
-    >>> read_file_name("IMG_0031.jpg", "picture")
-    {'role': 'observation'}
+    As far as the name states it and could not mean two things. The person is in front of the finger:
+    ``S01_left_index``. There is no role for a ruler, a coin or the force of a sequence. One of `fingers`,
+    those of the study, in the name is that finger.
     """
     stem, words, values = PurePosixPath(name).stem, _stem_words(name), FileValues()
     if face := next((face for face in FACES if face in words), None):
@@ -360,42 +299,21 @@ def _float(words: str) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PatternMatch:
-    """What a pattern gives of a name.
-
-    Attributes
-    ----------
-    file : str
-        The name.
-    values : FileValues
-        What it states.
-    fits : bool
-        Whether the name fits the pattern.
-    problem : str
-        Why something of it is not known; empty where all is.
-    """
+    """What a pattern gives of a name."""
 
     file: str
     values: FileValues
-    fits: bool = True
-    problem: str = ""
+    fits: bool = True  # whether the name fits the pattern
+    problem: str = ""  # why something of it is not known; empty where all is
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NamePattern:
-    """A pattern of names.
-
-    Attributes
-    ----------
-    text : str
-        As a person wrote it.
-    expression : re.Pattern
-        What it means.
-    fields : mapping
-        What is in it, in order; for loads the unit, None where the pattern has none.
-    """
+    """A pattern of names."""
 
     text: str
     expression: re.Pattern[str]
+    # what is in it, in order; for loads the unit, None where the pattern has none
     fields: dict[Field, str | None]
 
     @classmethod
@@ -449,34 +367,9 @@ class NamePattern:
 def match_file_names(pattern: str, files: Iterable[str]) -> list[PatternMatch]:
     """Read names of files by a pattern.
 
-    Parameters
-    ----------
-    pattern : str
-        A name without its suffix, with ``{person}``, ``{finger}``, ``{face}``, ``{role}``, ``{wedge}``,
-        ``{load}`` and ``{session}`` where these stand, and ``*`` where anything stands. Letters after a load
-        are its unit: ``{load}mN``. Numbers have a point, a comma or the letter p for the decimal point. Texts
-        are letters, digits and dashes; only hand and digit may have an underscore between them. Case does not
-        matter.
-    files : iterable of str
-        Names of files, with or without folders.
-
-    Returns
-    -------
-    list of PatternMatch
-        One for each file, in order.
-
-    Raises
-    ------
-    ManifestError
-        If the pattern has no such field, an unknown one, or one twice.
-
-    Examples
-    --------
-    >>> found = match_file_names("S{person}_{finger}_{load}N*", ["S7_left_index_0p5N_b.png", "ruler.png"])
-    >>> found[0].values
-    {'person': '7', 'finger': 'left_index', 'load_N': 0.5}
-    >>> found[1].problem
-    'does not fit the pattern'
+    A pattern is a name without its suffix, with fields such as ``{person}`` and ``{load}``, and ``*`` where
+    anything stands. Letters after a load are its unit: ``{load}mN``. Numbers have a point, a comma or the
+    letter p for the decimal point; texts are letters, digits and dashes. Case does not matter.
     """
     compiled = NamePattern.of(pattern)
     return [compiled.match(file, PurePosixPath(file).stem) for file in files]

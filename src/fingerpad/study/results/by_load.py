@@ -34,36 +34,23 @@ _ON_LAYER: Final = "youngs_modulus_on_layer"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LoadMean:
-    """The geometric mean of a quantity over the contacts of one finger under one load.
+    """The geometric mean of a quantity over the contacts of one finger under one load."""
 
-    Attributes
-    ----------
-    value, std : float
-        The mean and its standard uncertainty from all parts together.
-    interval : (float, float)
-        95 % interval, with Student's t for noise, repeatability and sessions where these are known.
-    noise_std, repeatability_std : float
-        Standard uncertainty from what no contacts share, divided by √n: noise (in a modulus with the load's),
-        and the scatter of repeats beyond it; NaN where the study has too few repeats.
-    session_std : float
-        From the difference between sessions, divided by the root of their number; NaN where it is not known.
-    edge_std : float
-        From the place of the contact's edge, which all contacts share.
-    other_std : float
-        From what else they share: scale, and in a modulus geometry and Poisson's ratio.
-    model_std : float
-        From the model's discrepancy, which they share too; NaN where nothing tells it.
-    """
-
+    # value, std: the mean and its standard uncertainty from all parts together
     value: float
     std: float
+    # 95 % interval, with Student's t for noise, repeatability and sessions where these are known
     interval: tuple[float, float]
+    # noise_std, repeatability_std: standard uncertainty from what no contacts share, divided by √n: noise (in
+    # a modulus with the load's), and the scatter of repeats beyond it; NaN where the study has too few
+    # repeats
     noise_std: float
     repeatability_std: float
+    # from the difference between sessions, divided by the root of their number; NaN where it is not known
     session_std: float
-    edge_std: float
-    other_std: float
-    model_std: float
+    edge_std: float  # from the place of the contact's edge, which all contacts share
+    other_std: float  # from what else they share: scale, and in a modulus geometry and Poisson's ratio
+    model_std: float  # from the model's discrepancy, which they share too; NaN where nothing tells it
 
     @classmethod
     def of(
@@ -78,20 +65,9 @@ class LoadMean:
     ) -> Self:
         """Pool values.
 
-        Parameters
-        ----------
-        values : ndarray, shape (n,)
-            Positive values.
-        parts : mapping of str to ndarray
-            Standard uncertainty of each from noise, repeatability and edge.
-        total : ndarray, shape (n,)
-            Standard uncertainty of each from all that was measured.
-        freedom : float
-            Degrees of freedom of the repeatability; infinite where it is not known.
-        sessions : (int, ScatterComponent or None)
-            Number of sessions, and how they scatter.
-        model : float, optional
-            What the model adds, relative to the values; NaN where nothing tells it.
+        Values are positive; `parts` are the standard uncertainties of each from noise, repeatability and
+        edge, `total` that from all. `freedom` is of the repeatability, infinite where that is not known;
+        `sessions` their number and how they scatter; `model` what the model adds, relative to the values.
         """
         count = values.size
         relative = {part: np.nan_to_num(std) / values for part, std in parts.items()}
@@ -128,41 +104,23 @@ class LoadMean:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AtLoad:
-    """A finger at one placement under one load.
-
-    Attributes
-    ----------
-    finger, wedge_angle_deg, roll_angle_deg, synthetic
-        Whose contacts.
-    load : float
-        Mean of their loads, N.
-    count, sessions : int
-        Number of contacts, and of sessions in which they were made.
-    area : LoadMean
-        Contact area, mm².
-    modulus : LoadMean
-        Young's modulus from load and area by Hertz theory, kPa.
-    verdict : str
-        Whether Hertz theory holds for it.
-    modulus_on_layer : LoadMean or None
-        Young's modulus on the finger's layer of tissue, over the contacts in the range of its laws, kPa; None
-        without any.
-    layer_verdict : str
-        Whether the layer holds; empty without one.
-    """
+    """A finger at one placement under one load."""
 
     finger: str
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    load: float
+    load: float  # mean of their loads, N
+    # count, sessions: number of contacts, and of sessions in which they were made
     count: int
     sessions: int
-    area: LoadMean
-    modulus: LoadMean
+    area: LoadMean  # contact area, mm²
+    modulus: LoadMean  # Young's modulus from load and area by Hertz theory, kPa
     verdict: str
+    # Young's modulus on the finger's layer of tissue, over the contacts in the range of its laws, kPa; None
+    # without any
     modulus_on_layer: LoadMean | None
-    layer_verdict: str
+    layer_verdict: str  # whether the layer holds; empty without one
 
 
 def _quantile(freedom: float) -> float:
@@ -178,16 +136,8 @@ def pool_by_load(
 ) -> list[AtLoad]:
     """Pool the contacts that count, for each finger, placement and nominal load.
 
-    Parameters
-    ----------
-    rows : Rows
-        All rows. Frames of sequences are left out.
-    repeatability : mapping of bool to ContactRepeatability
-        That of the study, for real (False) and synthetic contacts (True).
-    scatter : sequence of StudyScatter
-        How quantities scatter between sessions.
-    validities : mapping, optional
-        Whether the model holds, by the values of `PLACEMENT`; not tested where it is missing.
+    Frames of sequences are left out. `repeatability` is by whether contacts are synthetic; `validities` is by
+    the values of `PLACEMENT`: not tested where one is missing.
     """
     between = {(one.quantity, one.synthetic): one.scatter.components["session"] for one in scatter}
     counts = rows.table["pooled"] & rows.table["frame"].isna()

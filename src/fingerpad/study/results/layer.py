@@ -75,21 +75,11 @@ def with_thickness(inputs: Inputs, thickness: ArrayLike, thickness_std: ArrayLik
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Layered:
-    """Contacts on a layer; NaN where they are flagged.
+    """Contacts on a layer; NaN where they are flagged."""
 
-    Attributes
-    ----------
-    propagated : Propagated
-        `both_models` at the contacts' inputs, by first order.
-    std : ndarray, shape (contacts, outputs)
-        Standard uncertainties, by the study's method; NaN beyond the range of the laws.
-    flag : ndarray of str, shape (contacts,)
-        What is out of that range; empty where nothing is.
-    """
-
-    propagated: Propagated
-    std: FloatArray
-    flag: npt.NDArray[np.str_]
+    propagated: Propagated  # `both_models` at the contacts' inputs, by first order
+    std: FloatArray  # standard uncertainties, by the study's method; NaN beyond the range of the laws
+    flag: npt.NDArray[np.str_]  # what is out of that range; empty where nothing is
 
     @classmethod
     def of(cls, inputs: Inputs, method: str) -> Self:
@@ -136,17 +126,7 @@ def _simulated_std(propagated: Propagated) -> FloatArray:
 def layer_columns(
     pads: Sequence[FingerResult], inputs: Inputs, given: Uncertainty
 ) -> tuple[dict[str, ColumnArray], FloatArray]:
-    """Return the columns of the layer for contacts on `pads`, and their parts, NaN without a thickness.
-
-    Parameters
-    ----------
-    pads : sequence of FingerResult
-        The finger of each contact.
-    inputs : Inputs
-        Those of `pad_model` for each contact.
-    given : Uncertainty
-        Method of propagation, and what the study shares.
-    """
+    """Return the columns of the layer for contacts on `pads`, and their parts, NaN without a thickness."""
     thickness = COLUMNS["effective_thickness_mm"].array(pad.effective_thickness for pad in pads)
     std = COLUMNS["effective_thickness_mm_std"].array(pad.effective_thickness_std for pad in pads)
     stated = np.flatnonzero(np.isfinite(thickness))
@@ -172,19 +152,12 @@ def layer_columns(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LayerQuantity:
-    """A quantity with its uncertainty, in the unit of the tables.
+    """A quantity with its uncertainty, in the unit of the tables."""
 
-    Attributes
-    ----------
-    value, std : float
-        In kPa or mm; NaN where it is out of the range of the laws.
-    budget : dict of str to float
-        Share of each source in the variance.
-    """
-
+    # value, std: in kPa or mm; NaN where it is out of the range of the laws
     value: float
     std: float
-    budget: dict[str, float]
+    budget: dict[str, float]  # share of each source in the variance
 
 
 def quantity_of(propagated: Propagated, name: str) -> LayerQuantity:
@@ -212,46 +185,24 @@ _EARLIEST, _LATEST = 0.3, 0.04  # shifts of the place of contact, of the largest
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CurveOnLayer:
-    """What the highest load of a loading curve and its indentation tell of the pad.
+    """What the highest load of a loading curve and its indentation tell of the pad."""
 
-    Attributes
-    ----------
-    load : float
-        Highest load fitted, N.
-    indentation, indentation_std : float
-        Its indentation from the place of contact that Hertz theory fits, with its uncertainty, mm.
-    contact_shift : float
-        By how much it is larger from the place of contact that the law of the layer fits, mm.
-    flag : str
-        What takes it out of the range of the laws; empty where nothing does.
-    quantities : dict of str to LayerQuantity
-        Young's modulus by Hertz theory and on the layer, and A/(πξ) on the layer; NaN where it is flagged.
-    """
-
-    load: float
+    load: float  # highest load fitted, N
+    # indentation, indentation_std: its indentation from the place of contact that Hertz theory fits, with its
+    # uncertainty, mm
     indentation: float
     indentation_std: float
+    # by how much it is larger from the place of contact that the law of the layer fits, mm
     contact_shift: float
-    flag: str
+    flag: str  # what takes it out of the range of the laws; empty where nothing does
+    # Young's modulus by Hertz theory and on the layer, and A/(πξ) on the layer; NaN where it is flagged
     quantities: dict[str, LayerQuantity]
 
 
 def curve_on_layer(study: Study, finger: FingerResult, curve: CurveResult) -> CurveOnLayer | None:
     """Return what a loading curve tells of a finger on its layer of tissue.
 
-    Parameters
-    ----------
-    study : Study
-        The manifest, which states the common uncertainties.
-    finger : FingerResult
-        Its finger.
-    curve : CurveResult
-        What was fitted to the curve.
-
-    Returns
-    -------
-    CurveOnLayer or None
-        None without a thickness, semi-axes, or a fitted place of contact.
+    None without a thickness, semi-axes, or a fitted place of contact.
     """
     offset = curve.fit.contact_offset if curve.fit else None
     if (
@@ -328,23 +279,9 @@ def indentation_model(
 ) -> dict[str, FloatArray]:
     """Return what a load and a measured indentation tell of a pad, by Hertz theory and on a layer.
 
-    Parameters
-    ----------
-    palmar, distal, radial_ulnar, wedge_angle, roll_angle, poisson_ratio
-        As for `pad_model`; on the layer a Poisson's ratio above 0.5, which a draw can have, is taken as 0.5.
-    load, indentation : ndarray
-        Normal force W, and indentation ξ from the place of first contact.
-    contact_shift : ndarray
-        By how much ξ is larger on the layer, where its place of first contact was found by Hertz theory: on
-        bone the load rises later, and that place seems deeper than it is.
-    thickness : ndarray
-        Effective thickness of the tissue.
-
-    Returns
-    -------
-    dict of str to ndarray
-        ``youngs_modulus_from_indentation`` of Hertz theory (half-space, paraboloid of the pad's radii), and
-        ``youngs_modulus_from_indentation_on_layer`` and ``loading_radius_on_layer`` of the whole pad.
+    W and ξ from the place of first contact. On the layer ξ is larger by `contact_shift`, as that place was
+    found by Hertz theory: on bone the load rises later, and it seems deeper than it is; and a Poisson's ratio
+    above 0.5, which a draw can have, is taken as 0.5.
     """
     axes = broadcast(palmar, distal, radial_ulnar)
     gap = gap_kernel(*axes, normal=platen_normal(wedge_angle, roll_angle))

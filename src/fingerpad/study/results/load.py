@@ -70,13 +70,7 @@ class Results:
 
     @classmethod
     def read(cls, folder: Path) -> "Results":
-        """Read the tables of an output folder, whose files are known to belong together.
-
-        Raises
-        ------
-        FingerpadError
-            If there is none, or a table is not as a run writes it.
-        """
+        """Read the tables of an output folder, whose files are known to belong together."""
         return cls(table=read_rows(folder), summary=SummaryFile.read(folder))
 
 
@@ -110,13 +104,7 @@ def load_results(folder: str | PathLike[str]) -> Results:
 
 
 def read_rows(folder: Path) -> pd.DataFrame:
-    """Return all rows of a finished run, with the columns' units in ``attrs``.
-
-    Raises
-    ------
-    FingerpadError
-        As `read_header` and `read_batches` do.
-    """
+    """Return all rows of a finished run, with the columns' units in ``attrs``."""
     names = read_header(folder)
     table = table_of(read_batches(folder, _ROWS_AT_ONCE), names)
     table.attrs["units"] = {name: COLUMNS[name].unit for name in names}
@@ -124,13 +112,7 @@ def read_rows(folder: Path) -> pd.DataFrame:
 
 
 def read_header(folder: Path) -> tuple[str, ...]:
-    """Return the columns of a finished run: all, or those that a run writes by default.
-
-    Raises
-    ------
-    FingerpadError
-        If there is no ``results.csv``, or its columns are others.
-    """
+    """Return the columns of a finished run: all, or those that a run writes by default."""
     path = folder / "results.csv"
     with _opened(path) as file:
         names = tuple(next(csv.reader(file), ()))
@@ -140,14 +122,7 @@ def read_header(folder: Path) -> tuple[str, ...]:
 
 
 def read_batches(folder: Path, size: int) -> Iterator[dict[str, ColumnArray]]:
-    """Yield the rows of a finished run by column, `size` at a time, so that memory stays flat.
-
-    Raises
-    ------
-    FingerpadError
-        As `read_header`, or if a row has a cell too few or too many, as a file cut short has, or a cell
-        holds something else than its column does.
-    """
+    """Yield the rows of a finished run by column, `size` at a time, so that memory stays flat."""
     columns, path = [COLUMNS[name] for name in read_header(folder)], folder / "results.csv"
     with _opened(path) as file:
         reader = csv.reader(file)
@@ -211,11 +186,6 @@ def measured_pad(
 
     E and thickness are those that a loading curve gives; without one, or with a thickness stated, E is that
     with which the whole pad has the contact area seen at the highest load.
-
-    Raises
-    ------
-    FingerpadError
-        If there is no finished run, no such finger or placement, or nothing that gives its modulus.
     """
     require_result_set(folder)
     summary = SummaryFile.read(folder)
@@ -313,21 +283,7 @@ _ROW_GROUP: Final = 5000
 
 
 def export_results(folder: str | PathLike[str], file: str | PathLike[str]) -> None:
-    """Write the results of a finished run into one file, in the format that its suffix names.
-
-    Parameters
-    ----------
-    folder : path-like
-        Output folder of the run.
-    file : path-like
-        ``.parquet`` or ``.mat``; one that is there is replaced, once the new one is whole.
-
-    Raises
-    ------
-    FingerpadError
-        If the folder holds no finished run, the suffix is another, a package is missing, or the file cannot
-        be written.
-    """
+    """Write the results of a finished run into one file, in the format that its suffix names."""
     folder, file = Path(folder), Path(file)
     write = _FORMATS.get(file.suffix.lower())
     if write is None:

@@ -55,18 +55,7 @@ _MOST_LISTED: Final = 4
 
 
 def methods_section(result: StudyResult) -> MethodsRecord:
-    """Describe how the numbers of a study came about, as a paper does.
-
-    Parameters
-    ----------
-    result : StudyResult
-        What was found.
-
-    Returns
-    -------
-    MethodsRecord
-        Paragraphs about fingers, contacts, images, models and uncertainty, and what is missing.
-    """
+    """Describe how the numbers of a study came about, as a paper does."""
     paragraphs = (_fingers(result), _contacts(result), _images(result), _models(result), _uncertainty(result))
     texts = (" ".join(sentences) for sentences in paragraphs)
     return MethodsRecord(paragraphs=list(filter(None, texts)), missing=list(_missing(result)))

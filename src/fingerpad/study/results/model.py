@@ -62,22 +62,15 @@ MOST_DRAWS: Final = 200_000
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Modelled:
-    """Outputs of the model for some contacts, NaN where it has none.
+    """Outputs of the model for some contacts, NaN where it has none."""
 
-    Attributes
-    ----------
-    value, std : dict of str to ndarray, shape (contacts,)
-        Model outputs and their standard uncertainties, by name.
-    std_from : dict of str to dict of str to ndarray, shape (contacts,)
-        Their standard uncertainties from one of `STATED_APART` alone.
-    parts : ndarray, shape (contacts, pooled outputs, parts)
-        Signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`; their
-        squares add up to the variance.
-    """
-
+    # value, std: model outputs and their standard uncertainties, by name
     value: dict[str, FloatArray]
     std: dict[str, FloatArray]
+    # their standard uncertainties from one of `STATED_APART` alone
     std_from: dict[str, dict[str, FloatArray]]
+    # signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`; their
+    # squares add up to the variance
     parts: FloatArray
 
     @classmethod
@@ -138,19 +131,7 @@ def contact_inputs(
     seen: Sequence[tuple[Contact, Measurement]],
     repeatability: Mapping[bool, FloatArray] = MappingProxyType({}),
 ) -> Inputs:
-    """Return the inputs of `pad_model` for some contacts.
-
-    Parameters
-    ----------
-    study : Study
-        The manifest.
-    fingers : mapping
-        Semi-axes by finger.
-    seen : sequence of (Contact, Measurement)
-        The contacts.
-    repeatability : mapping of bool to ndarray, (2, 2), optional
-        Covariance of the deviations of one impression, for real contacts (False) and synthetic ones (True).
-    """
+    """Return the inputs of `pad_model` for some contacts."""
     given, count = study.uncertainty, len(seen)
     pads = [fingers[contact.finger] for contact, _ in seen]
     same_scale = [

@@ -64,11 +64,6 @@ def write_tables(result: StudyResult, out: Path, *, all_columns: bool = False) -
     They are ``results.csv``, ``results_columns.csv``, ``results.json``, ``by_load.csv``,
     ``repeatability.csv``, ``summary.json`` and, where a second person outlined images,
     ``second_operator.csv``.
-
-    Raises
-    ------
-    FingerpadError
-        If a file cannot be written.
     """
     try:
         names = tuple(COLUMNS) if all_columns else DEFAULT_COLUMNS
@@ -461,28 +456,19 @@ _COMPARED: Final = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
-    """What was found of a finger at a placement.
+    """What was found of a finger at a placement."""
 
-    Attributes
-    ----------
-    of : PlacementRecord
-        The placement, its corrected radius, R_g and checks.
-    load : float
-        Its highest load, N; NaN where no contact counts.
-    area, area_std : float
-        Contact area there, mm², with its standard uncertainty; NaN where single contacts have none.
-    modulus, modulus_std : float
-        Young's modulus there, kPa, with its standard uncertainty, the model's part included.
-    on_bone : bool
-        Whether that is of tissue of the stated thickness over bone; otherwise it is by Hertz theory.
-    """
-
-    of: PlacementRecord
-    load: float
+    of: PlacementRecord  # the placement, its corrected radius, R_g and checks
+    load: float  # its highest load, N; NaN where no contact counts
+    # area, area_std: contact area there, mm², with its standard uncertainty; NaN where single contacts have
+    # none
     area: float
     area_std: float
+    # modulus, modulus_std: Young's modulus there, kPa, with its standard uncertainty, the model's part
+    # included
     modulus: float
     modulus_std: float
+    # whether that is of tissue of the stated thickness over bone; otherwise it is by Hertz theory
     on_bone: bool
 
     @property
@@ -527,20 +513,7 @@ class Answer:
 
 
 def answers(placements: Iterable[PlacementRecord], by_load: Iterable[AtLoadRecord]) -> list[Answer]:
-    """Return what was found at each placement.
-
-    Parameters
-    ----------
-    placements : iterable of PlacementRecord
-        ``summaries`` of a `SummaryFile`.
-    by_load : iterable of AtLoadRecord
-        Its ``by_load``.
-
-    Returns
-    -------
-    list of Answer
-        One for each placement.
-    """
+    """Return what was found at each placement."""
     highest = {one.key: one for one in sorted(by_load, key=lambda one: one.load_N)}
     return [_answer(one, highest.get(one.key)) for one in placements]
 

@@ -62,24 +62,16 @@ class PressSlope(NamedTuple):
 
     The errors of a press's frames are not independent: they change smoothly from frame to frame, and a part
     of them looks like growth.
-
-    Attributes
-    ----------
-    value : float
-        The slope.
-    weights : ndarray
-        That of each frame in it.
-    scatter_std, freedom : float
-        Its standard uncertainty with degrees of freedom, as the bends of presses and the difference between
-        their slopes tell: an error that bends a press by a quadratic and a cubic part tilts it as much.
-    own_std : float
-        The same if the stated uncertainty of a press's areas is one error, independent at its two ends.
     """
 
     value: float
-    weights: FloatArray
+    weights: FloatArray  # that of each frame in it
+    # scatter_std, freedom: its standard uncertainty with degrees of freedom, as the bends of presses and the
+    # difference between their slopes tell: an error that bends a press by a quadratic and a cubic part tilts
+    # it as much
     scatter_std: float
     freedom: float
+    # the same if the stated uncertainty of a press's areas is one error, independent at its two ends
     own_std: float
 
     @property
@@ -92,14 +84,8 @@ class PressSlope(NamedTuple):
     def of(cls, load: FloatArray, area: FloatArray, own: FloatArray, item: Indices) -> Self | None:
         """Return the slope over the presses of four frames or more under different loads; None without any.
 
-        Parameters
-        ----------
-        load, area : ndarray
-            Logarithms.
-        own : ndarray
-            Standard uncertainties of `area` that no other press shares.
-        item : ndarray of int
-            Which press each is a frame of.
+        `load` and `area` are logarithms, `own` the standard uncertainties of `area` that no other press
+        shares.
         """
         weights, found = np.zeros(load.size), []
         for each in np.flatnonzero(np.bincount(item) >= _LEAST_FRAMES):
@@ -186,27 +172,17 @@ _SECOND: Final = np.arange(PART_SOURCES.size) >= (PART_SOURCES.size - len(COMMON
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PooledRadius:
-    """A radius pooled over contacts.
+    """A radius pooled over contacts."""
 
-    Attributes
-    ----------
-    random : RandomEffects
-        Contacts taken to have different radii about a mean: the pooled radius.
-    fixed_geometry : float
-        Its standard uncertainty with semi-axes and angles held exact, as in Dzidek et al. (2017).
-    fixed : Pooled
-        All contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge).
-    scatter : NestedScatter
-        Of contacts under one load (``"repeat"``), and between loads (``"load"``), if only of two.
-    budget : dict of str to float
-        Share of each source in the variance of `random`, with ``"scatter"`` for what the difference between
-        contacts adds.
-    """
-
-    random: RandomEffects
+    random: RandomEffects  # contacts taken to have different radii about a mean: the pooled radius
+    # its standard uncertainty with semi-axes and angles held exact, as in Dzidek et al. (2017)
     fixed_geometry: float
+    # all contacts taken to have one radius; the scatter beyond their uncertainties widens it (Birge)
     fixed: Pooled
+    # of contacts under one load (``"repeat"``), and between loads (``"load"``), if only of two
     scatter: NestedScatter
+    # share of each source in the variance of `random`, with ``"scatter"`` for what the difference between
+    # contacts adds
     budget: dict[str, float]
 
     @property
@@ -244,18 +220,9 @@ class PooledRadius:
         elongation, to second order, without the bias of a mean of squares. The weights contain repeatability
         and the variance between contacts, so that one of little noise does not count for all.
 
-        Parameters
-        ----------
-        rows : Rows
-            All rows.
-        pooled : DataFrame
-            Those of them to pool; all must count.
-        estimate : ndarray of int
-            Which estimate each belongs to, counted from 0: one for a single contact, one for all frames of
-            a sequence. The frames show the same skin, pressed once: their errors are taken to be the same
-            error, so that their mean has the uncertainty of one frame, however many there are.
-        output : str
-            The radius.
+        All of the rows `pooled` must count. `estimate` is one for a single contact, one for all frames of a
+        sequence: these show the same skin, pressed once, and their errors are taken to be the same error, so
+        that their mean has the uncertainty of one frame, however many there are.
         """
         places = np.searchsorted(rows.pooled, pooled.index.to_numpy())
         parts = rows.parts[places, POOLED_OUTPUTS.index(output)]
@@ -301,15 +268,6 @@ def shared_errors(parts: FloatArray, sources: Sequence[str], scales: Iterable[st
     """Return the errors that estimates share: of the placement all, of scale and edge those of one scale.
 
     Images that name no scale have one each, but are taken to be of one device, whose edge they share.
-
-    Parameters
-    ----------
-    parts : ndarray, shape (estimates, parts)
-        Signed contributions to the uncertainty of each.
-    sources : sequence of str
-        Source of each part.
-    scales : iterable of str or None
-        Name of the scale of each estimate, None where it has its own.
     """
     scales = list(scales)
     scale = numbered((place,) if name is None else name for place, name in enumerate(scales))
@@ -345,34 +303,14 @@ _OWN_ON_LAYER: Final = ~np.isin(LAYER_PART_SOURCES, (*OF_THE_PLACEMENT, *OF_THE_
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PooledOnLayer(LayerQuantity):
-    """A quantity pooled over contacts, all of which are taken to have one value.
+    """A quantity pooled over contacts, all of which are taken to have one value."""
 
-    Attributes
-    ----------
-    birge_ratio : float
-        Of the scatter; the uncertainty is widened by it where it exceeds one.
-    count : int
-        Number of contacts, a sequence counting as one.
-    """
-
-    birge_ratio: float
-    count: int
+    birge_ratio: float  # of the scatter; the uncertainty is widened by it where it exceeds one
+    count: int  # number of contacts, a sequence counting as one
 
     @classmethod
     def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, output: str) -> Self | None:
-        """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is.
-
-        Parameters
-        ----------
-        rows : Rows
-            All rows.
-        pooled : DataFrame
-            Those of them to pool; all must count.
-        estimate : ndarray of int
-            Which estimate each belongs to: one for a single contact, one for all frames of a sequence.
-        output : str
-            The quantity.
-        """
+        """Pool one of `POOLED_ON_LAYER` over the contacts in the range of the laws; None where none is."""
         parts = rows.layer_parts[np.searchsorted(rows.pooled, pooled.index.to_numpy())]
         known = np.asarray(np.isfinite(parts).all(axis=(-2, -1)))  # the same contacts for all outputs
         if not known.any():
@@ -411,31 +349,16 @@ class PooledOnLayer(LayerQuantity):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LayerSummary:
-    """What the contacts of a finger at one angle tell of it on its layer of tissue.
+    """What the contacts of a finger at one angle tell of it on its layer of tissue."""
 
-    Attributes
-    ----------
-    thickness, thickness_std : float
-        Effective thickness as stated, mm; the uncertainty is NaN where none is stated.
-    observation : str
-        The contact at the highest load that is in the range of the laws, if any is.
-    load : float
-        Its load, N.
-    flag : str
-        What takes it out of the range of the laws; empty where nothing does.
-    at_highest_load : dict of str to LayerQuantity
-        Its quantities on the layer, and those of Hertz theory.
-    pooled : dict of str to (PooledOnLayer or None)
-        `POOLED_ON_LAYER` over all contacts that count.
-    """
-
+    # thickness, thickness_std: effective thickness as stated, mm; the uncertainty is NaN where none is stated
     thickness: float
     thickness_std: float
-    observation: str
+    observation: str  # the contact at the highest load that is in the range of the laws, if any is
     load: float
-    flag: str
-    at_highest_load: dict[str, LayerQuantity]
-    pooled: dict[str, PooledOnLayer | None]
+    flag: str  # what takes it out of the range of the laws; empty where nothing does
+    at_highest_load: dict[str, LayerQuantity]  # its quantities on the layer, and those of Hertz theory
+    pooled: dict[str, PooledOnLayer | None]  # `POOLED_ON_LAYER` over all contacts that count
 
     @classmethod
     def of(cls, rows: Rows, pooled: pd.DataFrame, estimate: Indices, highest: HighestLoad) -> Self | None:
@@ -463,33 +386,21 @@ class LayerSummary:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Summary:
-    """All good rows of one finger at one placement.
+    """All good rows of one finger at one placement."""
 
-    Attributes
-    ----------
-    finger, wedge_angle_deg, roll_angle_deg, synthetic
-        What the rows have in common.
-    table : DataFrame
-        All rows of the study, of which `rows` are some.
-    places : ndarray of int
-        Where `rows` are in it.
-    corrected_radius : PooledRadius or None
-        Pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a
-        sound row.
-    compliance_radius : PooledRadius or None
-        Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
-    layer : LayerSummary or None
-        The same contacts on the finger's layer of tissue; None without a thickness, or without a sound row.
-    """
-
+    # finger, wedge_angle_deg, roll_angle_deg, synthetic: what the rows have in common
     finger: str
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
-    table: pd.DataFrame
-    places: Indices
+    table: pd.DataFrame  # all rows of the study, of which `rows` are some
+    places: Indices  # where `rows` are in it
+    # pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a
+    # sound row
     corrected_radius: PooledRadius | None
+    # pooled ``radius_from_compliance_mm``, the one to compare with R_g
     compliance_radius: PooledRadius | None
+    # the same contacts on the finger's layer of tissue; None without a thickness, or without a sound row
     layer: LayerSummary | None
 
     @property

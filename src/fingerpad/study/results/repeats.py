@@ -60,13 +60,6 @@ def nominal_loads(loads: ArrayLike) -> Indices:
 
     Loads are one nominal load if they are within `SAME_LOAD` of their middle, and the next one is not. Where
     they run on without such a gap, as those of a ramp, only equal loads are.
-
-    Examples
-    --------
-    >>> nominal_loads([0.98, 1.0, 2.05, 2.0, 1.03])
-    array([0, 0, 1, 1, 0])
-    >>> nominal_loads([1.0, 1.04, 1.08, 1.12, 1.12])
-    array([0, 1, 2, 3, 3])
     """
     distinct, place = np.unique(as_float_array(loads), return_inverse=True)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -91,20 +84,11 @@ def conditions_of(placed: Iterable[Hashable], loads: ArrayLike) -> Indices:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ContactRepeatability:
-    """By how much the ellipses of repeats scatter beyond the noise of their images.
+    """By how much the ellipses of repeats scatter beyond the noise of their images."""
 
-    Attributes
-    ----------
-    covariance : ndarray, (2, 2)
-        Of ln √(ℓd ℓe) and ln(ℓd/ℓe) of one impression; zero if it is not known.
-    freedom : int
-        Degrees of freedom from which it is known.
-    groups, count : int
-        Contacts that were repeated, and their repeats in all.
-    """
-
-    covariance: FloatArray
-    freedom: int
+    covariance: FloatArray  # of ln √(ℓd ℓe) and ln(ℓd/ℓe) of one impression; zero if it is not known
+    freedom: int  # degrees of freedom from which it is known
+    # groups, count: contacts that were repeated, and their repeats in all
     groups: int
     count: int
 
@@ -132,14 +116,8 @@ class ContactRepeatability:
     def of(cls, axes: ArrayLike, noise: ArrayLike, group: ArrayLike) -> Self:
         """Return that of contacts of known noise.
 
-        Parameters
-        ----------
-        axes : array_like, shape (n, 2)
-            ln √(ℓd ℓe) and ln(ℓd/ℓe) of each.
-        noise : array_like, shape (n, 2, 2)
-            Covariance of these from the image's own noise.
-        group : array_like, shape (n,)
-            What each is a repeat of.
+        `axes` are ln √(ℓd ℓe) and ln(ℓd/ℓe), shape (n, 2), `noise` their covariance from the image's own
+        noise, `group` what each is a repeat of.
         """
         axes = as_float_array(axes)
         _, place, size = np.unique(group, return_inverse=True, return_counts=True)
@@ -160,17 +138,7 @@ def contact_repeatability(
     fingers: Mapping[str, FingerResult],
     seen: Iterable[tuple[Contact, Measurement]],
 ) -> dict[bool, ContactRepeatability]:
-    """Return how the pooled repeats of a study scatter: of real contacts (False), of synthetic ones (True).
-
-    Parameters
-    ----------
-    study : Study
-        The manifest.
-    fingers : mapping
-        Semi-axes by finger.
-    seen : iterable of (Contact, Measurement)
-        What was measured of each contact, observations first.
-    """
+    """Return how the pooled repeats of a study scatter: real contacts (False), and synthetic (True)."""
     known = {False: _Repeats(), True: _Repeats()}
     plausible = {name: not implausible_size(finger.semi_axes).any() for name, finger in fingers.items()}
     repeated = iter(_repeated(study, seen))
@@ -238,37 +206,18 @@ class _Repeats:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StudyScatter:
-    """How a quantity scatters over a study's contacts, on the scale of its logarithm.
+    """How a quantity scatters over a study's contacts, on the scale of its logarithm."""
 
-    Attributes
-    ----------
-    quantity : str
-        One of `SCATTER_OF`.
-    synthetic : bool
-        Whether it is of rendered contacts.
-    scatter : NestedScatter
-        By level.
-    missing : dict of str to str
-        Why a level is not known, in words.
-    """
-
-    quantity: str
-    synthetic: bool
+    quantity: str  # one of `SCATTER_OF`
+    synthetic: bool  # whether it is of rendered contacts
     scatter: NestedScatter
-    missing: dict[str, str]
+    missing: dict[str, str]  # why a level is not known, in words
 
 
 def study_scatter(study: Study, table: pd.DataFrame) -> list[StudyScatter]:
     """Return the scatter of each quantity over the contacts that count, real and synthetic ones apart.
 
     The frames of a sequence show one impression: they repeat nothing, and are left out.
-
-    Parameters
-    ----------
-    study : Study
-        The manifest, which names persons.
-    table : DataFrame
-        All rows.
     """
     # Not all columns: a copy of them is as large as everything else that a run holds.
     rows = table[["finger", "session", *_PLACED, "load_N", *QUANTITY_COLUMNS]]

@@ -48,23 +48,14 @@ RERUN: Final = "run the study again: nothing that was measured is measured again
 
 
 def results_folder(manifest: Path) -> Path:
-    """Return the output folder of a study for which none is named: beside its manifest.
-
-    Parameters
-    ----------
-    manifest : Path
-        The manifest, or the folder that holds ``study.toml``.
-    """
+    """Return the output folder of a study for which none is named: beside its manifest."""
     return manifest_in(manifest).parent / RESULTS_NAME
 
 
 class NewResultSet:
     """A result set that is being written.
 
-    Attributes
-    ----------
-    folder : Path
-        Where its files are written.
+    `folder`: Where its files are written.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -72,13 +63,7 @@ class NewResultSet:
         self._digests: dict[str, str] = {}
 
     def add(self, name: str, source: Path, digest: str) -> None:
-        """Add a file that was drawn before, with its SHA-256: by a link where the file system has them.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written, or is there already.
-        """
+        """Add a file that was drawn before, with its SHA-256: by a link where the file system has them."""
         target = self.folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         try:
@@ -103,16 +88,6 @@ def new_result_set(store: Store) -> Iterator[NewResultSet]:
     """Provide an empty folder for the files of a run, and put them in place in the end.
 
     If anything is raised meanwhile, the old result set stays as it is.
-
-    Parameters
-    ----------
-    store : Store
-        The study's store, open for writing: results go into its folder.
-
-    Raises
-    ------
-    FingerpadError
-        If the files cannot be written or put in place.
     """
     out = store.folder
     new = out / _NEW
@@ -135,13 +110,7 @@ def new_result_set(store: Store) -> Iterator[NewResultSet]:
 
 
 def put_in_place(store: Store) -> None:
-    """Put a complete result set in place, as one that was interrupted in the middle, if there is one.
-
-    Raises
-    ------
-    FingerpadError
-        If a file cannot be moved or removed.
-    """
+    """Put a complete result set in place, as one that was interrupted in the middle, if there is one."""
     out = store.folder
     complete = out / _COMPLETE
     if not complete.is_dir():
@@ -183,17 +152,7 @@ def result_set_faults(
     digest: Callable[[Path], str] = digest_of,
     is_checked: Callable[[str], bool] = lambda _: True,
 ) -> list[str]:
-    """Return what is wrong with a result set, each fault naming its file; empty where nothing is.
-
-    Parameters
-    ----------
-    out : Path
-        The output folder of a run.
-    digest : callable
-        Gives the SHA-256 of a file, empty where it cannot be read.
-    is_checked : callable
-        Tells which files, by name, are checked.
-    """
+    """Return what is wrong with a result set, each fault naming its file; empty where nothing is."""
     if (out / _COMPLETE).is_dir():
         return ["the last run was stopped while it put its results in place, or is doing so now"]
     listed, faults = _listed(out)
@@ -221,13 +180,7 @@ def quick_faults(out: Path, is_checked: Callable[[str], bool] = lambda _: True) 
 
 
 def require_result_set(out: Path) -> None:
-    """Refuse results that are missing or do not belong together.
-
-    Raises
-    ------
-    FingerpadError
-        Naming the files.
-    """
+    """Refuse results that are missing or do not belong together."""
     if out.is_file():
         raise FingerpadError(f"{out}: is a file; name the output folder of a finished run")
     faults = quick_faults(out)

@@ -42,52 +42,28 @@ Seen: TypeAlias = Sequence[tuple[Contact, Measurement]]
 
 
 class HighestLoad(NamedTuple):
-    """The contact under the largest load of those that count at one placement.
-
-    Attributes
-    ----------
-    observation : str
-        Its name.
-    load : float
-        Its load, N.
-    inputs : Inputs
-        The model's inputs for it.
-    """
+    """The contact under the largest load of those that count at one placement."""
 
     observation: str
     load: float
-    inputs: Inputs
+    inputs: Inputs  # the model's inputs for it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rows:
-    """All rows of a study, with what pooling needs.
+    """All rows of a study, with what pooling needs."""
 
-    Attributes
-    ----------
-    table : DataFrame
-        One row per observation and frame, in the manifest's order.
-    pooled : ndarray of int
-        Indices in `table` of the rows that count in pooled radii, ascending.
-    parts : ndarray, shape (pooled rows, pooled outputs, parts)
-        Signed contributions to the uncertainty of their radii, as `Modelled` has them.
-    elongation_std : ndarray, shape (pooled rows,)
-        Standard uncertainty of the elongation ln(ℓd/ℓe) of each contact ellipse, with repeatability.
-    layer_parts : ndarray, shape (pooled rows, outputs, parts)
-        Signed contributions to the uncertainty of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN
-        for rows without them; no rows where no finger has a thickness.
-    highest_load : dict of PlacementKey to HighestLoad
-        By the values of `PLACEMENT`; without those at which nothing counts.
-    highest_on_layer : dict of PlacementKey to HighestLoad
-        The same among contacts on a layer, in the range of its laws.
-    """
-
-    table: pd.DataFrame
-    pooled: Indices
-    parts: FloatArray
+    table: pd.DataFrame  # one row per observation and frame, in the manifest's order
+    pooled: Indices  # indices in `table` of the rows that count in pooled radii, ascending
+    parts: FloatArray  # signed contributions to the uncertainty of their radii, as `Modelled` has them
+    # standard uncertainty of the elongation ln(ℓd/ℓe) of each contact ellipse, with repeatability
     elongation_std: FloatArray
+    # signed contributions to the uncertainty of `POOLED_ON_LAYER`, of the sources `LAYER_PART_SOURCES`, NaN
+    # for rows without them; no rows where no finger has a thickness
     layer_parts: FloatArray
+    # by the values of `PLACEMENT`; without those at which nothing counts
     highest_load: dict[PlacementKey, HighestLoad]
+    # the same among contacts on a layer, in the range of its laws
     highest_on_layer: dict[PlacementKey, HighestLoad]
 
 
@@ -99,17 +75,7 @@ def model_contacts(
 ) -> Rows:
     """Turn measurements into rows: placement, model and uncertainty.
 
-    Parameters
-    ----------
-    study : Study
-        The manifest.
-    fingers : mapping
-        Semi-axes by finger.
-    seen : iterable of (Contact, Measurement)
-        Each contact that was seen, with the table of the manifest that it belongs to, in the manifest's
-        order. It is gone through once, and no more than a batch is held.
-    repeatability : mapping of bool to ContactRepeatability, optional
-        That of the study, from `contact_repeatability`: what one impression is uncertain by beyond its noise.
+    What was seen is gone through once, in the manifest's order, and no more than a batch is held.
     """
     stream = iter(seen)
     pooled = GrowingArray(np.empty(0, dtype=np.intp))

@@ -48,15 +48,7 @@ from fingerpad.uncertainty import (
 
 
 def digest_of_values(*values: object) -> str:
-    """Return the SHA-256 of some values: plain ones, arrays, tables, models, dataclasses and lists of them.
-
-    Examples
-    --------
-    >>> digest_of_values({"a": 1.0}, {"x", "y"}) == digest_of_values({"a": 1.0}, {"y", "x"})
-    True
-    >>> digest_of_values(1) == digest_of_values(1.0)
-    False
-    """
+    """Return the SHA-256 of plain values, arrays, tables, models, dataclasses and lists of them."""
     digest = hashlib.sha256()
     for part in _parts(values):
         digest.update(len(part).to_bytes(8, "big") + part)
@@ -132,60 +124,27 @@ def _with_independent_groups(inputs: Inputs) -> Inputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class StudyResult(Displayed):
-    """Everything that a run found.
-
-    Attributes
-    ----------
-    study : Study
-        The manifest.
-    folder : Path
-        The study folder.
-    fingers : dict of str to FingerResult
-        Semi-axes by finger.
-    rows : DataFrame
-        One per observation, and one per frame in contact of a sequence.
-    sequences : list of SequenceResult
-        One per sequence.
-    scales : dict of str to FoundScale or str
-        Named scales, or why there is none.
-    summaries : list of Summary
-        One per finger and placement.
-    checks : list of UncertaintyCheckRecord or None
-        Of the counted contact at the highest load in each summary; None where none counts or it cannot be
-        checked.
-    repeatability : dict of bool to ContactRepeatability
-        What repeats tell of one impression: of a real contact (False), of a synthetic one (True).
-    scatter : list of StudyScatter
-        How each quantity scatters between repeats, sessions, fingers and persons.
-    by_load : list of AtLoad
-        Area and modulus of each finger at each load.
-    validities : list of Validity
-        Whether the model holds in each summary.
-    curves : list of CurveResult
-        One per loading curve.
-    provenance : dict
-        Versions, input hashes, formulas.
-    notes : tuple of str
-        What is odd about people's corrections.
-    operator_pairs : list of OperatorPair
-        Contact images that two persons outlined, the second without seeing what the first drew.
-    """
+    """Everything that a run found."""
 
     study: Study
     folder: Path
-    fingers: dict[str, FingerResult]
-    rows: pd.DataFrame
+    fingers: dict[str, FingerResult]  # semi-axes by finger
+    rows: pd.DataFrame  # one per observation, and one per frame in contact of a sequence
     sequences: list[SequenceResult]
-    scales: dict[str, FoundScale | str]
-    summaries: list[Summary]
+    scales: dict[str, FoundScale | str]  # named scales, or why there is none
+    summaries: list[Summary]  # one per finger and placement
+    # of the counted contact at the highest load in each summary; None where none counts or it cannot be
+    # checked
     checks: list[UncertaintyCheckRecord | None]
+    # what repeats tell of one impression: of a real contact (False), of a synthetic one (True)
     repeatability: dict[bool, ContactRepeatability]
-    scatter: list[StudyScatter]
-    by_load: list[AtLoad]
-    validities: list[Validity]
+    scatter: list[StudyScatter]  # how each quantity scatters between repeats, sessions, fingers and persons
+    by_load: list[AtLoad]  # area and modulus of each finger at each load
+    validities: list[Validity]  # whether the model holds in each summary
     curves: list[CurveResult]
-    provenance: dict[str, Any]
-    notes: tuple[str, ...] = ()
+    provenance: dict[str, Any]  # versions, input hashes, formulas
+    notes: tuple[str, ...] = ()  # what is odd about people's corrections
+    # contact images that two persons outlined, the second without seeing what the first drew
     operator_pairs: list[OperatorPair] = field(default_factory=list)
 
     @property
@@ -288,21 +247,7 @@ def result_of(
     store: Store,
     on_check: Callable[[str], None] = lambda _: None,
 ) -> StudyResult:
-    """Return what a study comes to, once everything is measured: the model of each contact, and pooled radii.
-
-    Parameters
-    ----------
-    measured : Measured
-        What was measured.
-    origin, notes
-        Provenance and notes, as `StudyResult` has them.
-    executor : Executor
-        Where uncertainties are checked.
-    store : Store
-        Where the checks are kept.
-    on_check : callable
-        Called with the name of each contact whose uncertainty was checked.
-    """
+    """Return what a study comes to once all is measured: the model of each contact, and pooled radii."""
     study, folder = measured.context.study, measured.context.folder
     repeatability = contact_repeatability(study, measured.fingers, measured.contacts)
     rows = model_contacts(study, measured.fingers, measured.contacts, repeatability)

@@ -679,13 +679,7 @@ class SummaryFile(Record):
 
     @classmethod
     def read(cls, folder: Path) -> Self:
-        """Read the summary of a finished run.
-
-        Raises
-        ------
-        FingerpadError
-            If there is none, or it is not as a run of this version writes it.
-        """
+        """Read the summary of a finished run."""
         path = folder / "summary.json"
         try:
             return cls.model_validate_json(path.read_bytes(), strict=True)

@@ -23,39 +23,16 @@ _UNKNOWN: Final[Mapping[DType, Any]] = {"text": None, "bool": False, "int": -1, 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of the results.
+    """A column of the results."""
 
-    Attributes
-    ----------
-    name : str
-        As in ``results.csv``.
-    dtype : {"text", "bool", "int", "float"}
-        What it holds. As an array: objects, with None for what is not known; truths; int64 with −1; float64
-        with NaN. In a table whole numbers are Int64.
-    unit : str
-        Its unit: empty for text and truths, ``1`` for pure numbers and counts.
-    meaning : str
-        What it holds, in words.
-    group : str
-        What it belongs to.
-    default : bool
-        Whether ``results.csv`` has it without ``--all-columns``.
-
-    Examples
-    --------
-    >>> COLUMNS["youngs_modulus_kpa_std"].unit
-    'kPa'
-    >>> frame = COLUMNS["frame"].array([None, 12])
-    >>> frame, COLUMNS["frame"].series(frame).tolist()
-    (array([-1, 12]), [<NA>, 12])
-    """
-
-    name: str
+    name: str  # as in ``results.csv``
+    # what it holds. As an array: objects, with None for what is not known; truths; int64 with −1; float64
+    # with NaN. In a table whole numbers are Int64
     dtype: DType
-    unit: str
+    unit: str  # its unit: empty for text and truths, ``1`` for pure numbers and counts
     meaning: str
     group: str = ""
-    default: bool = True
+    default: bool = True  # whether ``results.csv`` has it without ``--all-columns``
 
     def array(self, items: Iterable[Any]) -> ColumnArray:
         """Return items as an array; None is what is not known."""
@@ -304,19 +281,7 @@ _AT_ONCE: Final = 1000
 
 
 def table_of(batches: Iterable[Mapping[str, ColumnArray]], names: Iterable[str] = COLUMNS) -> pd.DataFrame:
-    """Return a table of batches of rows, given by column; a column that is not given is not known.
-
-    Examples
-    --------
-    >>> names = COLUMNS["observation"].array(["a", "b"])
-    >>> table = table_of([{"observation": names}, {"observation": names, "load_N": np.array([1.0, 2.0])}])
-    >>> table[["observation", "load_N", "frame"]]
-      observation  load_N  frame
-    0           a     NaN   <NA>
-    1           b     NaN   <NA>
-    2           a     1.0   <NA>
-    3           b     2.0   <NA>
-    """
+    """Return a table of batches of rows, given by column; a column that is not given is not known."""
     columns = {name: GrowingArray(COLUMNS[name].unknown(0)) for name in names}
     words: dict[str | None, str | None] = {}
     for batch in batches:
@@ -397,37 +362,19 @@ def groups(table: pd.DataFrame, *names: str) -> dict[tuple[Any, ...], Indices]:
 
 
 def numbered(items: Iterable[Hashable]) -> Indices:
-    """Return a number for each item, the same for the same, counted from 0 in the order of coming.
-
-    Examples
-    --------
-    >>> numbered(["b", "a", "b"])
-    array([0, 1, 0])
-    """
+    """Return a number for each item, the same for the same, counted from 0 in the order of coming."""
     numbers: dict[Hashable, int] = {}
     return np.array([numbers.setdefault(item, len(numbers)) for item in items], dtype=np.intp)
 
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """A symbol and its meaning.
-
-    Attributes
-    ----------
-    name : str
-        Its name in words.
-    meaning : str
-        What it is, and what it is compared with.
-    unit : str
-        Its unit, as people see it; empty for pure numbers.
-    column : str
-        The column of ``results.csv`` that holds it; empty where none does.
-    """
+    """A symbol and its meaning."""
 
     name: str
-    meaning: str
-    unit: str
-    column: str = ""
+    meaning: str  # what it is, and what it is compared with
+    unit: str  # its unit, as people see it; empty for pure numbers
+    column: str = ""  # the column of ``results.csv`` that holds it; empty where none does
 
 
 # By the symbol as plain text: a letter, then _subscript and ^superscript.

@@ -35,59 +35,26 @@ STRAINED_ABOVE, FAILS_ABOVE = 0.05, 0.2
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class ValidityCheck(Displayed):
-    """One check of a model.
-
-    Attributes
-    ----------
-    name : str
-        Its name in files.
-    compared : str
-        What is compared, in words.
-    quantities : tuple of str
-        Results that it concerns.
-    verdict : str
-        ``holds``, ``strained``, ``fails`` or ``not tested``.
-    unit : str
-        Of the values; empty for pure numbers.
-    value, value_std : float
-        What the model gives, with its standard uncertainty; NaN where there is none.
-    reference, reference_std : float
-        What it is compared with.
-    relative_difference : float
-        Size of the difference: of the results that it concerns, relative to them, signed.
-    difference_of : str
-        The result that this is of; empty where it is what is compared.
-    relative_std : float
-        Standard uncertainty of that, as of a logarithm; NaN for a known error.
-    deviations : float
-        The difference over its standard uncertainty.
-    p_value : float
-        Chance of a larger difference if the model held; NaN for a known error.
-    note : str
-        What was assumed, or why there is no verdict.
-
-    Examples
-    --------
-    >>> check = compare_ratio("radius", "R from the image and R_g", ["radius"], (13.5, 0.2), (14.2, 0.2))
-    >>> check.verdict, f"{check.difference:.1f} mm", f"p = {check.p_value:.3f}"
-    ('strained', '-0.7 mm', 'p = 0.013')
-    """
+    """One check of a model."""
 
     name: str
     compared: str
     quantities: tuple[str, ...]
-    verdict: str = NOT_TESTED
-    unit: str = ""
+    verdict: str = NOT_TESTED  # ``holds``, ``strained``, ``fails`` or ``not tested``
+    unit: str = ""  # of the values; empty for pure numbers
+    # value, value_std: what the model gives, with its standard uncertainty; NaN where there is none
     value: float = math.nan
     value_std: float = math.nan
+    # reference, reference_std: what it is compared with
     reference: float = math.nan
     reference_std: float = math.nan
+    # size of the difference: of the results that it concerns, relative to them, signed
     relative_difference: float = math.nan
-    difference_of: str = ""
-    relative_std: float = math.nan
-    deviations: float = math.nan
-    p_value: float = math.nan
-    note: str = ""
+    difference_of: str = ""  # the result that this is of; empty where it is what is compared
+    relative_std: float = math.nan  # standard uncertainty of that, as of a logarithm; NaN for a known error
+    deviations: float = math.nan  # the difference over its standard uncertainty
+    p_value: float = math.nan  # chance of a larger difference if the model held; NaN for a known error
+    note: str = ""  # what was assumed, or why there is no verdict
 
     @property
     def difference(self) -> float:
@@ -98,16 +65,6 @@ class ValidityCheck(Displayed):
         """Return the check with the verdict by its probability, or by one that allows for others beside it.
 
         Whether its uncertainty would hide a difference is its own matter, whatever stands beside it.
-
-        Parameters
-        ----------
-        p_value : float, optional
-            The adjusted probability.
-
-        Returns
-        -------
-        ValidityCheck
-            With another verdict, and a note where there is none.
         """
         if math.isnan(self.p_value):
             return self
@@ -130,24 +87,7 @@ def judge_together(checks: Sequence[ValidityCheck], same: Collection[str] = ()) 
     The smallest of n probabilities counts n times, the next n − 1 times, and so on, each at least as much as
     the one before. A difference that is certain thus takes nothing from the others.
 
-    Parameters
-    ----------
-    checks : sequence of ValidityCheck
-        Those without a probability stay as they are.
-    same : collection of str, optional
-        Names of checks that are one comparison.
-
-    Returns
-    -------
-    tuple of ValidityCheck
-
-    Examples
-    --------
-    >>> known = compare_ratio("a", "a", ["a"], (10.0, 0.25), (10.9, 0.25))  # p = 0.012
-    >>> certain = [compare_ratio(name, name, ["a"], (10.0, 0.1), (20.0, 0.2)) for name in "bcdef"]
-    >>> sound = [compare_ratio(name, name, ["a"], (10.0, 0.1), (10.0, 0.1)) for name in "bcdef"]
-    >>> judge_together([known, *certain])[0].verdict, judge_together([known, *sound])[0].verdict
-    ('strained', 'holds')
+    Checks without a probability stay as they are; those named `same` are one comparison.
     """
     comparisons = [-1 if one.name in same else number for number, one in enumerate(checks)]
     least: dict[int, float] = {}
@@ -168,24 +108,6 @@ def verdict_of(p_value: float, relative_difference: float, relative_std: float =
 
     Strained: p < 0.05 and more than 5 %. Fails: p < 0.001 and more than 20 %. Where p ≥ 0.05, but the
     uncertainty would hide a difference of 20 %, nothing was tested.
-
-    Parameters
-    ----------
-    p_value : float
-        Chance of a larger difference if there were none.
-    relative_difference, relative_std : float
-        Its size, relative to the quantity that it changes, and the standard uncertainty of that.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    A certain difference of 1 % is small; one of a factor of two is not, if it is certain:
-
-    >>> verdict_of(1e-9, 0.01), verdict_of(1e-9, 1.0), verdict_of(0.01, 1.0), verdict_of(0.3, 1.0, 0.9)
-    ('holds', 'fails', 'strained', 'not tested')
     """
     size = abs(relative_difference)
     if p_value < FAILS_BELOW_P and size > FAILS_ABOVE:
@@ -196,22 +118,7 @@ def verdict_of(p_value: float, relative_difference: float, relative_std: float =
 
 
 def verdict_of_error(relative_error: float) -> str:
-    """Return the verdict on a known error of a model: strained above 5 %, fails above 20 %.
-
-    Parameters
-    ----------
-    relative_error : float
-        The error, NaN where it is not known.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> [verdict_of_error(error) for error in (0.02, -0.1, 0.6, float("nan"))]
-    ['holds', 'strained', 'fails', 'not tested']
-    """
+    """Return the verdict on a known error of a model: strained above 5 %, fails above 20 %."""
     size = abs(relative_error)
     if math.isnan(size):
         return NOT_TESTED
@@ -219,44 +126,12 @@ def verdict_of_error(relative_error: float) -> str:
 
 
 def p_value_of(deviations: float, degrees_of_freedom: float = math.inf) -> float:
-    """Return the chance of a larger difference of either sign, by Student's t.
-
-    Parameters
-    ----------
-    deviations : float
-        The difference over its standard uncertainty.
-    degrees_of_freedom : float
-        Of that uncertainty; infinite for the normal distribution.
-
-    Returns
-    -------
-    float
-
-    Examples
-    --------
-    >>> round(p_value_of(1.96), 3), round(p_value_of(12.71, 1), 3)
-    (0.05, 0.05)
-    """
+    """Return the chance of a larger difference of either sign, by Student's t."""
     return float(2 * special.stdtr(degrees_of_freedom, -abs(deviations)))
 
 
 def overall_verdict(verdicts: Iterable[str]) -> str:
-    """Return the worst of some verdicts; ``not tested`` where nothing was.
-
-    Parameters
-    ----------
-    verdicts : iterable of str
-        Of `VERDICTS`.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> overall_verdict(["not tested", "holds", "strained"]), overall_verdict([])
-    ('strained', 'not tested')
-    """
+    """Return the worst of some verdicts; ``not tested`` where nothing was."""
     return max(verdicts, key=VERDICTS.index, default=NOT_TESTED)
 
 
@@ -273,25 +148,8 @@ def compare_ratio(
 ) -> ValidityCheck:
     """Compare a positive quantity with another value of it, by the logarithm of their ratio.
 
-    Parameters
-    ----------
-    name, compared, quantities, unit, note
-        As in `ValidityCheck`.
-    value, reference : (float, float)
-        Value and standard uncertainty of each.
-    log_std : float, optional
-        Standard uncertainty of the logarithm of the ratio, where the two have errors in common; without it
-        they are independent.
-
-    Returns
-    -------
-    ValidityCheck
-
-    Examples
-    --------
-    >>> check = compare_ratio("radius", "R from the image and R_g", ["radius"], (13.5, 0.2), (20.5, 0.6))
-    >>> check.verdict, round(check.deviations, 1), f"{check.relative_difference:+.0%}"
-    ('fails', -12.7, '-34%')
+    Each is given with its standard uncertainty. `log_std` is that of the logarithm of the ratio, where the
+    two have errors in common.
     """
     (of, std), (other, other_std) = value, reference
     spread = math.hypot(std / of, other_std / other) if log_std is None else log_std
@@ -328,32 +186,8 @@ def compare_difference(
 ) -> ValidityCheck:
     """Compare a pure number, such as an exponent, with what the model has for it.
 
-    Parameters
-    ----------
-    name, compared, quantities, note
-        As in `ValidityCheck`.
-    value, reference : (float, float)
-        Value and standard uncertainty of each, independent.
-    effect : float
-        By how much a unit of the difference changes the logarithm of the results that it concerns.
-    effect_on : str, optional
-        The result that it is the effect on, in words.
-    degrees_of_freedom : float
-        Of the uncertainty.
-
-    Returns
-    -------
-    ValidityCheck
-
-    Examples
-    --------
-    An exponent of the area of 0.4 where Hertz theory has 2/3, over loads of 1 to 4 N, changes the modulus:
-
-    >>> import numpy as np
-    >>> effect = 1.5 * np.log(4)
-    >>> check = compare_difference("area", "n of A ∝ Wⁿ", ["E"], (0.4, 0.03), (2 / 3, 0.0), effect=-effect)
-    >>> check.verdict, f"{check.relative_difference:+.0%}"
-    ('fails', '+74%')
+    Each is given with its standard uncertainty, independent. `effect` is by how much a unit of the difference
+    changes the logarithm of the results that it concerns, `effect_on` which in words.
     """
     spread = math.hypot(value[1], reference[1])
     difference = value[0] - reference[0]
@@ -385,24 +219,7 @@ def known_error(
     unit: str = "",
     note: str = "",
 ) -> ValidityCheck:
-    """Compare a model with a better one on the same data: a known error, without a probability.
-
-    Parameters
-    ----------
-    name, compared, quantities, unit, note
-        As in `ValidityCheck`.
-    value, reference : float
-        By the model, and by the better one.
-
-    Returns
-    -------
-    ValidityCheck
-
-    Examples
-    --------
-    >>> known_error("bone", "ξ of Hertz theory and on a layer", ["xi"], 2.7, 1.8, unit="mm").verdict
-    'fails'
-    """
+    """Compare a model with a better one on the same data: a known error, without a probability."""
     error = value / reference - 1
     return ValidityCheck(
         name=name,
@@ -426,28 +243,13 @@ def _deviations(difference: float, spread: float) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class ModelDiscrepancy(Displayed):
-    """By how much a model is wrong, as two ways through it to one quantity show.
+    """By how much a model is wrong, as two ways through it to one quantity show."""
 
-    Attributes
-    ----------
-    relative_std : float
-        Standard deviation that each of the two ways needs beside its stated uncertainty, relative to its
-        value; zero where the stated uncertainties explain the differences.
-    between_std : float
-        Standard deviation s of the logarithm of their ratio, beyond chance.
-    count : int
-        Number of comparisons, which are the degrees of freedom.
-
-    Examples
-    --------
-    >>> found = model_discrepancy([-0.4], [0.02])
-    >>> print(f"{found.relative_std:.3f} of each, {found.between_std:.3f} between them")
-    0.326 of each, 0.399 between them
-    """
-
+    # standard deviation that each of the two ways needs beside its stated uncertainty, relative to its value;
+    # zero where the stated uncertainties explain the differences
     relative_std: float
-    between_std: float
-    count: int
+    between_std: float  # standard deviation s of the logarithm of their ratio, beyond chance
+    count: int  # number of comparisons, which are the degrees of freedom
 
 
 def model_discrepancy(log_ratios: ArrayLike, stds: ArrayLike) -> ModelDiscrepancy:
@@ -457,28 +259,6 @@ def model_discrepancy(log_ratios: ArrayLike, stds: ArrayLike) -> ModelDiscrepanc
     to be zero: with s, the differences are as large as their uncertainties. Nothing tells which of the two
     ways is wrong, so that each has s/√2 of the logarithm, which is up to exp(s/√2) − 1 of the value (Kennedy
     and O'Hagan's discrepancy, as one number).
-
-    Parameters
-    ----------
-    log_ratios : array_like, shape (n,)
-        Logarithms of the ratio of both values.
-    stds : array_like, shape (n,)
-        Their standard uncertainties.
-
-    Returns
-    -------
-    ModelDiscrepancy
-
-    Raises
-    ------
-    UncertaintyError
-        If there is no pair, or an uncertainty is negative or NaN.
-
-    Examples
-    --------
-    >>> found = model_discrepancy(np.log([0.66, 0.7]), [0.02, 0.05])
-    >>> print(f"{found.relative_std:.2f} from {found.count}")
-    0.31 from 2
     """
     ratio, std = np.atleast_1d(as_float_array(log_ratios)), np.atleast_1d(as_float_array(stds))
     check_all(np.isfinite(ratio), "log_ratios", ratio, "finite", UncertaintyError)

@@ -40,25 +40,14 @@ Discrepancies = Mapping[str, ModelDiscrepancy | None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Headline:
-    """A result with its uncertainty from what was measured and from the model.
+    """A result with its uncertainty from what was measured and from the model."""
 
-    Attributes
-    ----------
-    value, std : float
-        With the standard uncertainty of what was measured; NaN where it is not known.
-    model_std : float
-        Standard uncertainty from the model's discrepancy; NaN where nothing tells it.
-    model_from : str
-        What that was estimated from, or why it was not.
-    verdict : str
-        The worst of the checks that concern it.
-    """
-
+    # value, std: with the standard uncertainty of what was measured; NaN where it is not known
     value: float
     std: float
-    model_std: float
-    model_from: str
-    verdict: str
+    model_std: float  # standard uncertainty from the model's discrepancy; NaN where nothing tells it
+    model_from: str  # what that was estimated from, or why it was not
+    verdict: str  # the worst of the checks that concern it
 
     @property
     def total_std(self) -> float:
@@ -68,29 +57,16 @@ class Headline:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Validity:
-    """Whether Hertz theory holds for a finger at an angle.
-
-    Attributes
-    ----------
-    checks : tuple of ValidityCheck
-        All checks, also those without data.
-    headlines : dict of str to Headline
-        By column: the corrected radius, pooled, and Young's modulus and indentation of one contact.
-    observation : str
-        That contact, the one at the highest load; empty without one.
-    load : float
-        Its load, N.
-    relative_stds : dict of str to float
-        What the model adds to each headline, relative to it; NaN where nothing tells it.
-    layer_checks : tuple of ValidityCheck
-        Those of the whole pad on the finger's layer of tissue; none without a thickness.
-    """
+    """Whether Hertz theory holds for a finger at an angle."""
 
     checks: tuple[ValidityCheck, ...]
+    # by column: the corrected radius, pooled, and Young's modulus and indentation of one contact
     headlines: dict[str, Headline]
-    observation: str
+    observation: str  # that contact, the one at the highest load; empty without one
     load: float
+    # what the model adds to each headline, relative to it; NaN where nothing tells it
     relative_stds: dict[str, float]
+    # those of the whole pad on the finger's layer of tissue; none without a thickness
     layer_checks: tuple[ValidityCheck, ...] = ()
 
     @property
@@ -115,24 +91,6 @@ def validity_of(
 
     The model's discrepancy is estimated from all fingers and angles at which there are two ways to a result,
     real and synthetic ones apart.
-
-    Parameters
-    ----------
-    study : Study
-        The manifest.
-    fingers : mapping
-        Semi-axes by finger.
-    rows : Rows
-        All rows.
-    summaries : sequence of Summary
-        From `pool_contacts`.
-    curves : sequence of CurveResult
-        All loading data.
-
-    Returns
-    -------
-    list of Validity
-        One for each summary.
     """
     cases = [FingerAtAngle.of(study, fingers, rows, one, curves) for one in summaries]
     checks = [_checks(case) for case in cases]

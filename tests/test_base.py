@@ -1,0 +1,83 @@
+"""Small functions below all packages: cells, names, doubts and rounded numbers."""
+
+import numpy as np
+import pytest
+
+from fingerpad._columns import columns_in_toml, header_parts
+from fingerpad._csv import csv_cell
+from fingerpad._display import short_text
+from fingerpad._files import file_stem
+from fingerpad._plausible import load_doubts, semi_axes_doubt
+from fingerpad._rounding import (
+    positive_with_uncertainty,
+    two_digits,
+    uncertainty_of_positive,
+    value_with_uncertainty,
+)
+from fingerpad.exceptions import ImageError, is_interrupt, reason_of
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "text"),
+    [
+        (13.80484, 0.18442, "13.80 ± 0.18"),
+        (1234.5, 56.7, "1234 ± 57"),
+        (13.61796, 0.00025, "13.618 ± 0.001"),
+        (0.5, None, "0.500"),
+        (0.0004, None, "0.000400"),
+        (12345, None, "12340"),
+        (None, 0.1, "–"),
+    ],
+)
+def test_a_value_has_the_digits_of_its_uncertainty(value, std, text) -> None:
+    assert value_with_uncertainty(value, std) == text
+
+
+def test_what_is_known_badly_has_a_factor() -> None:
+    assert [positive_with_uncertainty(39.3, std) for std in (4.1, 94.0)] == ["39.3 ± 4.1", "39 ×/÷ 3.4"]
+    assert [uncertainty_of_positive(39.3, std) for std in (4.1, 94.0)] == ["± 4.1", "×/÷ 3.4"]
+    assert [two_digits(0.0996), two_digits(5678.0)] == ["0.10", "5700"]
+
+
+def test_cells_and_short_texts() -> None:
+    cells = ["0.1", "2", "true", "1.5, 2", "", "'=1+1"]
+    assert [csv_cell(value) for value in (0.1, 2, True, [1.5, 2], None, "=1+1")] == cells
+    values = np.float64(12.3456789), np.arange(3.0), np.zeros((512, 2))
+    assert [short_text(value) for value in values] == ["12.3457", "[0, 1, 2]", "<array (512, 2)>"]
+
+
+def test_names_of_files_are_cut_and_stay_different() -> None:
+    assert file_stem("left_index_30deg") == "left_index_30deg"
+    assert len(file_stem("指" * 90).encode()) == 197
+    assert file_stem("指" * 90) != file_stem("指" * 91)
+
+
+def test_headers_state_units() -> None:
+    assert header_parts("Normal force [mN]") == ("normal force", "mN", True)
+    assert header_parts("Disp / µm") == ("disp", "um", True)
+    assert header_parts("force_N") == header_parts("Force N", {"N"}) == ("force", "N", False)
+    assert header_parts("load cell", {"N"}) == ("load cell", "", False)
+    line = 'file_columns = { force = "Fz (mN):mN" }'
+    assert columns_in_toml("file_columns", {"force": "Fz (mN):mN"}) == line
+
+
+def test_doubts_of_what_no_finger_has() -> None:
+    assert semi_axes_doubt((7.9, 13.8, 11.8)) == ""
+    assert semi_axes_doubt((15.0, 28.4, 23.0)).startswith("radial_ulnar 23 mm would be a finger 46 mm wide")
+    assert not list(load_doubts(2.0, 60.0))
+    assert len(list(load_doubts(2000.0, 60000.0))) == 2
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (ImageError("a.png: no such file"), "a.png: no such file"),
+        (PermissionError(13, "Permission denied", "a.csv"), "a.csv: Permission denied"),
+        (OSError(28, "No space left on device"), "cannot write (No space left on device)"),
+        (KeyError("width"), "cannot write (KeyError: 'width')"),
+    ],
+)
+def test_reasons_name_file_or_step(error, reason) -> None:
+    assert reason_of(error, "cannot write") == reason
+    assert not is_interrupt(error)
+    assert is_interrupt(KeyboardInterrupt())
