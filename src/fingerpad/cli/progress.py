@@ -68,13 +68,7 @@ def _words(progress: "Progress") -> str:
 
 @contextmanager
 def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
-    """Show progress on stderr, and add it to a file if one is given.
-
-    Raises
-    ------
-    FingerpadError
-        If the file cannot be written.
-    """
+    """Show progress on stderr, and add it to a file if one is given."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 

@@ -24,34 +24,7 @@ def plot_agreement(
 ) -> None:
     """Draw the relative difference of pairs against their geometric mean, with bias and limits of agreement.
 
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    first, second : array_like, shape (n,)
-        The same quantities by either person.
-    found : Agreement
-        Their agreement, as of `agreement`: its limits are dashed, the 95 % interval of the bias is a band.
-    quantity : str
-        Name and unit of the quantity, for the axis.
-    names : (str, str)
-        Who is first and second.
-    synthetic : array_like of bool
-        Points that are not measured: hollow.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> from fingerpad.uncertainty import agreement
-    >>> first, second = [100, 120, 140, 90], [101, 119, 143, 91]
-    >>> figure, (axes,) = new_figure()
-    >>> found = agreement(first, second)
-    >>> plot_agreement(axes, first, second, found, quantity="gross area (mm²)").get_xlabel()
-    'gross area (mm²), mean of both'
+    The limits are dashed, the 95 % interval of the bias is a band.
     """
     one, other = as_float_array(first), as_float_array(second)
     axes.add(

@@ -21,40 +21,18 @@ _SHIFT: Final = 0.035  # of the highest load
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeanMark:
-    """A mean as a figure shows it.
-
-    Attributes
-    ----------
-    value, std : float
-        Mean and standard uncertainty.
-    interval : (float, float) or None
-        Its 95 % interval.
-    between_std : float
-        Scatter between people, drawn as a bar; NaN for none.
-    synthetic : bool
-        Whether it is over synthetic fingers.
-    """
+    """A mean as a figure shows it."""
 
     value: float
     std: float
-    interval: tuple[float, float] | None
-    between_std: float
+    interval: tuple[float, float] | None  # of 95 %
+    between_std: float  # between people; NaN for none
     synthetic: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FingerLine:
-    """A finger's values against the wedge angle, degrees.
-
-    Attributes
-    ----------
-    person, colour : str
-        Whose finger it is, and the colour of that person.
-    wedge_angle_deg, value, std : array_like
-        The values, by angle.
-    synthetic : bool
-        Whether they were rendered or simulated.
-    """
+    """A finger's values against the wedge angle, degrees."""
 
     person: str
     colour: str
@@ -66,29 +44,15 @@ class FingerLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LoadLine:
-    """Values of one finger at one placement against the load, N.
-
-    Attributes
-    ----------
-    name, colour : str
-        The finger and its angle, and the colour of them.
-    load, value, std : array_like, shape (n,)
-        One for each contact.
-    left_out : array_like of bool, shape (n,)
-        Which are not pooled: faded.
-    beside : sequence of (float, float)
-        Values that belong to no load, each with its standard uncertainty, NaN where not known.
-    synthetic : bool
-        Whether they were rendered or simulated: hollow.
-    """
+    """Values of one finger at one placement against the load, N."""
 
     name: str
     colour: str
     load: ArrayLike
     value: ArrayLike
     std: ArrayLike
-    left_out: ArrayLike = False
-    beside: Sequence[tuple[float, float]] = ()
+    left_out: ArrayLike = False  # not pooled: faded
+    beside: Sequence[tuple[float, float]] = ()  # that belong to no load, each with its std; NaN if unknown
     synthetic: bool = False
 
 
@@ -113,25 +77,6 @@ def plot_forest(
     """Draw values in rows, each with its standard uncertainty, and means below them.
 
     A mean is a diamond on its 95 % interval; the bar round it is one standard deviation between people.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw. Rows count downwards.
-    place : array_like, shape (n,)
-        Row of each value.
-    value, std : array_like, shape (n,)
-        Values and standard uncertainties, NaN where not known.
-    colours : sequence of str
-        One for each value.
-    synthetic : array_like of bool, shape (n,)
-        Which were rendered or simulated: hollow.
-    symbols : sequence of str
-        One for each value, at the right end of its row: whether the model holds.
-    means : sequence of (row, MeanMark)
-        The means, at their rows.
-    title : str
-        What the values have in common.
     """
     y, x, spread = as_float_array(place), as_float_array(value), as_float_array(std)
     for colour in dict.fromkeys(colours):
@@ -168,17 +113,6 @@ def plot_by_wedge(
     """Draw each finger's values against the wedge angle, people by colour, and the means over people.
 
     More than eight people have thin grey lines without names or bars.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    lines : sequence of FingerLine
-        The fingers.
-    means : sequence of (wedge angle in degrees, MeanMark)
-        Means over people, joined by a line, in a band of one standard deviation between people.
-    label : str
-        Name of the values with their unit.
     """
     crowded = len({line.person for line in lines}) > MOST_NAMES
     named: set[str] = set()
@@ -214,25 +148,6 @@ def plot_over_load(axes: Panel, lines: Sequence[LoadLine], *, label: str, beside
 
     Points at one load stand beside one another. More than eight fingers are grey, without names or bars, and
     at their loads.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    lines : sequence of LoadLine
-        The fingers.
-    label : str
-        Name of the values with their unit.
-    beside : sequence of str
-        Names of the values of `LoadLine.beside`, which stand to the right of the highest load.
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> line = LoadLine(name="thumb, 30°", colour=BLUE, load=[1, 2], value=[60, 95], std=[2, 3])
-    >>> plot_over_load(axes, [line], label="contact area A (mm²)").get_xlabel()
-    'normal load W (N)'
     """
     crowded = len(lines) > MOST_NAMES
     loads = np.concatenate([np.zeros(1), *(as_float_array(line.load) for line in lines)])

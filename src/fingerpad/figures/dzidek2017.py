@@ -18,21 +18,6 @@ def dzidek2017_figures() -> Iterator[tuple[str, Figure, str]]:
 
     Fig. 6 shows 2 N, the one load of which numbers are printed: R_g^corr from the printed R_0g and contact
     ellipse, R_0g F₂⁻³, beside the printed value.
-
-    Yields
-    ------
-    name : str
-        File name without suffix.
-    figure : Figure
-        The drawing.
-    caption : str
-        One sentence.
-
-    Examples
-    --------
-    >>> name, figure, caption = next(dzidek2017_figures())
-    >>> name, caption
-    ('dzidek2017_figure_1', 'The ellipsoid of Table 1 (ellipse approach) and its axes.')
     """
     article = dzidek2017()
     pad = article.semi_axes["ellipse"].ellipsoid

@@ -24,31 +24,7 @@ def plot_layer_effect(
 ) -> None:
     """Draw modulus and loading radius over those of Hertz theory, against the thickness of tissue over bone.
 
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    thickness : array_like
-        Ascending, mm; NaN in the ratios is left out.
-    modulus_ratio, radius_ratio : array_like
-        Young's modulus from load and area, and A/(πξ), each over that of Hertz theory.
-    marked : array_like
-        Thicknesses to mark with their ratios, among those of `thickness`.
-    synthetic : bool
-        Whether the contact was rendered or simulated.
-
-    Returns
-    -------
-    Axes
-        `axes`.
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> axes = plot_layer_effect(axes, [4, 8, 12], modulus_ratio=[0.5, 0.7, 0.8], radius_ratio=[2, 1.5, 1.4])
-    >>> [text.get_text() for text in axes.texts]
-    ['Hertz', '0.50', '0.70', '0.80', '2.0', '1.5', '1.4']
+    `thickness` ascends, mm; those that are `marked`, among them, are named with their ratios.
     """
     at = as_float_array(thickness)
     axes.add(

@@ -68,34 +68,7 @@ def plot_load_indentation(
     band: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
     synthetic: ArrayLike = False,
 ) -> None:
-    """Draw load against indentation, its loop by phase, and fitted force models.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    indentation, load, indentation_std, load_std : array_like
-        Indentation ξ (mm) and normal force (N).
-    phase : array_like of str, optional
-        ``baseline``, ``loading``, ``hold`` or ``unloading`` of each point.
-    fits : mapping, optional
-        From the name of a force model, as the legend gives it, to its (ξ, W).
-    band : (indentation, lower, upper), optional
-        95 % interval of the load by the first of them.
-    synthetic : array_like of bool
-        Points that were simulated: hollow.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_load_indentation(axes, [0, 1, 2], [0, 0.7, 2], fits={"Hertz": ([0, 2], [0, 2])}).get_xlabel()
-    'indentation ξ (mm)'
-    """
+    """Draw load against indentation, its loop by phase, and fitted force models."""
     xi, W = as_float_array(indentation), as_float_array(load)
     if phase is None:
         axes.add(*measured(xi, W, x_std=indentation_std, y_std=load_std, synthetic=synthetic))
@@ -135,29 +108,6 @@ def plot_load_residuals(axes: Panel, fit: LoadingFit, *, synthetic: bool = False
 
     Lines and points count from the fitted zeros of force and displacement; the band is that of
     `LoadingFit.predict`, of the load at an indentation.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    fit : LoadingFit
-        What was fitted.
-    synthetic : bool
-        Whether the data were simulated.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> from fingerpad.loading import fit_loading_curve
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> figure, (axes,) = new_figure()
-    >>> fit = fit_loading_curve(simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1))
-    >>> plot_load_residuals(axes, fit).get_ylabel()
-    'W less the fitted law (mN)'
     """
     depth = _depths(fit)
     found = fit.predict(depth)
@@ -245,30 +195,6 @@ def plot_contact_compliance(
     """Draw contact area against πξ, with the line whose slope is R_g and the fan of its uncertainty.
 
     The fan turns about the mean of the points.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    indentation, area, area_std : array_like
-        Indentation ξ (mm) and contact area (mm²).
-    loading_radius, loading_radius_std : float, optional
-        R_g and its standard uncertainty, mm.
-    area_at_zero : float
-        Area of the line at ξ = 0, mm².
-    synthetic : array_like of bool
-        Points that are not measured: hollow.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_contact_compliance(axes, [0.5, 1.0, 1.5], [30, 62, 95], loading_radius=20.5).get_xlabel()
-    'π × indentation, πξ (mm)'
     """
     x = np.pi * as_float_array(indentation)
     if loading_radius is not None and np.isfinite(x).any():
@@ -299,40 +225,7 @@ def plot_secant_modulus(
     label: str = "fit",
     synthetic: bool = False,
 ) -> None:
-    """Draw the secant modulus E_g against indentation or load, with the points that were fitted.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    abscissa : array_like
-        Indentation ξ (mm) or load W (N).
-    secant_modulus : array_like
-        E_g, MPa.
-    against : {"indentation", "load"}
-        What `abscissa` is.
-    fitted_points : array_like of bool, optional
-        Points of the loads between which E_g grows; the others are grey.
-    fit : (abscissa, modulus), optional
-        The line E_0g + βW.
-    fit_std : array_like
-        Its standard uncertainty, MPa: a band.
-    label : str
-        Name of the line in the legend.
-    synthetic : bool
-        Whether the data were simulated.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_secant_modulus(axes, [0.5, 1, 2], [0.05, 0.06, 0.08], against="load").get_xlabel()
-    'normal load W (N)'
-    """
+    """Draw the secant modulus E_g against indentation or load, with the points that were fitted."""
     x, modulus = broadcast(abscissa, KPA_PER_MPA * as_float_array(secant_modulus))
     chosen: BoolArray = np.ones(x.shape, bool) if fitted_points is None else np.asarray(fitted_points, bool)
     axes.add(
@@ -365,30 +258,7 @@ def plot_initial_modulus(
     initial_modulus_std: ArrayLike | None = None,
     synthetic: ArrayLike = False,
 ) -> None:
-    """Draw E_0g against the velocity of loading, on a logarithmic axis.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    velocity : array_like
-        Velocity of the platen while loading, mm/s.
-    initial_modulus, initial_modulus_std : array_like
-        E_0g and its standard uncertainty, MPa.
-    synthetic : array_like of bool
-        Points that were simulated: hollow.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_initial_modulus(axes, [0.1, 1.0, 10.0], [0.04, 0.05, 0.06]).get_xlabel()
-    'velocity of loading (mm/s)'
-    """
+    """Draw E_0g against the velocity of loading, on a logarithmic axis."""
     std = None if initial_modulus_std is None else KPA_PER_MPA * as_float_array(initial_modulus_std)
     modulus = KPA_PER_MPA * as_float_array(initial_modulus)
     axes.add(*measured(velocity, modulus, y_std=std, synthetic=synthetic), *synthetic_tag(synthetic))
@@ -409,40 +279,7 @@ def plot_relaxation(
     time_constants: ArrayLike = (),
     synthetic: bool = False,
 ) -> None:
-    """Draw load or ridge area against time since the hold began, on a logarithmic axis.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    time : array_like
-        Time since the beginning of the hold, s; earlier points are left out.
-    value : array_like
-        Load (N) or ridge area (mm²).
-    quantity : {"load", "ridge area"}
-        What `value` is.
-    fit : (time, value), optional
-        The fitted curve.
-    label : str
-        Its name in the legend.
-    ramp_time : float, optional
-        Duration of the ramp, s: nothing faster can be resolved.
-    time_constants : array_like
-        Fitted time constants, s: ticks on the axis.
-    synthetic : bool
-        Whether the data were simulated.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_relaxation(axes, [0.1, 1, 10], [2.0, 1.8, 1.7], ramp_time=0.2).get_xscale()
-    'log'
-    """
+    """Draw load or ridge area against time since the hold began, on a logarithmic axis."""
     t, y = broadcast(time, value)
     after = t > 0
     if ramp_time is not None and after.any() and ramp_time > t[after].min():
@@ -471,30 +308,7 @@ def plot_modulus_from_area_and_indentation(
     expected_ratio: Curve | None = None,
     synthetic: bool = False,
 ) -> None:
-    """Draw E* from the area over E* from the indentation, against load: one where Hertz theory holds.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    load, ratio : array_like
-        Normal force (N), and the ratio of the moduli (`sphere_ratio`).
-    expected_ratio : (load, ratio), optional
-        The ratio that the true ellipsoid gives.
-    synthetic : bool
-        Whether the data were simulated.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_modulus_from_area_and_indentation(axes, [1, 2], [0.5, 0.6]).get_xlabel()
-    'normal load W (N)'
-    """
+    """Draw E* from the area over E* from the indentation, against load: one where Hertz theory holds."""
     W, ratio = broadcast(load, ratio)
     axes.add(Points(W, ratio, marker=".", colour=BLUE, size=3, label="measured"), Rule("y", 1.0, width=0.8))
     if expected_ratio is not None:

@@ -78,21 +78,11 @@ def _checked(name: str, kind: Any, value: Any) -> Any:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mark(_Record):
-    """What is drawn on axes.
-
-    Attributes
-    ----------
-    colour : str
-        A name or ``#rrggbb``.
-    alpha : float
-        Opacity.
-    label : str
-        Name in the legend, which marks may share, and in the CSV; with ``_`` at its front in the CSV alone.
-    """
+    """What is drawn on axes."""
 
     colour: Colour = BLACK
     alpha: float = 1.0
-    label: str = ""
+    label: str = ""  # in legend and CSV, which marks may share; with "_" at its front in the CSV alone
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -219,32 +209,14 @@ class Axis(_Record):
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Panel(_Record):
-    """Axes with what is drawn on them.
-
-    Attributes
-    ----------
-    marks : list of marks
-        From the lowest up.
-    x, y : Axis
-        The axes.
-    title : str
-        At the upper left.
-    legend : {"", "above", "inside", "below"}
-        Where the legend stands, none by default.
-    columns : int
-        Of the legend; 0 for two from four entries on, else one.
-    equal : bool
-        Whether both scales are the same.
-    framed : bool
-        Whether the axes are drawn.
-    """
+    """Axes with what is drawn on them."""
 
     marks: list[AnyMark] = field(default_factory=list)
     x: Axis = field(default_factory=Axis)
     y: Axis = field(default_factory=Axis)
     title: str = ""
     legend: Legend = ""
-    columns: int = 0
+    columns: int = 0  # of the legend; 0 for two from four entries on, else one
     equal: bool = False
     framed: bool = True
 
@@ -299,26 +271,14 @@ def _extent(mark: AnyMark, axis: str) -> Iterator[FloatArray]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Figure:
-    """A figure as data.
-
-    Attributes
-    ----------
-    width_mm, height_mm : float
-        Size on paper.
-    rows, columns : int
-        Arrangement of the panels.
-    panels : list of Panel
-        Row by row.
-    font_pt : float
-        Size of labels, points; that of other text follows.
-    """
+    """A figure as data."""
 
     width_mm: float
     height_mm: float
     rows: int
     columns: int
-    panels: list[Panel]
-    font_pt: float = FONT_PT
+    panels: list[Panel]  # row by row
+    font_pt: float = FONT_PT  # of labels; that of other text follows
 
     def __post_init__(self) -> None:
         if len(self.panels) != self.rows * self.columns:
@@ -341,13 +301,7 @@ class Figure:
 
     @classmethod
     def of_json(cls, text: str) -> Self:
-        """Return a figure that was written as JSON.
-
-        Raises
-        ------
-        ValueError
-            If it is none.
-        """
+        """Return a figure that was written as JSON, or raise ValueError."""
         try:
             record = json.loads(text)
             panels = [
@@ -367,30 +321,7 @@ class Figure:
 def new_panels(
     *, width_mm: float = 85.0, height_mm: float = 64.0, rows: int = 1, columns: int = 1
 ) -> tuple[Figure, list[Panel]]:
-    """Return an empty figure as data and its panels, as `new_figure` does of Matplotlib's.
-
-    Parameters
-    ----------
-    width_mm, height_mm : float
-        Size on paper; 85 mm is one column of a journal.
-    rows, columns : int
-        Number of panels.
-
-    Returns
-    -------
-    figure : Figure
-        The figure.
-    panels : list of Panel
-        Row by row.
-
-    Examples
-    --------
-    >>> from fingerpad.figures import plot_layer_effect
-    >>> figure, (panel,) = new_panels()
-    >>> _ = plot_layer_effect(panel, [4, 8], modulus_ratio=[0.5, 0.7], radius_ratio=[2.0, 1.5], marked=())
-    >>> [type(mark).__name__ for mark in panel.marks]
-    ['Rule', 'Text', 'Line', 'Line']
-    """
+    """Return an empty figure as data and its panels, as `new_figure` does of Matplotlib's."""
     panels = [Panel() for _ in range(rows * columns)]
     return Figure(width_mm=width_mm, height_mm=height_mm, rows=rows, columns=columns, panels=panels), panels
 

@@ -62,23 +62,7 @@ def place(panel: Panel, axes: Axes | Panel) -> None:
 
 @in_style
 def draw(panel: Panel, axes: Axes) -> None:
-    """Draw a panel on Matplotlib's axes, in the style of these figures.
-
-    Parameters
-    ----------
-    panel : Panel
-        What is drawn.
-    axes : Axes
-        Where to draw.
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> draw(Panel(marks=[Points([1, 2], [3, 4])]), axes)
-    >>> axes.get_ylim()
-    (np.float64(2.95), np.float64(4.05))
-    """
+    """Draw a panel on Matplotlib's axes, in the style of these figures."""
     for name in "xy":
         if getattr(panel, name).log:
             getattr(axes, f"set_{name}scale")("log")

@@ -52,31 +52,7 @@ def plot_pad(
     u_deg: ArrayLike = (0, 30, 45, 60, 90),
     synthetic: bool = False,
 ) -> None:
-    """Draw the ellipsoid, its palmar cap, axes and points of given u (Figs 1 and 4 of Dzidek et al. 2017).
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw; takes equal scales and loses its frame.
-    pad : Ellipsoid
-        One pad, mm.
-    u_deg : array_like
-        Parametric angles of points to mark on the finger's midline, degrees; the default ones have the
-        colours of the caption in Dzidek et al. (2017).
-    synthetic : bool
-        Whether to label the pad as synthetic.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure(height_mm=80)
-    >>> plot_pad(axes, Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)).get_aspect()
-    1.0
-    """
+    """Draw the ellipsoid, its palmar cap, axes and points of given u (Figs 1 and 4 of Dzidek et al. 2017)."""
     view = Camera.of(towards=(0.55, 0.5, 0.95), up=(1, 0, 0))
     outline = _draw_surface(axes, pad, view)
     _frame(axes, np.concatenate([outline, _draw_coordinate_axes(axes, pad, view)]))
@@ -105,38 +81,7 @@ def plot_pad_with_contact(
     measured_long_axis_angle: float = 0.0,
     synthetic: bool = False,
 ) -> None:
-    """Draw the pad as seen through the platen: place of contact, principal directions, contact ellipses.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw; takes equal scales and loses its frame.
-    pad : Ellipsoid
-        One pad, mm.
-    wedge_angle, roll_angle : float
-        Placement, radians. The finger's axis points upwards in the picture, as it lies on the platen.
-    predicted : Ellipse, optional
-        Contact ellipse of the shape that Hertz theory gives, mm; its long axis lies along the larger
-        principal radius.
-    measured : Ellipse, optional
-        Contact ellipse as measured, mm.
-    measured_long_axis_angle : float
-        Its long axis from the finger's axis, counter-clockwise, radians.
-    synthetic : bool
-        Whether to label the contact as synthetic.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure(height_mm=80)
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> plot_pad_with_contact(axes, pad, wedge_angle=np.radians(30), measured=Ellipse(7.4, 5.0)).get_aspect()
-    1.0
-    """
+    """Draw the pad as seen through the platen: place of contact, principal directions, contact ellipses."""
     placement = Placement(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
     # The finger's axis as it lies on the platen, ∂n/∂θ: regular even where the finger stands on its tip.
     rise: FloatArray = np.array([-np.sin(wedge_angle) * np.cos(roll_angle), np.cos(wedge_angle)])

@@ -50,36 +50,7 @@ _DRAWING: Final = Lock()  # Matplotlib's settings are global
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FigureSettings:
-    """How a figure is drawn for publication; what is None stays as in the report.
-
-    Attributes
-    ----------
-    width_mm, height_mm : float or None
-        Size on paper. Without a height the figure keeps its proportions.
-    font_pt : float or None
-        Size of labels; that of ticks and legends follows.
-    x_range, y_range : (float or None, float or None)
-        Ends of the axes.
-    x_scale, y_scale : {"linear", "log"} or None
-        Scales of the axes.
-    colours : tuple of str
-        Colours of the data, in the order in which they are drawn, each a name or ``#rrggbb``.
-    dpi : float
-        Resolution of PNG.
-
-    Raises
-    ------
-    FigureError
-        If a value cannot be used.
-
-    Examples
-    --------
-    >>> FigureSettings(width_mm=90, x_range=(0, 2)).x_range
-    (0, 2)
-    >>> FigureSettings(width_mm=9)
-    Traceback (most recent call last):
-    fingerpad.exceptions.FigureError: width_mm: a figure is 20 to 500 mm wide and high, found 9
-    """
+    """How a figure is drawn for publication; what is None stays as in the report."""
 
     width_mm: float | None = None
     height_mm: float | None = None
@@ -118,30 +89,7 @@ class FigureSettings:
 
 
 def figure_file(figure: Figure, kind: Format, settings: FigureSettings) -> bytes:
-    """Return a figure as a file: SVG, PDF or PNG, or the data behind it as CSV; the same bytes each time.
-
-    Parameters
-    ----------
-    figure : Figure
-        As the report keeps it, ``figures/NAME.json``.
-    kind : {"svg", "pdf", "png", "csv"}
-        Format of the file.
-    settings : FigureSettings
-        How to draw it. The CSV has all data, whatever the axes show.
-
-    Raises
-    ------
-    FigureError
-        If it cannot be drawn so.
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_panels, plot_layer_effect
-    >>> figure, (panel,) = new_panels()
-    >>> _ = plot_layer_effect(panel, [4, 8], modulus_ratio=[0.5, 0.7], radius_ratio=[2.0, 1.5], marked=())
-    >>> figure_file(figure, "pdf", FigureSettings(width_mm=90))[:5]
-    b'%PDF-'
-    """
+    """Return a figure as a file: SVG, PDF or PNG, or the data behind it as CSV; the same bytes each time."""
     if kind == "csv":
         return figure_csv(figure).encode()
     wanted = with_settings(figure, settings)
@@ -293,13 +241,7 @@ def _data(mark: AnyMark) -> tuple[str, dict[str, Numbers]]:
 
 
 def plain_text(text: str) -> str:
-    r"""Return a label without the signs of formulas.
-
-    Examples
-    --------
-    >>> plain_text(r"$R_\mathrm{g}^\mathrm{corr}$ (mm)")
-    'Rgcorr (mm)'
-    """
+    r"""Return a label without the signs of formulas."""
     return " ".join("".join(run.text for run in runs(line)) for line in text.split("\n"))
 
 

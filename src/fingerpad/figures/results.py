@@ -49,43 +49,7 @@ def plot_corrected_radius(
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
 ) -> None:
-    """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017).
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    load, corrected_radius, corrected_radius_std : array_like
-        Normal force (N) and corrected radius (mm); both may be empty.
-    fixed_geometry_std : array_like, optional
-        The part of `corrected_radius_std` that remains with the pad's geometry held exact, mm: thick bars.
-    compliance_radius : array_like, optional
-        R_Aξ, the equivalent sphere to compare with R_g, mm: small squares.
-    measured_radius : float, optional
-        R_g from loading data, mm: dashed.
-    measured_radius_std : float, optional
-        Its standard uncertainty, mm: a band.
-    mean_curvature_radius : float, optional
-        R_0g of the undeformed pad, mm: dotted.
-    printed : PublishedWedge, optional
-        Numbers of Dzidek et al. (2017): their R_g^corr is drawn as a diamond, at its load.
-    synthetic : array_like of bool
-        Points that are not measured: hollow.
-    left_out : array_like of bool
-        Points that are not pooled: faded.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> from fingerpad.published import dzidek2017
-    >>> figure, (axes,) = new_figure()
-    >>> plot_corrected_radius(axes, [1, 2], [13.7, 13.8], printed=dzidek2017().wedges[30]).get_ylabel()
-    'corrected radius of curvature (mm)'
-    """
+    """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017)."""
     axes.add(
         *measured(
             load,
@@ -164,30 +128,6 @@ def plot_area_against_load(
 
     Both lines pass through the mean of the logarithms, about which the band of the exponent turns. Points
     without a positive load and area are left out.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    load, area, area_std : array_like
-        Normal force (N) and area (mm²).
-    exponent, exponent_std : float, optional
-        Slope of ln A against ln W and its standard uncertainty.
-    synthetic : array_like of bool
-        Points that are not measured: hollow.
-    left_out : array_like of bool
-        Points that are not pooled: faded.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_area_against_load(axes, [0.5, 1, 2], [60, 85, 120], exponent=0.5).get_xscale()
-    'log'
     """
     W, A, std, flags, out = broadcast(
         load, area, np.nan if area_std is None else area_std, synthetic, left_out
@@ -233,32 +173,6 @@ def plot_aspect_ratio(
 
     The ellipses stand as seen through the platen with the fingertip upwards, so that they show the direction
     of the long axis too.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    load, aspect_ratio, aspect_ratio_std : array_like
-        Normal force (N) and ℓd/ℓe ≥ 1.
-    long_axis_angle : array_like
-        Angle of the long axis from the finger's axis, counter-clockwise, radians.
-    predicted_aspect_ratio, predicted_long_axis_angle : float, optional
-        The same of elliptical Hertz theory for the undeformed pad, for any load.
-    synthetic : array_like of bool
-        Contacts that are not measured: hollow.
-    left_out : array_like of bool
-        Contacts that are not pooled: faded.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_aspect_ratio(axes, [1, 2], [1.4, 1.48], predicted_aspect_ratio=1.07).get_xlabel()[:17]
-    'normal load W (N)'
     """
     W, ratio, angle, flags, out = (
         array.ravel()

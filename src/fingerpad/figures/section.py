@@ -152,31 +152,7 @@ def _draw_bone(axes: Axes, section: ContactSection, bottom: float) -> None:
 
 @in_style
 def mark_receptors(axes: Axes, receptors: Mapping[str, tuple[float, float]], *, spacing: float) -> None:
-    """Draw the middle depths of receptors as thin lines, their ranges as bars to the right of a section.
-
-    Parameters
-    ----------
-    axes : Axes
-        A section.
-    receptors : mapping
-        Least and greatest depth by name, mm.
-    spacing : float
-        Least distance between names, mm of depth.
-
-    Examples
-    --------
-    >>> import matplotlib.pyplot as plt
-    >>> from fingerpad.contact import Tissue
-    >>> from fingerpad.geometry import Ellipsoid, Placement
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> place = Placement(pad, wedge_angle=np.radians(30))
-    >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
-    >>> axes = plt.figure().subplots()
-    >>> _ = plot_section(axes, field.section())
-    >>> mark_receptors(axes, {"Merkel": (0.7, 1.0)}, spacing=0.8)
-    >>> [text.get_text() for text in axes.texts]
-    ['Merkel']
-    """
+    """Draw the middle depths of receptors as thin lines, their ranges as bars to the right of a section."""
     right, bottom = axes.get_xlim()[1], axes.get_ylim()[0]
     place = -np.inf
     for index, (name, (low, high)) in enumerate(sorted(receptors.items(), key=lambda item: item[1])):

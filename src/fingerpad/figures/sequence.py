@@ -30,36 +30,7 @@ def plot_press(
     semi_minor: ArrayLike,
     synthetic: bool = False,
 ) -> Sequence[AnyAxes]:
-    """Draw area and semi-axes of a contact against time and force, loading and unloading marked differently.
-
-    Parameters
-    ----------
-    axes : sequence of four Axes
-        Area against time and against force, then the semi-axes against both.
-    time, load : array_like, shape (n,)
-        Time (s) and normal force (N) of each frame.
-    phase : array_like of str, shape (n,)
-        ``loading``, ``hold`` or ``unloading``.
-    area, semi_major, semi_minor : array_like, shape (n,)
-        Contact area (mm²) and semi-axes (mm).
-    synthetic : bool
-        Whether the frames are rendered: hollow.
-
-    Returns
-    -------
-    sequence of Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, axes = new_figure(rows=2, columns=2)
-    >>> names = ["loading", "unloading"]
-    >>> axes = plot_press(
-    ...     axes, time=[0, 1], load=[1, 2], phase=names, area=[9, 12], semi_major=[2, 2], semi_minor=[1, 2]
-    ... )
-    >>> [each.get_xlabel() for each in axes]
-    ['time (s)', 'normal load W (N)', 'time (s)', 'normal load W (N)']
-    """
+    """Draw area and semi-axes against time and force on four axes, phases marked differently."""
     t, W, A, major, minor = broadcast(time, load, area, semi_major, semi_minor)
     phases = np.asarray(phase)
     below = min(0.0, float(W.min())) if W.size else 0.0
@@ -93,31 +64,7 @@ def plot_area_against_indentation(
     phase: npt.ArrayLike,
     synthetic: bool = False,
 ) -> None:
-    """Draw the contact area of the frames of a press against the measured indentation.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    indentation, area : array_like, shape (n,)
-        Indentation (mm) and contact area (mm²) of each frame.
-    phase : array_like of str, shape (n,)
-        ``loading``, ``hold`` or ``unloading``.
-    synthetic : bool
-        Whether the frames are rendered: hollow.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> axes = plot_area_against_indentation(axes, [0.1, 0.4], [9, 32], phase=["loading", "loading"])
-    >>> axes.get_xlabel()
-    'measured indentation ξ (mm)'
-    """
+    """Draw the contact area of the frames of a press against the measured indentation."""
     xi, A = broadcast(indentation, area)
     _draw(axes, xi, A, np.asarray(phase), hollow=synthetic)
     axes.x = Axis("measured indentation ξ (mm)", low=min(0.0, float(xi.min())) if xi.size else 0.0)

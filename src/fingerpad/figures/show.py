@@ -128,13 +128,7 @@ def show(result: object, path: str | PathLike[str] | None = None) -> Drawing:
 
 @singledispatch
 def draw(result: Any) -> Drawing:
-    """Return the drawing of a result.
-
-    Raises
-    ------
-    FingerpadError
-        If there is none of such a result.
-    """
+    """Return the drawing of a result."""
     raise FingerpadError(
         f"no drawing of a {type(result).__name__}: give a measured image or photograph, a fitted loading "
         "curve, a Hertz contact or a placement"

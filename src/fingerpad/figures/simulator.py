@@ -22,32 +22,7 @@ def plot_simulated_load(
     measured: tuple[ArrayLike, ArrayLike] | None = None,
     synthetic: bool = False,
 ) -> None:
-    """Draw the law of a pad, what simulators make of it, and the loading curve that it is of.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    indentation, load, load_std : array_like
-        Indentation ξ (mm) and normal force (N) of the law, with its standard uncertainty.
-    simulated : mapping, optional
-        From the name of a simulator to its loads at the law's indentations.
-    measured : (indentation, load), optional
-        Points of a loading curve.
-    synthetic : bool
-        Whether these were simulated.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> plot_simulated_load(axes, [0, 1, 2], [0, 0.7, 2], simulated={"MuJoCo": [0, 0.7, 2]}).get_xlabel()
-    'indentation ξ (mm)'
-    """
+    """Draw the law of a pad, what simulators make of it, and the loading curve that it is of."""
     xi, force, std = as_float_array(indentation), as_float_array(load), as_float_array(load_std)
     if measured is not None:
         axes.add(Points(*measured, marker=".", colour=BLUE, size=2.2, label="measured"))

@@ -102,28 +102,7 @@ def log_subs(low: float, high: float) -> tuple[float, ...]:
 def new_figure(
     *, width_mm: float = 85.0, height_mm: float = 64.0, rows: int = 1, columns: int = 1
 ) -> tuple[Figure, list[Axes]]:
-    """Return an empty figure and its axes, without touching any global state.
-
-    Parameters
-    ----------
-    width_mm, height_mm : float
-        Size on paper; 85 mm is one column of a journal.
-    rows, columns : int
-        Number of axes.
-
-    Returns
-    -------
-    figure : Figure
-        The figure.
-    axes : list of Axes
-        Row by row.
-
-    Examples
-    --------
-    >>> figure, axes = new_figure(rows=2, columns=2)
-    >>> len(axes), (figure.get_size_inches() * 25.4).round(1).tolist()
-    (4, [85.0, 64.0])
-    """
+    """Return an empty figure and its axes, without touching any global state."""
     figure = Figure(figsize=(width_mm / MM_PER_INCH, height_mm / MM_PER_INCH), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
@@ -135,26 +114,6 @@ def figure_svg(figure: Figure, name: str, *, description: str = "") -> str:
 
     Text stays text. Ids and styles carry a prefix made from `name` and the drawing, so that drawings in one
     page do not affect each other.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure.
-    name : str
-        Distinguishes this figure from others that look the same.
-    description : str
-        Alternative text.
-
-    Returns
-    -------
-    str
-        The element.
-
-    Examples
-    --------
-    >>> figure, axes = new_figure()
-    >>> figure_svg(figure, "empty").startswith("<svg ")
-    True
     """
     buffer = io.StringIO()
     nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))

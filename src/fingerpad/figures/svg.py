@@ -43,30 +43,7 @@ _DASHES: Final = {"--": (3.7, 1.6), ":": (1.0, 1.65), "-.": (6.4, 1.6, 1.0, 1.6)
 
 
 def svg(figure: Figure, name: str, *, description: str = "") -> str:
-    """Return a figure as an ``<svg>`` element that can stand in an HTML page beside others.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure, as data.
-    name : str
-        Distinguishes this figure from others that look the same.
-    description : str
-        Alternative text.
-
-    Returns
-    -------
-    str
-        The element, the same bytes for the same figure.
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_panels, plot_uncertainty_budget
-    >>> figure, (panel,) = new_panels()
-    >>> _ = plot_uncertainty_budget(panel, {"load": 0.1, "scale": 0.9})
-    >>> svg(figure, "budget").count("<rect") > 2
-    True
-    """
+    """Return a figure as an ``<svg>`` element that can stand in an HTML page beside others."""
     width, height = _POINTS_PER_MM * figure.width_mm, _POINTS_PER_MM * figure.height_mm
     factor = figure.font_pt / FONT_PT
     drawings = [_Drawing(panel, f"@clip{number}", factor) for number, panel in enumerate(figure.panels)]
@@ -83,36 +60,7 @@ def svg(figure: Figure, name: str, *, description: str = "") -> str:
 
 
 def save_panels(figure: Figure, path: str | PathLike[str], *, description: str = "") -> tuple[Path, Path]:
-    """Write `path`.svg, and `path`.json to draw it from again; the same bytes for the same figure.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure, as data.
-    path : path-like
-        File name without suffix; its last part also goes into the ids of the SVG.
-    description : str
-        Alternative text of the SVG.
-
-    Returns
-    -------
-    tuple of Path
-        The SVG and the JSON.
-
-    Raises
-    ------
-    FingerpadError
-        If a file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from fingerpad.figures import new_panels
-    >>> figure, panels = new_panels()
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in save_panels(figure, f"{folder}/empty")]
-    ['empty.svg', 'empty.json']
-    """
+    """Write `path`.svg, and `path`.json to draw it from again; the same bytes for the same figure."""
     path = Path(path)
     drawing, data = (path.with_name(f"{path.name}.{suffix}") for suffix in ("svg", "json"))
     text = svg(figure, path.name, description=description)

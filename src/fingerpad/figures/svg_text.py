@@ -49,11 +49,6 @@ def runs(text: str) -> tuple[Run, ...]:
     r"""Return the runs of one line, in which formulas stand between dollar signs as in Matplotlib.
 
     Formulas have letters, ``\mathrm``, subscripts, superscripts, and the Greek letters of these figures.
-
-    Examples
-    --------
-    >>> [(run.text, run.script) for run in runs(r"radius $R_\mathrm{g}$ (mm)")]
-    [('radius ', 0), ('R', 0), ('g', -1), (' (mm)', 0)]
     """
     found: list[Run] = []
     for place, part in enumerate(text.split("$")):
@@ -104,21 +99,7 @@ def _font() -> ImageFont.FreeTypeFont:
 
 @cache
 def text_element(text: str, size: float, colour: str, anchor: str, extra: str = "") -> str:
-    """Return a text of one line as the inner part of an element, to be placed by its x and y.
-
-    Parameters
-    ----------
-    text : str
-        The line.
-    size : float
-        Font size, points.
-    colour : str
-        Its colour.
-    anchor : {"start", "middle", "end"}
-        What stands at x.
-    extra : str
-        Further attributes.
-    """
+    """Return a text of one line as the inner part of an element, to be placed by its x and y."""
     start = f'font-size="{size:g}" fill="{colour}"'
     start += f' text-anchor="{anchor}"' if anchor != "start" else ""
     return f"{start}{extra}>{''.join(_spans(runs(text), size))}</text>"

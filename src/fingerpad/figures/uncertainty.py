@@ -17,31 +17,7 @@ def plot_uncertainty_budget(
     total: Mapping[str, float] | None = None,
     synthetic: bool = False,
 ) -> None:
-    """Draw the contribution of each source to the variance of a result, as bars from the largest down.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw.
-    first_order : mapping
-        From the name of a source to its share of the variance, as `Propagated.budget` gives it.
-    total : mapping, optional
-        Sobol's total indices of the same sources, as `sobol_indices` gives them: narrow bars.
-    synthetic : bool
-        Whether the data were simulated.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> axes = plot_uncertainty_budget(axes, {"load": 0.1, "wedge angle": 0.7, "contact ellipse": 0.2})
-    >>> axes.get_xlabel()
-    'share of the variance (%)'
-    """
+    """Draw the contribution of each source to the variance of a result, as bars from the largest down."""
     names = sorted(first_order, key=lambda name: first_order[name])
     places = np.arange(len(names))
     label = "first order" if total is not None else ""

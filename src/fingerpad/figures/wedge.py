@@ -19,31 +19,7 @@ _TURN: Final = np.linspace(0, 2 * np.pi, 361)
 
 @in_style
 def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: bool = False) -> Axes:
-    """Draw the finger on its wedge under a level platen (upper part of Fig. 5 of Dzidek et al. 2017).
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw; takes equal scales.
-    pad : Ellipsoid
-        One pad, mm.
-    wedge_angle : float
-        Wedge angle θ, radians.
-    synthetic : bool
-        Whether to label the pad as synthetic.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> plot_wedge(axes, pad, wedge_angle=np.radians(30)).get_aspect()
-    1.0
-    """
+    """Draw the finger on its wedge under a level platen (upper part of Fig. 5 of Dzidek et al. 2017)."""
     placement = Placement(pad, wedge_angle=wedge_angle)
     sine, cosine = np.sin(wedge_angle), np.cos(wedge_angle)
 
@@ -106,29 +82,6 @@ def plot_wedge_in_pad_axes(
 
     The platen is the tangent of gradient −cot θ. The radius of the dotted circle of radius ℓa at the angle u
     ends below or above the place of contact: u is parametric, not polar.
-
-    Parameters
-    ----------
-    axes : Axes
-        Where to draw; takes equal scales.
-    pad : Ellipsoid
-        One pad, mm.
-    wedge_angle : float
-        Wedge angle θ, radians.
-    synthetic : bool
-        Whether to label the pad as synthetic.
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from fingerpad.figures import new_figure
-    >>> figure, (axes,) = new_figure()
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> plot_wedge_in_pad_axes(axes, pad, wedge_angle=np.radians(30)).get_aspect()
-    1.0
     """
     placement = Placement(pad, wedge_angle=wedge_angle)
     a, b, u = float(pad.palmar), float(pad.distal), float(placement.u)

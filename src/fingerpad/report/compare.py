@@ -38,13 +38,7 @@ _SYMBOLS: Final = {
 
 
 def write_comparison_page(comparison: Comparison, out: Path) -> Path:
-    """Write ``compare.html`` and ``figures/compare_*`` into `out`, and return the page's path.
-
-    Raises
-    ------
-    FingerpadError
-        If a file cannot be written.
-    """
+    """Write ``compare.html`` and ``figures/compare_*`` into `out`, and return the page's path."""
     make_folder(out / "figures")
     environment = templates()
     environment.globals |= {"interval": _interval, "two": _two_digits}

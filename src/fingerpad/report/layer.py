@@ -32,17 +32,7 @@ _LEAST_SHARE: Final = 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Comparison:
-    """A line of the table: a quantity by Hertz theory and on the layer.
-
-    Attributes
-    ----------
-    quantity, source : str
-        What it is, with its unit, and of what.
-    hertz, layered : LayerQuantity
-        By either theory.
-    shares : str
-        What its uncertainty on the layer comes from.
-    """
+    """A line of the table: a quantity by Hertz theory and on the layer."""
 
     quantity: str
     source: str
@@ -111,17 +101,7 @@ def _comparison(
 
 
 def layer_plots(result: StudyResult, summary: Summary, *, with_section: bool) -> Iterator[Plot]:
-    """Draw the section under the contact at the highest load; without a thickness, what one would change.
-
-    Parameters
-    ----------
-    result : StudyResult
-        The study.
-    summary : Summary
-        The finger at its angle.
-    with_section : bool
-        Whether to draw the section, which takes longer than all else.
-    """
+    """Draw the section under the contact at the highest load; without a thickness, what one would change."""
     if result.fingers[summary.finger].effective_thickness is None:
         yield from _conditional(result, summary)
     elif with_section:

@@ -34,25 +34,7 @@ def loading_plots(
     expected_ratio: tuple[ArrayLike, ArrayLike] | None = None,
     synthetic: bool = False,
 ) -> Iterator[Plot]:
-    """Draw the figures of a loading curve.
-
-    Parameters
-    ----------
-    name : str
-        Beginning of the figures' file names.
-    curve, fit : LoadingCurve, LoadingFit
-        The record, and what was fitted to it.
-    where : str
-        Which curve it is, for the captions; `name` without it.
-    cycle : int
-        The press that was fitted.
-    geometric_mean_radius : float, optional
-        R_e of the pad, mm: with it the moduli from area and from indentation are compared.
-    expected_ratio : (load, ratio), optional
-        What the true ellipsoid makes of that comparison.
-    synthetic : bool
-        Whether the record was simulated.
-    """
+    """Draw the figures of a loading curve."""
     where = where or name
     drawn = _Drawn(curve, fit, cycle)
     yield Plot(

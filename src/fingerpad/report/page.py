@@ -84,25 +84,7 @@ def write_page(
     pages: Mapping[str, str] = MappingProxyType({}),
     on_drawn: Callable[[str], None] = lambda _: None,
 ) -> None:
-    """Write a page and its figures, ``figures/*.svg, *.json``.
-
-    Parameters
-    ----------
-    result : StudyResult
-        What it shows.
-    out : Path
-        Folder for the page and the figures.
-    name : str
-        File of the page.
-    overlays : Path
-        The output folder of the run, in which the overlays are.
-    home : str, optional
-        Address of the page over this one, for the page of one finger.
-    pages : mapping of str to str
-        Addresses of the pages of fingers, for the page over them: it tables all and draws none.
-    on_drawn : callable
-        Called with the name of each figure as it is drawn.
-    """
+    """Write a page and its figures, ``figures/*.svg, *.json``."""
     environment = templates()
     filters: dict[str, Callable[..., Any]] = {
         "flags": contact_flags,

@@ -18,17 +18,7 @@ _PX_PER_INCH: Final = 140  # how large a page shows figures that stand alone
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Plot:
-    """A drawn figure.
-
-    Attributes
-    ----------
-    name : str
-        File name without suffix.
-    figure : Figure of marks or of Matplotlib
-        The drawing, of Matplotlib or as data.
-    caption : str
-        What is seen.
-    """
+    """A drawn figure."""
 
     name: str
     figure: Figure | Drawn

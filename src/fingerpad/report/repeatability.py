@@ -35,17 +35,7 @@ def repeatability_section(result: StudyResult, *, with_loads: bool = True) -> di
 
 
 def borrowed(found: ContactRepeatability) -> str:
-    """Return what a study's repeats tell of one impression, in words.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> known = ContactRepeatability(
-    ...     covariance=np.diag([0.01**2, 0.03**2]), freedom=8, groups=4, count=12
-    ... )
-    >>> borrowed(known)
-    '2.0 % in area and 3.0 % in aspect ratio, from 12 repeats of 4 contacts (8 degrees of freedom)'
-    """
+    """Return what a study's repeats tell of one impression, in words."""
     return (
         f"{percent(found.area_std)} in area and {percent(found.aspect_ratio_std)} in aspect ratio, "
         f"from {found.count} repeats of {found.groups} contact{'s' if found.groups > 1 else ''} "
@@ -54,13 +44,7 @@ def borrowed(found: ContactRepeatability) -> str:
 
 
 def percent(share: float) -> str:
-    """Return a share in percent, with two digits.
-
-    Examples
-    --------
-    >>> percent(0.0316), percent(0.0)
-    ('3.2 %', '0 %')
-    """
+    """Return a share in percent, with two digits."""
     return f"{two_digits(100 * share)} %" if share > 0 else "0 %"
 
 

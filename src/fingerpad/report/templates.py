@@ -49,13 +49,7 @@ _TYPESET: Final = (
 
 
 def typeset(text: str) -> Markup:
-    """Return text with subscripts and exponents, minus signs, and no line ending between number and unit.
-
-    Examples
-    --------
-    >>> print(typeset("R_g & 4 (ℓd ℓe)^(3/2)"))
-    R<sub>g</sub> &amp; 4 (ℓ<sub>d</sub> ℓ<sub>e</sub>)<sup>3/2</sup>
-    """
+    """Return text with subscripts and exponents, minus signs, and no line ending between number and unit."""
     page = str(escape(text))
     for found, shown in _TYPESET:
         page = found.sub(shown, page)
@@ -63,13 +57,7 @@ def typeset(text: str) -> Markup:
 
 
 def signed_with_uncertainty(value: float | None, std: float | None = None) -> str:
-    """Return `value_with_uncertainty` with a minus sign in place of a hyphen.
-
-    Examples
-    --------
-    >>> signed_with_uncertainty(-0.512, 0.034)
-    '−0.512 ± 0.034'
-    """
+    """Return `value_with_uncertainty` with a minus sign in place of a hyphen."""
     return value_with_uncertainty(value, std).replace("-", "−")
 
 

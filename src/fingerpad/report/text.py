@@ -82,27 +82,12 @@ def photograph_flags(codes: Iterable[str]) -> list[Flag]:
 
 
 def advice(flag: Flag) -> str:
-    """Return what a flag means, and what to do about it, as sentences.
-
-    Examples
-    --------
-    >>> advice(FLAGS["contact"]["cut_by_mask"])
-    'The contact is cut by the mask or region of interest. To do: make the mask or region of interest larger.'
-    """
+    """Return what a flag means, and what to do about it, as sentences."""
     return f"{flag.words[0].upper()}{flag.words[1:]}. To do: {flag.to_do}."
 
 
 def phase_words(phases: ManualPhases) -> str:
-    """Say who set the phases of a sequence manually, where, and why.
-
-    Examples
-    --------
-    >>> from fingerpad.study.corrections.changes import PhaseCorrection
-    >>> starts = [{"phase": "loading", "start_s": 0.25}, {"phase": "hold", "start_s": 1}]
-    >>> correction = PhaseCorrection(starts=starts, why="slipped at first")
-    >>> phase_words(ManualPhases(correction, "Ada", "2026-05-04T10:00:00.000Z"))
-    'phases set manually by Ada on 2026-05-04: loading from 0.25 s, hold from 1 s (slipped at first)'
-    """
+    """Say who set the phases of a sequence manually, where, and why."""
     starts = ", ".join(f"{one.phase} from {one.start_s:.4g} s" for one in phases.correction.starts)
     return f"phases set manually by {phases.who} on {phases.when[:10]}: {starts} ({phases.correction.why})"
 
@@ -127,28 +112,13 @@ def check_words(check: CheckRecord) -> str:
 
 
 def p_words(p_value: float) -> str:
-    """Return a probability with its letter.
-
-    Examples
-    --------
-    >>> p_words(0.04321), p_words(1e-9)
-    ('p = 0.043', 'p < 0.001')
-    """
+    """Return a probability with its letter."""
     words = probability(p_value)
     return f"p {words}" if words.startswith("<") else f"p = {words}"
 
 
 def pooling_words(row: Mapping[str, Any]) -> str:
-    """Return why a measured row is pooled or not, in words; empty where nothing speaks against it.
-
-    Examples
-    --------
-    >>> row = {"excluding_flags": "low_contrast", "pooling_corrected_by": None, "pooled": False}
-    >>> pooling_words(row)
-    'the contact has little contrast with the background'
-    >>> pooling_words(row | {"pooled": True, "pooling_corrected_by": "Ada", "pooling_reason": "whole print"})
-    'included by Ada: whole print (the contact has little contrast with the background)'
-    """
+    """Return why a measured row is pooled or not, in words; empty where nothing speaks against it."""
     flags = "; ".join(flag.words for flag in contact_flags(row["excluding_flags"]))
     if row["pooling_corrected_by"]:
         done = "included" if row["pooled"] else "left out"
@@ -283,30 +253,14 @@ def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
 
 
 def probability(p_value: float) -> str:
-    """Return a probability with two digits, or as less than a thousandth.
-
-    Examples
-    --------
-    >>> probability(0.04321), probability(1e-9), probability(float("nan"))
-    ('0.043', '< 0.001', '–')
-    """
+    """Return a probability with two digits, or as less than a thousandth."""
     if math.isnan(p_value):
         return "–"
     return "< 0.001" if p_value < 0.001 else f"{p_value:.2g}"
 
 
 def face_differences(outlines: PadSemiAxes) -> str:
-    """Return by how much the semi-axes of each face exceed the joint ones, in percent.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from fingerpad.image import FaceSemiAxes, combine_faces
-    >>> seen = {"palmar": (11.8, 13.8), "radial": (7.9, 14.0)}
-    >>> faces = [FaceSemiAxes(face=f, semi_axes=np.array(s), covariance=np.eye(2)) for f, s in seen.items()]
-    >>> face_differences(combine_faces(faces))
-    'palmar face: radial–ulnar +0.0 %, distal −0.7 %; radial face: palmar +0.0 %, distal +0.7 %'
-    """
+    """Return by how much the semi-axes of each face exceed the joint ones, in percent."""
     return "; ".join(
         f"{one.face} face: " + ", ".join(f"{_AXIS_WORDS[axis]} {percent(off)}" for axis, off in found.items())
         for one, found in zip(outlines.faces, outlines.disagreements, strict=True)
