@@ -2,6 +2,7 @@
 
 import re
 from functools import partial
+from itertools import cycle
 from xml.etree import ElementTree
 
 import matplotlib as mpl
@@ -12,6 +13,8 @@ from numpy.testing import assert_allclose as assert_close
 from fingerpad.figures import (
     figure_svg,
     new_figure,
+    new_panels,
+    plot_agreement,
     plot_area_against_indentation,
     plot_area_against_load,
     plot_aspect_ratio,
@@ -30,10 +33,14 @@ from fingerpad.figures import (
     plot_wedge,
     plot_wedge_in_pad_axes,
     save_figure,
+    svg,
 )
+from fingerpad.figures.compare import LoadLine, plot_over_load
 from fingerpad.figures.pad import Camera
+from fingerpad.figures.publish import figure_csv
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.published import dzidek2017
+from fingerpad.uncertainty import agreement
 
 assert_allclose = partial(assert_close, rtol=1e-6, atol=1e-9)  # marks keep seven digits
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
@@ -473,6 +480,34 @@ def test_layer_effect_marks_what_is_known(axes) -> None:
     assert_allclose(radius.get_ydata()[1:], [1.9, 1.5])
     assert [text.get_text() for text in axes.texts] == ["Hertz", "0.50", "0.74", "1.9", "1.5"]
     assert axes.get_ylim()[1] > 2
+
+
+@pytest.mark.parametrize("fingers", [2, 12])
+def test_moduli_of_two_kinds_differ_in_mark_and_in_words(fingers: int) -> None:
+    kinds = ("by Hertz theory", "o"), ("on the layer over bone", "s")
+    lines = [
+        LoadLine(
+            name=f"f{k}", colour="red", load=[1, 2], value=[60, 70], std=[2, 3], kind=kind, marker=marker
+        )
+        for k, (kind, marker) in zip(range(fingers), cycle(kinds))
+    ]
+    figure, (panel,) = new_panels()
+    plot_over_load(panel, lines, label="Young's modulus E (kPa)")
+    drawn = {mark.label.rpartition(", ")[2]: mark.marker for mark in panel.marks if mark.label[0] == "_"}
+    legend = {mark.label: mark.marker for mark in panel.marks if mark.label[0] != "_"}
+    assert drawn == dict(kinds)
+    assert dict(kinds).items() <= legend.items()
+    assert all(f", {kind}" in figure_csv(figure) for kind, _ in kinds)
+    assert "on the layer over bone" in svg(figure, "moduli")
+
+
+def test_agreement_shows_bias_and_limits(axes) -> None:
+    first, second = [100, 120, 140, 90], [101, 119, 143, 91]
+    found = agreement(first, second)
+    plot_agreement(axes, first, second, found, quantity="gross area (mm²)")
+    assert axes.get_xlabel() == "gross area (mm²), mean of both"
+    assert f"bias {100 * found.bias:+.1f} %" in texts(axes)
+    assert texts(axes).count("limit") == 2
 
 
 def test_the_pad_is_framed_with_the_whole_contact() -> None:

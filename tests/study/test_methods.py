@@ -53,12 +53,11 @@ def test_everything_stated_is_said(tmp_path: Path) -> None:
     for value in STATED.values():
         assert (f"{value:g}" if isinstance(value, float) else value) in text
     for words in (
-        "1 finger of 1 person",
         "wedge angles of 30 and 45° (± 3°) and a roll of 0° (± 3°)",
         "Assumed to be known: the roll angle to ± 3°.",
         "Normal loads of 0.5 to 1.5 N, measured by",
         "were applied in 2 single contacts.",
-        "The pad of 1 finger of 1 person was modelled as an ellipsoidal cap",
+        "The pad of f (1 person) was modelled as an ellipsoidal cap",
         "Its semi-axes were given.",
         "reader, 0.1000 ± 0.0010 mm/px",
         "ratio of 0.49 (taken as exact)",
@@ -69,6 +68,14 @@ def test_everything_stated_is_said(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["methods"]["missing"] == list(
         found.missing
     )
+
+
+def test_a_finger_measured_in_two_ways_is_not_counted_as_two(tmp_path: Path) -> None:
+    names = ("thumb_ellipse", "thumb_direct")
+    result = run(tmp_path, *map(finger, names), *(contact(f"at_{name}", 1, finger=name) for name in names))
+    first = methods_section(result).paragraphs[0]
+    assert first.startswith("The pads of thumb_ellipse and thumb_direct were modelled as ellipsoidal caps")
+    assert "fingers" not in first
 
 
 def test_what_is_not_stated_is_missing(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
-from fingerpad.figures.marks import Axis, Band, Dash, Line, Panel, Points, Rule, Text, measured
+from fingerpad.figures.marks import Axis, Band, Dash, Line, Marker, Panel, Points, Rule, Text, measured
 from fingerpad.figures.mpl import on_axes
 from fingerpad.figures.style import BLUE, GREEN, GREY, ORANGE, SKY, VERMILLION
 
@@ -54,6 +54,8 @@ class LoadLine:
     left_out: ArrayLike = False  # not pooled: faded
     beside: Sequence[tuple[float, float]] = ()  # that belong to no load, each with its std; NaN if unknown
     synthetic: bool = False
+    kind: str = ""  # of the values, in words for the legend, where lines differ in it
+    marker: Marker = "o"  # of that kind
 
 
 def colours_of(people: Sequence[str]) -> dict[str, str]:
@@ -147,7 +149,7 @@ def plot_over_load(axes: Panel, lines: Sequence[LoadLine], *, label: str, beside
     """Draw values of several fingers and angles against load, each with its standard uncertainty.
 
     Points at one load stand beside one another. More than eight fingers are grey, without names or bars, and
-    at their loads.
+    at their loads. What kind of values they are, as by Hertz theory, tells the mark, and the legend in words.
     """
     crowded = len(lines) > MOST_NAMES
     loads = np.concatenate([np.zeros(1), *(as_float_array(line.load) for line in lines)])
@@ -160,7 +162,7 @@ def plot_over_load(axes: Panel, lines: Sequence[LoadLine], *, label: str, beside
         x, y, std, out = broadcast(line.load, line.value, line.std, line.left_out)
         x, (y, std) = np.append(x, places), np.concatenate([[y, std], values[number].T], axis=1)
         seen = np.isfinite(y)
-        colour = GREY if crowded else line.colour
+        colour, kind = GREY if crowded else line.colour, f", {line.kind}" if line.kind else ""
         shift = 0.0 if crowded else _SHIFT * top * (2 * (number + 0.5) / len(lines) - 1)
         axes.add(
             *measured(
@@ -170,12 +172,14 @@ def plot_over_load(axes: Panel, lines: Sequence[LoadLine], *, label: str, beside
                 synthetic=line.synthetic,
                 left_out=np.append(out, np.zeros(len(names)))[seen],
                 colour=colour,
-                label="_" if crowded else f"_{line.name}",  # named below, once
+                marker=line.marker,
+                label=f"_{kind}" if crowded else f"_{line.name}{kind}",  # named below, once
             )
         )
         if not crowded:
-            face = "white" if line.synthetic else ""
-            axes.add(Points([], [], colour=colour, face=face, size=4.2, label=line.name))
+            axes.add(_sample(line.name, line.marker, colour=colour, hollow=line.synthetic))
+    kinds = {line.kind: line.marker for line in lines if line.kind}
+    axes.add(*(_sample(kind, marker, colour=GREY) for kind, marker in kinds.items()))
     right = 1.08 * top + (places[-1] - 0.97 * top if places.size else 0.0)
     axes.x = Axis("normal load W (N)", low=0, high=float(right))
     axes.y = Axis(label, margin=0.08)
@@ -185,8 +189,13 @@ def plot_over_load(axes: Panel, lines: Sequence[LoadLine], *, label: str, beside
         ticks = ticks[ticks <= 1.01 * top]
         every = tuple(np.append(ticks, places).tolist())
         axes.x = replace(axes.x, ticks=every, names=(*(f"{tick:g}" for tick in ticks), *names))
-    if not crowded:
+    if kinds or not crowded:
         axes.legend, axes.columns = "above", 2
+
+
+def _sample(label: str, marker: Marker, *, colour: str, hollow: bool = False) -> Points:
+    """Return a mark that the legend alone shows."""
+    return Points([], [], marker=marker, colour=colour, face="white" if hollow else "", size=4.2, label=label)
 
 
 def _draw_means(axes: Panel, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool) -> None:

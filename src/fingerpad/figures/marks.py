@@ -22,6 +22,7 @@ Numbers: TypeAlias = Annotated[Any, "numbers"]
 Colour: TypeAlias = Annotated[str, re.compile(r"#?\w*")]
 Base64: TypeAlias = Annotated[str, re.compile(r"[\w+/]*=*")]
 Dash: TypeAlias = Literal["-", "--", ":", "-."]
+Marker: TypeAlias = Literal["o", "s", "D", "v", ".", ""]
 Side: TypeAlias = Literal["left", "center", "right"]
 Legend: TypeAlias = Literal["", "above", "inside", "below"]
 
@@ -94,7 +95,7 @@ class Points(Mark):
     _: KW_ONLY
     x_std: Numbers | None = None
     y_std: Numbers | None = None
-    marker: Literal["o", "s", "D", "v", ".", ""] = "o"
+    marker: Marker = "o"
     size: float = 4.0
     face: Colour = ""
     edge: Colour = ""
@@ -335,6 +336,7 @@ def measured(
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
     colour: str = BLUE,
+    marker: Marker = "o",
     label: str = "measured",
 ) -> Iterator[Points]:
     """Yield points with bars of one standard uncertainty, synthetic ones hollow, left-out ones faded."""
@@ -353,6 +355,7 @@ def measured(
                     y[chosen],
                     **{name: std[chosen] for name, std in zip(known, bars, strict=True)},
                     colour=colour,
+                    marker=marker,
                     face="white" if made else "",
                     size=1.8 if crowded else 4.2,
                     edge_width=0.5 if crowded else 0.9,

@@ -1,7 +1,7 @@
 """The figures of a study's report, one set for each finger and placement."""
 
 from collections.abc import Iterator, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import pandas as pd
@@ -30,7 +30,7 @@ from fingerpad.figures.compare import (
     plot_by_wedge,
     plot_over_load,
 )
-from fingerpad.figures.marks import Figure, new_panels
+from fingerpad.figures.marks import Figure, Marker, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
@@ -49,6 +49,11 @@ from fingerpad.study.results.validity import RADIUS, Headline
 _MOST_FRAMES: Final = 150
 MOST_POINTS: Final = 60
 _BESIDE: Final = (r"$R_\mathrm{g}$", r"$R_\mathrm{0g}$")
+# By whether a modulus is on bone, what it is, its mark, and the mark's name; the page draws them alike.
+_MODULI: Final[dict[bool, tuple[str, Marker, str]]] = {
+    False: ("by Hertz theory", "o", "circle"),
+    True: ("on the layer over bone", "s", "square"),
+}
 
 
 def group_name(key: PlacementKey) -> str:
@@ -60,31 +65,27 @@ def group_name(key: PlacementKey) -> str:
 
 
 def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> Iterator[Plot]:
-    """Draw area, modulus and corrected radius of all fingers and angles against load."""
-    colours = colours_of([one.label for one in found])
+    """Draw area, modulus and corrected radius of all fingers and angles against load.
+
+    A modulus is that on bone where the tissue's thickness is stated, else that of Hertz theory.
+    """
     pairs = [(shown_rows(summary), one) for summary, one in zip(result.summaries, found, strict=True)]
     if not pairs:
         return
-    on_bone = any(one.on_bone for one in found)
+    colours = colours_of([one.label for one in found])
+    beside = "; points at one load stand side by side" if len(pairs) <= MOST_NAMES else ", of each contact"
+    moduli = dict.fromkeys("{0} ({2}s)".format(*_MODULI[one.on_bone]) for one in found)
     loading = "" if all(np.isnan(one.of.loading_radius_mm) for one in found) else "loading radius R_g and "
     for name, label, caption, values in (
+        ("area", "contact area A (mm²)", f"Contact area against load{beside}.", _areas),
         (
-            "area_over_load",
-            "contact area A (mm²)",
-            "Contact area against load; points at one load stand side by side."
-            if len(pairs) <= MOST_NAMES
-            else "Contact area against load, of each contact.",
-            _areas,
-        ),
-        (
-            "modulus_over_load",
+            "modulus",
             "Young's modulus E (kPa)",
-            "Young's modulus against load"
-            + (", on bone where the tissue's thickness is stated, else by Hertz theory." if on_bone else "."),
+            f"Young's modulus against load, {' and '.join(moduli)}.",
             _moduli,
         ),
         (
-            "radius_over_load",
+            "radius",
             "corrected radius (mm)",
             f"Corrected radius against load; beside it {loading}radius R_0g of the undeformed pad.",
             _radii,
@@ -94,20 +95,14 @@ def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> I
             LoadLine(
                 name=one.label,
                 colour=colours[one.label],
-                beside=[
-                    (one.of.loading_radius_mm, one.of.loading_radius_mm_std),
-                    (one.of.mean_curvature_radius_mm, one.of.mean_curvature_radius_mm_std),
-                ]
-                if values is _radii
-                else (),
                 synthetic=one.of.synthetic,
                 **values(rows, one),
             )
             for rows, one in pairs
         ]
         figure, (axes,) = new_panels(height_mm=78)
-        plot_over_load(axes, lines, label=label, beside=_BESIDE if values is _radii else ())
-        yield Plot(name=f"{prefix}{name}", figure=figure, caption=caption)
+        plot_over_load(axes, lines, label=label, beside=_BESIDE if name == "radius" else ())
+        yield Plot(name=f"{prefix}{name}_over_load", figure=figure, caption=caption)
 
 
 def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
@@ -378,18 +373,24 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
     return figure
 
 
-def _areas(rows: pd.DataFrame, _: Answer) -> dict[str, FloatArray]:
+def _areas(rows: pd.DataFrame, _: Answer) -> dict[str, Any]:
     return _points(rows, np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"], rows["gross_area_mm2_std"])
 
 
-def _moduli(rows: pd.DataFrame, found: Answer) -> dict[str, FloatArray]:
+def _moduli(rows: pd.DataFrame, found: Answer) -> dict[str, Any]:
     name, std = ("_on_layer_kpa", "std") if found.on_bone else ("_kpa", "total_std")
-    return _points(rows, rows[f"youngs_modulus{name}"], rows[f"youngs_modulus{name}_{std}"])
+    kind, marker, _ = _MODULI[found.on_bone]
+    points = _points(rows, rows[f"youngs_modulus{name}"], rows[f"youngs_modulus{name}_{std}"])
+    return {**points, "kind": kind, "marker": marker}
 
 
-def _radii(rows: pd.DataFrame, _: Answer) -> dict[str, FloatArray]:
-    name = "radius_from_indentation_mm"
-    return _points(rows, rows[name], rows[f"{name}_total_std"])
+def _radii(rows: pd.DataFrame, found: Answer) -> dict[str, Any]:
+    name, of = "radius_from_indentation_mm", found.of
+    levels = [
+        (of.loading_radius_mm, of.loading_radius_mm_std),
+        (of.mean_curvature_radius_mm, of.mean_curvature_radius_mm_std),
+    ]
+    return {**_points(rows, rows[name], rows[f"{name}_total_std"]), "beside": levels}
 
 
 def _points(rows: pd.DataFrame, value: pd.Series, std: pd.Series) -> dict[str, FloatArray]:

@@ -64,19 +64,25 @@ def methods_section(result: StudyResult) -> MethodsRecord:
 def _fingers(result: StudyResult) -> Iterator[str]:
     fingers = result.fingers.values()
     persons = len({finger.person for finger in fingers} - {None})
-    whose = f" of {counted(persons, 'person')}" if persons else ""
-    if len(fingers) == 1:
-        model = f"pad of 1 finger{whose} was modelled as an ellipsoidal cap"
-    else:
-        model = f"pads of {len(fingers)} fingers{whose} were modelled as ellipsoidal caps"
-    yield f"The {model} (Dzidek et al., J. R. Soc. Interface 14:20160935, 2017)."
-    ways = Counter(_semi_axes_from(result, finger.name) for finger in result.study.fingers)
-    listed = [f"{way} for {counted(count, 'finger')}" for way, count in ways.items()]
-    if len(ways) == 1:
-        listed = list(ways)
-    yield f"{'Its' if len(fingers) == 1 else 'Their'} semi-axes were {_joined(listed)}."
-    if rendered := sum(finger.synthetic for finger in fingers):
-        yield f"All data of {counted(rendered, 'finger')} are synthetic, made from known truth."
+    whose = f" ({counted(persons, 'person')})" if persons else ""
+    one = len(fingers) == 1
+    model = "modelled as an ellipsoidal cap" if one else "modelled as ellipsoidal caps"
+    yield (
+        f"The {'pad' if one else 'pads'} of {_named([finger.name for finger in fingers])}{whose} "
+        f"{'was' if one else 'were'} {model} (Dzidek et al., J. R. Soc. Interface 14:20160935, 2017)."
+    )
+    ways: dict[str, list[str]] = {}
+    for finger in fingers:
+        ways.setdefault(_semi_axes_from(result, finger.name), []).append(finger.name)
+    listed = [way if len(ways) == 1 else f"{way} for {_named(names)}" for way, names in ways.items()]
+    yield f"{'Its' if one else 'Their'} semi-axes were {_joined(listed)}."
+    if rendered := [finger.name for finger in fingers if finger.synthetic]:
+        yield f"All data of {_named(rendered)} are synthetic, made from known truth."
+
+
+def _named(fingers: list[str]) -> str:
+    """Name fingers, since one may stand under two names, measured in two ways; count many."""
+    return _joined(fingers) if len(fingers) <= _MOST_LISTED else counted(len(fingers), "finger")
 
 
 def _semi_axes_from(result: StudyResult, name: str) -> str:
