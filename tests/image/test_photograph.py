@@ -3,6 +3,7 @@
 import math
 from functools import cache
 
+import cv2
 import numpy as np
 import pytest
 from PIL import Image
@@ -244,6 +245,24 @@ def test_photograph_of_whole_hand(region):
     except (ImageError, FitError) as error:
         reasons = str(error)
     assert flags or ": " in reasons
+
+
+def test_squarish_pads_are_measured_and_flagged():
+    # A superellipse between the pad's tip and side, as on virtual labs: no arc of it is an ellipse.
+    palmar, distal, exponent = 7.5, 12.5, 2.37
+    turns = np.linspace(0, math.pi / 2, 200)
+    across, along = (part ** (2 / exponent) for part in (np.cos(turns), np.sin(turns)))
+    side = np.concatenate([[[palmar, -20]], np.stack([palmar * across, distal * along], axis=1)])
+    outline = np.concatenate([side, side[::-1] * [-1, 1]]) * [1, -1] / MM_PER_PX + [150, 220]
+    cover = np.zeros((400, 300), np.uint8)
+    cv2.fillPoly(cover, [np.rint(outline * 16).astype(np.int32)], 255, cv2.LINE_AA, shift=4)
+    cover = cv2.GaussianBlur(cover, (0, 0), 0.9)[..., None] / 255
+    picture = np.array([40, 70, 150]) + cover * np.array([175, 95, -10])
+    picture += np.random.default_rng(1).normal(0, 2.5, picture.shape)
+    found = measure_photograph(np.clip(picture, 0, 255).astype(np.uint8), "radial", SCALE)
+    assert found.flags >= {"not_an_ellipse", "uncertain"}
+    off = np.array([palmar, distal]) - found.semi_axes
+    assert (np.abs(off) < 2 * np.array(list(found.semi_axes_mm_std.values()))).all()
 
 
 def blank(level=128):

@@ -5,6 +5,7 @@ The finger's own axis, along which that ellipse lies, comes from the sides of th
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
 
@@ -41,6 +42,8 @@ _WORTH = 2.0
 _END_MARGIN = 0.04
 _SLACKS = (1.0, 2.0, 4.0, 8.0, 16.0)
 _GOOD_ENOUGH = 0.02
+# An arc that leaves a semi-axis unknown by more determines none.
+MAX_RELATIVE_STD = 0.4
 _MIN_POINTS = 24
 _REJECTION = 4.0
 # Semi-axes along over across of a pad.
@@ -134,7 +137,8 @@ def longest_arc(
     `rough` is an ellipse (x, y, semi_x, semi_y, tilt).
     """
     track = points[order]
-    start = rough_start(track[np.abs(turns_from(middle, track, rough)) < SURELY_PAD], tilt, rough)
+    sure = np.abs(turns_from(middle, track, rough)) < SURELY_PAD
+    start = rough_start(track[sure], tilt, rough)
     arcs: dict[float, PadArc] = {}
     # A finger is no perfect ellipse: where the noise alone allows but a short arc, more is let pass.
     for slack in _SLACKS:
@@ -151,6 +155,10 @@ def longest_arc(
         if doubt < _GOOD_ENOUGH:
             return arc
         arcs.setdefault(doubt, arc)
+    if min(arcs, default=math.inf) > MAX_RELATIVE_STD:
+        # No ellipse follows a squarish pad: the middle of one still tells what it can, doubtful as that is.
+        with suppress(FitError):
+            return fit_arc(points, order[sure], tilt, start)
     if not arcs:
         raise FitError(
             "no arc of the outline near the pad is elliptic: check face, tip and palmar, "

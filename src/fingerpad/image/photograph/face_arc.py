@@ -13,7 +13,7 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation
-from fingerpad.image.photograph.arc import PAD_MIDDLE, SURELY_PAD, initial_ellipse
+from fingerpad.image.photograph.arc import MAX_RELATIVE_STD, PAD_MIDDLE, SURELY_PAD, initial_ellipse
 from fingerpad.image.photograph.arc_fit import (
     ArcFit,
     extend_arc,
@@ -32,7 +32,6 @@ from fingerpad.image.scale import Scale
 _END = 8
 
 _SHORT_ARC_DEG = 90.0
-_MAX_RELATIVE_STD = 0.4
 # Step across the edge over the noise beside it.
 _LOW_CONTRAST = 30.0
 
@@ -158,7 +157,7 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
     known = float((np.sqrt(np.diagonal(noise)) / fit.ellipse.semi_axes).max())
     middle, local = PAD_MIDDLE[arc.face], arc.points[arc.used]
     angles = middle + turns_from(middle, local, fit.ellipse.parameters)
-    if not known < _MAX_RELATIVE_STD:
+    if not known < MAX_RELATIVE_STD:
         raise FitError(
             f"the {arc.face} face's arc of {math.degrees(np.ptp(angles)):.0f} degrees leaves an axis unknown "
             f"by {known:.0%}: mark a longer arc, come nearer, or choose a backdrop of another colour than "
