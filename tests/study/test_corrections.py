@@ -14,7 +14,13 @@ from hypothesis import strategies as st
 
 from fingerpad.exceptions import CorrectionConflict, StoreError
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.corrections.items import CORRECTIONS_NAME, frames_of, kind_of
+from fingerpad.study.corrections.items import (
+    CORRECTIONS_NAME,
+    frames_of,
+    kind_of,
+    similar_images,
+    with_settings_of,
+)
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import Study
 
@@ -407,3 +413,14 @@ def test_what_was_confirmed_outlives_a_kill(tmp_path):
 def test_a_correction_says_only_what_was_said():
     assert ContactCorrection.model_validate({"threshold": 3.0}).as_json() == {"threshold": 3.0}
     assert ContactCorrection.model_validate({"accepted": True}).edits == {}
+
+
+def test_images_of_one_device_are_similar_and_take_its_settings():
+    other_scale = STUDY.observations[1].model_copy(update={"scale": "reader"})
+    assert similar_images("print_1", STUDY) == ["print_2"]
+    assert similar_images("given", STUDY) == []
+    changed = STUDY.model_copy(update={"observations": [STUDY.observations[0], other_scale]})
+    assert similar_images("print_1", changed) == []
+    source = ContactCorrection(threshold=60.0, seed_px=[5.0, 5.0], accepted=True)
+    taken = with_settings_of(source, ContactCorrection(dark_on_light=True, rejected="smeared"))
+    assert taken.as_json() == {"dark_on_light": True, "threshold": 60.0}

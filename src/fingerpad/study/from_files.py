@@ -31,17 +31,16 @@ class StartedStudy:
     """A study that was started from files."""
 
     loaded: LoadedStudy
-    taken: Mapping[str, str]  # what each file that the study names was taken as, in words
-    guesses: tuple[str, ...]  # what of it is not sure, and is to be checked
-    left: Mapping[str, str]  # files that it does not name, and why
+    taken: Mapping[str, str]  # as what, by file
+    guesses: tuple[str, ...]  # to be checked
+    left: Mapping[str, str]  # why, by file that it does not name
     missing: tuple[Missing, ...]
 
 
 def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
-    """Start a study from the files that lie in a folder.
+    """Start a study from the files that lie in a folder; what nothing states is left out.
 
-    What a spreadsheet that names files states of them holds before their names; `finger` is that of files for
-    which nothing states one. Loads, angles and scales that nothing states are left out.
+    What a spreadsheet states of files holds before their names; `finger` is that of files that state none.
     """
     if not folder.is_dir():
         raise ManifestError(f"{folder}: is no folder: name that of the pictures")

@@ -86,7 +86,7 @@ class _Journal(BaseModel):
 
 
 def replace_files(folder: Path, texts: Mapping[str, str]) -> None:
-    """Write files of a study; the caller holds the study's lock."""
+    """Write files of a study, all or none; the caller holds the study's lock."""
     journal = folder / JOURNAL_NAME
     try:
         for name, text in texts.items():

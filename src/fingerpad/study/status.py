@@ -31,16 +31,14 @@ _STATES: Final = ("done", "failed", "stale", "left")
 class Status:
     """Numbers of photographs, loading curves, observations and sequences of a study."""
 
-    # done, failed: measured, and those in which nothing could be measured, with the inputs as they are now
     done: int
-    failed: int
-    stale: int  # measured, but picture, parameters or measuring code have changed since
+    failed: int  # nothing could be measured, with the inputs as they are now
+    stale: int  # picture, parameters or measuring code have changed since
     left: int
-    # what each of these four costs on one process: what the done and the failed took, and what the stale and
-    # the left may take; None without any measured yet
+    # On one process, by state: what the done and the failed took, what the stale and the left may take.
     seconds: dict[str, float | None]
     failed_items: tuple[str, ...] = ()
-    faults: tuple[str, ...] = ()  # what is wrong with the files of the last run, each naming its file
+    faults: tuple[str, ...] = ()  # of the files of the last run
 
     @property
     def seconds_left(self) -> float | None:
@@ -111,11 +109,9 @@ def item_states(items: StudyItems) -> dict[str, str]:
 
 
 def semi_axes_state(finger: Finger, states: Mapping[str, str], record: FingerRecord | None) -> str:
-    """Return the state of a finger's semi-axes in the results of the last run.
+    """Return the state of a finger's semi-axes in the results of the last run, by what they say of it.
 
-    ``given`` if they are entered; otherwise as `Status` counts items: ``stale`` also where a photograph was
-    added, removed or rejected since. The record is that of ``summary.json``, None without a run of the
-    finger.
+    ``given``, or as `Status` counts items: ``stale`` also where a photograph was added, removed or rejected.
     """
     if finger.semi_axes_mm is not None:
         return "given"
@@ -143,10 +139,9 @@ def _by_item(statuses: Mapping[str, TaskStatus]) -> dict[str, list[TaskStatus]]:
 class Verification:
     """What a look at all files of a study found."""
 
-    intact: dict[str, str]  # what is as it was written: a file or group of files, with what it holds
-    faults: tuple[str, ...]  # what is not, each naming its file
-    # inputs that are not those of the last run: the next one measures them again
-    changed_inputs: tuple[str, ...]
+    intact: dict[str, str]  # by file or group of files, what it holds
+    faults: tuple[str, ...]
+    changed_inputs: tuple[str, ...]  # since the last run: the next one measures them again
 
 
 def verify_study(manifest: Path, out: Path) -> Verification:
@@ -236,12 +231,11 @@ _AXIS_WORDS: Final = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "r
 class Missing:
     """One thing that a study lacks."""
 
-    # kind, key: what lacks it, as of an `Edit`; kind ``file`` and its name for a file that nothing names,
-    # ``folder`` for a folder of frames
+    # As of an `Edit`; "file" or "folder" (of frames) and its name for one that no table names.
     kind: str
     key: str
-    words: str  # what is lacking, and the way out
-    place: str = ""  # the key to set in that table; empty where it takes more than one value
+    words: str  # with the way out
+    place: str = ""  # the key to set; empty where it takes more than one value
 
 
 def missing(loaded: LoadedStudy) -> list[Missing]:

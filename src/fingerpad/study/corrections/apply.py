@@ -64,16 +64,9 @@ class InterpolatedCorrection(ContactCorrection):
 def frame_corrections(
     active_corrections: Mapping[str, ActiveCorrection], sequence: str, within: range | None = None
 ) -> dict[int, ActiveCorrection]:
-    """Return the active corrections of a sequence's frames, by number, ellipses between key frames included.
+    """Return the active corrections of a sequence's frames, by number.
 
-    Parameters
-    ----------
-    active_corrections : mapping of str to ActiveCorrection
-        Active corrections by item; no frame that was corrected takes a carried ellipse.
-    sequence : str
-        Name of the sequence.
-    within : range, optional
-        Frames to which ellipses are carried; by default all.
+    Between key frames, all or those `within` a range take a carried ellipse, unless they were corrected.
     """
     frames = frames_of(active_corrections, sequence)
     found = dict(frames)
@@ -90,17 +83,7 @@ def frame_corrections(
 def frame_edits(active_corrections: Mapping[str, ActiveCorrection], sequence: str) -> list[Any]:
     """Return all that `frame_corrections` edits depend on, without carrying an ellipse, as JSON.
 
-    Parameters
-    ----------
-    active_corrections : mapping of str to ActiveCorrection
-        Active corrections by item.
-    sequence : str
-        Name of the sequence.
-
-    Returns
-    -------
-    list
-        Edits by frame, pairs of key frames, and the frames between them that only have a verdict.
+    Edits by frame, pairs of key frames, and the frames between them that only have a verdict.
     """
     frames = frames_of(active_corrections, sequence)
     edits = {frame: edits for frame, one in sorted(frames.items()) if (edits := one.change.edits)}
@@ -171,15 +154,7 @@ def photograph_correction(active_correction: ActiveCorrection | None) -> Photogr
 
 
 class ManualPhases(NamedTuple):
-    """Phases of a sequence that a person set.
-
-    Attributes
-    ----------
-    correction : PhaseCorrection
-        The phases, and why.
-    who, when : str
-        Who set them, and when.
-    """
+    """Phases of a sequence that a person set."""
 
     correction: PhaseCorrection
     who: str
@@ -196,19 +171,9 @@ def manual_phases(active_corrections: Mapping[str, ActiveCorrection], sequence: 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CorrectedContactImage:
-    """A contact as corrected, and as measured automatically.
+    """A contact as corrected, and as measured automatically."""
 
-    Attributes
-    ----------
-    contact_image : ContactImageResult or None
-        The measurement that holds; None where there is none.
-    reason : str or None
-        Why there is none.
-    automatic : ContactImageResult or None
-        What was measured automatically.
-    """
-
-    contact_image: ContactImageResult | None
+    contact_image: ContactImageResult | None  # the one that holds
     reason: str | None
     automatic: ContactImageResult | None
 
@@ -241,25 +206,8 @@ def prepared_contact(
 ) -> PreparedContactImage:
     """Tell the ridges in a contact's picture, as the manifest and a person say.
 
-    Parameters
-    ----------
-    pixels : array_like, (rows, columns)
-        The picture, or one frame.
-    scale : Scale
-        Its scale.
-    contact : Contact
-        Its table of the manifest.
-    folder : Path
-        The study folder.
-    correction : ContactCorrection
-        What a person wants; strokes and ellipse are for `PreparedContactImage.measure`.
-    settings : ContactImageOptions, optional
-        How all frames of a sequence are read; a person's polarity goes before it.
-
-    Raises
-    ------
-    ImageError
-        If the picture is no good, or an option misses it.
+    Strokes and ellipse of the correction are for `PreparedContactImage.measure`. `settings` say how all
+    frames of a sequence are read; a person's polarity goes before them.
     """
     options = contact_options(contact, folder, correction)
     if contact.surface == "smooth" and isinstance(contact, Observation) and contact.file is not None:
@@ -276,13 +224,7 @@ def prepared_contact(
 
 
 def measured_under(prepared: PreparedContactImage, correction: ContactCorrection) -> ContactImageResult:
-    """Measure a prepared contact image with what a person drew, or what was carried from key frames.
-
-    Raises
-    ------
-    ImageError
-        As `PreparedContactImage.measure`.
-    """
+    """Measure a prepared contact image with what a person drew, or what was carried from key frames."""
     found = prepared.measure(correction.region_edits, correction.manual_ellipse)
     return correction.widened(found) if isinstance(correction, InterpolatedCorrection) else found
 
@@ -296,13 +238,7 @@ def corrected_contact_image(
     *,
     settings: ContactImageOptions | None = None,
 ) -> CorrectedContactImage:
-    """Measure a contact as a person wants it, and automatically; see `prepared_contact`.
-
-    Raises
-    ------
-    ImageError
-        If the picture is no good.
-    """
+    """Measure a contact as a person wants it, and automatically; see `prepared_contact`."""
     automatic, plain, reason = None, None, None
     try:
         plain = prepared_contact(pixels, scale, contact, folder, settings=settings)
@@ -327,24 +263,7 @@ def corrected_photograph(
     scale: Scale,
     correction: PhotographCorrection | None = None,
 ) -> PhotographFit:
-    """Measure a photograph as a person wants it.
-
-    Parameters
-    ----------
-    pixels : array_like, (rows, columns) or (rows, columns, 3)
-        The photograph; not looked at where an ellipse is placed manually.
-    photograph : Photograph
-        Its table of the manifest.
-    scale : Scale
-        Its scale.
-    correction : PhotographCorrection, optional
-        What a person wants.
-
-    Raises
-    ------
-    ImageError, FitError
-        As `measure_photograph`, `with_marked_points` and `photograph_from_ellipse`.
-    """
+    """Measure a photograph as a person wants it; with an ellipse placed manually it is not looked at."""
     wanted = correction or PhotographCorrection()
     tip = wanted.tip or photograph.tip
     # A tip that a person turned turns what the manifest says of the palmar side.

@@ -28,34 +28,16 @@ Action: TypeAlias = Literal["change", "undo", "redo"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
-    """One correction by one person.
+    """One correction by one person."""
 
-    Attributes
-    ----------
-    id : int
-        Its number in the file, from 1, rising.
-    item : str
-        What was corrected.
-    when : str
-        Time, ISO 8601, UTC.
-    who : str
-        The person.
-    action : {"change", "undo", "redo"}
-        What was done.
-    change : dict
-        All that is wanted of the item, as the model of `model_of` writes it; empty for what the program
-        found, and for an undo or redo.
-    picture : str
-        SHA-256 of the picture's file, of the frame's pixels, or of a sequence's force, as it was then; empty
-        where there is none.
-    """
-
-    id: int
+    id: int  # in the file, from 1, rising
     item: str
-    when: str
+    when: str  # ISO 8601, UTC
     who: str
     action: Action
+    # All that is wanted of the item; empty for the automatic result, and for an undo or redo.
     change: dict[str, Any]
+    # SHA-256 of what was corrected, as of `picture_digest`.
     picture: str = ""
 
     def as_json(self) -> dict[str, Any]:
@@ -73,21 +55,7 @@ class Record:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ActiveCorrection:
-    """The active correction of an item.
-
-    Attributes
-    ----------
-    item : str
-        The item.
-    change : ContactCorrection, PhotographCorrection or SequenceCorrection
-        What is wanted of it.
-    who, when : str
-        Who wanted it first, and when.
-    picture : str
-        That of the `Record`.
-    pooling_who, pooling_when : str
-        Who corrected whether it is pooled, and when; empty where no person did.
-    """
+    """The active correction of an item."""
 
     item: str
     change: Change
@@ -110,15 +78,7 @@ def is_rejected(active_correction: ActiveCorrection | None) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class History:
-    """All corrections of one item.
-
-    Attributes
-    ----------
-    item : str
-        The item.
-    records : tuple of Record
-        In order.
-    """
+    """All corrections of one item."""
 
     item: str
     records: tuple[Record, ...] = ()
@@ -203,13 +163,7 @@ def model_of(item: str) -> type[Change]:
 
 
 def checked_change(model: type[Change], content: Mapping[str, Any], where: str) -> Any:
-    """Return a change, checked.
-
-    Raises
-    ------
-    StoreError
-        With one line for each fault.
-    """
+    """Return a change, checked; `StoreError` has one line for each fault."""
     try:
         return validated(model, content, where, strict=True)
     except ManifestError as error:
@@ -225,10 +179,7 @@ def line_of(record: Record) -> bytes:
 def record_of(line: bytes) -> Record | None:
     """Return the record that a line holds, None where it holds none.
 
-    Raises
-    ------
-    ValueError
-        If the line was changed after it was written. A line without a checksum was written manually.
+    ValueError says that it was changed after it was written; one without a checksum was written manually.
     """
     try:
         content = json.loads(line)
@@ -261,13 +212,7 @@ ItemKind: TypeAlias = Literal["observation", "frame", "phases", "photograph"]
 
 
 def kind_of(item: str, study: Study) -> ItemKind:
-    """Return what an item is.
-
-    Raises
-    ------
-    StoreError
-        If the manifest names no such item.
-    """
+    """Return what an item is; `StoreError` where the manifest names no such item."""
     kind = named_kind(item, study)
     if kind is None:
         raise StoreError(
@@ -323,15 +268,7 @@ def picture_digest(item: str, study: Study, folder: Path) -> str:
 def on_another_image(
     active_corrections: Mapping[str, ActiveCorrection], digest: Callable[[str], str]
 ) -> list[str]:
-    """Return the items whose picture is not the one that was corrected.
-
-    Parameters
-    ----------
-    active_corrections : mapping
-        Active corrections by item.
-    digest : callable
-        That of an item's current picture, as of `picture_digest`.
-    """
+    """Return the items whose picture is not the one that was corrected; `digest` gives the current one's."""
     return [
         item
         for item, active_correction in active_corrections.items()
@@ -362,28 +299,7 @@ SHARED_SETTINGS: Final = ("dark_on_light", "threshold", "region_of_interest_px",
 
 
 def similar_images(item: str, study: Study) -> list[str]:
-    """Return the other contact images of the same finger with the same scale, as of one device.
-
-    Parameters
-    ----------
-    item : str
-        An observation.
-    study : Study
-        The manifest.
-
-    Examples
-    --------
-    >>> def image(name, finger, ppi):
-    ...     place = {"finger": finger, "wedge_angle_deg": 30, "load_N": 1}
-    ...     return {"name": name, "file": f"{name}.png", "scale": {"ppi": ppi}, **place}
-    >>> images = [image("a", "f", 500), image("b", "f", 500), image("c", "f", 1000), image("d", "g", 500)]
-    >>> axes = {"palmar": 8, "distal": 14, "radial_ulnar": 12}
-    >>> known = {"semi_axes_mm": axes, "semi_axes_mm_std": dict.fromkeys(axes, 0.1)}
-    >>> fingers = [{"name": "f", **known}, {"name": "g", **known}]
-    >>> study = Study.model_validate({"title": "t", "fingers": fingers, "observations": images})
-    >>> similar_images("a", study)
-    ['b']
-    """
+    """Return the other contact images of the same finger with the same scale, as of one device."""
     one = next((each for each in study.observations if each.name == item and each.file), None)
     if one is None:
         return []
@@ -395,20 +311,6 @@ def similar_images(item: str, study: Study) -> list[str]:
 
 
 def with_settings_of(source: ContactCorrection, target: ContactCorrection) -> ContactCorrection:
-    """Return a correction with another one's settings where that has them, without a verdict.
-
-    Parameters
-    ----------
-    source : ContactCorrection
-        Whose settings are taken.
-    target : ContactCorrection
-        Of the other image; what was drawn there stays.
-
-    Examples
-    --------
-    >>> source = ContactCorrection(threshold=60.0, seed_px=[5.0, 5.0], accepted=True)
-    >>> with_settings_of(source, ContactCorrection(dark_on_light=True, rejected="smeared")).as_json()
-    {'dark_on_light': True, 'threshold': 60.0}
-    """
+    """Return a correction with another one's settings where that has them, without a verdict."""
     settings = {name: value for name in SHARED_SETTINGS if (value := getattr(source, name)) is not None}
     return target.model_copy(update={**settings, "accepted": False, "rejected": None})

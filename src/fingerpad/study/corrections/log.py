@@ -40,18 +40,6 @@ class CorrectionLog:
     """The corrections of a study folder, as far as they are written.
 
     It reads what others add as it goes, and only that. Any number of processes and threads may write.
-
-    Parameters
-    ----------
-    folder : Path
-        The study folder.
-    name : str
-        The file: ``second_operator.jsonl`` holds what a second person drew without seeing the first's.
-
-    Raises
-    ------
-    StoreError
-        If the file cannot be read or holds what is no record.
     """
 
     def __init__(self, folder: Path, name: str = CORRECTIONS_NAME) -> None:
@@ -89,13 +77,7 @@ class CorrectionLog:
         return (f"{line} is torn, as by a process stopped while it wrote; it is left out",)
 
     def refresh(self) -> None:
-        """Read what has been written since.
-
-        Raises
-        ------
-        StoreError
-            If the file cannot be read or holds what is no record.
-        """
+        """Read what has been written since."""
         try:
             with self._path.open("rb") as file:
                 state = os.fstat(file.fileno())
@@ -192,30 +174,8 @@ class CorrectionLog:
     ) -> Record:
         """Keep a change; once this returns, it is on the disk.
 
-        Parameters
-        ----------
-        item : str
-            An observation by its name, a frame as ``press#120``, the phases of a sequence as
-            ``press#phases``, or a photograph as ``FINGER/IMAGE``.
-        change : mapping or ContactCorrection or PhotographCorrection or SequenceCorrection
-            All that is wanted of the item; empty for what the program found.
-        who : str
-            The person.
-        expected : int
-            `History.last_id` as the person last saw it.
-        study : Study
-            The manifest, which must name the item.
-        shape : (int, int), optional
-            Of the picture, which what is drawn must touch; not looked at if left out.
-        picture : str, optional
-            SHA-256 of what was corrected, as of `picture_digest`, which computes it if it is left out.
-
-        Raises
-        ------
-        CorrectionConflict
-            If someone has corrected the item since.
-        StoreError
-            If the item is unknown, the change is none, or the file cannot be written.
+        `expected` is `History.last_id` as the person last saw it. Of a picture of this `shape` what is drawn
+        must touch some. `picture` is `picture_digest` where that is known already.
         """
         kind_of(item, study)
         content = change if isinstance(change, Mapping) else change.as_json()

@@ -105,21 +105,10 @@ _LISTS: Final = frozenset(name for kind, name in LISTS.items() if kind != "curve
 
 
 def folded(text: str, kept: Collection[str]) -> tuple[str, dict[str, str]]:
-    """Leave tables out of a manifest.
+    """Leave tables of lists out of a manifest but for those of these names.
 
-    Parameters
-    ----------
-    text : str
-        The manifest.
-    kept : collection of str
-        Names of the tables that stay.
-
-    Returns
-    -------
-    folded : str
-        The manifest, in which tables that follow one another in a list are one without keys.
-    left_out : dict of str to str
-        The text that stood in place of each line that was added.
+    Those that follow one another become one without keys; the second value is what stood in place of each
+    line that was added.
     """
     starts = [match.start() for match in _HEADER.finditer(text)]
     pieces = [text[start:stop] for start, stop in zip([0, *starts], [*starts, len(text)], strict=True)]
@@ -154,13 +143,7 @@ def unfolded(text: str, left_out: dict[str, str]) -> str:
 
 
 def _list_left_out(piece: str, kept: Collection[str]) -> str | None:
-    """Return the list of which a piece of a manifest is a table that is left out, None for any other piece.
-
-    Raises
-    ------
-    TOMLDecodeError
-        If it is not TOML.
-    """
+    """Return the list of which a piece of a manifest is a table to be left out, None for any other."""
     content, header = tomllib.loads(piece), _LISTED.match(piece)
     if header is None or header[1] not in _LISTS or not piece.endswith("\n"):
         return None
@@ -172,36 +155,12 @@ _FIRST_TABLE: Final = re.compile(r"^\s*\[", re.MULTILINE)
 
 
 class StudyFiles:
-    """The documents of a study while they are changed.
-
-    Attributes
-    ----------
-    folder : Path
-        The study folder.
-    before : LoadedStudy
-        The study as its files have it.
-    manifest : TOMLDocument
-        The manifest.
-    sheet : Sheet or None
-        The spreadsheet of observations.
-    """
+    """The documents of a study while they are changed."""
 
     def __init__(self, folder: Path, kept: Collection[str] | None, before: LoadedStudy | None = None) -> None:
-        """Read the files of a study.
+        """Read the tables of lists that are named, None for all.
 
-        Parameters
-        ----------
-        folder : Path
-            The study folder.
-        kept : collection of str or None
-            Names of the tables in lists that are needed, None for all.
-        before : LoadedStudy or None
-            The study as it was read last, which is not read again if its files are the same.
-
-        Raises
-        ------
-        ManifestError
-            If there is none, or it is not made of tables.
+        `before` is the study as it was read last, which is not read again if its files are the same.
         """
         self.folder = folder
         self.before = before if before is not None and is_as_read(before) else load_study(folder / STUDY_NAME)
@@ -224,10 +183,7 @@ class StudyFiles:
     def write(self) -> LoadedStudy:
         """Put the changed files in place of the old ones, all or none, and return the study after it.
 
-        Raises
-        ------
-        ManifestError
-            If what was complete is wrong now; nothing is written then.
+        Nothing is written if what was complete would be wrong.
         """
         changed = {name: text for name, text in self._written().items() if text != self._texts[name]}
         if not changed:
@@ -273,22 +229,12 @@ _NAME: Final = TypeAdapter(Name)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Edit:
-    """One change of the manifest.
-
-    Attributes
-    ----------
-    kind : str
-        ``study`` (the top level), ``uncertainty``, ``apparatus``, ``scale``, ``finger``,
-        ``photograph``, ``observation``, ``sequence`` or ``curve``.
-    key : str
-        Its name; for a photograph ``FINGER/IMAGE``, for a curve its number from 0, else empty. A key that is
-        not there yet is added.
-    set : dict or None
-        Keys to set; None as a value removes that key, None in place of all removes the table.
-    """
+    """One change of the manifest."""
 
     kind: Kind
+    # A name, FINGER/IMAGE of a photograph, the number of a curve from 0; a new one is added.
     key: str
+    # None as a value removes that key, None in place of all the table.
     set: Mapping[str, Any] | None
 
 
@@ -303,13 +249,7 @@ def tables_of(edits: Iterable[Edit]) -> set[str] | None:
 
 
 def apply_edit(files: StudyFiles, edit: Edit) -> None:
-    """Make one edit in the documents of a study.
-
-    Raises
-    ------
-    ManifestError
-        If there is no such table, or what is to be set cannot stand in one.
-    """
+    """Make one edit in the documents of a study."""
     try:
         _apply(files, edit)
     except (TOMLKitError, TypeError, ValueError, KeyError) as error:
@@ -477,15 +417,7 @@ _BEGINNING: Final = {"uncertainty": {"load_relative_std": 0.01}}
 
 
 def create_study(folder: Path, title: str) -> LoadedStudy:
-    """Begin a study in a folder that has none; pictures may lie there already.
-
-    Raises
-    ------
-    ManifestError
-        If there is a study already, or the title is empty.
-    StoreError
-        If the folder cannot be written.
-    """
+    """Begin a study in a folder that has none; pictures may lie there already."""
     if not title.strip():
         raise ManifestError("a study needs a title")
     try:
@@ -503,32 +435,9 @@ def create_study(folder: Path, title: str) -> LoadedStudy:
 def change_study(
     folder: Path, edits: Sequence[Edit], *, expected: str, before: LoadedStudy | None = None
 ) -> LoadedStudy:
-    """Change a study: all edits or none.
+    """Change a study, all edits or none, and return it; `EditConflict` if someone else has changed it since.
 
-    Parameters
-    ----------
-    folder : Path
-        The study folder.
-    edits : sequence of Edit
-        In order.
-    expected : str
-        `LoadedStudy.digest` as the author last saw it.
-    before : LoadedStudy or None
-        The study as it was read last, which is not read again if its files are the same.
-
-    Returns
-    -------
-    LoadedStudy
-        The study after it.
-
-    Raises
-    ------
-    EditConflict
-        If someone has changed the study since.
-    ManifestError
-        If an edit would make wrong what is complete; nothing is written.
-    StoreError
-        If the folder cannot be written.
+    `expected` is `LoadedStudy.digest` as the author last saw it; `before` as of `StudyFiles`.
     """
     with locked(folder, folder / LOCK_NAME):
         complete(folder)

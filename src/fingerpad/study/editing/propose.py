@@ -73,98 +73,46 @@ _SAME_PPI: Final = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewFile:
-    """A file to add to a study, and what is known of it.
-
-    Attributes
-    ----------
-    file : str
-        Its name in the study folder.
-    use : str
-        What it is used as: a role, ``coin``, ``ruler``, ``force``, ``sheet``, or empty for none.
-    person, finger, session : str
-        Empty where unknown.
-    face : str or None
-        Of a photograph or an outline.
-    wedge_angle_deg, load_N : float or None
-        Of a contact.
-    scale : str
-        The name of a scale of the study, a scale as it is written, ``500 ppi`` or ``0.05 mm/px``, or
-        ``coin in FILE``; empty where unknown.
-    diameter_mm : float or None
-        Of a coin.
-    guessed : tuple of str
-        Which of ``use``, ``face`` and ``scale`` are guesses, to be confirmed.
-    """
+    """A file to add to a study, and what is known of it."""
 
     file: str
-    use: Use = ""
+    use: Use = ""  # empty for none
     person: str = ""
     finger: str = ""
     session: str = ""
     face: Face | None = None
     wedge_angle_deg: float | None = None
     load_N: float | None = None  # noqa: N815
+    # A name, or as it is written: `500 ppi`, `0.05 mm/px`, `coin in FILE`.
     scale: str = ""
     diameter_mm: float | None = None
-    guessed: tuple[str, ...] = ()
+    guessed: tuple[str, ...] = ()  # which of `use`, `face` and `scale` are guesses, to be confirmed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Guess:
-    """What a new file may be, from its content and its name.
+    """What a new file may be, from its content and its name."""
 
-    Attributes
-    ----------
-    uses : tuple of str
-        What it may be used as, most likely first.
-    sure : bool
-        Whether no other use is at all likely.
-    face : str or None
-        The face that it shows if it is a photograph.
-    face_sure : bool
-        Whether no other face is at all likely.
-    scales : mapping
-        By use, the scale that may hold and why; nothing where none is proposed.
-    stated : str
-        The scale that its file states, whether or not it is proposed; empty without one.
-    """
-
-    uses: tuple[Use, ...]
-    sure: bool
+    uses: tuple[Use, ...]  # most likely first
+    sure: bool  # whether no other use is at all likely
     face: Face | None = None
     face_sure: bool = False
+    # By use, the scale that may hold and why; nothing where none is proposed.
     scales: Mapping[Use, tuple[str, str]] = field(default_factory=dict)
-    stated: str = ""
+    stated: str = ""  # the scale in its file, proposed or not
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposal:
-    """Edits that add files to a study.
-
-    Attributes
-    ----------
-    edits : tuple of Edit
-        In order.
-    added : int
-        The number of files that they add.
-    waiting : tuple of str
-        Files that are not added, as their finger is not known.
-    """
+    """Edits that add files to a study."""
 
     edits: tuple[Edit, ...]
     added: int
-    waiting: tuple[str, ...]
+    waiting: tuple[str, ...]  # files whose finger is not known
 
 
 def named_file(file: str, kind: FileKind, fingers: Collection[str]) -> NewFile:
-    """Return what the name of a file says; the study's only finger is that of a file that names none.
-
-    Examples
-    --------
-    >>> named_file("uploads/LI_30deg_0,5N.png", "picture", ())
-    NewFile(file='uploads/LI_30deg_0,5N.png', use='observation', person='', finger='left_index', session='', \
-face=None, wedge_angle_deg=30.0, load_N=0.5, scale='', diameter_mm=None, guessed=())
-    """
+    """Return what the name of a file says; the study's only finger is that of a file that names none."""
     found = read_file_name(file, kind, fingers=fingers)
     only = next(iter(fingers)) if len(fingers) == 1 else ""
     return NewFile(
@@ -180,18 +128,8 @@ face=None, wedge_angle_deg=30.0, load_N=0.5, scale='', diameter_mm=None, guessed
 def guess_of(found: FileIdentity, scales: Mapping[str, Mapping[str, Any]]) -> Guess:
     """Return what a file may be used as, and which scale may hold for it.
 
-    Parameters
-    ----------
-    found : FileIdentity
-        What it may be.
-    scales : mapping
-        The tables of the study's scales by their names.
-
-    Returns
-    -------
-    Guess
-        A scale is proposed where the study has only one, or the file of a contact image states a resolution:
-        that of a scanner, so that it is proposed for no photograph.
+    A scale is proposed where the study has only one, or the file of a contact image states a resolution: that
+    of a scanner, so that it is proposed for no photograph.
     """
     ppi = found.dots_per_inch
     return Guess(
@@ -228,13 +166,7 @@ def _ppi(table: Mapping[str, Any]) -> float:
 
 
 def with_guess(new: NewFile, guess: Guess) -> NewFile:
-    """Return a file with what is guessed of it where its name says nothing.
-
-    Examples
-    --------
-    >>> with_guess(NewFile(file="IMG_1.png"), Guess(uses=("observation", "coin"), sure=False)).guessed
-    ('use',)
-    """
+    """Return a file with what is guessed of it where its name says nothing."""
     use, guessed = guess.uses[0], [] if guess.sure else ["use"]
     face, scale = new.face, new.scale
     if use == "photograph" and face is None and (face := guess.face) and not guess.face_sure:
@@ -246,22 +178,7 @@ def with_guess(new: NewFile, guess: Guess) -> NewFile:
 
 
 def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> tuple[dict[str, Any], str]:
-    """Return what a spreadsheet or a name states of a file, and what of that cannot be taken.
-
-    Returns
-    -------
-    dict
-        Values of a `NewFile` by their keys; what is stated is no guess.
-    str
-        Empty where all can be taken.
-
-    Examples
-    --------
-    >>> stated_values(NewFile(file="a.png", finger="index"), {"person": "S7", "ppi": 500.0}, ())[0]
-    {'person': 'S7', 'finger': 'S7_index', 'scale': '500 ppi', 'guessed': ()}
-    >>> stated_values(NewFile(file="a.png"), {"scale": "Reader"}, ["camera"])[1]
-    'no scale of the study is called Reader'
-    """
+    """Return what a spreadsheet or a name states of a file, and what of that is not."""
     taken: dict[str, Any] = {
         key: value
         for key, value in values.items()
@@ -289,16 +206,6 @@ def written_scale(words: str, scales: Collection[str]) -> str:
     """Return a scale as a person writes it, in the one way in which it is kept.
 
     A number alone from 72 on is the resolution of a scanner.
-
-    Raises
-    ------
-    ManifestError
-        If it is neither the name of one of the `scales` nor a number with its unit.
-
-    Examples
-    --------
-    >>> written_scale("500", ()), written_scale("50 um/px", ()), written_scale("reader", ["reader"])
-    ('500 ppi', '0.05 mm/px', 'reader')
     """
     if words in scales:
         return words
@@ -313,27 +220,10 @@ def written_scale(words: str, scales: Collection[str]) -> str:
 
 
 def proposed_edits(loaded: LoadedStudy, files: Sequence[NewFile], *, synthetic: bool = False) -> Proposal:
-    """Return the edits that add files to a study.
+    """Return the edits that add files to a study; those without a use are passed over.
 
-    Parameters
-    ----------
-    loaded : LoadedStudy
-        The study.
-    files : sequence of NewFile
-        The files; a ruler, a spreadsheet and what is used as nothing are passed over.
-    synthetic : bool
-        Whether they were rendered or simulated.
-
-    Returns
-    -------
-    Proposal
-        New fingers come before their files, and a scale that several files share has a name. The first force
-        is that of all sequences.
-
-    Raises
-    ------
-    ManifestError
-        If a scale cannot be read.
+    New fingers come before their files, and a scale that several files share has a name. The first force is
+    that of all sequences.
     """
     return _Proposing(loaded, files, synthetic=synthetic).proposal()
 

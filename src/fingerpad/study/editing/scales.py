@@ -9,15 +9,7 @@ from fingerpad.study.manifest.models import ScaleTable
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScaleWay:
-    """A way to state a scale.
-
-    Attributes
-    ----------
-    needs, may : list of str
-        Keys that its table must and may have.
-    starts : mapping
-        What to begin with.
-    """
+    """A way to state a scale."""
 
     needs: list[str]
     may: list[str]
@@ -77,13 +69,7 @@ _SUMMARIES: Final = {
 
 
 def scale_words(scale: object) -> str:
-    """Return a scale of a manifest in words: its name, or how it is stated.
-
-    Examples
-    --------
-    >>> scale_words("reader"), scale_words({"ppi": 500.0}), scale_words({"coin": "a.png"}), scale_words(None)
-    ('reader', '500 ppi', 'coin', '')
-    """
+    """Return a scale of a manifest in words: its name, or how it is stated."""
     if not isinstance(scale, Mapping):
         return scale if isinstance(scale, str) else ""
     way = next((way for way in _SUMMARIES if way in scale), None)

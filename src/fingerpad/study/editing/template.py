@@ -25,11 +25,6 @@ def write_template(folder: Path) -> Path:
     """Write ``study.toml`` and its JSON schema into a folder and return the manifest's path.
 
     Editors that know TOML schemas complete keys and mark errors by the ``#:schema`` line.
-
-    Raises
-    ------
-    ManifestError
-        If the folder holds one of the two already, or cannot be written.
     """
     template = files("fingerpad.study.editing").joinpath("template.toml").read_text(encoding="utf-8")
     return write_manifest(folder, template)
@@ -57,13 +52,7 @@ def manifest_files(text: str) -> dict[str, str]:
 
 
 def manifest_schema() -> str:
-    """Return the JSON schema of a manifest.
-
-    Examples
-    --------
-    >>> sorted(json.loads(manifest_schema())["properties"])[:3]
-    ['apparatus', 'curves', 'description']
-    """
+    """Return the JSON schema of a manifest."""
     return json.dumps(Study.model_json_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
@@ -99,13 +88,7 @@ photographs = [
 
 
 def write_example(folder: Path) -> Path:
-    """Write a small synthetic study into a new or empty folder and return its manifest's path.
-
-    Raises
-    ------
-    ManifestError
-        If the folder holds anything already, or cannot be written.
-    """
+    """Write a small synthetic study into a new or empty folder and return its manifest's path."""
     check_new(folder)
     faces = "".join(
         f'    {{ face = "{face}", file = "photograph_{face}.jpg", scale = "camera", synthetic = true }},\n'

@@ -91,24 +91,9 @@ _LEAVE_INTERRUPTS: Final = "import signal\nsignal.signal(signal.SIGINT, signal.S
 def cluster_executor(
     manifest: Path, workers: int, scheduler: str, limits: Limits
 ) -> Iterator[ClusterExecutor]:
-    """Provide the workers of a scheduler as an executor.
+    """Provide the workers of a scheduler as an executor; ``local`` starts one here with so many workers.
 
-    Parameters
-    ----------
-    manifest : Path
-        The study's manifest, whose folder each worker sees under the same path.
-    workers : int
-        Number of worker processes of a scheduler that is started here.
-    scheduler : str
-        Its address, as ``tcp://host:8786`` or ``tls://host:8786``, or ``local`` to start one here.
-    limits : Limits
-        What measuring a picture may take.
-
-    Raises
-    ------
-    ClusterError
-        If Dask is not installed, the address is none, the scheduler does not answer, it has no worker, or a
-        worker lacks this version of fingerpad or does not see the study folder.
+    Each worker sees the folder of the manifest under the same path.
     """
     if scheduler != "local" and not _ADDRESS.fullmatch(scheduler):
         raise ClusterError(

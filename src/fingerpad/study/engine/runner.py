@@ -42,24 +42,7 @@ class Executor(Protocol):
 def executor_for(
     manifest: Path, workers: int, scheduler: str | None, limits: Limits = DEFAULT_LIMITS
 ) -> AbstractContextManager[Executor]:
-    """Return the executor of a run, which is closed in the end.
-
-    Parameters
-    ----------
-    manifest : Path
-        The study's manifest.
-    workers : int
-        Number of processes on this machine.
-    scheduler : str or None
-        Address of a Dask scheduler, if one is to be used.
-    limits : Limits
-        What measuring a picture may take.
-
-    Raises
-    ------
-    ClusterError
-        If the scheduler or its workers cannot be used.
-    """
+    """Return the executor of a run, which is closed in the end."""
     if scheduler is None:
         return local_executor(manifest.absolute().parent, workers, limits)
     return cluster_executor(manifest, workers, scheduler, limits)
@@ -67,33 +50,15 @@ def executor_for(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Progress:
-    """Where a run stands. Loading curves count as pictures do.
+    """Where a run stands. Loading curves count as pictures do."""
 
-    Attributes
-    ----------
-    item : str
-        Observation, photograph, curve or sequence that has just been dealt with; empty at the start.
-    file : str
-        Its file, relative to the study folder; empty at the start.
-    status : {"started", "done", "failed", "checked", "written"}
-        What has happened. Once all is measured: ``checked``, the uncertainty of a contact was checked;
-        ``written``, a file of the results is being written, which `item` names.
-    pictures : int
-        Pictures and frames dealt with so far, those of earlier runs included.
-    failed : int
-        Items that failed so far.
-    total : int
-        Pictures and frames in all.
-    seconds : float
-        What this one cost.
-    """
-
-    item: str = ""
+    item: str = ""  # what has just been dealt with, empty at the start
     file: str = ""
+    # After all is measured: the uncertainty of a contact was checked, a file of results is being written.
     status: Literal["started", "done", "failed", "checked", "written"] = "started"
-    pictures: int
-    failed: int
-    total: int
+    pictures: int  # and frames, those of earlier runs included
+    failed: int  # items
+    total: int  # pictures and frames
     seconds: float = 0.0
 
 
@@ -113,24 +78,6 @@ def run_plans(
 
     After an interrupt, by the keyboard or raised by `store_result`, no further task is started; those at work
     are finished and stored. A second one by the keyboard does not wait for them.
-
-    Parameters
-    ----------
-    plans : iterable of iterators of lists of Task
-        What there is to do. A plan is asked for its next stage when all of the one before is stored.
-    executor : Executor
-        Where it is done.
-    store_result : callable
-        Called in this thread with each task and its result, in the order in which they end.
-    is_done : callable
-        Whether a task need not be performed again.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        After an interrupt.
-    ClusterError
-        If no worker is left.
     """
     coming = iter(plans)
     ready: deque[tuple[Task, _Stage]] = deque()
@@ -195,28 +142,7 @@ def records_of(
     folder: Path,
     on_done: Callable[[Task], None] = lambda _: None,
 ) -> list[Record]:
-    """Return the records of tasks in their order; those that the store lacks are performed.
-
-    Parameters
-    ----------
-    tasks : sequence of Task
-        Tasks that do not depend on one another.
-    executor : Executor
-        Where they are performed.
-    store : Store
-        Where their results are kept.
-    folder : Path
-        The folder in which their inputs are.
-    on_done : callable
-        Called with each task that was performed.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        After an interrupt.
-    StoreError
-        If records cannot be stored, or one that is stored is damaged.
-    """
+    """Return the records of tasks in their order; those that the store lacks are performed."""
     statuses = store.statuses(task.name for task in tasks)
     records: dict[str, Record] = {}
 
@@ -236,13 +162,7 @@ def records_of(
 
 
 def put_unless_changed(store: Store, folder: Path, task: Task, result: TaskResult) -> Record:
-    """Store a result and return its record, or that its inputs changed while they were measured.
-
-    Raises
-    ------
-    StoreError
-        If it cannot be stored.
-    """
+    """Store a result and return its record, or that its inputs changed while they were measured."""
     key = task.key
     if not all(store.unchanged(folder / name) for name in task.inputs):
         key = ""  # never up to date: the next run measures it again

@@ -60,38 +60,17 @@ _hints = cache(get_type_hints)
 
 
 def to_record(value: Any) -> Any:
-    """Return a value made of dataclasses, arrays, mappings and sequences as what JSON can hold.
-
-    Examples
-    --------
-    >>> from fingerpad.image import Scale
-    >>> to_record({"scale": Scale(0.05, 0.001), "rows": np.arange(2)})
-    {'scale': {'mm_per_px': 0.05, 'mm_per_px_std': 0.001}, 'rows': [0, 1]}
-    """
+    """Return a value made of dataclasses, arrays, mappings and sequences as what JSON can hold."""
     return _CONVERTER.unstructure(value)
 
 
 def from_record(kind: type[Structured], record: Any) -> Structured:
-    """Return what `to_record` was given, by the annotations of its type.
-
-    Examples
-    --------
-    >>> from fingerpad.image import Scale
-    >>> from_record(Scale, {"mm_per_px": 0.05, "mm_per_px_std": 0.001})
-    Scale(mm_per_px=0.05, mm_per_px_std=0.001)
-    """
+    """Return what `to_record` was given, by the annotations of its type."""
     return _CONVERTER.structure(record, kind)
 
 
 def fields_from(kind: type, record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fields of a dataclass of which a record holds only some.
-
-    Examples
-    --------
-    >>> from fingerpad.image import Scale
-    >>> fields_from(Scale, {"mm_per_px": 1})
-    {'mm_per_px': 1.0}
-    """
+    """Return the fields of a dataclass of which a record holds only some."""
     hints = _hints(kind)
     return {name: _CONVERTER.structure(record[name], hints[name]) for name in hints if name in record}
 
@@ -137,30 +116,14 @@ class DamagedResultError(StoreError):
 
 @dataclass(frozen=True, slots=True)
 class TaskStatus:
-    """What is known of a task without its result.
-
-    Attributes
-    ----------
-    key : str
-        Digest of what the result depends on.
-    status : {"done", "failed"}
-        Whether anything was measured.
-    seconds : float
-        What it cost.
-    count : int
-        Number of pictures or frames that it dealt with.
-    drawn : dict of str to str
-        Digests of the files drawn for it, by their names in the results.
-    limits : Limits or None
-        The limits that stopped it, if any did.
-    """
+    """What is known of a task without its result."""
 
     key: str
     status: Literal["done", "failed"]
     seconds: float
-    count: int
-    drawn: dict[str, str]
-    limits: Limits | None
+    count: int  # pictures or frames dealt with
+    drawn: dict[str, str]  # digests of files by their names in the results
+    limits: Limits | None  # that stopped it
 
 
 class Store:
@@ -177,14 +140,7 @@ class Store:
     @classmethod
     @contextmanager
     def writing(cls, path: Path) -> Iterator[Self]:
-        """Open the store at `path`, created if missing, for the one run that may write to it.
-
-        Raises
-        ------
-        StoreError
-            If another run is writing to it, or the file cannot be opened or written, is no store, is damaged,
-            or was written by another version.
-        """
+        """Open the store at `path`, created if missing, for the one run that may write to it."""
         lock = FileLock(path.with_suffix(".lock"), timeout=0)
         try:
             lock.acquire()
@@ -215,13 +171,7 @@ class Store:
     @classmethod
     @contextmanager
     def reading(cls, path: Path) -> Iterator[Self]:
-        """Open the store at `path` and write nothing, neither into it nor beside it.
-
-        Raises
-        ------
-        StoreError
-            If the file cannot be read, is no store, is damaged, or was written by another version.
-        """
+        """Open the store at `path` and write nothing, neither into it nor beside it."""
         # Without a log beside it the file is complete; a log's index is there while a run writes.
         alone = not path.with_name(f"{path.name}-wal").exists()
         uri = f"{path.absolute().as_uri()}?{'immutable=1' if alone else 'mode=ro'}"
@@ -277,13 +227,7 @@ class Store:
         return found
 
     def record(self, task: str, key: str) -> dict[str, Any] | None:
-        """Return the result of a task; None where there is none with this key.
-
-        Raises
-        ------
-        DamagedResultError
-            If it is not what was written.
-        """
+        """Return the result of a task, None where there is none with this key; `DamagedResultError`."""
         query = "SELECT * FROM result WHERE task = ? AND key = ?"
         with _plain_errors(self.path):
             row = self._connection.execute(query, (task, key)).fetchone()
@@ -309,23 +253,9 @@ class Store:
                 self._connection.executemany("DELETE FROM result WHERE task = ?", [(task,) for task in tasks])
 
     def put(self, task: str, key: str, result: TaskResult, *, count: int) -> None:
-        """Store a result, in place of what the task had before; one with a ``reason`` counts as failed.
+        """Store a result, in place of what the task had before; one with a ``reason`` failed.
 
-        Parameters
-        ----------
-        task : str
-            Its name.
-        key : str
-            Digest of what the result depends on.
-        result : TaskResult
-            The result.
-        count : int
-            Number of pictures or frames that it dealt with.
-
-        Raises
-        ------
-        StoreError
-            If it cannot be written.
+        `count` is the number of pictures or frames that it dealt with.
         """
         drawn = {name: self._put_drawn(name, content) for name, content in result.drawn.items()}
         row = (
@@ -349,17 +279,7 @@ class Store:
         return status is not None and self.is_current(status, task.key, limits)
 
     def is_current(self, status: TaskStatus, key: str, limits: Limits) -> bool:
-        """Tell whether a result still holds.
-
-        Parameters
-        ----------
-        status : TaskStatus
-            What is known of it.
-        key : str
-            Digest of what it depends on now; empty for what never holds.
-        limits : Limits
-            Those of this run: what stricter ones stopped is tried again.
-        """
+        """Tell whether a result still holds: what stricter limits stopped and an empty key do not."""
         if not key or status.key != key or (status.limits is not None and limits.exceed(status.limits)):
             return False
         return all(self.drawn_file(name, digest) is not None for name, digest in status.drawn.items())
@@ -392,12 +312,9 @@ class Store:
         return self.folder / DRAWN_NAME / f"{digest}{Path(name).suffix}"
 
     def keep_drawn(self, placed: Mapping[str, str]) -> None:
-        """Keep of all drawn files those that are in place, and no result whose files are not among them.
+        """Keep of all drawn files those that are in place, and no result whose files are not.
 
-        Parameters
-        ----------
-        placed : mapping of str to str
-            Digests of the files of the results, by name.
+        `placed` has the digests of the files of the results, by name.
         """
         self.discard(
             [

@@ -24,13 +24,7 @@ CHANGED: Final = "{}: changed while it was being measured: run again"
 
 
 def in_study(words: object, folder: Path) -> str:
-    """Return a message without the place of the study's folder on this machine.
-
-    Examples
-    --------
-    >>> in_study("/home/me/study/prints/a.png: no such file", Path("/home/me/study"))
-    'prints/a.png: no such file'
-    """
+    """Return a message without the place of the study's folder on this machine."""
     return str(words).replace(f"{folder}{os.sep}", "")
 
 
@@ -40,18 +34,10 @@ class ChangedError(Exception):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """What measuring may take; a picture that needs more fails with its reason.
+    """What measuring may take; a picture that needs more fails with its reason."""
 
-    Attributes
-    ----------
-    seconds : float
-        Time for one picture.
-    memory_gb : float
-        Memory beyond that of an idle process, 10⁹ bytes. Enforced where the system can (Linux).
-    """
-
-    seconds: float = 300.0
-    memory_gb: float = 4.0
+    seconds: float = 300.0  # for one picture
+    memory_gb: float = 4.0  # beyond an idle process, 10⁹ bytes; enforced on Linux
 
     def exceed(self, other: "Limits") -> bool:
         """Tell whether something that `other` stopped may fit into these."""
@@ -63,68 +49,31 @@ DEFAULT_LIMITS: Final = Limits()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """One thing to measure: a picture, or a piece of a sequence.
-
-    Attributes
-    ----------
-    name : str
-        Its name in the store.
-    item : str
-        Observation, photograph or sequence to which it belongs.
-    file : str
-        The file that it measures.
-    key : str
-        Digest of inputs, parameters and measuring code.
-    work : Work
-        The measuring itself.
-    inputs : tuple of str
-        Files and folders that it reads, relative to the study folder.
-    pictures : int
-        Number of pictures or frames by which it advances the run.
-    reads : int
-        Number of pictures or frames that it reads: the time limit holds for each.
-    """
+    """One thing to measure: a picture, or a piece of a sequence."""
 
     name: str
-    item: str
+    item: str  # to which it belongs
     file: str
-    key: str
+    key: str  # digest of inputs, parameters and measuring code
     work: Work
-    inputs: tuple[str, ...]
-    pictures: int = 1
-    reads: int = 1
+    inputs: tuple[str, ...]  # files and folders that it reads
+    pictures: int = 1  # or frames by which it advances the run
+    reads: int = 1  # pictures or frames: the time limit holds for each
 
 
 class TaskResult(NamedTuple):
-    """What came of a task.
+    """What came of a task."""
 
-    Attributes
-    ----------
-    record : Record
-        What was found, or the ``reason`` why nothing was.
-    drawn : dict of str to bytes
-        Files that were drawn, by name.
-    seconds : float
-        What it cost.
-    limits : Limits or None
-        The limits that stopped it, if any did.
-    """
-
-    record: Record
-    drawn: dict[str, bytes]
+    record: Record  # or the `reason` why there is none
+    drawn: dict[str, bytes]  # by name
     seconds: float
-    limits: Limits | None = None
+    limits: Limits | None = None  # that stopped it
 
 
 def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
     """Do the work of a task. Whatever goes wrong fails this task only, and becomes its reason.
 
     Files are drawn into a temporary folder; the one process that writes results stores them.
-
-    Raises
-    ------
-    StoreError
-        If there is no room to draw.
     """
     start = perf_counter()
     stopped_by = None
@@ -205,13 +154,7 @@ MEASUREMENT_VERSIONS: Final = {"image": 19, "loading": 12, "uncertainty": 7}
 
 
 def library_versions() -> dict[str, str]:
-    """Return the versions of the libraries that results are computed with, whatever distribution they are of.
-
-    Examples
-    --------
-    >>> sorted(library_versions())
-    ['imagecodecs', 'numpy', 'opencv', 'pillow', 'scipy', 'tifffile']
-    """
+    """Return the versions of the libraries that results are computed with, of whatever distribution."""
     import cv2
     import imagecodecs
     import numpy

@@ -69,17 +69,7 @@ class Worker:
         return self._process.poll() is None
 
     def perform(self, task: Task, folder: Path, limits: Limits) -> TaskResult:
-        """Perform a task and wait for its result.
-
-        Raises
-        ------
-        TimeoutError
-            If it took longer than the limit: the process is killed.
-        WorkerDied
-            If the process ended.
-        StoreError
-            If there is no room to draw.
-        """
+        """Perform a task and wait for its result; `TimeoutError` or `WorkerDied` where the process ended."""
         timer = threading.Timer(limits.seconds * max(1, task.reads), self._end_late)
         timer.daemon = True
         try:
@@ -173,15 +163,7 @@ if sys.platform != "win32":
 
 
 class IsolatedRunner:
-    """Performs tasks in child processes; one that kills its process twice, or takes too long, fails by name.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder in which the tasks' inputs are.
-    limits : Limits
-        What a task may take.
-    """
+    """Performs tasks in child processes; one that kills its process twice, or takes too long, fails."""
 
     def __init__(self, folder: Path, limits: Limits) -> None:
         self._folder, self.limits = folder, limits
@@ -189,15 +171,7 @@ class IsolatedRunner:
         self._abandoned = False
 
     def perform(self, task: Task) -> TaskResult:
-        """Perform a task; any number of threads may ask.
-
-        Raises
-        ------
-        CancelledError
-            If it was abandoned.
-        StoreError
-            If there is no room to draw.
-        """
+        """Perform a task; any number of threads may ask. `CancelledError` if it was abandoned."""
         try:
             return self._attempt(task)
         except WorkerDied:
@@ -279,13 +253,7 @@ def _send(pipe: IO[bytes], message: bytes) -> None:
 
 
 def _read(pipe: IO[bytes]) -> bytes:
-    """Return the next message.
-
-    Raises
-    ------
-    EOFError
-        If the other side is gone.
-    """
+    """Return the next message; `EOFError` if the other side is gone."""
     head = pipe.read(_LENGTH.size)
     message = pipe.read(_LENGTH.unpack(head)[0]) if len(head) == _LENGTH.size else b""
     if not message:

@@ -37,13 +37,7 @@ from fingerpad.study.manifest.sheet import Sheet
 
 
 def file_inside(folder: Path, name: str, *, may_be_folder: bool = False) -> Path:
-    """Return the path of a file of the study.
-
-    Raises
-    ------
-    ManifestError
-        If there is none of this name inside the study folder.
-    """
+    """Return the path of a file of the study; `ManifestError` if it is not inside its folder."""
     path, home = folder / name, os.path.realpath(folder)
     if Path(name).is_absolute() or ".." in Path(name).parts:
         raise ManifestError(
@@ -96,32 +90,16 @@ MODELS: Final[Mapping[Kind, TypeAdapter[Any]]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """A table as the manifest or the spreadsheet has it.
-
-    Attributes
-    ----------
-    kind, key : str
-        What it is, and its name; of a curve its number from 0, of the top level and the sections empty.
-    content : dict
-        What it says.
-    file, key_path : str
-        The file that holds it, with the line in a spreadsheet, and its place there.
-    faults : tuple of Fault
-        What is missing or wrong in it.
-    model : ManifestModel or None
-        The table as a model, where its values are right.
-    complete : bool
-        Whether it is part of the study: without faults, and not waiting for a finger or a scale.
-    """
+    """A table as the manifest or the spreadsheet has it."""
 
     kind: Kind
-    key: str
+    key: str  # its name, of a curve its number from 0; else empty
     content: dict[str, Any]
-    file: str
-    key_path: str
+    file: str  # with the line in a spreadsheet
+    key_path: str  # there
     faults: tuple[Fault, ...] = ()
-    model: ManifestModel | None = None
-    complete: bool = False
+    model: ManifestModel | None = None  # where its values are right
+    complete: bool = False  # without faults, and not waiting for a finger or a scale
 
     @property
     def lines(self) -> list[str]:
@@ -245,28 +223,14 @@ TABLES: Final = frozenset((*LISTS.values(), "scales", *SECTIONS))
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class LoadedStudy(Displayed):
-    """A study, complete or not.
-
-    Attributes
-    ----------
-    folder : Path
-        The study folder.
-    digest : str
-        Of the bytes of its manifest and spreadsheet: what an author has seen.
-    study : Study
-        What is complete of it.
-    tables : tuple of Table
-        All scales, fingers, observations, sequences and curves; of the top level and the sections what is
-        wrong.
-    issues : tuple of str
-        What is missing or wrong, each naming its file and key; a study without any can be run.
-    """
+    """A study, complete or not."""
 
     folder: Path
-    digest: str
-    study: Study
+    digest: str  # of its manifest and spreadsheet: what an author has seen
+    study: Study  # what is complete
+    # All in lists; of the top level and the sections those that are wrong.
     tables: tuple[Table, ...] = ()
-    issues: tuple[str, ...] = ()
+    issues: tuple[str, ...] = ()  # a study without any can be run
 
     @property
     def incomplete(self) -> list[Table]:
@@ -274,13 +238,7 @@ class LoadedStudy(Displayed):
         return [table for table in self.tables if not table.complete]
 
     def complete(self) -> Study:
-        """Return the study if nothing of it is missing or wrong.
-
-        Raises
-        ------
-        ManifestError
-            With one line for each issue.
-        """
+        """Return the study; `ManifestError` has one line for each issue."""
         if self.issues:
             raise ManifestError("\n".join(self.issues))
         return self.study
@@ -303,19 +261,9 @@ def manifest_in(path: Path) -> Path:
 def load_study(
     path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None
 ) -> LoadedStudy:
-    """Load a study from its manifest and check everything: values, references, and that all files are there.
+    """Load a study from its manifest and check all values, references, and that the files are there.
 
-    Parameters
-    ----------
-    path : Path
-        The TOML file. File names in it are relative to its folder.
-    on_read : callable
-        Called with the name and the content of each file that is read.
-
-    Raises
-    ------
-    ManifestError
-        If there is no manifest, or it is not made of tables, so that nothing of it can be used.
+    `on_read` is called with the name and the content of each file that is read.
     """
     recover(path.parent)
     if path.is_char_device():
@@ -354,13 +302,7 @@ def _digest(content: bytes, rows: bytes) -> str:
 
 
 def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None) -> Study:
-    """Load a study that can be run.
-
-    Raises
-    ------
-    ManifestError
-        Naming the file, and for each issue its key, what was found and what was expected.
-    """
+    """Load a study that can be run; `ManifestError` names each issue."""
     return load_study(path, on_read).complete()
 
 
@@ -375,22 +317,7 @@ def _toml_error(content: bytes, error: Exception) -> str:
 
 
 def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> LoadedStudy:
-    """Check what a manifest says, or is going to say.
-
-    Parameters
-    ----------
-    path : Path
-        The manifest, which need not say it yet.
-    content : bytes
-        What it says.
-    read : callable
-        Gives the content of the spreadsheet that it names.
-
-    Raises
-    ------
-    ManifestError
-        If it is not made of tables.
-    """
+    """Check what a manifest says, or is going to say; `read` gives the content of its spreadsheet."""
     try:
         document = tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
@@ -436,13 +363,7 @@ def _study(top: Study, tables: Iterable[Table]) -> Study:
 
 
 def require_tables(document: Mapping[str, Any], file: str) -> None:
-    """Refuse other values in place of tables.
-
-    Raises
-    ------
-    ManifestError
-        Naming the file and the key.
-    """
+    """Refuse other values in place of tables."""
     for name in LISTS.values():
         _require_list(document.get(name, []), f"{file}: {name}", name)
     for finger in document.get("fingers", []):

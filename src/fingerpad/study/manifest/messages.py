@@ -17,17 +17,9 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 class Fault(NamedTuple):
-    """Something that is missing or wrong in a table.
+    """Something that is missing or wrong in a table."""
 
-    Attributes
-    ----------
-    key_path : str
-        Where in the table it is, as the manifest would write it; empty for the table itself.
-    words : str
-        What is wrong, and what is expected.
-    """
-
-    key_path: str
+    key_path: str  # empty for the table itself
     words: str
 
     def __str__(self) -> str:
@@ -46,13 +38,7 @@ def checked(kind: TypeAdapter[Any], content: Any, *, strict: bool) -> tuple[Any,
 
 
 def validated(model: type[Model], content: Any, where: str, *, strict: bool) -> Model:
-    """Return a table as a model.
-
-    Raises
-    ------
-    ManifestError
-        With one line for each fault.
-    """
+    """Return a table as a model; `ManifestError` has one line for each fault."""
     try:
         return model.model_validate(content, strict=strict)
     except ValidationError as error:
@@ -82,13 +68,7 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
 
 
 def key_path(loc: Loc) -> str:
-    """Return the path of a key as the manifest would write it.
-
-    Examples
-    --------
-    >>> key_path(("photographs", 0, "scale", "coin"))
-    'photographs[0].scale.coin'
-    """
+    """Return the path of a key as the manifest would write it."""
     seen = (part for part in loc if part not in TAGS and part != "[key]")  # pydantic's, of a wrong key
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in seen).lstrip(".")
 
@@ -113,12 +93,6 @@ def _hint(key: str) -> str:
 
 
 def counted(count: int, noun: str) -> str:
-    """Return a count with its noun, in the plural where that is due.
-
-    Examples
-    --------
-    >>> counted(1, "press"), counted(2, "press"), counted(3, "frame")
-    ('1 press', '2 presses', '3 frames')
-    """
+    """Return a count with its noun, in the plural where that is due."""
     plural = f"{noun}es" if noun.endswith("s") else f"{noun}s"
     return f"{count} {noun if count == 1 else plural}"

@@ -50,13 +50,7 @@ class Sheet:
 
     @classmethod
     def parse(cls, name: str, content: bytes) -> Self:
-        """Return the rows of a CSV file of this name.
-
-        Raises
-        ------
-        ManifestError
-            If it is no table of observations.
-        """
+        """Return the rows of a CSV file of this name."""
         table = parse_table(content, name, ManifestError)
         if not table.separator:
             raise ManifestError(f"{name}: is no CSV, the rows of which can be edited: save it as CSV")

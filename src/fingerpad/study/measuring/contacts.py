@@ -46,32 +46,6 @@ class Measurement:
     """What was seen of one contact, from the image to the table of results.
 
     Fields that are columns of the results are named as there, and mean the same.
-
-    Attributes
-    ----------
-    observation : str
-        Name of the observation, or of the sequence with the frame's number.
-    reason : str or None
-        Why nothing was measured; None where something was.
-    covariance_mm2 : ndarray, (2, 2)
-        Covariance of the semi-axes: noise, edge and scale.
-    edge_offset_mm_std : float
-        Standard uncertainty of the edge's place, by which both semi-axes are displaced alike; 0 without an
-        image. Images of one scale share it.
-    scale : str or None
-        Name of the scale that other pictures share.
-    relative_scale_std : float
-        Its relative standard uncertainty, which the covariance contains.
-    flags : tuple of str
-        Doubts about the picture.
-    counts : bool
-        Whether it may be pooled, its flags apart: not every frame of a press may.
-    rejected : str or None
-        Why a person does not want it; it is no failure, and never counts.
-    pooling : bool or None
-        Whether it is pooled whatever its flags, as corrected manually; None without a correction.
-    pooling_corrected_by, pooling_reason : str or None
-        Who corrected that, and why.
     """
 
     observation: str = ""
@@ -79,7 +53,9 @@ class Measurement:
     reason: str | None = None
     semi_major_mm: float = np.nan
     semi_minor_mm: float = np.nan
+    # Of the semi-axes: noise, edge and scale.
     covariance_mm2: FloatArray = field(default_factory=lambda: np.full((2, 2), np.nan))
+    # By which both semi-axes are displaced alike, of all images of one scale; 0 without an image.
     edge_offset_mm_std: float = 0.0
     long_axis: Direction | None = None
     orientation_deg: float = np.nan
@@ -95,7 +71,7 @@ class Measurement:
     centroid_row_px: float = np.nan
     centroid_column_px: float = np.nan
     scale: str | None = None
-    relative_scale_std: float = 0.0
+    relative_scale_std: float = 0.0  # which the covariance contains
     mm_per_px: float = np.nan
     mm_per_px_std: float = np.nan
     automatic_semi_major_mm: float = np.nan
@@ -105,9 +81,9 @@ class Measurement:
     measured_by: str | None = None
     reviewed: str | None = None
     reviewed_by: str | None = None
-    counts: bool = True
-    rejected: str | None = None
-    pooling: bool | None = None
+    counts: bool = True  # its flags apart: not every frame of a press may be pooled
+    rejected: str | None = None  # why a person does not want it: no failure, and never counts
+    pooling: bool | None = None  # as corrected manually, whatever its flags
     pooling_corrected_by: str | None = None
     pooling_reason: str | None = None
     sequence: str | None = None
@@ -163,25 +139,7 @@ def measure_observation(
     out: Path,
     correction: ContactCorrection = NOTHING,
 ) -> Measurement:
-    """Measure one observation and write its overlay.
-
-    Parameters
-    ----------
-    observation : Observation
-        A row of the manifest.
-    scale : FoundScale, str or None
-        The scale of its picture, or why there is none; None without a picture.
-    folder, out : Path
-        The study folder, and the folder of results.
-    correction : ContactCorrection
-        What a person wants of it; their verdict is added by `reviewed`.
-
-    Raises
-    ------
-    FingerpadError
-        If its scale or its picture is unavailable, or the overlay not be written. Where the picture shows no
-        contact, the measurement says so itself.
-    """
+    """Measure one observation and write its overlay; the person's verdict is added by `reviewed`."""
     if observation.ellipse_mm is not None:
         ellipse = observation.ellipse_mm
         return Measurement(
@@ -306,26 +264,7 @@ _REVIEWED: Final = frozenset(("accepted", "corrected"))
 def excluding_flags(contact: Contact, measured: Measurement, *, plausible: bool = True) -> frozenset[str]:
     """Return the flags of a measured contact, and the range note, that keep it out of pooled results.
 
-    Parameters
-    ----------
-    contact : Contact
-        Its table of the manifest. A seed, mask or region of interest says which of several patches is meant.
-    measured : Measurement
-        What was measured of it, and its manual correction.
-    plausible : bool, optional
-        Whether its finger's semi-axes are those of a finger pad.
-
-    Examples
-    --------
-    >>> from fingerpad.study.manifest import Observation
-    >>> where = {"name": "a", "finger": "index", "wedge_angle_deg": 30, "load_N": 1}
-    >>> contact = Observation(**where, ellipse_mm={"semi_major": 6, "semi_minor": 5, "std": 0.1})
-    >>> sorted(excluding_flags(contact, Measurement(flags=("poor_ellipse", "coin_shadow"))))
-    ['poor_ellipse']
-    >>> excluding_flags(contact, Measurement(flags=("poor_ellipse",), reviewed="accepted"))
-    frozenset()
-    >>> sorted(excluding_flags(contact, Measurement(), plausible=False))
-    ['implausible_size']
+    A seed, mask or region of interest says which of several patches is meant.
     """
     excluding = NEVER_POOLED
     if measured.reviewed not in _REVIEWED:
@@ -335,21 +274,7 @@ def excluding_flags(contact: Contact, measured: Measurement, *, plausible: bool 
 
 
 def is_pooled(measured: Measurement, excluding: frozenset[str]) -> bool:
-    """Return whether a contact counts in pooled results: as corrected manually, or else by its flags.
-
-    Parameters
-    ----------
-    measured : Measurement
-        What was measured of it, and its manual correction. A failed or rejected one never counts.
-    excluding : frozenset of str
-        Its `excluding_flags`.
-
-    Examples
-    --------
-    >>> faint = frozenset({"low_contrast"})
-    >>> is_pooled(Measurement(), faint), is_pooled(Measurement(pooling=True), faint)
-    (False, True)
-    """
+    """Return whether a contact counts in pooled results: as corrected manually, or else by its flags."""
     if measured.reason is not None or measured.rejected is not None:
         return False
     return measured.counts and not excluding if measured.pooling is None else measured.pooling

@@ -33,33 +33,15 @@ _NOT_MEASURED: Final = frozenset(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunContext:
-    """What a run knows.
-
-    Attributes
-    ----------
-    study : Study
-        The manifest.
-    folder : Path
-        The study folder.
-    active_corrections : mapping
-        What people corrected, by item.
-    second_operator : mapping
-        What a second person drew without seeing that, by item.
-    store : Store or None
-        Where results are kept; None where nothing was measured yet.
-    digest : callable
-        Gives that of a file or folder.
-    scales : mapping
-        All scales of the study, by `scale_key`, or why there is none; empty before they are measured.
-    """
+    """What a run knows."""
 
     study: Study
     folder: Path
     active_corrections: Mapping[str, ActiveCorrection] = field(default_factory=dict)
     second_operator: Mapping[str, ActiveCorrection] = field(default_factory=dict)
-    store: Store | None = None
+    store: Store | None = None  # None where nothing was measured yet
     digest: Callable[[Path], str] = str
-    scales: Scales = field(default_factory=dict)
+    scales: Scales = field(default_factory=dict)  # empty before they are measured
 
     @classmethod
     def of(
@@ -93,17 +75,7 @@ class RunContext:
         return None if self.store is None else self.store.record(name, key)
 
     def key(self, table: ManifestModel, *more: object, leave_out: frozenset[str] = frozenset()) -> str:
-        """Return the key of what the manifest says in a table.
-
-        Parameters
-        ----------
-        table : ManifestModel
-            Of an observation, a sequence, a photograph or a curve.
-        *more
-            Further parameters of the result.
-        leave_out : frozenset of str
-            Keys of the table that do not bear on it.
-        """
+        """Return the key of what a table of the manifest says, but for the keys of `leave_out`, and more."""
         parameters = table.model_dump(mode="json", exclude=set(_NOT_MEASURED | leave_out))
         key = getattr(table, "scale", None)
         name = key if isinstance(key, str) else None
@@ -121,18 +93,10 @@ class RunContext:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Item(ABC):
-    """Something of a study that is measured on its own and counts as one.
-
-    Attributes
-    ----------
-    context : RunContext
-        What the run knows.
-    name : str
-        Its name in the store, in corrections, and in the progress of a run.
-    """
+    """Something of a study that is measured on its own and counts as one."""
 
     context: RunContext
-    name: str
+    name: str  # in the store, in corrections, and in the progress of a run
 
     @property
     @abstractmethod

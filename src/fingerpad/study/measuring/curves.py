@@ -67,41 +67,19 @@ class Shape:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CurveResult:
-    """Loading data and what they tell.
+    """Loading data and what they tell."""
 
-    Attributes
-    ----------
-    manifest : Curve
-        What the manifest says of it.
-    loading_radius, loading_radius_std : float
-        R_g, mm; NaN where it could not be had, and for an uncertainty that was not given.
-    area_relative_std : float
-        Of that, relative to R_g, what the scale of the areas makes uncertain.
-    curve : LoadingCurve or None
-        The data; None where only R_g was given or they could not be read.
-    fit : LoadingFit or None
-        Everything fitted to them.
-    velocity : float
-        Speed of the platen while loading, mm/s; NaN without times.
-    shape : Shape or None
-        What the true ellipsoid makes of moduli from area and from indentation, where it can be computed.
-    layer : LayerThicknessFit or None
-        Thickness of the tissue over bone that explains the curve, where it has areas, the pad semi-axes, and
-        none is stated.
-    reason : str or None
-        Why there is no R_g, or why there is nothing but it.
-    """
-
-    manifest: Curve
+    manifest: Curve  # what the manifest says of it
+    # mm; NaN where it is unknown, and for an uncertainty that was not given.
     loading_radius: float = math.nan
     loading_radius_std: float = math.nan
-    area_relative_std: float = 0.0
-    curve: LoadingCurve | None = None
+    area_relative_std: float = 0.0  # the part of the scale of areas, relative to R_g
+    curve: LoadingCurve | None = None  # None where only R_g was given
     fit: LoadingFit | None = None
-    velocity: float = math.nan
+    velocity: float = math.nan  # of the platen while loading, mm/s; NaN without times
     shape: Shape | None = None
-    layer: LayerThicknessFit | None = None
-    reason: str | None = None
+    layer: LayerThicknessFit | None = None  # with areas and semi-axes, where no thickness is stated
+    reason: str | None = None  # why there is no R_g, or why there is nothing but it
 
     @property
     def failed(self) -> bool:
@@ -119,21 +97,11 @@ class CurveResult:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CurveItem(Item):
-    """A loading curve that has a file.
+    """A loading curve that has a file."""
 
-    Attributes
-    ----------
-    curve : Curve
-        What the manifest says of it.
-    finger : Finger
-        Whose it is.
-    photographs : sequence of PhotographItem
-        Those of the finger, which must be stored before the curve is compared with the pad.
-    """
-
-    curve: Curve
+    curve: Curve  # what the manifest says of it
     finger: Finger
-    photographs: Sequence[PhotographItem]
+    photographs: Sequence[PhotographItem]  # needed before the curve is compared with the pad
 
     @property
     def file(self) -> str:
@@ -207,17 +175,7 @@ class PlacedPad:
 
 
 def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) -> PlacedPad:
-    """Return the pad on its wedge, its radius as uncertain as R_0g of the study's contacts.
-
-    Parameters
-    ----------
-    finger : FingerResult
-        With semi-axes.
-    wedge_angle_deg : float
-        Of the wedge.
-    stds : Uncertainty
-        What the manifest states of angles.
-    """
+    """Return the pad on its wedge, its radius as uncertain as R_0g of the study's contacts."""
     along, along_std, across_std = finger.shape_deviation(wedge_angle_deg, 0.0)
     wedge_angle = math.radians(wedge_angle_deg)
     axes: dict[str, Any] = dict(zip(SEMI_AXES, finger.semi_axes.tolist(), strict=True))
@@ -350,13 +308,7 @@ def _layer(
 
 
 def _instrument(curve: Curve, scale: FoundScale | str | None) -> dict[str, Any]:
-    """Return what the manifest states of the instrument, as the fits take it.
-
-    Raises
-    ------
-    CalibrationError
-        If the scale of the areas was not found.
-    """
+    """Return what the manifest states of the instrument, as the fits take it."""
     area = curve.area_relative_std if scale is None else 2 * require_scale(scale).scale.relative_std
     return {
         **_stated("stage_compliance", curve.stage_compliance_mm_per_N, curve.stage_compliance_mm_per_N_std),

@@ -47,29 +47,7 @@ def radius_deviation(
 
     The outline shows the radius at the place itself, and the ellipsoid knows it only as far as fingers are
     ellipsoids, to 10 %, or to what the two differ by beyond the outline's uncertainty. Both are averaged as
-    logarithms with weights of their inverse variances.
-
-    Parameters
-    ----------
-    ellipsoid, ellipsoid_std : float
-        Radius of the ellipsoid and its standard uncertainty.
-    outline, outline_std : float
-        Radius of the outline and its standard uncertainty, NaN where it does not show the place.
-
-    Returns
-    -------
-    (float, float)
-        Deviation of the logarithm from the ellipsoid's, and the standard uncertainty that it has beside the
-        ellipsoid's own.
-
-    Examples
-    --------
-    >>> deviation, std = radius_deviation(15.0, 0.1, 15.3, 1.2)
-    >>> round(deviation, 3), round(std, 3)
-    (0.012, 0.061)
-    >>> deviation, std = radius_deviation(15.0, 0.1, 22.0, 1.8)
-    >>> round(deviation, 2), round(std, 2)
-    (0.37, 0.08)
+    logarithms with weights of their inverse variances. NaN is the radius of an outline that hides the place.
     """
     if not math.isfinite(outline):
         return 0.0, HIDDEN_STD
@@ -85,81 +63,31 @@ _WEDGE_STEP_DEG: Final = 5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PhotographResult:
-    """What was seen in one photograph.
-
-    Attributes
-    ----------
-    manifest : Photograph
-        What the manifest says of it.
-    scale : FoundScale
-        Its scale, with the name that other pictures share.
-    overlay : str
-        Picture of the measurement, relative to the output folder.
-    uncertainty : mapping from str to mapping from str to float
-        Standard uncertainty of each semi-axis by term of the covariance, mm.
-    arc_deg : float
-        Extent of the arc used, parametric degrees.
-    exponent : (float, float) or None
-        Exponent of the superellipse that follows the pad best, and its standard uncertainty.
-    outline_radii : tuple of (float, float, float)
-        Of a side face: angles of wedges, degrees, at whose places the outline shows its radius of curvature,
-        that radius and its standard uncertainty, mm.
-    flags : tuple of str
-        Doubts.
-    """
+    """What was seen in one photograph."""
 
     manifest: Photograph
     scale: FoundScale
-    overlay: str
-    uncertainty: Mapping[str, Mapping[str, float]]
-    arc_deg: float
-    exponent: tuple[float, float] | None
+    overlay: str  # relative to the output folder
+    uncertainty: Mapping[str, Mapping[str, float]]  # of each semi-axis by term of the covariance, mm
+    arc_deg: float  # parametric
+    exponent: tuple[float, float] | None  # of the superellipse that follows the pad best, and its std
+    # Of a side face: wedge angle, degrees, radius of curvature there and its standard uncertainty, mm.
     outline_radii: tuple[tuple[float, float, float], ...]
     flags: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FingerResult:
-    """A finger's semi-axes with their covariance.
-
-    Attributes
-    ----------
-    name : str
-        The finger.
-    person : str or None
-        Whose it is, where that is said.
-    semi_axes : ndarray, shape (3,)
-        Palmar, distal, radial–ulnar, mm; NaN where they could not be had.
-    covariance : ndarray, shape (3, 3)
-        Their covariance, mm².
-    source : str
-        ``given`` or ``photographs``.
-    outlines : PadSemiAxes or None
-        The faces combined, with their consistency.
-    photographs : tuple of PhotographResult
-        The photographs measured.
-    outline_radii : tuple
-        Of each side face what `PhotographResult.outline_radii` holds.
-    scale : str or None
-        Name of the scale that all its photographs share: one uncertain number for all of them.
-    pad_thickness : float or None
-        Thickness of the soft pad, mm.
-    effective_thickness, effective_thickness_std : float or None
-        Thickness of the layer over bone that acts like the finger's tissue, and its standard uncertainty, mm.
-    synthetic : bool
-        Whether anything of it was rendered or simulated.
-    reason : str or None
-        Why there are no semi-axes.
-    """
+    """A finger's semi-axes with their covariance."""
 
     name: str
-    semi_axes: FloatArray
+    semi_axes: FloatArray  # palmar, distal, radial–ulnar, mm; NaN where they could not be had
     covariance: FloatArray
-    source: str
+    source: str  # `given` or `photographs`
     outlines: PadSemiAxes | None = None
     photographs: tuple[PhotographResult, ...] = ()
     outline_radii: tuple[tuple[tuple[float, float, float], ...], ...] = ()
-    scale: str | None = None
+    scale: str | None = None  # shared by all its photographs
     pad_thickness: float | None = None
     effective_thickness: float | None = None
     effective_thickness_std: float | None = None
@@ -170,11 +98,7 @@ class FingerResult:
     def outline_radius(self, wedge_deg: float) -> tuple[float, float]:
         """Return the radius along the finger where a wedge touches, from side faces' outlines alone.
 
-        Returns
-        -------
-        (float, float)
-            Mean over the side faces, weighted by their uncertainties, and its standard uncertainty, mm; NaN
-            where no outline shows the place.
+        Their mean by uncertainty and its standard uncertainty, mm; NaN where none shows the place.
         """
         found = np.array([_interpolated(radii, wedge_deg) for radii in self.outline_radii]).reshape(-1, 2)
         found = found[np.isfinite(found).all(axis=1)]
@@ -187,12 +111,8 @@ class FingerResult:
     def shape_deviation(self, wedge_deg: float, roll_deg: float) -> tuple[float, float, float]:
         """Return how far the pad's radii of curvature lie from the ellipsoid's where a wedge touches.
 
-        Returns
-        -------
-        (float, float, float)
-            Deviation of the logarithm of the radius along the finger and its standard uncertainty, by
-            `radius_deviation`, and that of the radius across, which no outline shows; zero for semi-axes that
-            were given.
+        Deviation of the logarithm of the radius along the finger and its standard uncertainty, and that of
+        the radius across, which no outline shows; zero for semi-axes that were given.
         """
         if self.source == "given":
             return 0.0, 0.0, 0.0
@@ -235,21 +155,7 @@ def finger_result(
     measured: Mapping[str, Mapping[str, Any]],
     active_corrections: Mapping[str, ActiveCorrection] = MappingProxyType({}),
 ) -> FingerResult:
-    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only.
-
-    Parameters
-    ----------
-    finger : Finger
-        Its table of the manifest.
-    scales : mapping
-        The study's scales, by `scale_key`.
-    folder : Path
-        The study folder.
-    measured : mapping
-        What `face_record` found in each photograph, by its item.
-    active_corrections : mapping
-        What people corrected, by item: photographs that they rejected are left out.
-    """
+    """Return a finger's semi-axes; a photograph or outline that cannot be used costs this finger only."""
     if finger.semi_axes_mm is not None and finger.semi_axes_mm_std is not None:
         given, std = finger.semi_axes_mm, finger.semi_axes_mm_std
         return FingerResult(
@@ -372,26 +278,7 @@ def face_record(
     overlay: str,
     scale: FoundScale | str,
 ) -> dict[str, Any]:
-    """Measure one photograph of a finger and draw it, and return what was found as plain values.
-
-    Parameters
-    ----------
-    folder, out : Path
-        The study folder, and the one to draw into.
-    photograph : Photograph
-        What the manifest says of it.
-    correction : PhotographCorrection
-        What a person wants of it.
-    overlay : str
-        Picture to draw, relative to `out`.
-    scale : FoundScale or str
-        Its scale, or why there is none.
-
-    Raises
-    ------
-    FingerpadError
-        If the photograph cannot be read or measured.
-    """
+    """Measure one photograph of a finger and draw it, and return what was found as plain values."""
     assert photograph.file is not None  # the manifest's own rule
     known = require_scale(scale)
     pixels = read_colour_image(folder / photograph.file)
@@ -422,13 +309,7 @@ def outline_radii(found: PhotographFit) -> tuple[tuple[float, float, float], ...
 
 
 def outline_face(photograph: Photograph, scale: FoundScale | None, folder: Path) -> FaceSemiAxes:
-    """Return the semi-axes of a face from points of its outline, and the scale that they were made with.
-
-    Raises
-    ------
-    FingerpadError
-        If the file or its points cannot be used.
-    """
+    """Return the semi-axes of a face from points of its outline, and the scale that they were made with."""
     assert photograph.outline is not None
     relative_std = photograph.outline_relative_std if scale is None else scale.scale.relative_std
     face = face_from_outline(photograph.face, read_outline(folder / photograph.outline), relative_std)

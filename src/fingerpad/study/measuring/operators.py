@@ -25,31 +25,16 @@ QUANTITIES: Final = ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "ridge_
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OperatorPair:
-    """A contact image measured under the outlines of two persons.
-
-    Attributes
-    ----------
-    observation : str
-        Its name.
-    first_operator, second_operator : str
-        The persons.
-    synthetic : bool
-        Whether the image was rendered.
-    first, second : dict of str to float
-        Semi-axes (mm) and areas (mm²) by the names of their columns; empty where a measurement failed.
-    iou : float or None
-        Intersection over union of the two regions.
-    reason : str or None
-        Why there is no comparison.
-    """
+    """A contact image measured under the outlines of two persons."""
 
     observation: str
     first_operator: str
     second_operator: str
     synthetic: bool
+    # By the names of `QUANTITIES`, empty where a measurement failed.
     first: dict[str, float]
     second: dict[str, float]
-    iou: float | None
+    iou: float | None  # of the two regions
     reason: str | None
 
     def as_record(self) -> dict[str, object]:
@@ -70,11 +55,6 @@ def blind_order(names: Sequence[str]) -> list[str]:
     """Return names in a random order that is the same on every machine.
 
     The first few of them are a random sample, and the first few more a larger one.
-
-    Examples
-    --------
-    >>> blind_order(["2N", "4N", "8N"]) == blind_order(["8N", "4N", "2N"])
-    True
     """
     return sorted(names, key=lambda name: hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest())
 
@@ -154,22 +134,10 @@ QUANTITY_WORDS: Final = dict(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OperatorAgreement:
-    """How two persons agree on the outlines of contact images.
-
-    Attributes
-    ----------
-    synthetic : bool
-        Whether these are rendered images.
-    pairs : tuple of OperatorPair
-        Those that could be measured under both outlines.
-    quantities : dict of str to Agreement
-        By the name of the column.
-    iou_mean, iou_least : float
-        Intersection over union of the two regions.
-    """
+    """How two persons agree on the outlines of contact images."""
 
     synthetic: bool
-    pairs: tuple[OperatorPair, ...]
+    pairs: tuple[OperatorPair, ...]  # measured under both outlines
     quantities: dict[str, Agreement]
     iou_mean: float
     iou_least: float

@@ -25,23 +25,11 @@ from fingerpad.study.measuring.sequences import (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StudyItems:
-    """All that counts in the progress of a study, in the order of its tables.
-
-    Attributes
-    ----------
-    context : RunContext
-        What the run knows.
-    photographs : dict of str to list of PhotographItem
-        By finger; what people rejected is left out.
-    curves : list of CurveItem or None
-        One for each curve of the manifest, None for one without a file.
-    observations, sequences : list of ObservationItem, list of SequenceItem
-        One for each.
-    """
+    """All that counts in the progress of a study, in the order of its tables."""
 
     context: RunContext
-    photographs: dict[str, list[PhotographItem]]
-    curves: list[CurveItem | None]
+    photographs: dict[str, list[PhotographItem]]  # by finger, without the rejected
+    curves: list[CurveItem | None]  # None for one without a file
     observations: list[ObservationItem]
     sequences: list[SequenceItem]
 
@@ -137,32 +125,14 @@ def resolve_scales(context: RunContext, store: Store, executor: Executor) -> dic
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measured:
-    """What was measured of a study.
-
-    Attributes
-    ----------
-    items : StudyItems
-        What there was to measure.
-    progress : Progress
-        Where the run stands.
-    fingers : dict of str to FingerResult
-        Semi-axes by finger.
-    sequences : list of SequenceResult
-        One per sequence.
-    curves : list of CurveResult
-        One per loading curve.
-    contacts : iterable of (Contact, Measurement)
-        What was measured of each observation and frame, in the manifest's order; read from the store
-        each time it is gone through.
-    operator_pairs : list of OperatorPair
-        Images that two persons outlined.
-    """
+    """What was measured of a study."""
 
     items: StudyItems
     progress: Progress
     fingers: dict[str, FingerResult]
     sequences: list[SequenceResult]
     curves: list[CurveResult]
+    # In the manifest's order; read from the store each time that it is gone through.
     contacts: Iterable[tuple[Contact, Measurement]]
     operator_pairs: list[OperatorPair] = field(default_factory=list)
 
@@ -175,26 +145,7 @@ class Measured:
 def measure_study(
     context: RunContext, store: Store, executor: Executor, on_progress: Callable[[Progress], None]
 ) -> Measured:
-    """Measure what the store lacks, store each result as it comes, and return all that was measured.
-
-    Parameters
-    ----------
-    context : RunContext
-        What the run knows; its scales are measured first.
-    store : Store
-        The store, open for writing.
-    executor : Executor
-        Where tasks are performed.
-    on_progress : callable
-        Called at the start and after each task.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        After an interrupt, with what was at work stored.
-    StoreError
-        If results cannot be stored.
-    """
+    """Measure what the store lacks, store each result as it comes, and return all that was measured."""
     context = replace(context, scales=resolve_scales(context, store, executor))
     statuses, items = store.statuses(), StudyItems.of(context)
     headers = [header_task(sequence, context) for sequence in context.study.sequences]

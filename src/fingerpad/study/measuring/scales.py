@@ -26,20 +26,10 @@ from fingerpad.study.manifest import (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FoundScale:
-    """A scale with what must be known of it.
-
-    Attributes
-    ----------
-    scale : Scale
-        Millimetres per pixel.
-    name : str or None
-        Its name, where pictures share it: they have one uncertain number in common.
-    flags : tuple of str
-        Doubts: ``coin_shadow``, ``grid_tilted``, ``grid_bent``.
-    """
+    """A scale with what must be known of it."""
 
     scale: Scale
-    name: str | None = None
+    name: str | None = None  # where pictures share it: one uncertain number for all
     flags: tuple[str, ...] = ()
 
 
@@ -78,28 +68,14 @@ def scale_from(record: Record) -> FoundScale | str:
 
 
 def require_scale(found: FoundScale | str) -> FoundScale:
-    """Return a scale that was found.
-
-    Raises
-    ------
-    CalibrationError
-        With the reason, if it was not.
-    """
+    """Return a scale that was found; `CalibrationError` says why it was not."""
     if isinstance(found, str):
         raise CalibrationError(found)
     return found
 
 
 def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> FoundScale:
-    """Return the scale that a table means.
-
-    Raises
-    ------
-    CalibrationError
-        If there is none, as where no coin or grid is found.
-    ImageError
-        If a picture of a coin or a grid cannot be read.
-    """
+    """Return the scale that a table means."""
     if isinstance(table, CoinScale):
         return _coin(table, folder, name)
     if isinstance(table, GridScale):
@@ -128,13 +104,7 @@ def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> F
 
 
 def grid_of(table: GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
-    """Find the grid of a table in its picture.
-
-    Raises
-    ------
-    CalibrationError
-        If it is not found.
-    """
+    """Find the grid of a table in its picture."""
     try:
         return measure_grid(
             pixels,

@@ -69,36 +69,18 @@ def frame_count(sequence: ContactSequence, context: RunContext) -> int:
 
 
 class FrameOverlay(NamedTuple):
-    """A frame drawn with its measurement.
+    """A frame drawn with its measurement."""
 
-    Attributes
-    ----------
-    role : str
-        Why it was chosen: ``first contact``, ``largest load`` or ``last contact``.
-    frame : int
-        Its number.
-    file : str
-        The picture, relative to the output folder.
-    """
-
-    role: str
+    role: str  # `first contact`, `largest load` or `last contact`
     frame: int
     file: str
 
 
 class SequenceOverview(NamedTuple):
-    """What the frames of a sequence come to.
-
-    Attributes
-    ----------
-    summary : SequenceSummary
-        In numbers.
-    chosen : mapping of str to int
-        Frames worth drawing, by the role for which they were chosen.
-    """
+    """What the frames of a sequence come to."""
 
     summary: SequenceSummary
-    chosen: Mapping[str, int]
+    chosen: Mapping[str, int]  # frames worth drawing, by role
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,19 +89,10 @@ class SequenceImages:
 
     Each method is the work of a task: it takes the study folder and one to draw into, and returns plain
     values. A piece is its first frame and the one after its last.
-
-    Attributes
-    ----------
-    sequence : ContactSequence
-        What the manifest says of it.
-    found : FoundScale
-        Its scale, which all its frames share.
-    corrections : mapping of int to ContactCorrection
-        What people want of single frames.
     """
 
     sequence: ContactSequence
-    found: FoundScale
+    found: FoundScale  # which all its frames share
     corrections: Mapping[int, ContactCorrection] = field(default_factory=dict)
 
     def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:

@@ -70,24 +70,10 @@ _MOST_PIECES: Final = 256
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SequenceResult:
-    """What a sequence comes to.
-
-    Attributes
-    ----------
-    manifest : ContactSequence
-        What the manifest says of it.
-    summary : SequenceSummary or None
-        Counts of frames; None where the sequence could not be measured.
-    overlays : tuple of FrameOverlay
-        A few frames.
-    reason : str or None
-        Why it could not be measured.
-    phases : ManualPhases or None
-        Its phases where a person set them; None where they follow from the force.
-    """
+    """What a sequence comes to."""
 
     manifest: ContactSequence
-    summary: SequenceSummary | None = None
+    summary: SequenceSummary | None = None  # None where it could not be measured
     overlays: tuple[FrameOverlay, ...] = ()
     reason: str | None = None
     phases: ManualPhases | None = None
@@ -109,30 +95,6 @@ def first_contact_displacement(signal: ForceSignal) -> float:
 
     A level and a Hertzian rise that stiffens, W = W₀ + a s + b s² with s = (x − x₀)^(3/2), are fitted to the
     first press, up to half of the largest force. The stage is taken as rigid.
-
-    Parameters
-    ----------
-    signal : ForceSignal
-        With a displacement.
-
-    Returns
-    -------
-    float
-        x₀, mm.
-
-    Raises
-    ------
-    LoadingError
-        If no displacement was recorded, there are fewer than six rows of the way in, or contact is made
-        before the record begins.
-
-    Examples
-    --------
-    >>> time = np.linspace(0, 1, 101)
-    >>> load = 2 * np.maximum(time - 0.2, 0) ** 1.5
-    >>> signal = ForceSignal(time, load, displacement=5 + time)
-    >>> round(first_contact_displacement(signal), 2)
-    5.2
     """
     if signal.displacement is None:
         raise LoadingError("no displacement was recorded beside the force")
@@ -155,40 +117,18 @@ def first_contact_displacement(signal: ForceSignal) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OpenedSequence:
-    """A sequence that is to be measured.
-
-    Attributes
-    ----------
-    sequence_images : SequenceImages
-        Its pictures.
-    active : mapping of int to ActiveCorrection
-        Active corrections of frames, and what follows from it for those between key frames.
-    context : RunContext
-        What the run knows.
-    frames : Frames
-        Its frames.
-    force : ForceSignal
-        The normal force.
-    clock : FrameRate or FrameStamps
-        Times of the frames on the force's clock.
-    """
+    """A sequence that is to be measured."""
 
     sequence_images: SequenceImages
-    active: Mapping[int, ActiveCorrection]
+    active: Mapping[int, ActiveCorrection]  # by frame, those between key frames included
     context: RunContext
     frames: Frames
     force: ForceSignal
-    clock: FrameClock
+    clock: FrameClock  # on the force's time
 
     @classmethod
     def open(cls, sequence: ContactSequence, context: RunContext) -> "OpenedSequence":
-        """Open a sequence of the manifest, whose header is in the store.
-
-        Raises
-        ------
-        FingerpadError
-            If its scale, its frames or its force are unavailable; `ChangedError` if the store lacks it.
-        """
+        """Open a sequence of the manifest, whose header is in the store; `ChangedError` if it lacks it."""
         assert sequence.scale is not None  # the manifest's own rule
         found = require_scale(context.scale(sequence.scale))
         if found.name is None:
@@ -239,11 +179,6 @@ class OpenedSequence:
         """Yield the tasks of each stage; the last has the key of the sequence.
 
         One stage's results must be in the store before the next is asked for.
-
-        Raises
-        ------
-        FingerpadError
-            If a stage before failed.
         """
         scan = [
             self._task("survey", partial(self.sequence_images.scan, piece), piece) for piece in self.pieces
@@ -469,13 +404,7 @@ def _all_stored(name: str, context: RunContext) -> Iterator[None]:
 
 
 def _good(context: RunContext, task: str, key: str) -> Record:
-    """Return the record of a task.
-
-    Raises
-    ------
-    FingerpadError
-        With the task's reason, if it failed; `ChangedError` if there is none with this key.
-    """
+    """Return the record of a task; its reason is raised, `ChangedError` if there is none with this key."""
     record = context.record(task, key)
     if record is None:
         raise ChangedError
