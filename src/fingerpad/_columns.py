@@ -191,7 +191,15 @@ def _find_column(table: Table, name: str, given: Mapping[str, str]) -> _Column |
             raise LoadingError(
                 f"{table.name}: no column {title!r} for {name}; found {', '.join(table.header)}"
             )
-        return _column(table, name, table.header.index(title), unit)
+        column = _column(table, name, table.header.index(title), unit)
+        word, own, stated = header_parts(title, FACTORS[name])
+        own = own if stated or word in NAMES.get(name, (name,)) else ""
+        if FACTORS[name].get(own, column.factor) != column.factor:
+            raise ColumnsError(
+                f"{table.name}: the header of column {title!r} says {own}, and its unit is given as {unit}",
+                _as_choices(given) | {name: [f"{title}:{own}"]},
+            )
+        return column
     named = [
         (place, word, unit, stated)
         for place, title in enumerate(table.header)

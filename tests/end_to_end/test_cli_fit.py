@@ -151,6 +151,7 @@ def test_what_is_wrong_with_a_table_is_said_with_the_flag_to_paste(tmp_path: Pat
         ("load,x\n1,1\n", (), "no column force_N"),
         (None, ("--column", "force=Fz"), "QUANTITY=NAME:UNIT"),
         (None, ("--column", "force=Fz:mN"), "no column 'Fz'"),
+        (None, ("--column", "force=force_N:mN"), "'force_N' says N, and .* given as mN: .*force=force_N:N$"),
         (None, ("--load-range-n", "1"), "two loads"),
         (None, ("--load-range-n", "2,1"), "region|loads"),
         (None, ("--cycle", "7"), "cycle"),

@@ -161,6 +161,27 @@ def test_a_column_of_no_such_quantity_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("header", "unit"),
+    [("Force (mN)", "N"), ("Fz / mN", "N"), ("force_mN", "N"), ("Normal load [N]", "gf"), ("Load mN", "N")],
+)
+def test_a_unit_that_contradicts_the_header_is_refused(tmp_path: Path, header: str, unit: str) -> None:
+    path = write(tmp_path, f"{header},displacement_mm\n1,2\n")
+    own = "N" if header.endswith("[N]") else "mN"
+    with pytest.raises(ColumnsError) as caught:
+        read_loading_curve(path, {"force": f"{header}:{unit}"})
+    message = str(caught.value)
+    assert f"column '{header}' says {own}, and its unit is given as {unit}: rename columns" in message
+    assert message.endswith(f'columns={{"force": "{header}:{own}"}}')
+    ((proposed,),) = caught.value.proposed.values()
+    assert read_loading_curve(path, {"force": proposed}).load[0] == (1 if own == "N" else 1e-3)
+
+
+def test_a_unit_is_given_where_the_header_states_none_or_the_same(tmp_path: Path) -> None:
+    path = write(tmp_path, "Kanal_N,disp (µm)\n1,2\n")  # N may number the channel
+    assert read_loading_curve(path, {"force": "Kanal_N:mN", "displacement": "disp (µm):um"}).load[0] == 1e-3
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "holds no data"),

@@ -123,6 +123,10 @@ def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path: P
     reason = study(tmp_path, 'file = "a.csv"\n').curves[0].reason
     assert reason is not None
     assert reason.endswith('file_columns = { force = "Fz (N):N" }')
+    reason = study(tmp_path, 'file = "a.csv"\nfile_columns = { force = "Fz (N):mN" }\n').curves[0].reason
+    assert reason is not None
+    assert "'Fz (N)' says N, and its unit is given as mN" in reason
+    assert reason.endswith('file_columns = { force = "Fz (N):N" }')
     with pytest.raises(ManifestError, match=r"curves\[0\]\.file_columns\.aera: "):
         study(tmp_path, 'file = "a.csv"\nfile_columns = { aera = "aera_mm2:mm2" }\n')
 

@@ -141,10 +141,22 @@ def _mean(values: Sequence[Value]) -> Mean:
         ),
         value=pooled.value,
         std=pooled.total_std,
-        interval=pooled.interval if several else None,
+        interval=_interval(pooled, proportional) if several else None,
         between_people_std=pooled.between_std if several else math.nan,
         between_fingers_std=float(np.sqrt(np.mean(np.square(scatters)))) if scatters else math.nan,
     )
+
+
+def _interval(pooled: RandomEffects, positive: bool) -> tuple[float, float]:
+    """Return the 95 % interval of a mean, that of a positive quantity on its logarithm.
+
+    Student's t of one or two degrees of freedom would reach below zero otherwise; and the means of few values
+    that scatter widely are skewed, as their logarithms are not.
+    """
+    if not (positive and pooled.value > 0):
+        return pooled.interval
+    factor = float(np.exp((pooled.interval[1] - pooled.value) / pooled.value))
+    return pooled.value / factor, pooled.value * factor
 
 
 def _pooled(levels: Sequence[_Level], proportional: bool) -> tuple[_Level, RandomEffects]:
