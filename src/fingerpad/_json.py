@@ -18,6 +18,10 @@ def plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
+    # Dataclasses and pydantic models are what their fields hold.
+    fields = getattr(type(value), "__dataclass_fields__", getattr(type(value), "__pydantic_fields__", None))
+    if fields is not None:
+        return {name: plain(getattr(value, name)) for name in fields}
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -5,7 +5,7 @@ import pytest
 from benchmarks.claims.finite_elements import assembled, exported_loads, rows_of
 
 import fingerpad as fp
-from fingerpad.simulator import export_finger, simulator_law
+from fingerpad.simulator import elements_or_reason, export_finger, simulator_law
 from fingerpad.simulator.elements import TissueElements, stiffness_of
 from fingerpad.simulator.mesh import layer_mesh
 
@@ -75,3 +75,10 @@ def test_indentation_at_which_nothing_touches() -> None:
         mesh, stiffness_of(mesh, 0.4), normal=PLACE.normal, gap=height.max() - height, deepest=1.0
     )
     assert elements.load(1e-9) == 0
+
+
+def test_no_elements_of_deep_and_of_thin_tissue_but_the_reason() -> None:
+    assert elements_or_reason(simulator_law(PLACE, fp.Tissue(0.06), (0.1, 1.0))) == (None, "")
+    elements, reason = elements_or_reason(simulator_law(PLACE, fp.Tissue(0.05, thickness=0.5)))
+    assert elements is None
+    assert "no finite elements: thickness must be finite and at least" in reason

@@ -2,8 +2,13 @@
 
 import io
 import zipfile
+from dataclasses import replace
 
 import pytest
+
+import fingerpad as fp
+from fingerpad.study.results.load import measured_pad
+from fingerpad.web.api import simulator
 
 PATH = "/api/studies/demo/results/simulator"
 
@@ -45,3 +50,15 @@ def test_what_cannot_be_is_refused(done, place, given, words):
     answer = done.get(PATH, params=place | given)
     assert answer.status_code == 422
     assert words in answer.json()["error"]
+
+
+def test_tissue_too_thin_for_finite_elements_has_all_other_numbers(done, place, monkeypatch):
+    thin = fp.Tissue(0.05, thickness=0.5)
+    monkeypatch.setattr(
+        simulator, "measured_pad", lambda *at, **by: replace(measured_pad(*at, **by), tissue=thin, stds={})
+    )
+    asked = place | {"thickness_mm": 8.0, "highest_load_N": 1.0}
+    found = done.get(PATH, params=asked).json()
+    assert len(found["targets"]) == 5, found
+    assert found["notes"][-1].startswith("No finite elements: thickness must be finite and at least")
+    assert done.get(f"{PATH}/file", params=asked).status_code == 200

@@ -131,13 +131,18 @@ def simulator(
 
 
 def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str, Any]:
-    """Return all targets, and the law as a table."""
+    """Return all targets, and the law as a table; a note says why there are no finite elements."""
+    from fingerpad.simulator import elements_or_reason
+
+    elements, reason = elements_or_reason(law)
+    if reason:
+        print_note(reason)
     return {
         "pressure_by_depth": law.pressure_by_depth().as_record(),
         "newton": law.newton_kh().as_record(),
         "drake": law.drake_modulus().as_record(),
         "mujoco": law.mujoco(mass, damping_ratio).as_record(),
-        "finite_elements": _finite_elements(law),
+        "finite_elements": elements.as_record() if elements else None,
         "table": {
             "model": law.model,
             "load_N": law.load,
@@ -147,17 +152,6 @@ def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str,
             "area_mm2_std": law.area_std,
         },
     }
-
-
-def _finite_elements(law: "SimulatorLaw") -> dict[str, Any] | None:
-    """Return how far finite elements are from the law; nothing of deep tissue, and of one too thin."""
-    if law.pad.tissue.is_deep:
-        return None
-    try:
-        return law.finite_elements().as_record()
-    except GeometryError as error:
-        print_note(f"no finite elements: {error}")
-        return None
 
 
 def _print(record: dict[str, Any], model: str) -> None:

@@ -1,7 +1,7 @@
 """A measured finger pad in the numbers and files that robot simulators take."""
 
 from fingerpad.simulator.export import export_finger
-from fingerpad.simulator.law import SimulatorLaw, simulator_law
+from fingerpad.simulator.law import SimulatorLaw, elements_or_reason, simulator_law
 from fingerpad.simulator.mesh import TetrahedralMesh
 from fingerpad.simulator.targets import (
     DrakeModulus,
@@ -19,6 +19,7 @@ __all__ = [
     "PressureByDepth",
     "SimulatorLaw",
     "TetrahedralMesh",
+    "elements_or_reason",
     "export_finger",
     "simulator_law",
 ]

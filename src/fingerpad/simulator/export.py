@@ -15,7 +15,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.geometry import Placement
 from fingerpad.geometry.ellipsoid import tangents
 from fingerpad.simulator.elements import HIGHEST_POISSON_RATIO
-from fingerpad.simulator.law import SimulatorLaw
+from fingerpad.simulator.law import SimulatorLaw, elements_or_reason
 from fingerpad.simulator.mesh import TetrahedralMesh, layer_mesh
 from fingerpad.simulator.targets import DrakeModulus, MujocoContact, PressureByDepth, Target
 
@@ -253,9 +253,11 @@ def _readme(
         row("Drake hydroelastic modulus (`finger.sdf`)", f"{drake.modulus:.4g} Pa", drake),
         row("MuJoCo solref, solimp (`finger.xml`)", f"for {mujoco.effective_mass:g} kg", mujoco),
     ]
-    bone = ""
-    if not reason:
-        elements = law.finite_elements()
+    bone = reason
+    elements, too_thin = elements_or_reason(law)
+    if not reason and elements is None:
+        bone = f"`finger.inp` (mm, N, MPa) is the tissue around the place of contact. Its load: {too_thin}"
+    elif not reason and elements is not None:
         low, high = elements.load_ratio[[0, -1]]
         rows.append(row("finite elements (`finger.inp`)", f"ν = {elements.poisson_ratio:g}", elements))
         bone = (
@@ -302,5 +304,5 @@ indentations of {law.indentation[0]:.3g} to {law.indentation[-1]:.3g} mm. Nothin
   {1000 * mujoco.largest_time_step:.3g} ms are unstable at the highest load. The damping ratio of
   {mujoco.damping_ratio:g} was chosen, not measured, and friction is left out.
 - Lengths are in metres; meshes are in the pad's own axes, x out of the palmar face, y out of the fingertip.
-- {reason or bone}
+- {bone}
 """

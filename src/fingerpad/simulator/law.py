@@ -449,3 +449,13 @@ def _largest_time_step(deepest: float, stiffness: float, damping: float, solimp:
     squared = _squared_frequency(depth, stiffness, solimp)
     c = impedance(depth, solimp) / solimp[1] * damping
     return float(((np.sqrt(c * c + 4 * squared) - c) / squared).min())
+
+
+def elements_or_reason(law: SimulatorLaw) -> tuple[FiniteElements | None, str]:
+    """Return finite elements of the exported tissue, or none and why; deep tissue has none and no reason."""
+    if law.pad.tissue.is_deep:
+        return None, ""
+    try:
+        return law.finite_elements(), ""
+    except GeometryError as error:
+        return None, f"no finite elements: {error}"

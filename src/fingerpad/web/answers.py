@@ -27,10 +27,18 @@ class Answer(BaseModel):
     model_config = ConfigDict(extra="forbid", json_schema_serialization_defaults_required=True)
 
     @classmethod
-    def of(cls, content: Mapping[str, Any]) -> Self:
-        """Return the answer with some content: arrays become lists, and NaN becomes null."""
+    def of(cls, source: object = None, /, **content: Any) -> Self:
+        """Return an answer of some content, and for the rest of a source's attributes or keys of these names.
+
+        Arrays become lists, and NaN becomes null.
+        """
+        rest = cls.model_fields.keys() - content.keys() if source is not None else ()
+        if isinstance(source, Mapping):
+            found = {name: source.get(name) for name in rest}
+        else:
+            found = {name: getattr(source, name) for name in rest}
         # A file's name may hold bytes that are not text.
-        return cls.model_validate_json(dumps(content).encode(errors="replace"))
+        return cls.model_validate_json(dumps(found | content).encode(errors="replace"))
 
 
 # Units by the ending of a key.

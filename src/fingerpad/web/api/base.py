@@ -9,6 +9,7 @@ from pathlib import PurePath
 from typing import Annotated, Any, Final, TypeAlias, TypeVar, cast
 
 import cv2
+import fastapi
 from fastapi import APIRouter, Depends, FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
@@ -52,6 +53,7 @@ class _Strictly:
 
 _P = TypeVar("_P", bound=Params)
 Body: TypeAlias = Annotated[_P, _Strictly()]
+Query: TypeAlias = Annotated[_P, fastapi.Query()]
 
 PointParam: TypeAlias = tuple[Pixel, Pixel]
 Item: TypeAlias = Annotated[str, Field(min_length=1, max_length=1000)]

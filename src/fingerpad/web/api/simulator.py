@@ -4,24 +4,25 @@ import io
 import zipfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any, Final, TypeAlias
+from typing import Annotated, Final, TypeAlias
 
-from fastapi import Query, Response
+from fastapi import Response
 from pydantic import Field
 
 from fingerpad._files import file_stem
-from fingerpad.simulator import FiniteElements, SimulatorLaw, export_finger, simulator_law
+from fingerpad.simulator import FiniteElements, SimulatorLaw, elements_or_reason, export_finger, simulator_law
 from fingerpad.study.results.load import MeasuredPad, measured_pad
 from fingerpad.study.results.result_set import result_set_stamp
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, Params, saved_as, study_router
+from fingerpad.web.api.base import Opened, Params, Query, saved_as, study_router
 from fingerpad.web.api.results import require_results
 from fingerpad.web.pictures import Cache
 from fingerpad.web.study_session import StudySession
 
 router = study_router()
 
-_Simulated: TypeAlias = tuple[MeasuredPad, SimulatorLaw, FiniteElements | None]
+# The finger, its law, and the finite elements of its tissue or why there are none.
+_Simulated: TypeAlias = tuple[MeasuredPad, SimulatorLaw, FiniteElements | None, str]
 _SIMULATED: Final[Cache[_Simulated]] = Cache(50, lambda _: 1)
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
@@ -58,67 +59,52 @@ class SimulatorNumbers(Answer):
 
 
 @router.get("/results/simulator")
-def numbers(opened: Opened, params: Annotated[SimulatorParams, Query()]) -> SimulatorNumbers:
+def numbers(opened: Opened, params: Query[SimulatorParams]) -> SimulatorNumbers:
     """Return what simulators take for a finger of the last run."""
-    pad, law, elements = _simulated(opened, params)
-    table, newton, drake, mujoco = (
-        law.pressure_by_depth(),
-        law.newton_kh(),
-        law.drake_modulus(),
-        law.mujoco(params.mass_kg),
-    )
-    rows: list[tuple[str, str, Any]] = [
-        ("Table of pressure by depth", f"{len(table.depth)} depths", table),
-        ("Newton kh", f"{newton.kh:.4g} ± {newton.kh_std:.2g} N/m³", newton),
-        ("Drake hydroelastic modulus", f"{drake.modulus:.4g} ± {drake.modulus_std:.2g} Pa", drake),
-        ("MuJoCo solref", " ".join(f"{one:.6g}" for one in mujoco.solref), mujoco),
-        ("MuJoCo solimp", " ".join(f"{one:.6g}" for one in mujoco.solimp), mujoco),
+    pad, law, elements, reason = _simulated(opened, params)
+    table, newton, drake = law.pressure_by_depth(), law.newton_kh(), law.drake_modulus()
+    mujoco = law.mujoco(params.mass_kg)
+    target = SimulatorTarget.of
+    targets = [
+        target(table, name="Table of pressure by depth", value=f"{len(table.depth)} depths"),
+        target(newton, name="Newton kh", value=_with_std(newton.kh, newton.kh_std, "N/m³")),
+        target(
+            drake,
+            name="Drake hydroelastic modulus",
+            value=_with_std(drake.modulus, drake.modulus_std, "Pa"),
+        ),
+        target(mujoco, name="MuJoCo solref", value=" ".join(f"{one:.6g}" for one in mujoco.solref)),
+        target(mujoco, name="MuJoCo solimp", value=" ".join(f"{one:.6g}" for one in mujoco.solimp)),
     ]
     notes = [f"MuJoCo is stable with time steps up to {1000 * mujoco.largest_time_step:.3g} ms."]
     if elements is not None:
         low, high = elements.load_ratio[[0, -1]]
         value = f"{low:.2f} to {high:.2f} of the law's load"
-        rows.append(("Finite elements on the exported tissue", value, elements))
-        notes.append(
-            "Finite elements: the exported tissue is bent and has free sides, the law's layer has none."
-        )
-    return SimulatorNumbers.of(
-        {
-            "source": pad.source,
-            "model": law.model,
-            "targets": [
-                {
-                    "name": name,
-                    "value": value,
-                    "worst_relative_error": of.worst_relative_error,
-                    "area_factor": of.area_factor,
-                    "assumes": of.assumes,
-                }
-                for name, value, of in rows
-            ],
-            "notes": notes,
-        }
-    )
+        targets.append(target(elements, name="Finite elements on the exported tissue", value=value))
+        reason = "Finite elements: the exported tissue is bent and has free sides, the law's layer has none."
+    if reason:
+        notes.append(f"{reason[0].upper()}{reason[1:].rstrip('.')}.")
+    return SimulatorNumbers(source=pad.source, model=law.model, targets=targets, notes=notes)
+
+
+def _with_std(value: float, std: float, unit: str) -> str:
+    return f"{value:.4g} ± {std:.2g} {unit}" if std else f"{value:.4g} {unit}"
 
 
 @router.get("/results/simulator/file", response_class=Response)
-def export(opened: Opened, params: Annotated[SimulatorParams, Query()]) -> Response:
+def export(opened: Opened, params: Query[SimulatorParams]) -> Response:
     """Return the files of `fingerpad simulator --export` as a ZIP."""
-    pad, law, _ = _simulated(opened, params)
+    pad, law, *_ = _simulated(opened, params)
     packed = io.BytesIO()
     with TemporaryDirectory() as folder, zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for file in export_finger(law, Path(folder), effective_mass=params.mass_kg, source=f"{pad.source}."):
             archive.write(file, file.name)
     name = file_stem(f"{params.finger}_{params.wedge_angle_deg:g}deg_simulator")
-    return Response(
-        packed.getvalue(),
-        media_type="application/zip",
-        headers=saved_as(f"{name}.zip"),
-    )
+    return Response(packed.getvalue(), media_type="application/zip", headers=saved_as(f"{name}.zip"))
 
 
 def _simulated(opened: StudySession, params: SimulatorParams) -> _Simulated:
-    """Return what no mass changes: the finger, its law, and finite elements where there is bone."""
+    """Return what no mass changes."""
     require_results(opened)
     asked = params.model_copy(update={"mass_kg": 0.0})
 
@@ -131,6 +117,6 @@ def _simulated(opened: StudySession, params: SimulatorParams) -> _Simulated:
         )
         loads = params.lowest_load_N, params.highest_load_N
         law = simulator_law(pad.placement, pad.tissue, loads, stds=pad.stds)
-        return pad, law, None if law.pad.tissue.is_deep else law.finite_elements()
+        return pad, law, *elements_or_reason(law)
 
     return _SIMULATED.get((opened.out, result_set_stamp(opened.out), asked), simulated)
