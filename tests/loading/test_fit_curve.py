@@ -7,7 +7,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from benchmarks.claims.loading import QUANTITIES, coverage_row
 from numpy.testing import assert_allclose
 
 from fingerpad import Estimate
@@ -29,10 +28,29 @@ def fit_of_curve() -> LoadingFit:
     return fit_loading_curve(CURVE)
 
 
+QUANTITIES = ("loading_radius", "reduced_modulus", "initial_modulus", "load_coefficient", "contact_offset")
+
+
+def coverage_row(points: int, beta: float, seed: int) -> list[tuple[float, float, float]]:
+    """Return, of each quantity, whether its interval holds the truth, its error, and its uncertainty."""
+    rng = np.random.default_rng(seed)
+    place, zero, tilt = rng.uniform(-2, 2), rng.uniform(-0.1, 0.1), rng.uniform(-0.02, 0.02)
+    # Force noise that forgets within 20 ms, and white noise of a stage and of areas.
+    noise = {"force_std": 0.005, "correlation_time": 0.02, "displacement_std": 0.005, "area_std": 1.0}
+    truth = {"loading_radius": 15.0, "initial_modulus": 0.04, "load_coefficient": beta}
+    truth["contact_offset"] = place
+    drift = {"force_offset": zero, "force_tilt": tilt}
+    fit = fit_loading_curve(
+        simulate_loading_curve(**truth, **noise, **drift, approach=0.8, points=points, seed=seed)
+    )
+    truth["reduced_modulus"] = (0.04 + beta * fit.modulus_load) / 0.75
+    found = [(getattr(fit, name), truth[name]) for name in QUANTITIES]
+    return [(one.lower <= true <= one.upper, one.value - true, one.std) for one, true in found]
+
+
 @pytest.mark.nightly
 @pytest.mark.parametrize(("points", "beta"), [(20, 0.02), (200, 0.0)])
 def test_coverage_and_bias(points: int, beta: float) -> None:
-    """On a few curves what `benchmarks.claims.loading` measures on many."""
     rows = np.array([coverage_row(points, beta, seed) for seed in range(12)])
     for k, name in enumerate(QUANTITIES):
         inside, error, std = rows[:, k].T

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks.claims.scale import cost_apart, measurements_of, sequences_of, study_result
 from numpy.testing import assert_allclose
+from tests.study.many_rows import cost_apart, measurements_of, sequences_of, study_result
 
 from fingerpad.report import write_report
 from fingerpad.study.manifest import Contact, Observation, Study

@@ -1,10 +1,8 @@
 """A study of thousands of images opens without decoding any of them."""
 
 import pytest
-from benchmarks.claims import page
 from tests.web.conftest import serving
 
-from fingerpad.study.manifest import read_study
 from fingerpad.web.workspace import Workspace
 
 COUNT = 2000
@@ -46,10 +44,3 @@ def test_a_study_of_two_thousand_pictures_opens_without_reading_them(large):
     assert len(found["observations"]) == found["counts"]["left"] == COUNT
     assert found["missing"] == []
     assert len(state.content) < 1_500_000
-
-
-def test_the_study_of_the_benchmark_can_be_run(tmp_path, monkeypatch):
-    monkeypatch.setattr(page, "PICTURES", 3)
-    page.write_study(tmp_path / "large")
-    study = read_study(tmp_path / "large" / "study.toml")
-    assert [one.file for one in study.observations][:2] == ["one.png", "frames/0.png"]

@@ -1,27 +1,23 @@
-"""Time and memory of everything after measuring, from 10² to 10⁵ rows.
-
-The measurements are synthetic: ellipses drawn about elliptical Hertz theory, without pictures.
-"""
+"""Studies of many rows without pictures: ellipses drawn about elliptical Hertz theory."""
 
 import math
 import multiprocessing
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-
 from benchmarks.memory import peak_mb
+
 from fingerpad.image import SequenceSummary
 from fingerpad.report import write_report
-from fingerpad.study.engine.runner import Progress, records_of
+from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task, TaskResult, perform
-from fingerpad.study.engine.worker import local_executor
 from fingerpad.study.manifest import Contact, ContactSequence, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.context import RunContext
@@ -33,7 +29,6 @@ from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult, result_of
 
 FRAMES, FINGERS, WEDGES = 2000, 5, (15.0, 45.0)
-THESIS_FRAMES, THESIS_FINGERS, THESIS_WEDGES = 333, 60, (0.0, 15.0, 30.0, 45.0, 60.0)
 AXES, AXES_STD = (7.9, 13.8, 11.8), 0.1
 EDGE_STD, SCALE_STD = 0.05, 0.01
 
@@ -41,12 +36,10 @@ EDGE_STD, SCALE_STD = 0.05, 0.01
 class Cost(NamedTuple):
     """What the rows of a study cost the process that makes them, by the processor's clock."""
 
-    rows: int
     model_s: float
     tables_s: float
     report_s: float
     peak_mb: float
-    report_mb: float
 
     @property
     def total_s(self) -> float:
@@ -54,24 +47,21 @@ class Cost(NamedTuple):
         return self.model_s + self.tables_s + self.report_s
 
 
-def sequences_of(
-    rows: int, frames: int = FRAMES, fingers: int = FINGERS, wedges: tuple[float, ...] = WEDGES
-) -> list[ContactSequence]:
-    """Return the sequences of so many rows: at most so many frames each, over fingers and angles."""
-    count = math.ceil(rows / frames)
+def sequences_of(rows: int) -> list[ContactSequence]:
+    """Return the sequences of so many rows: at most `FRAMES` each, over fingers and angles."""
     return [
         ContactSequence.model_validate(
             {
                 "name": f"sequence_{number}",
-                "finger": f"finger_{number % fingers}",
-                "wedge_angle_deg": wedges[number // fingers % len(wedges)],
+                "finger": f"finger_{number % FINGERS}",
+                "wedge_angle_deg": WEDGES[number // FINGERS % 2],
                 "file": f"sequence_{number}.tif",
                 "force": f"sequence_{number}.csv",
                 "scale": {"ppi": 500},
                 "synthetic": True,
             }
         )
-        for number in range(count)
+        for number in range(math.ceil(rows / FRAMES))
     ]
 
 
@@ -121,17 +111,10 @@ def measurements_of(sequence: ContactSequence, count: int) -> Iterator[Measureme
         )
 
 
-def study_result(
-    rows: int,
-    folder: Path,
-    *,
-    frames: int = FRAMES,
-    fingers: int = FINGERS,
-    wedges: tuple[float, ...] = WEDGES,
-) -> StudyResult:
+def study_result(rows: int, folder: Path) -> StudyResult:
     """Return the result of a synthetic study of so many rows, its measurements streamed."""
-    sequences = sequences_of(rows, frames, fingers, wedges)
-    counts = [min(frames, rows - frames * number) for number in range(len(sequences))]
+    sequences = sequences_of(rows)
+    counts = [min(FRAMES, rows - FRAMES * number) for number in range(len(sequences))]
     names = dict.fromkeys(sequence.finger for sequence in sequences)
     study = Study.model_validate(
         {
@@ -229,15 +212,13 @@ def cost(rows: int) -> Cost:
         modelled = time.process_time()
         write_tables(result, out)
         tabled = time.process_time()
-        report = write_report(result, out)
+        write_report(result, out)
         done = time.process_time()
         return Cost(
-            rows=rows,
             model_s=modelled - start,
             tables_s=tabled - modelled,
             report_s=done - tabled,
             peak_mb=peak_mb(),
-            report_mb=report.stat().st_size / 1e6,
         )
 
 
@@ -245,54 +226,3 @@ def cost_apart(rows: int) -> Cost:
     """Return the cost of a study in a process of its own."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         return pool.apply(cost, (rows,))
-
-
-def report_of_many_fingers(workers: int = 2) -> tuple[float, float]:
-    """Print and return seconds for the report of a thesis, the first time and again; by the clock."""
-
-    def draw(tasks: list[Task], on_drawn: Callable[[Task], None]) -> None:
-        with Store.writing(out / STORE_NAME) as store, local_executor(out, workers) as executor:
-            records_of(tasks, executor, store, out, on_drawn)
-
-    sequences = THESIS_FINGERS * len(THESIS_WEDGES)
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder)
-        result = study_result(
-            THESIS_FRAMES * sequences, out, frames=THESIS_FRAMES, fingers=THESIS_FINGERS, wedges=THESIS_WEDGES
-        )
-        seconds = []
-        for _ in range(2):
-            start = time.perf_counter()
-            write_report(result, out, draw)
-            seconds.append(time.perf_counter() - start)
-    first, again = seconds
-    print(
-        f"\nThe report of {sequences} sequences of {THESIS_FINGERS} fingers, {workers} workers: "
-        f"{first:.0f} s the first time, {again:.1f} s again, {peak_mb():.0f} MB"
-    )
-    return first, again
-
-
-def rows_at_scale(largest: int = 5) -> list[Cost]:
-    """Print and return seconds and memory from 10² rows to 10^`largest`, with the exponent of the cost."""
-    print(
-        "\nAfter measuring: model, tables and report of synthetic sequences; processor time, a process each"
-    )
-    print("       rows    model   tables   report    total  exponent  peak memory  report.html")
-    found: list[Cost] = []
-    for power in range(2, largest + 1):
-        one = cost_apart(10**power)
-        exponent = f"{math.log10(one.total_s / found[-1].total_s):8.2f}" if found else " " * 8
-        print(
-            f"    {one.rows:7,d} {one.model_s:6.1f} s {one.tables_s:6.1f} s {one.report_s:6.1f} s "
-            f"{one.total_s:6.1f} s  {exponent}  {one.peak_mb:8.0f} MB  {one.report_mb:8.2f} MB",
-            flush=True,
-        )
-        found.append(one)
-    return found
-
-
-def report() -> None:
-    """Print time and memory by number of rows, and of the report of many fingers."""
-    rows_at_scale()
-    report_of_many_fingers()
