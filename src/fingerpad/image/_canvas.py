@@ -69,13 +69,7 @@ def draw_scale_bar(canvas: Canvas, mm_per_px: float, width: int) -> None:
 
 
 def write_canvas(path: str | PathLike[str], canvas: Canvas) -> Path:
-    """Write an overlay as a PNG, JPEG or TIFF file, by its ending.
-
-    Raises
-    ------
-    ImageError
-        If the file cannot be written.
-    """
+    """Write an overlay as a PNG, JPEG or TIFF file, by its ending."""
     path = Path(path)
     try:
         Image.fromarray(canvas).save(path, compress_level=_PNG_LEVEL)

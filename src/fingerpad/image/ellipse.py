@@ -87,31 +87,10 @@ class ImageEllipse:
 
 
 def interpolated_ellipse(first: ImageEllipse, second: ImageEllipse, share: float) -> ImageEllipse:
-    """Return the ellipse between two, at a share of the way from the first to the second.
+    """Return the ellipse at a share of the way from one to another.
 
     The centre moves along a line, and the symmetric matrix that stretches the unit circle into the ellipse
-    changes linearly: so do the semi-axes where the orientation stays, and one that is nearly a circle does
-    not turn.
-
-    Parameters
-    ----------
-    first, second : ImageEllipse
-        The two ellipses.
-    share : float
-        From 0 for the first to 1 for the second.
-
-    Returns
-    -------
-    ImageEllipse
-        With its semi-axes sorted.
-
-    Examples
-    --------
-    >>> first = ImageEllipse(centre=(100.0, 80.0), semi_axes=(40.0, 30.0))
-    >>> second = ImageEllipse(centre=(110.0, 80.0), semi_axes=(60.0, 40.0))
-    >>> between = interpolated_ellipse(first, second, 0.5)
-    >>> between.centre, [round(length, 9) for length in between.semi_axes]
-    ((105.0, 80.0), [50.0, 35.0])
+    changes linearly: semi-axes do where the orientation stays, and what is nearly a circle does not turn.
     """
     stretch = sum(
         weight * rotation(one.orientation) @ np.diag(one.semi_axes) @ rotation(one.orientation).T
@@ -129,35 +108,13 @@ def interpolated_ellipse(first: ImageEllipse, second: ImageEllipse, share: float
 
 @dataclass(frozen=True, slots=True)
 class PlaneEllipse:
-    """An ellipse in the plane (x, y), its semi-axes not sorted.
-
-    Attributes
-    ----------
-    x, y : float
-        Centre.
-    semi_x, semi_y : float
-        Semi-axes along and across `angle`.
-    angle : float
-        Turn from x towards y, radians.
-
-    Raises
-    ------
-    GeometryError
-        If the centre is not finite, a semi-axis not positive and finite, or the angle not finite or beyond a
-        full turn, as degrees are.
-
-    Examples
-    --------
-    >>> ellipse = PlaneEllipse(x=0.0, y=0.0, semi_x=11.8, semi_y=13.8)
-    >>> ellipse.offsets(np.array([[12.8, 0.0], [0.0, 13.8]])).round(2)
-    array([1., 0.])
-    """
+    """An ellipse in the plane (x, y), its semi-axes not sorted."""
 
     x: float
     y: float
-    semi_x: float
+    semi_x: float  # along `angle`
     semi_y: float
-    angle: float = 0.0
+    angle: float = 0.0  # turn from x towards y, radians
 
     def __post_init__(self) -> None:
         set_fields(
@@ -185,33 +142,11 @@ class PlaneEllipse:
         return math.sqrt(self.semi_x * self.semi_y)
 
     def scaled(self, factor: float) -> Self:
-        """Return a concentric ellipse.
-
-        Parameters
-        ----------
-        factor : float
-            Of the semi-axes.
-
-        Returns
-        -------
-        PlaneEllipse
-            With the same centre and angle.
-        """
+        """Return a concentric ellipse, its semi-axes times a factor."""
         return replace(self, semi_x=self.semi_x * factor, semi_y=self.semi_y * factor)
 
     def offsets(self, points: FloatArray) -> FloatArray:
-        """Return the signed distances of points from the ellipse, to first order.
-
-        Parameters
-        ----------
-        points : ndarray, shape (n, 2)
-            (x, y).
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Positive outside.
-        """
+        """Return the signed distances of points (x, y) from the ellipse, to first order, positive outside."""
         cosine, sine = math.cos(self.angle), math.sin(self.angle)
         right, down = points[:, 0] - self.x, points[:, 1] - self.y
         u, v = (right * cosine + down * sine) / self.semi_x, (down * cosine - right * sine) / self.semi_y
@@ -219,18 +154,7 @@ class PlaneEllipse:
         return as_float_array((radius - 1) * radius / (np.hypot(u / self.semi_x, v / self.semi_y) + 1e-12))
 
     def points(self, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return points of the ellipse, evenly spaced in the parametric angle.
-
-        Parameters
-        ----------
-        count : int
-            Number of points.
-
-        Returns
-        -------
-        points, normals : ndarray, shape (count, 2)
-            (x, y), and the outward unit normals there.
-        """
+        """Return points (x, y) evenly spaced in the parametric angle, and the outward unit normals there."""
         t = np.arange(count) * (2 * math.pi / count)
         turn = rotation(self.angle).T
         local = np.stack([self.semi_x * np.cos(t), self.semi_y * np.sin(t)], axis=-1)
@@ -325,28 +249,9 @@ def polygon_moments(points: FloatArray) -> AreaMoments:
 
 
 def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:
-    """Return the ellipse of a polygon: its area and centroid, ratio and direction of its second moments.
+    """Return a polygon's ellipse: its area and centroid, ratio and direction of its second moments.
 
-    Parameters
-    ----------
-    corners : array_like, shape (n, 2)
-        (row, column) of the corners in order, open or closed, in either direction.
-
-    Returns
-    -------
-    ImageEllipse
-        In the unit of the corners.
-
-    Raises
-    ------
-    ImageError
-        If the corners are too few, not finite, or enclose no area.
-
-    Examples
-    --------
-    >>> found = ellipse_of_polygon([(0, 0), (40, 0), (40, 20), (0, 20)])
-    >>> round(found.area, 9), found.centre, found.orientation
-    (800.0, (20.0, 10.0), 0.0)
+    Corners are (row, column), in order, open or closed, in either direction.
     """
     points = as_float_array(corners)
     if points.ndim != 2 or points.shape[-1] != 2 or len(points) < 3 or not np.isfinite(points).all():

@@ -30,55 +30,15 @@ _WINDOW: Final = 5.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class EllipseFit(Displayed):
-    """An ellipse fitted to points (x, y).
-
-    Attributes
-    ----------
-    ellipse : PlaneEllipse
-        Centre, semi-axes and angle, in the unit of the points.
-    covariance : ndarray, shape (5, 5)
-        Of (x, y, semi_x, semi_y, angle), from the residuals; zero for an angle that was not fitted.
-    residual_std : float
-        Standard deviation of the orthogonal distances.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import outline_points
-    >>> fit = fit_ellipse(outline_points(7.4, 5.0, count=80, noise_std=0.05, seed=1))
-    >>> print(f"{fit.ellipse.semi_x:.2f} ± {np.sqrt(fit.covariance[2, 2]):.2f}")
-    7.40 ± 0.01
-    """
+    """An ellipse fitted to points (x, y), in their unit."""
 
     ellipse: PlaneEllipse
-    covariance: FloatArray
-    residual_std: float
+    covariance: FloatArray  # (5, 5); of x, y, semi_x, semi_y, angle, zero for an angle that was not fitted
+    residual_std: float  # of the orthogonal distances
 
 
 def fit_ellipse(points: ArrayLike) -> EllipseFit:
-    """Fit the ellipse of least orthogonal distance to points; `semi_x` is the major semi-axis.
-
-    Parameters
-    ----------
-    points : array_like, (n, 2)
-        (x, y) of at least five points, in any unit of length.
-
-    Returns
-    -------
-    EllipseFit
-        With `semi_x` the major semi-axis.
-
-    Raises
-    ------
-    FitError
-        If the points are too few, not finite, on a line, or do not lie on an ellipse.
-
-    Examples
-    --------
-    >>> t = np.linspace(0, 2 * np.pi, 40, endpoint=False)
-    >>> fit = fit_ellipse(np.stack([7.4 * np.cos(t), 5.0 * np.sin(t)], axis=-1))
-    >>> round(fit.ellipse.semi_x, 6), round(fit.ellipse.semi_y, 6), abs(round(fit.ellipse.angle, 6))
-    (7.4, 5.0, 0.0)
-    """
+    """Fit the ellipse of least orthogonal distance to five points or more; `semi_x` is the major one."""
     points = _check_points(points, min_count=5)
     local, shift, size = normalise(points)
     values, covariance, residual_std = refine(local, _direct_ellipse(local))
@@ -97,30 +57,7 @@ def fit_ellipse(points: ArrayLike) -> EllipseFit:
 
 
 def fit_aligned_ellipse(points: ArrayLike) -> EllipseFit:
-    """Fit the ellipse of least orthogonal distance whose axes lie along x and y.
-
-    Parameters
-    ----------
-    points : array_like, (n, 2)
-        (x, y) of at least four points, in any unit of length.
-
-    Returns
-    -------
-    EllipseFit
-        With angle zero.
-
-    Raises
-    ------
-    FitError
-        If the points are too few, not finite, on a line, or do not lie on such an ellipse.
-
-    Examples
-    --------
-    >>> t = np.linspace(0, np.pi, 30)
-    >>> fit = fit_aligned_ellipse(np.stack([11.8 * np.cos(t), 13.8 * np.sin(t)], axis=-1))
-    >>> round(fit.ellipse.semi_x, 6), round(fit.ellipse.semi_y, 6)
-    (11.8, 13.8)
-    """
+    """Fit the ellipse of least orthogonal distance whose axes lie along x and y to four or more points."""
     points = _check_points(points, min_count=4)
     local, shift, size = normalise(points)
     values, covariance, residual_std = refine(local, _direct_aligned(local))
@@ -244,17 +181,10 @@ def refine(points: FloatArray, start: Parameters) -> tuple[Parameters, FloatArra
 
 
 def correlation_length(residuals: FloatArray, places: npt.NDArray[np.integer]) -> float:
-    """Return how many neighbouring residuals count as one.
+    """Return how many neighbouring residuals, at rising places along the outline, count as one.
 
-    The integrated autocorrelation 1 + 2 Σ ρ_k, summed over a window of five correlation lengths and
-    limited to an eighth of the number of residuals.
-
-    Parameters
-    ----------
-    residuals : ndarray, (n,)
-        Distances from a fit, in order.
-    places : ndarray of int, (n,)
-        Place of each along the outline, rising; gaps are points that were left out.
+    The integrated autocorrelation 1 + 2 Σ ρ_k over a window of five correlation lengths, at most an eighth of
+    the number of residuals.
     """
     span = int(places[-1] - places[0]) + 1
     values, present = np.zeros(span), np.zeros(span)

@@ -38,13 +38,7 @@ def check_memory(
     channels: int,
     sample_bytes: int,
 ) -> None:
-    """Refuse a picture of (columns, rows) that is too large by its header.
-
-    Raises
-    ------
-    ImageError
-        If it has no pixels, or needs more than `memory_limit` bytes.
-    """
+    """Refuse a picture of (columns, rows) that is too large by its header."""
     columns, rows = size
     if not (columns > 0 and rows > 0):
         raise ImageError(f"{path}: has {columns} × {rows} pixels, the file is damaged: copy it again")
@@ -61,13 +55,7 @@ def check_memory(
 def picture_array(
     value: npt.ArrayLike, name: str, error: type[FingerpadError] = ImageError
 ) -> npt.NDArray[Any]:
-    """Return a picture as an array of any type.
-
-    Raises
-    ------
-    FingerpadError
-        Of the given kind, if it is none, such as rows of different lengths.
-    """
+    """Return a picture as an array of any type."""
     try:
         return np.asarray(value)
     except (TypeError, ValueError, OverflowError) as cause:
@@ -75,13 +63,7 @@ def picture_array(
 
 
 def picture_levels(value: npt.ArrayLike, name: str, error: type[FingerpadError] = ImageError) -> Pixels:
-    """Return a picture's levels as uint8, uint16 or float32, whichever holds them.
-
-    Raises
-    ------
-    FingerpadError
-        Of the given kind, if it is no picture, or holds anything but finite real numbers.
-    """
+    """Return a picture's levels as uint8, uint16 or float32, whichever holds them."""
     array = picture_array(value, name, error)
     if array.dtype.kind not in "buif":
         raise error(f"{name} must hold grey levels or colours, found {array.dtype}")
@@ -97,13 +79,7 @@ def apply_orientation(array: npt.NDArray[Any], orientation: int) -> npt.NDArray[
 
 
 def storable(array: npt.NDArray[Any]) -> Pixels:
-    """Return levels as uint8, uint16 or float32, whichever holds them.
-
-    Raises
-    ------
-    ImageError
-        If they are not real numbers.
-    """
+    """Return levels as uint8, uint16 or float32, whichever holds them."""
     if array.dtype in (np.uint8, np.uint16):
         return array
     if array.dtype.kind not in "fui":
@@ -172,10 +148,9 @@ def levels_of_image(image: Image.Image) -> Pixels:
 
 
 def linear_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
-    """Return the light that sRGB levels stand for, 1 at the top of the type's range.
+    """Return the light that sRGB levels stand for, 1 at the top of the type's range or of floats above 1.
 
-    A blurred edge lies where half the light is, not half the level. Levels of floating point are taken as
-    shares of the largest, or of 1 if none is larger.
+    A blurred edge lies where half the light is, not half the level.
     """
     if pixels.dtype.kind in "ui":
         top = np.iinfo(pixels.dtype).max

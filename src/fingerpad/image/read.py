@@ -55,22 +55,7 @@ class Picture(Displayed):
     pixels : ndarray, shape (rows, columns)
         Grey levels, uint8, uint16 or float32 as the file had them.
     dots_per_inch : float or None
-        Resolution written in the file (JFIF, PNG's pHYs, TIFF's tags, ImageJ's calibration of a TIFF), None
-        where it has none, no unit, or differs between the two directions. Cameras and editors write 72 or
-        96 without meaning it: `Scale.of_picture` refuses those.
-
-    Raises
-    ------
-    ImageError
-        If the pixels are no array (rows, columns) of real numbers.
-    CalibrationError
-        If the resolution is not positive and finite.
-
-    Examples
-    --------
-    >>> picture = Picture(pixels=np.zeros((20, 30), np.uint8), dots_per_inch=500.0)
-    >>> picture.pixels.shape
-    (20, 30)
+        As the file states it, None where it does not or differs between the two directions.
     """
 
     pixels: Pixels
@@ -169,43 +154,21 @@ def in_colour(levels: Pixels) -> npt.NDArray[np.uint8]:
 
 
 def grey_levels(image: ImageLike) -> npt.ArrayLike:
-    """Return the grey levels of a picture, read if it is a path.
-
-    Raises
-    ------
-    ImageError
-        If the file cannot be read.
-    """
+    """Return the grey levels of a picture, read if it is a path."""
     if isinstance(image, str | PathLike):
         return read_image(image).pixels
     return image.pixels if isinstance(image, Picture) else image
 
 
 def colour_levels(image: ImageLike) -> npt.ArrayLike:
-    """Return the colours of a picture, read if it is a path; a `Picture` is grey.
-
-    Raises
-    ------
-    ImageError
-        If the file cannot be read.
-    """
+    """Return the colours of a picture, read if it is a path; a `Picture` is grey."""
     return read_colour_image(image) if isinstance(image, str | PathLike) else grey_levels(image)
 
 
 def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, float | None]:
-    """Return the levels of a picture, upright and on white, (rows, columns) or (rows, columns, 3).
+    """Return levels of a picture, upright and on white, and the dots per inch that its file states.
 
-    Returns
-    -------
-    levels : ndarray
-        uint8, uint16 or float32.
-    dots_per_inch : float or None
-        As in `Picture`.
-
-    Raises
-    ------
-    ImageError
-        As for `read_image`.
+    They are uint8, uint16 or float32, (rows, columns) or (rows, columns, 3).
     """
     path = Path(path)
     start = _read_start(path)
@@ -231,13 +194,7 @@ def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, f
 
 
 def check_finite(levels: Pixels, name: object) -> None:
-    """Refuse levels that are NaN or infinite.
-
-    Raises
-    ------
-    ImageError
-        With their number, after the name.
-    """
+    """Refuse levels that are NaN or infinite."""
     if levels.dtype.kind != "f":
         return
     bad = levels.size - int(np.count_nonzero(np.isfinite(levels)))
@@ -246,13 +203,7 @@ def check_finite(levels: Pixels, name: object) -> None:
 
 
 def check_regular(path: Path) -> None:
-    """Refuse what is neither a file nor a folder: reading a pipe would wait without end.
-
-    Raises
-    ------
-    ImageError
-        If there is nothing, or something else.
-    """
+    """Refuse what is neither a file nor a folder: reading a pipe would wait without end."""
     try:
         kind = path.stat().st_mode
     except FileNotFoundError as error:

@@ -265,11 +265,6 @@ def circle_through(points: Sequence[tuple[float, float]]) -> tuple[FloatArray, f
 
     With them comes by how much the radius changes for each point that moves outward by one px: they sum to
     one, and are large where the points lie close together.
-
-    Raises
-    ------
-    CalibrationError
-        If there are not three, or they lie on a line.
     """
     places = as_float_array(points)
     if places.shape != (3, 2) or not np.isfinite(places).all():
@@ -288,11 +283,5 @@ ScaleLike: TypeAlias = Scale | float
 
 
 def as_scale(scale: ScaleLike) -> Scale:
-    """Return a scale; a number is millimetres per pixel, of no uncertainty.
-
-    Raises
-    ------
-    CalibrationError
-        If the number is no length of a pixel.
-    """
+    """Return a scale; a number is millimetres per pixel, of no uncertainty."""
     return scale if isinstance(scale, Scale) else Scale(scale)

@@ -37,60 +37,18 @@ _BENT: Final = 0.005
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class SubjectGuess(Displayed):
-    """What a picture may show.
+    """What a picture may show, most likely first: numbers that sum to 1, rank, and are no frequencies."""
 
-    Attributes
-    ----------
-    subjects : mapping of str to float
-        ``contact``, ``finger``, ``coin``, ``ruler`` and ``other``, most likely first. The numbers sum to 1;
-        they rank and are no frequencies.
-    faces : mapping of str to float
-        If it is a finger, the face that it shows, most likely first; empty where no outline was found. The
-        two sides look alike, and are equally likely.
-
-    Examples
-    --------
-    >>> from fingerpad.image import guess_subject
-    >>> guess = guess_subject(np.full((80, 90), 200, np.uint8))  # blank paper
-    >>> round(sum(guess.subjects.values()), 6), max(guess.subjects.values()) < 0.9
-    (1.0, True)
-    """
-
-    subjects: Mapping[Subject, float]
-    faces: Mapping[Face, float]
+    subjects: Mapping[Subject, float]  # contact, finger, coin, ruler and other
+    faces: Mapping[Face, float]  # empty where no outline was found; the sides look alike
 
 
 def guess_subject(image: ImageLike) -> SubjectGuess:
     """Guess what a picture shows; no scale is needed.
 
-    Lines of one spacing that fill a part of the picture and turn are the ridges of a contact; parallel and
-    evenly spaced they are the marks of a ruler. One circular edge is a coin. Skin colour, or one smooth body
-    before a plain backdrop, is a finger, and its outline tells the face: end-on it is closed, from the front
-    its middle line is straight, from the side it is bent.
-
-    Parameters
-    ----------
-    image : array_like, (rows, columns) or (rows, columns, 3), path-like or Picture
-        Grey levels or red, green, blue.
-
-    Returns
-    -------
-    SubjectGuess
-
-    Raises
-    ------
-    ImageError
-        If the file cannot be read, or the array is no picture.
-
-    Examples
-    --------
-    >>> from fingerpad.image import guess_subject
-    >>> from fingerpad.simulate import render_contact_image, render_finger
-    >>> next(iter(guess_subject(render_contact_image(semi_major=6, semi_minor=5).pixels).subjects))
-    'contact'
-    >>> guess = guess_subject(render_finger("distal", mm_per_px=0.1).pixels)
-    >>> next(iter(guess.subjects)), next(iter(guess.faces))
-    ('finger', 'distal')
+    Lines of one spacing that turn are ridges of a contact; straight ones are marks of a ruler; one circular
+    edge is a coin. Skin colour, or one smooth body before a plain backdrop, is a finger, whose outline is
+    closed end-on, has a straight middle line from the front, a bent one from the side.
     """
     levels = picture_levels(colour_levels(image), "image")
     if levels.ndim not in {2, 3} or min(levels.shape[:2]) < 2 or (levels.ndim == 3 and levels.shape[2] < 3):

@@ -45,13 +45,7 @@ _BUFFER: Final = 2**24
 
 
 def levels_of_page(path: Path, index: int, page: Any, memory_limit: int) -> Pixels:
-    """Return the levels of a page, a `tifffile.TiffPage`, upright, (rows, columns) or (rows, columns, 3).
-
-    Raises
-    ------
-    ImageError
-        If it is too large, or of a kind that is not decoded. Damage raises other errors as well.
-    """
+    """Return the levels of a page, a `tifffile.TiffPage`, upright, (rows, columns) or (rows, columns, 3)."""
     _check_memory(path, page, memory_limit)
     photometric = int(page.tags.valueof("PhotometricInterpretation", default=PHOTOMETRIC.MINISBLACK))
     _check_kind(page, photometric)

@@ -17,21 +17,11 @@ _TEXTURE_PERIOD_MM = 0.45
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FingerShape:
-    """An outline in a face's frame, mm, x across and y along.
+    """An outline in a face's frame, mm, x across and y along."""
 
-    Attributes
-    ----------
-    points : ndarray, (n, 2)
-        Points, evenly dense, in order against the clock; closed for the distal face only.
-    normals : ndarray, (n, 2)
-        Outward unit normals.
-    nail : ndarray of float, (n,)
-        How much of the nail's thickness shows at each point, 0 to 1.
-    """
-
-    points: FloatArray
-    normals: FloatArray
-    nail: FloatArray
+    points: FloatArray  # (n, 2); evenly dense, anticlockwise; closed for the distal face only
+    normals: FloatArray  # (n, 2); outward, of unit length
+    nail: FloatArray  # (n,); how much of the nail's thickness shows, 0 to 1
 
 
 def pad_arc(face: Face, extent: float) -> tuple[float, float]:
@@ -52,22 +42,10 @@ def finger_shape(
     texture: float,
     rng: np.random.Generator,
 ) -> FingerShape:
-    """Return the outline of one face.
+    """Return the outline of one face, of semi-axes across and along, mm.
 
-    Parameters
-    ----------
-    face : Face
-        The face.
-    semi_axes : (float, float)
-        Across and along, mm.
-    extent : float
-        Extent of the exactly elliptic arc, parametric radians.
-    departure : float
-        Relative change of the curvature beyond the arc: negative is blunter, positive tighter.
-    texture : float
-        Standard deviation of the outline's roughness, mm, from the ridges of the skin.
-    rng : Generator
-        For tapers, creases and roughness.
+    `extent` is that of the elliptic arc, parametric radians; `departure` the relative change of the curvature
+    beyond it, negative blunter; `texture` the standard deviation of the skin's roughness, mm.
     """
     first, last = pad_arc(face, extent)
     if face == "distal":

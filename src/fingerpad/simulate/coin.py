@@ -17,30 +17,12 @@ _OVERSAMPLING = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SyntheticCoin(Displayed):
-    """A rendered coin and the truth about it.
+    """A rendered coin and the truth about it."""
 
-    Attributes
-    ----------
-    pixels : ndarray of uint8, (rows, columns)
-        The picture.
-    ellipse : Ellipse
-        True semi-axes of the coin's outline, px.
-    orientation : float
-        True angle of the major axis from straight up, counter-clockwise as seen, radians.
-    centre : (float, float)
-        True centre, (row, column), px.
-
-    Examples
-    --------
-    >>> coin = render_coin(radius=60.0, tilt=0.4, shape=(160, 160))
-    >>> round(float(coin.ellipse.axis_ratio), 4), coin.centre  # cos 0.4
-    (0.9211, (79.5, 79.5))
-    """
-
-    pixels: npt.NDArray[np.uint8]
-    ellipse: Ellipse
-    orientation: float
-    centre: tuple[float, float]
+    pixels: npt.NDArray[np.uint8]  # (rows, columns)
+    ellipse: Ellipse  # the outline, px
+    orientation: float  # of the major axis from straight up, counter-clockwise as seen, radians
+    centre: tuple[float, float]  # (row, column), px
 
 
 def render_coin(

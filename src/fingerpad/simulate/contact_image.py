@@ -35,38 +35,14 @@ _LOOKS: dict[Look, tuple[float, float, float, bool]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SyntheticContactImage(Displayed):
-    """A rendered contact image and its truth.
+    """A rendered contact image and its truth."""
 
-    Attributes
-    ----------
-    pixels : ndarray of uint8, shape (rows, columns)
-        The picture.
-    ellipse : Ellipse
-        True outline of the contact, or the equal-area ellipse of an irregular one, mm.
-    orientation : float
-        True angle of its major axis from straight up, counter-clockwise as seen, radians.
-    centroid : (float, float)
-        True centre, (row, column), px.
-    ridge_area : float
-        True area of the ridges, without pores and creases, mm².
-    ridge_period : float
-        Mean ridge period, mm.
-    mm_per_px : float
-        True scale.
-
-    Examples
-    --------
-    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
-    >>> round(truth.mm_per_px, 4), round(truth.ridge_area / truth.gross_area, 1)
-    (0.0508, 0.5)
-    """
-
-    pixels: npt.NDArray[np.uint8]
-    ellipse: Ellipse
-    orientation: float
-    centroid: tuple[float, float]
-    ridge_area: float
-    ridge_period: float
+    pixels: npt.NDArray[np.uint8]  # (rows, columns)
+    ellipse: Ellipse  # the outline, or the equal-area ellipse of an irregular one, mm
+    orientation: float  # of the major axis from straight up, counter-clockwise as seen, radians
+    centroid: tuple[float, float]  # (row, column), px
+    ridge_area: float  # without pores and creases, mm²
+    ridge_period: float  # mean, mm
     mm_per_px: float
 
     @property

@@ -41,57 +41,20 @@ _DISTANCE_MM = 250.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SyntheticFinger(Displayed):
-    """A rendered photograph of a finger and the truth about it.
+    """A rendered photograph of a finger and the truth about it."""
 
-    Attributes
-    ----------
-    pixels : ndarray of uint8, (rows, columns, 3)
-        Red, green, blue.
-    face : Face
-        The face that looks at the camera.
-    semi_axes : (float, float)
-        True semi-axes across and along (see `FACE_AXES`), mm.
-    centre : (float, float)
-        True centre of the ellipse, (row, column), px; pixel centres are whole numbers.
-    tilt : float
-        True turn of the ellipse from the face's x towards its y, radians.
-    arc : (float, float)
-        First and last parametric angle of the exactly elliptic arc, radians.
-    tip, palmar : Direction
-        Where the fingertip and the palmar side point in the photograph.
-    mm_per_px : float
-        True scale.
-
-    Examples
-    --------
-    >>> truth = render_finger("distal", semi_axes=(11.8, 7.9), mm_per_px=0.1, seed=1)
-    >>> truth.semi_axes, truth.arc_points(3).shape
-    ((11.8, 7.9), (3, 2))
-    """
-
-    pixels: npt.NDArray[np.uint8]
+    pixels: npt.NDArray[np.uint8]  # (rows, columns, 3); red, green, blue
     face: Face
-    semi_axes: tuple[float, float]
-    centre: tuple[float, float]
-    tilt: float
-    arc: tuple[float, float]
+    semi_axes: tuple[float, float]  # across and along (see `FACE_AXES`), mm
+    centre: tuple[float, float]  # of the ellipse, (row, column), px
+    tilt: float  # from the face's x towards its y, radians
+    arc: tuple[float, float]  # parametric angles of the exactly elliptic arc, radians
     tip: Direction
     palmar: Direction
     mm_per_px: float
 
     def arc_points(self, count: int = 60) -> FloatArray:
-        """Return true points along the elliptic arc, ends included.
-
-        Parameters
-        ----------
-        count : int
-            Number of points.
-
-        Returns
-        -------
-        ndarray, shape (count, 2)
-            (row, column), px.
-        """
+        """Return true points (row, column), px, along the elliptic arc, ends included."""
         t = np.linspace(*self.arc, count)
         local = np.stack([self.semi_axes[0] * np.cos(t), self.semi_axes[1] * np.sin(t)], axis=-1)
         axes = _image_axes(self.face, self.tip, self.palmar, self.tilt)

@@ -18,39 +18,9 @@ def outline_points(
     noise_std: float = 0.0,
     seed: int = 0,
 ) -> FloatArray:
-    """Return noisy points (x, y) on an arc of an ellipse, in the unit of its semi-axes.
+    """Return noisy points (x, y), evenly spaced in the parametric angle, on an arc of an ellipse.
 
-    Parameters
-    ----------
-    semi_x, semi_y : float
-        Semi-axes along x and y before the turn by `angle`.
-    count : int
-        Number of points, evenly spaced in the parametric angle.
-    arc : (float, float)
-        First and last parametric angle, radians; the last is left out.
-    centre : (float, float)
-        Centre (x, y).
-    angle : float
-        Turn from x towards y, radians.
-    noise_std : float
-        Standard deviation of each coordinate.
-    seed : int
-        Of the noise.
-
-    Returns
-    -------
-    ndarray, shape (count, 2)
-        Points (x, y).
-
-    Raises
-    ------
-    GeometryError
-        If an angle is beyond a full turn, as degrees are.
-
-    Examples
-    --------
-    >>> outline_points(2.0, 1.0, count=4).round(6).tolist()
-    [[2.0, 0.0], [0.0, 1.0], [-2.0, 0.0], [-0.0, -1.0]]
+    `arc` is first and last angle, the last left out; `angle` the turn from x towards y, radians.
     """
     check_radians("angle", angle)
     check_radians("arc", arc)

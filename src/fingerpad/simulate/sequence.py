@@ -20,39 +20,15 @@ _MIN_SEMI_AXIS = 0.05
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SyntheticSequence(Displayed):
-    """A sequence to be rendered frame by frame.
+    """A sequence to be rendered frame by frame; the contact's major axis points straight up."""
 
-    Attributes
-    ----------
-    load : ndarray, shape (count,)
-        True normal force of each frame, N.
-    semi_major, semi_minor : ndarray, shape (count,)
-        True semi-axes of the contact, mm; the major one points straight up.
-    ppi : float
-        Resolution, pixels per inch.
-    look : {"ink", "livescan", "prism"}
-        As for `render_contact_image`.
-    flicker : float
-        Standard deviation of the light from frame to frame, relative.
-    noise_std : float
-        Standard deviation of the camera's noise, grey levels.
-    seed : int
-        The same seed gives the same sequence.
-
-    Examples
-    --------
-    >>> press = render_sequence([0.0, 0.1], seed=2)
-    >>> press.pixels(0).shape == press.pixels(1).shape
-    True
-    """
-
-    load: FloatArray
-    semi_major: FloatArray
-    semi_minor: FloatArray
+    load: FloatArray  # (count,); true normal force, N
+    semi_major: FloatArray  # (count,); mm
+    semi_minor: FloatArray  # (count,)
     ppi: float
     look: Look
-    flicker: float
-    noise_std: float
+    flicker: float  # standard deviation of the light from frame to frame, relative
+    noise_std: float  # of the camera, grey levels
     seed: int
 
     @property
@@ -61,18 +37,7 @@ class SyntheticSequence(Displayed):
         return np.pi * self.semi_major * self.semi_minor
 
     def pixels(self, index: int) -> npt.NDArray[np.uint8]:
-        """Render one frame; all have one size, and the contact in the middle.
-
-        Parameters
-        ----------
-        index : int
-            Its number, from zero.
-
-        Returns
-        -------
-        ndarray of uint8, shape (rows, columns)
-            Grey levels.
-        """
+        """Render one frame as grey levels; all have one size, and the contact in the middle."""
         major, minor = float(self.semi_major[index]), float(self.semi_minor[index])
         if minor < _MIN_SEMI_AXIS:
             major = minor = _MIN_SEMI_AXIS / 10

@@ -252,8 +252,7 @@ def edge_shift(edge: Edge) -> float:
     """Return how far the true edge lies beyond the closed ridges on average, px.
 
     The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
-    beyond a ridge that it follows. Without ridges that are resolved there may be such ends or none: half of
-    it. A contact that fades towards its edge reaches further.
+    beyond a ridge that it follows: half of it without resolved ridges. A contact that fades reaches further.
     """
     return EDGE.ends * edge.period * (1.0 if edge.resolved else 0.5) + edge.fade
 
@@ -270,9 +269,8 @@ def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
 def edge_offset_std(edge: Edge) -> float:
     """Return the standard uncertainty of the edge's place that all of the outline shares, px.
 
-    It holds the definition of the edge of a contact that fades and, where no ridges are resolved, all of the
-    shift for them. Other images of the same device share it too, and so does an edge that a person drew, who
-    sees no more of it.
+    The definition of a fading edge and, without resolved ridges, all of the shift. Other images of the device
+    share it, and so does an edge that a person drew, who sees no more of it.
     """
     terms = (
         EDGE.shared_std * edge.period,

@@ -36,31 +36,11 @@ _MAX_REACH: Final = 10
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class BrushStroke(Displayed):
-    """A stroke of a round brush.
-
-    Attributes
-    ----------
-    action : {"add", "remove"}
-        Whether it adds to the region or removes from it.
-    points : sequence of (float, float)
-        (row, column) along the stroke, px; one point is a disk.
-    radius : float
-        Radius of the brush, px.
-
-    Raises
-    ------
-    ImageError
-        If the action is another, no point is given or one is not finite, or the radius is not positive.
-
-    Examples
-    --------
-    >>> BrushStroke(action="remove", points=[(50, 80), (50, 120)], radius=10).action
-    'remove'
-    """
+    """A stroke of a round brush."""
 
     action: Literal["add", "remove"]
-    points: Sequence[tuple[float, float]]
-    radius: float
+    points: Sequence[tuple[float, float]]  # (row, column) along the stroke, px; one point is a disk
+    radius: float  # of the brush, px
 
     def __post_init__(self) -> None:
         _check_drawn("a stroke", self.action, ("add", "remove"), self.points, least=1)
@@ -69,28 +49,10 @@ class BrushStroke(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class RegionPolygon(Displayed):
-    """An area that a person drew around, as with a lasso or corner by corner.
-
-    Attributes
-    ----------
-    action : {"add", "remove", "replace"}
-        Whether it adds to the region, removes from it, or is the region in place of what was before.
-    points : sequence of (float, float)
-        (row, column) of its corners, px; at least three. All that they enclose belongs to it.
-
-    Raises
-    ------
-    ImageError
-        If the action is another, or there are fewer than three corners or one is not finite.
-
-    Examples
-    --------
-    >>> RegionPolygon(action="replace", points=[(10, 10), (10, 90), (80, 50)]).action
-    'replace'
-    """
+    """An area that a person drew around; ``replace`` makes it the region in place of what was before."""
 
     action: Literal["add", "remove", "replace"]
-    points: Sequence[tuple[float, float]]
+    points: Sequence[tuple[float, float]]  # (row, column) of three or more corners, px
 
     def __post_init__(self) -> None:
         _check_drawn("a polygon", self.action, ("add", "remove", "replace"), self.points, least=3)
@@ -100,13 +62,7 @@ RegionEdit: TypeAlias = BrushStroke | RegionPolygon
 
 
 def region_of_ellipse(ellipse: ImageEllipse, view: View) -> tuple[Region, Edge]:
-    """Return the region and the edge of an ellipse placed manually.
-
-    Raises
-    ------
-    ImageError
-        If its centre lies outside the picture, or it reaches too far beyond.
-    """
+    """Return the region and the edge of an ellipse placed manually."""
     major = ellipse.semi_axes[0]
     _require_inside("ellipse: its centre", as_float_array([ellipse.centre]), 0.0, view.shape)
     _require_near("ellipse: its semi-axes", major, view.shape)
@@ -119,24 +75,10 @@ def region_of_ellipse(ellipse: ImageEllipse, view: View) -> tuple[Region, Edge]:
 def region_after_strokes(
     before: tuple[Region, Edge] | None, strokes: Sequence[RegionEdit], view: View
 ) -> tuple[Region, Edge]:
-    """Return the region and the edge after some strokes.
+    """Return the region and the edge after strokes over the automatic ones, if there are any.
 
     Strokes and polygons are literal: their rim becomes the edge. Elsewhere the automatic edge is kept, unless
     a polygon replaces the region.
-
-    Parameters
-    ----------
-    before : (Region, Edge) or None
-        The automatic ones.
-    strokes : sequence of BrushStroke and RegionPolygon
-        In order.
-    view : View
-        The picture.
-
-    Raises
-    ------
-    ImageError
-        If a stroke misses the picture, or no contact is left.
     """
     shape = view.contact.shape
     replaced = max((k for k, edit in enumerate(strokes) if edit.action == "replace"), default=None)

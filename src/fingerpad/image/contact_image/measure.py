@@ -110,54 +110,19 @@ def measure_contact_image(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class PreparedContactImage(Displayed):
-    """A contact image with its ridges found, to be measured with several corrections.
-
-    Attributes
-    ----------
-    scale : Scale
-        Millimetres per pixel.
-    reason : str or None
-        Why no contact was found automatically, or None. A manual outline can still be given.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import render_contact_image
-    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
-    >>> prepared = prepare_contact_image(truth.pixels, Scale(truth.mm_per_px))
-    >>> prepared.reason, prepared.measure().flags
-    (None, ())
-    """
+    """A contact image with its ridges found, to be measured with several corrections."""
 
     scale: Scale
-    reason: str | None
+    reason: str | None  # why no contact was found automatically; a manual outline can still be given
     _view: View
     _ridges: Ridges | None
     _found: tuple[Region, Edge] | None
     _nearby: tuple["PreparedContactImage", ...] = ()
 
     def level_histogram(self) -> tuple[FloatArray, FloatArray]:
-        """Return how many pixels have which level, to choose a threshold by.
+        """Return how many pixels have which level, and the bins' edges, to choose a threshold by.
 
-        Returns
-        -------
-        counts : ndarray, shape (n,)
-            Pixels of the part that is measured, at a resolution of some pixels per ridge.
-        edges : ndarray, shape (n + 1,)
-            Of the bins: grey levels from the background towards contact, as `threshold` is given in.
-
-        Raises
-        ------
-        ImageError
-            If the surface is smooth: no threshold tells ridges from valleys there.
-
-        Examples
-        --------
-        >>> from fingerpad.simulate import render_contact_image
-        >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
-        >>> prepared = prepare_contact_image(truth.pixels, Scale(truth.mm_per_px))
-        >>> counts, edges = prepared.level_histogram()
-        >>> bool(edges[0] < 0 < prepared.measure().threshold < edges[-1])
-        True
+        Levels are those above the background, towards contact, at a resolution of some pixels a ridge.
         """
         if self._ridges is None:
             raise ImageError("a smooth contact has no threshold: its edge is where the picture steps")
@@ -173,38 +138,8 @@ class PreparedContactImage(Displayed):
     ) -> ContactImageResult:
         """Measure the contact, with manual corrections where there are any.
 
-        Parameters
-        ----------
-        strokes : sequence of BrushStroke and RegionPolygon
-            Painted one after the other over the automatic region; the largest piece that they leave is the
-            contact, without holes.
-        ellipse : ImageEllipse, optional
-            The contact is this ellipse, whatever the region.
-
-        Returns
-        -------
-        ContactImageResult
-            With the flag ``edited_manually``, and the uncertainty of manual drawing where the outline was
-            drawn; without corrections the automatic result. A threshold is known to 20 %: the edge's place
-            has the uncertainty that this makes.
-
-        Raises
-        ------
-        ImageError
-            If the corrections leave no contact or lie outside the image, or there are none and no contact was
-            found automatically.
-
-        Examples
-        --------
-        >>> from fingerpad.image import BrushStroke, Scale
-        >>> from fingerpad.simulate import render_contact_image
-        >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
-        >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
-        >>> automatic = prepared.measure()
-        >>> row, column = automatic.centroid
-        >>> bite = BrushStroke(action="remove", points=[(row - 60, column)], radius=20)
-        >>> prepared.measure([bite]).gross_area < automatic.gross_area
-        True
+        Strokes are painted one after the other over the automatic region, of which the largest piece without
+        holes is the contact; or it is an `ellipse`. A given threshold is known to 20 %, which moves the edge.
         """
         found = self._found
         if ellipse is not None:
@@ -229,39 +164,9 @@ class PreparedContactImage(Displayed):
 def prepare_contact_image(
     pixels: npt.ArrayLike, scale: ScaleLike, **options: Unpack[ContactImageOptions]
 ) -> PreparedContactImage:
-    """Find the ridges and the contact in a grey contact image, ready for manual corrections.
+    """Find the ridges and the contact, ready for manual corrections; options are `ContactImageOptions`.
 
-    Parameters
-    ----------
-    pixels : array_like, shape (rows, columns)
-        Grey levels of any real type.
-    scale : Scale or float
-        Millimetres per pixel.
-    **options
-        As for `measure_contact_image`: see `ContactImageOptions`.
-
-    Returns
-    -------
-    PreparedContactImage
-        Also where no contact is found: `reason` says why.
-
-    Raises
-    ------
-    ImageError
-        If the array is not a grey picture, is not finite or all of one level, or an option is not as
-        described.
-
-    Examples
-    --------
-    A manual ellipse replaces the automatic region:
-
-    >>> from fingerpad.image import ImageEllipse
-    >>> from fingerpad.simulate import render_contact_image
-    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
-    >>> prepared = prepare_contact_image(truth.pixels, Scale.of_ppi(500))
-    >>> drawn = ImageEllipse(centre=truth.centroid, semi_axes=(59.0, 49.0))
-    >>> print(f"{prepared.measure(ellipse=drawn).gross_area:.1f} mm²")
-    23.4 mm²
+    Where no contact is found, `reason` says why.
     """
     surface = options.get("surface") or "ridged"
     if surface not in get_args(Surface):

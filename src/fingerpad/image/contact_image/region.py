@@ -51,13 +51,7 @@ class Region:
 
 
 def find_region(view: View, ridges: Ridges, seed: tuple[float, float] | None) -> Region:
-    """Find the contact among the closed ridges.
-
-    Raises
-    ------
-    ImageError
-        If there is none, or none at the seed.
-    """
+    """Find the contact among the closed ridges."""
     patches = _contact_patches(ridges.closed, view.period)
     if not patches:
         raise ImageError(

@@ -60,9 +60,8 @@ class Ridges:
 def find_ridges(view: View, threshold: float | None) -> Ridges:
     """Tell ridges from valleys in the copy.
 
-    The two levels are means over windows of three periods (Ridler & Calvard's two means, made local); where a
-    window lacks one, the level of the whole picture stands in. With a `threshold` the levels are zero and
-    twice the threshold everywhere. Half-way, 127.5, parts ridges from valleys.
+    The two levels are means over windows of three periods (Ridler & Calvard's two means, made local), or
+    those of the whole picture where a window lacks one; with a `threshold` zero and twice that everywhere.
     """
     values = smoothed(view)
     if threshold is not None:

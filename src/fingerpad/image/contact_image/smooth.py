@@ -58,13 +58,7 @@ class SmoothEdge(Edge):
 def find_smooth(
     pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageOptions]
 ) -> tuple[View, tuple[Region, SmoothEdge] | None, str | None]:
-    """Find the contact in a picture without ridges: its view, region and edge, or why there is none.
-
-    Raises
-    ------
-    ImageError
-        If the picture or an option is not as `measure_contact_image` requires.
-    """
+    """Find the contact in a picture without ridges: its view, region and edge, or why there is none."""
     for name in ("threshold", "ridge_period"):
         if options.get(name) is not None:
             raise ImageError(

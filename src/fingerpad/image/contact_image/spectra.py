@@ -96,10 +96,8 @@ _TURNED = np.where(np.take_along_axis(_NEAR, _MEMBERS, axis=1), _BINS[_MEMBERS],
 def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -> float:
     """Return the median ridge period, px, NaN where no ridges are found.
 
-    Local spectra of textured 64 px windows, on the picture and on smaller copies of it; each window
-    votes for its strongest ring with the share of its power found there. The copies are those that show the
-    `expected` period (px) and half and twice as much, or all of them where these show nothing. Of the
-    best all other windows are asked too.
+    Local spectra of textured 64 px windows, on copies that show the `expected` period (px) and half and twice
+    as much, or else on all; each window votes for its strongest ring with the share of its power there.
     """
     copies = [(pixels, inside)]
     while min(copies[-1][0].shape) >= _WINDOW:
@@ -197,23 +195,11 @@ def _weighted_median(values: FloatArray, weights: FloatArray) -> float:
 
 
 def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step: float) -> bool:
-    """Return whether ridges as far apart as a finger's fill at least a quarter of an outline.
+    """Return whether ridges as far apart as a finger's fill at least a quarter of an outline, (x, y).
 
-    Local spectra, as those that the ridge period is found from, but at the scale of the picture: where a
-    window's strongest wave is 0.28 to 0.75 mm long, holds a quarter of the power and turns into the waves of
-    half of the windows next to it, there are ridges. Straight lines evenly spaced are none. A picture too
-    coarse to show ridges is given the benefit of the doubt.
-
-    Parameters
-    ----------
-    copy : ndarray of float32, (rows, columns)
-        The picture reduced to some pixels a ridge period.
-    outline : ndarray, (n, 2)
-        (x, y), px of the copy.
-    mm_per_px : float
-        Scale of the picture.
-    step : float
-        Pixels of the picture in one of the copy.
+    A window of the copy, of `step` pixels of the picture, has ridges where its strongest wave is 0.28 to 0.75
+    mm, holds a quarter of the power and turns into those of half of the windows next to it; evenly spaced
+    straight lines are none. A picture too coarse to show ridges is given the benefit of the doubt.
     """
     if mm_per_px > _COARSEST_MM:
         return True

@@ -184,13 +184,7 @@ class View:
 
 
 def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageOptions]) -> View:
-    """Check a picture and what limits it, find its ridge period, and reduce it so that this is 4.5 px.
-
-    Raises
-    ------
-    ImageError
-        If the picture or an option is not as `measure_contact_image` requires.
-    """
+    """Check a picture and what limits it, find its ridge period, and reduce it so that this is 4.5 px."""
     given = options.get("ridge_period")
     levels = {"threshold": options.get("threshold"), "contrast": options.get("contrast")}
     for name, value in {**levels, "ridge_period": given}.items():
@@ -245,13 +239,7 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
 
 
 def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
-    """Check a picture and what limits it, and crop it; it may be blank. Other options do not count.
-
-    Raises
-    ------
-    ImageError
-        If one is not as `measure_contact_image` requires.
-    """
+    """Check a picture and what limits it, and crop it; it may be blank. Other options do not count."""
     if unknown := sorted(options.keys() - ContactImageOptions.__annotations__.keys()):
         raise TypeError(f"unknown option {unknown[0]!r}: see ContactImageOptions")
     values = _grey(pixels, "pixels")

@@ -55,15 +55,10 @@ def fit_arc_ellipse(
 ) -> ArcFit:
     """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points (x, y) of an outline.
 
-    `tilt` is the turn of the finger's axis from x towards y as known beforehand, and its standard
-    uncertainty, radians. `places` are those of the points in the outline, rising, where some are left out.
-    `start` is (x, y, semi_x, semi_y, tilt), the least-squares conic if left out. `beyond` is how far along
-    the outline each point lies past an end of the arc: negative before the first, positive after the last.
-
-    Raises
-    ------
-    FitError
-        If the points are fewer than eight, not finite, on a line, or do not determine an ellipse.
+    `tilt` is the turn of the finger's axis from x towards y as known beforehand, and its std, radians.
+    `places` are those of the points in the outline, where some are left out. `start` is (x, y, semi_x,
+    semi_y, tilt). `beyond` is how far each point lies past an end of the arc: negative before the first,
+    positive after the last.
     """
     points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():

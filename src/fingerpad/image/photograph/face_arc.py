@@ -145,13 +145,7 @@ _EACH_POINT = ("points", "step_ratio", "pad", "used", "rejected", "marked")
 
 
 def face_from_arc(arc: FaceArc) -> PhotographFit:
-    """Return a face's semi-axes from an arc of its outline, with the terms of their covariance, and flags.
-
-    Raises
-    ------
-    FitError
-        If the arc does not determine an ellipse.
-    """
+    """Return a face's semi-axes from an arc of its outline, with the terms of their covariance, and flags."""
     fit = _fitted(arc)
     noise = fit.covariance[2:4, 2:4]
     known = float((np.sqrt(np.diagonal(noise)) / fit.ellipse.semi_axes).max())

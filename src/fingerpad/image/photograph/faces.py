@@ -62,13 +62,7 @@ def opposite(direction: Direction) -> Direction:
 
 
 def palmar_directions(face: Face, tip: Direction, palmar: Direction | None) -> tuple[Direction, ...]:
-    """Return the directions that the palmar side may have in the photograph, one if it is known.
-
-    Raises
-    ------
-    ImageError
-        If the face or a direction is unknown, or the palmar side cannot lie there.
-    """
+    """Return the directions that the palmar side may have in the photograph, one if it is known."""
     if face not in tuple(FACE_AXES):
         raise ImageError(f"face must be one of {', '.join(FACE_AXES)}, found {face!r}")
     for name, direction in (("tip", tip), ("palmar", palmar)):
@@ -225,23 +219,7 @@ class PadSemiAxes(Displayed):
 
 
 def implausible_size(semi_axes: ArrayLike) -> BoolArray:
-    """Return which semi-axes no finger pad has, as with a wrong unit or scale.
-
-    Parameters
-    ----------
-    semi_axes : array_like
-        Semi-axes, mm.
-
-    Returns
-    -------
-    ndarray of bool
-        True where implausible.
-
-    Examples
-    --------
-    >>> implausible_size([7.9, 138.0, 11.8])
-    array([False,  True, False])
-    """
+    """Return which semi-axes, mm, no finger pad has, as with a wrong unit or scale."""
     least, most = PLAUSIBLE_SEMI_AXIS_MM
     found = as_float_array(semi_axes)
     return (found < least) | (found > most)

@@ -32,43 +32,10 @@ def photograph_from_ellipse(
     tip: Direction = "up",
     palmar: Direction | None = None,
 ) -> PhotographFit:
-    """Return the semi-axes of a face from an ellipse placed manually; it needs no picture.
+    """Return a face's semi-axes from an ellipse placed manually, px; it needs no picture.
 
-    Parameters
-    ----------
-    face : {"palmar", "distal", "radial", "ulnar"}
-        The face that looks at the camera.
-    scale : Scale or float
-        Millimetres per pixel.
-    centre : (float, float)
-        (row, column), px.
-    semi_axes : (float, float)
-        Across and along, in the order of `FACE_AXES`, px.
-    tilt : float
-        Turn of the ellipse from the face's x (across) towards its y (along), radians.
-    tip, palmar : {"up", "down", "left", "right"}
-        Directions of the fingertip and the palmar side, as for `measure_photograph`.
-
-    Returns
-    -------
-    PhotographFit
-        Without points, with the flag ``fitted_manually``.
-
-    Raises
-    ------
-    ImageError
-        If a number is not finite, a semi-axis not positive, or face and directions do not agree.
-    GeometryError
-        If the tilt is beyond a full turn, as degrees are.
-
-    Examples
-    --------
-    >>> from fingerpad.image import Scale
-    >>> fit = photograph_from_ellipse(
-    ...     "palmar", Scale(0.05), centre=(300, 200), semi_axes=(236, 276)
-    ... )
-    >>> {name: round(value, 3) for name, value in fit.semi_axes_mm.items()}
-    {'radial_ulnar': 11.8, 'distal': 13.8}
+    `semi_axes` are across and along, `centre` is (row, column), `tilt` the turn from across towards along,
+    radians.
     """
     if not (np.isfinite([*centre, *semi_axes, tilt]).all() and min(semi_axes) > 0):
         raise ImageError(
@@ -160,42 +127,11 @@ def with_marked_points(
     added: ArrayLike = (),
     erased: Sequence[tuple[ArrayLike, float]] = (),
 ) -> PhotographFit:
-    """Fit the ellipse again with points added to the outline or erased from it.
+    """Fit the ellipse again with points added to the outline or erased from it, (row, column), px.
 
-    The fit, its uncertainty and its flags are those that `measure_photograph` gives for the arc as it is
-    then; several changes one after another are the same as all at once. Where points are erased at an end of
-    the arc, the pad ends there.
-
-    Parameters
-    ----------
-    found : PhotographFit
-        A measured photograph.
-    added : array_like, shape (n, 2)
-        (row, column), px, of further points on the pad's outline.
-    erased : sequence of (array_like (n, 2), float)
-        Strokes of an eraser: (row, column) along each, px, and its radius, px. Points under it are left out.
-
-    Returns
-    -------
-    PhotographFit
-        With the flag ``fitted_manually``; the same as `found` where nothing is added or erased.
-
-    Raises
-    ------
-    ImageError
-        If points or strokes are not as described.
-    FitError
-        If what is left does not determine an ellipse.
-
-    Examples
-    --------
-    >>> from fingerpad.image import Scale, measure_photograph
-    >>> from fingerpad.simulate import render_finger
-    >>> truth = render_finger("palmar", semi_axes=(11.8, 13.8), mm_per_px=0.1, seed=1)
-    >>> found = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))
-    >>> fewer = with_marked_points(found, erased=[([found.points[0]], 10)])
-    >>> len(fewer.points) < len(found.points), round(fewer.semi_axes_mm["radial_ulnar"])
-    (True, 12)
+    Fit, uncertainty and flags are those of `measure_photograph` for the arc as it is then, however many steps
+    led there. `erased` are strokes of an eraser, each with its radius, px; at an end of the arc the pad ends
+    there.
     """
     marks = _check_points("added points", added)
     arc: FaceArc = found._arc

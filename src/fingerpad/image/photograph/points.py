@@ -137,33 +137,7 @@ def read_outline(path: str | PathLike[str]) -> FloatArray:
 
 
 def read_marks(path: str | PathLike[str]) -> FloatArray:
-    r"""Read marks on a picture from a table with the columns ``row_px`` and ``column_px``.
-
-    Parameters
-    ----------
-    path : path-like
-        A CSV, XLSX or MAT file.
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
-        Marks (row, column), px.
-
-    Raises
-    ------
-    ImageError
-        As `read_outline`.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder, "marks.csv")
-    ...     _ = path.write_text("row_px,column_px\n24,200\n300,436\n")
-    ...     read_marks(path)
-    array([[ 24., 200.],
-           [300., 436.]])
-    """
+    """Read marks (row, column), px, from a table with the columns ``row_px`` and ``column_px``."""
     return _read_points(Path(path), "row", "column")
 
 

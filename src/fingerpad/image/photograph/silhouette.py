@@ -94,11 +94,6 @@ def find_silhouette(
 
     `root` is the side of the frame through which the finger comes in, None when it is seen end on; `window`
     is where the finger that is meant lies, if it need not be the largest.
-
-    Raises
-    ------
-    ImageError
-        If the backdrop is not plain or nothing stands out from it.
     """
     reduction = max(1.0, max(light.shape[:2]) / _SIDE_PX)
     rows, columns = (max(1, round(side / reduction)) for side in light.shape[:2])

@@ -291,23 +291,7 @@ class FrameRate:
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class FrameStamps(Displayed):
-    """Time stamps of the frames, on the time of the force signal.
-
-    Attributes
-    ----------
-    time : array_like, shape (n,)
-        One for each frame, s, strictly increasing.
-
-    Raises
-    ------
-    LoadingError
-        If one is not finite or time does not increase.
-
-    Examples
-    --------
-    >>> FrameStamps([0.0, 0.1, 0.25]).time_of(2, first_contact=None)
-    0.25
-    """
+    """Times of the frames on the clock of the force signal, s, strictly increasing."""
 
     time: FloatArray
 
@@ -319,20 +303,7 @@ class FrameStamps(Displayed):
         set_fields(self, time=time)
 
     def time_of(self, index: int, first_contact: int | None) -> float:  # noqa: ARG002
-        """Return the time of a frame.
-
-        Parameters
-        ----------
-        index : int
-            Number of the frame.
-        first_contact : int or None
-            Not needed.
-
-        Returns
-        -------
-        float
-            s, NaN past the last stamp.
-        """
+        """Return the time of a frame, s, NaN past the last stamp."""
         return float(self.time[index]) if index < self.time.size else math.nan
 
 
@@ -346,37 +317,10 @@ def frame_clock(
     start_time: float | None = None,
     contact_load: float | None = None,
 ) -> FrameRate:
-    """Return the clock of frames taken at a steady rate.
+    """Return the clock of frames taken at a steady rate, on the force's time.
 
-    In order of preference: the first-contact frame lies where the force passes `contact_load`; the first
-    frame lies at `start_time`; where the force's trigger rises; at the force's own start.
-
-    Parameters
-    ----------
-    frames_per_second : float
-        Rate at which the frames were taken.
-    force : ForceSignal, optional
-        The signal on whose time the frames are wanted.
-    start_time : float, optional
-        Time of the first frame, s.
-    contact_load : float, optional
-        Load of the first-contact frame, N.
-
-    Returns
-    -------
-    FrameRate
-        Times of the frames on the clock of the force.
-
-    Raises
-    ------
-    LoadingError
-        If both ways are given, the rate is not positive and finite, or the force never passes the load.
-
-    Examples
-    --------
-    >>> force = ForceSignal([2.0, 2.1, 2.2], [0.0, 1.0, 2.0], trigger=[0.0, 5.0, 5.0])
-    >>> [round(frame_clock(10, force, start_time=t).time_of(0, None), 3) for t in (None, 1.0)]
-    [2.05, 1.0]
+    In order of preference: the first-contact frame lies where the force passes `contact_load` (N); the first
+    frame lies at `start_time` (s); where the force's trigger rises; at the force's own start.
     """
     if start_time is not None and contact_load is not None:
         raise LoadingError("give either the time of the first frame or the load of first contact, not both")
@@ -392,42 +336,11 @@ def frame_clock(
 def alignment_scatter(
     time: ArrayLike, area: ArrayLike, signal: ForceSignal, shift: ArrayLike = 0.0
 ) -> FloatArray:
-    """Return the scatter of contact areas about a power law of the load, for frames displaced in time.
+    """Return the scatter of ln(area) about a power law of the load, for frames displaced by each shift, s.
 
-    Where frames are late, an area while the load grows is that of a smaller load, and one while it falls that
-    of a greater one. A pad that creeps or dissipates does the same in part: the least scatter is where frames
-    and force agree best, which is no proof that they do.
-
-    Parameters
-    ----------
-    time : array_like, shape (n,)
-        Times of the frames, s, on the clock of the signal.
-    area : array_like, shape (n,)
-        Contact areas of the frames, mm²; frames without one are left out.
-    signal : ForceSignal
-        The load.
-    shift : array_like, shape (m,)
-        Time added to all frames, s.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        Root mean square of the residuals of ln A, a relative standard deviation; NaN where fewer than five
-        frames lie in the signal.
-
-    Raises
-    ------
-    LoadingError
-        If times and areas differ in length.
-
-    Examples
-    --------
-    >>> signal = ForceSignal([0, 1, 2, 3], [0, 2, 2, 0])
-    >>> time = np.linspace(0.1, 2.9, 50)
-    >>> late = 40 * signal.load_at(time) ** 0.6
-    >>> scatter = alignment_scatter(time + 0.05, late, signal, [-0.1, -0.05, 0.0])
-    >>> scatter.round(3)
-    array([0.088, 0.   , 0.088])
+    Late frames have an area of a smaller load while it grows and of a greater one while it falls. A pad that
+    creeps does the same in part: the least scatter is where frames and force agree best, which is no proof
+    that they do.
     """
     time, area = as_float_array(time), as_float_array(area)
     if time.ndim != 1 or time.shape != area.shape:

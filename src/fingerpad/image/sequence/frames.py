@@ -216,13 +216,7 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
 
 
 def as_frames(frames: FramesLike) -> Iterable[Frame]:
-    """Return frames, opened if they are a path.
-
-    Raises
-    ------
-    ImageError
-        If the path holds no sequence, or something else than frames is given.
-    """
+    """Return frames, opened if they are a path."""
     if isinstance(frames, str | PathLike):
         return open_frames(frames)
     kept = frames if isinstance(frames, list | tuple | np.ndarray) else ()  # what can be looked at at no cost

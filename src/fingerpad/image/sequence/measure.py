@@ -135,35 +135,8 @@ def measure_frames(
 ) -> Iterator[FrameResult]:
     """Measure frame by frame, without time, load or phase; each result depends on its frame alone.
 
-    Parameters
-    ----------
-    frames : iterable of Frame
-        A sequence or a part of it.
-    scale : Scale or float
-        Millimetres per pixel.
-    settings : SequenceSettings
-        From `estimate_settings` of the whole sequence.
-    watch : callable, optional
-        Called with (index, pixels, contact_image) after each measurement.
-    **options
-        Background, seed, mask and region of interest, as for `measure_contact_image`; how levels are read,
-        `settings` say.
-
-    Returns
-    -------
-    iterator of FrameResult
-        One for each frame.
-
-    Examples
-    --------
-    >>> from fingerpad.image import Frame, Scale, estimate_settings
-    >>> from fingerpad.simulate import render_sequence
-    >>> press = render_sequence([0.0, 0.1], seed=2)
-    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(2)]
-    >>> scale = Scale.of_ppi(press.ppi)
-    >>> settings = estimate_settings(frames, scale)
-    >>> [result.measures is None for result in measure_frames(frames, scale, settings)]
-    [True, False]
+    `settings` of the whole sequence say how levels are read; options limit where, as
+    `measure_contact_image`'s.
     """
     return map(partial(_measure_frame, as_scale(scale), settings, watch, options), frames)
 
@@ -239,34 +212,10 @@ def assign_times(
     force: ForceSignal | None = None,
     phases: PhaseIntervals | None = None,
 ) -> Iterator[FrameResult]:
-    """Yield results with time, load and phase, once the first contact is known.
+    """Yield all results of a sequence with time, load and phase, once the first contact is known.
 
-    Parameters
-    ----------
-    results : iterable of FrameResult
-        All of a sequence, in its order.
-    texture : ndarray, shape (count,)
-        `SequenceSettings.texture`, which gives the phases where there is no force.
-    clock : FrameRate or FrameStamps, optional
-        Times of the frames on the clock of the force signal.
-    force : ForceSignal, optional
-        Normal force.
-    phases : PhaseIntervals, optional
-        Phases on the clock of the force, in place of those found.
-
-    Yields
-    ------
-    FrameResult
-        In the same order.
-
-    Examples
-    --------
-    >>> from fingerpad.image import FrameRate
-    >>> shown = {"gross_area_mm2": 20.0}
-    >>> results = [FrameResult(index=k, measures=shown if k > 1 else None) for k in range(5)]
-    >>> timed = assign_times(results, np.array([0.0, 0.0, 1.0, 2.0, 3.0]), clock=FrameRate(10))
-    >>> [(one.time, one.phase, one.is_first_contact) for one in timed][1:3]
-    [(0.1, 'before', False), (0.2, 'loading', True)]
+    `texture` (`SequenceSettings.texture`) gives the phases where there is neither force nor `phases` on its
+    clock.
     """
     record = _PhaseRecord.of(texture, force, phases)
     waiting: list[FrameResult] = []

@@ -24,35 +24,11 @@ _MIN_DURATION, _FOOT = 0.04, 0.3
 
 
 def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
-    """Return the phase of each sample of a record, as an index into `PHASES`.
+    """Return the phase of each sample of a record, as an index into `PHASES`; it may hold several presses.
 
-    The record is smoothed over a fiftieth of the contact. It is held where it changes at less than a fifth of
-    the rate of the ramps, each ramp's rate being the mean weighted with the change; stretches shorter than
-    a twenty-fifth of the contact are merged with their neighbours. A record may hold several presses.
-
-    Parameters
-    ----------
-    time : array_like, (n,)
-        Strictly increasing times.
-    values : array_like, (n,)
-        Force, or anything that grows with contact.
-
-    Returns
-    -------
-    ndarray of int8, shape (n,)
-        Indices into `PHASES`.
-
-    Raises
-    ------
-    LoadingError
-        If the record is not as described.
-
-    Examples
-    --------
-    >>> time = np.linspace(0, 5, 101)
-    >>> load = np.interp(time, [0, 1, 2, 3, 4, 5], [0, 0, 2, 2, 0, 0])
-    >>> [PHASES[k] for k in phases_of(time, load)][10::20]
-    ['before', 'loading', 'hold', 'unloading', 'after']
+    The record, force or what grows with contact, is smoothed over a fiftieth of the contact. It is held where
+    it changes at less than a fifth of the ramps' rates (means weighted with the change); what lasts less than
+    a twenty-fifth of the contact is merged with its neighbours.
     """
     time = real_array(time, "time", LoadingError)
     values = real_array(values, "values", LoadingError)
@@ -92,28 +68,9 @@ def phases_of(time: ArrayLike, values: ArrayLike) -> npt.NDArray[np.int8]:
 
 @dataclass(frozen=True, slots=True, init=False, eq=False, repr=False)
 class PhaseIntervals(Displayed):
-    """Phases one after the other, each by the time after which it begins.
+    """Phases, each by the time after which it begins, s; up to the first it is ``before``."""
 
-    Attributes
-    ----------
-    start : array_like, (n,)
-        Times after which the phases begin, s, not decreasing; up to the first it is ``before``.
-    phase : sequence of {"before", "loading", "hold", "unloading", "after"}, (n,)
-        The phases. One that begins with the next is empty.
-
-    Raises
-    ------
-    LoadingError
-        If the lengths differ, a time is not finite, times decrease, or a phase is none of `PHASES`.
-
-    Examples
-    --------
-    >>> phases = PhaseIntervals([1.0, 2.0], ["loading", "hold"])
-    >>> [phases.at(time) for time in (1.0, 1.5, 2.5)]
-    ['before', 'loading', 'hold']
-    """
-
-    start: FloatArray
+    start: FloatArray  # (n,); not decreasing: a phase that begins with the next is empty
     phase: tuple[Phase, ...]
 
     def __init__(self, start: ArrayLike, phase: Sequence[Phase]) -> None:
@@ -128,40 +85,13 @@ class PhaseIntervals(Displayed):
         set_fields(self, start=start, phase=tuple(phase))
 
     def at(self, time: float) -> Phase:
-        """Return the phase at a time.
-
-        Parameters
-        ----------
-        time : float
-            s.
-
-        Returns
-        -------
-        {"before", "loading", "hold", "unloading", "after"}
-        """
+        """Return the phase at a time, s."""
         place = int(np.searchsorted(self.start, time)) - 1
         return "before" if place < 0 else self.phase[place]
 
 
 def phase_intervals(time: ArrayLike, values: ArrayLike) -> PhaseIntervals:
-    """Return the phases that `phases_of` finds in a record, each with the last time before its first sample.
-
-    Parameters
-    ----------
-    time, values : array_like, (n,)
-        As for `phases_of`.
-
-    Returns
-    -------
-    PhaseIntervals
-
-    Examples
-    --------
-    >>> time = np.linspace(0, 5, 101)
-    >>> phases = phase_intervals(time, np.interp(time, [0, 1, 2, 3, 4, 5], [0, 0, 2, 2, 0, 0]))
-    >>> phases.phase
-    ('loading', 'hold', 'unloading', 'after')
-    """
+    """Return the phases that `phases_of` finds, each with the last time before its first sample."""
     time, labels = as_float_array(time), phases_of(time, values)
     changes = np.flatnonzero(np.diff(labels, prepend=np.int8(_BEFORE)))
     earlier = np.concatenate([[-np.inf], time])[changes]

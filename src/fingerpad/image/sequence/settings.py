@@ -29,41 +29,15 @@ _MIN_TEXTURE: Final = 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class TextureScan(Displayed):
-    """Texture of the frames, before any is measured.
+    """Texture of the frames, before any is measured."""
 
-    Attributes
-    ----------
-    index : ndarray of int, shape (count,)
-        Their numbers.
-    texture : ndarray, shape (count,)
-        Power of each frame's texture, which grows with the area in contact; NaN where it cannot be read.
-    reason : str or None
-        Why the last of the unreadable frames could not be read.
-
-    Examples
-    --------
-    >>> TextureScan(index=np.arange(3), texture=np.array([0.1, 4.0, 3.0])).busiest
-    (0, 1, 2)
-    """
-
-    index: npt.NDArray[np.int64]
-    texture: FloatArray
-    reason: str | None = None
+    index: npt.NDArray[np.int64]  # (count,); their numbers
+    texture: FloatArray  # (count,); its power, which grows with the area in contact; NaN where unreadable
+    reason: str | None = None  # why the last of the unreadable frames could not be read
 
     @classmethod
     def joined(cls, parts: Iterable["TextureScan"]) -> "TextureScan":
-        """Return the scan of a sequence from those of its parts.
-
-        Parameters
-        ----------
-        parts : iterable of TextureScan
-            In order.
-
-        Returns
-        -------
-        TextureScan
-            Of all frames.
-        """
+        """Return the scan of a sequence from those of its parts, in order."""
         parts = list(parts)
         return cls(
             index=np.concatenate([part.index for part in parts]),
@@ -81,31 +55,11 @@ class TextureScan(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SequenceSettings(Displayed):
-    """Settings for every frame of one sequence.
-
-    Attributes
-    ----------
-    settings : ContactImageOptions
-        Polarity, contrast and ridge period for `measure_contact_image`, the same for all frames, so that they
-        do not flicker or differ between a first touch and the largest contact.
-    learnt_from : tuple of int
-        Frames of the largest contact from which the settings were estimated.
-    texture : ndarray, shape (count,)
-        That of the `TextureScan`.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import render_sequence
-    >>> press = render_sequence([0.0, 0.1], seed=2)
-    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(2)]
-    >>> settings = estimate_settings(frames, Scale.of_ppi(press.ppi))
-    >>> bool(settings.texture[0] < settings.min_texture < settings.texture[1])
-    True
-    """
+    """Polarity, contrast and ridge period of all frames, so that these do not flicker."""
 
     settings: ContactImageOptions
-    learnt_from: tuple[int, ...]
-    texture: FloatArray
+    learnt_from: tuple[int, ...]  # frames of the largest contact
+    texture: FloatArray  # (count,); that of the `TextureScan`
 
     @property
     def min_texture(self) -> float:
@@ -114,31 +68,7 @@ class SequenceSettings(Displayed):
 
 
 def with_first_frame(frames: Iterable[Frame], options: ContactImageOptions) -> ContactImageOptions:
-    """Return the options of a sequence: its first frame, before touch, is the background of smooth contacts.
-
-    Parameters
-    ----------
-    frames : iterable of Frame
-        The whole sequence.
-    options : ContactImageOptions
-        What is known or wanted.
-
-    Returns
-    -------
-    ContactImageOptions
-        With the first frame that can be read as `background`, where the surface is smooth and none is given.
-
-    Raises
-    ------
-    ImageError
-        If that frame shows a contact as a single picture, without doubts.
-
-    Examples
-    --------
-    >>> frames = [Frame(index=0, pixels=np.eye(16, dtype=np.uint8))]
-    >>> with_first_frame(frames, {"surface": "smooth"})["background"].shape
-    (16, 16)
-    """
+    """Return a sequence's options: the first frame, before touch, is the background of smooth contacts."""
     if options.get("surface") != "smooth" or options.get("background") is not None:
         return options
     first = next((frame for frame in frames if frame.pixels is not None), None)
@@ -160,30 +90,7 @@ def scan_texture(
 ) -> TextureScan:
     """Measure the texture of each frame, to find those of the largest contact.
 
-    Of smooth contacts it is what differs from the background.
-
-    Parameters
-    ----------
-    frames : iterable of Frame
-        A sequence or a part of it.
-    scale : Scale or float
-        Millimetres per pixel.
-    **options
-        Background, mask and region of interest count, as for `measure_contact_image`.
-
-    Returns
-    -------
-    TextureScan
-        Of these frames.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import render_sequence
-    >>> press = render_sequence([0.0, 0.1], seed=2)
-    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(2)]
-    >>> texture = scan_texture(frames, Scale.of_ppi(press.ppi)).texture
-    >>> bool(texture[1] > 100 * texture[0])
-    True
+    Of smooth contacts it is what differs from the background. Options count that say where to look.
     """
     scale = as_scale(scale)
     index, texture, reason = [], [], None
@@ -205,41 +112,11 @@ def estimate_settings(
     scan: TextureScan | None = None,
     **options: Unpack[ContactImageOptions],
 ) -> SequenceSettings:
-    """Estimate one set of settings for a sequence from its frames of largest contact.
+    """Estimate one set of settings for a sequence from its frames of largest contact, reading it twice.
 
     Ridges lie above half the local rise from valley to ridge, which a flicker of the light scales without
     moving its half. The contrast of the largest contact defines a rise in every frame, so that neither noise
     nor faint traces count as first contact.
-
-    Parameters
-    ----------
-    frames : iterable of Frame
-        The sequence; it is read twice.
-    scale : Scale or float
-        Millimetres per pixel.
-    scan : TextureScan, optional
-        That of the whole sequence; made here when None.
-    **options
-        What is known or wanted, as for `measure_contact_image`.
-
-    Returns
-    -------
-    SequenceSettings
-        For `measure_frames` or `measure_sequence`.
-
-    Raises
-    ------
-    ImageError
-        If no frame can be read, or none of those with the most texture shows a contact.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import render_sequence
-    >>> press = render_sequence([0.0, 0.1], seed=2)
-    >>> frames = [Frame(index=k, pixels=press.pixels(k)) for k in range(2)]
-    >>> settings = estimate_settings(frames, Scale.of_ppi(press.ppi)).settings
-    >>> settings["dark_on_light"]
-    True
     """
     scale = as_scale(scale)
     options = with_first_frame(frames, options)
@@ -282,11 +159,6 @@ def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> fl
     """Return the power of what is finer than a finger, where the frame is looked at.
 
     A smooth contact has nothing so fine: what differs from its background counts, whatever the light.
-
-    Raises
-    ------
-    ImageError
-        If it is not a grey picture, or what limits it does not fit it.
     """
     ground = options.get("background")
     if options.get("surface") == "smooth" and ground is not None:
