@@ -333,6 +333,7 @@ def test_a_scheduler_of_ones_own(unfinished: Path, undisturbed: list[dict]) -> N
     assert list(records(run_study(unfinished, out, workers=2, scheduler="local").rows)) == undisturbed
 
 
+@pytest.mark.nightly
 def test_an_interrupt_of_the_whole_terminal_ends_a_run_on_workers_of_its_own(
     made: Path, tmp_path: Path
 ) -> None:

@@ -29,7 +29,7 @@ def fitted(tmp_path_factory: pytest.TempPathFactory) -> list[CurveResult]:
         )
         write_curve(folder / f"{seed}.csv", made)
     np.savetxt(folder / "none.png", [[0]])
-    named, other = {"scale": "camera"}, {"scale": "camera", "file": "1.csv"}
+    named, other = {"scale": "camera"}, {"scale": "camera", "file": "1.csv", "thickness_mm": np.inf}
     return curves(folder, {}, named, {"area_relative_std": 0.06}, {"scale": LOST}, other)
 
 

@@ -60,7 +60,7 @@ def test_the_scale_that_outlines_and_areas_share_is_one_error_in_their_compariso
         (folder := tmp_path / scale).mkdir()
         made = simulate_loading_curve(force_std=0.004, displacement_std=0.003, area_std=0.8, points=100)
         write_curve(folder / "curve.csv", made)
-        of_areas = curve(file="curve.csv", scale=scale)
+        of_areas = curve(file="curve.csv", scale=scale, thickness_mm=np.inf)
         (validity,) = study(folder, {"scale": "camera"}, of_areas).validities
         (check,) = (one for one in validity.checks if one.name == "radius_against_loading")
         spreads[scale] = check.relative_std
