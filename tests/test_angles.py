@@ -32,11 +32,7 @@ DEGREES = {
         peak_pressure=1, semi_major=2, semi_minor=1, long_axis_angle=30, centre=(0, 0)
     ),
     "angle of solve_gap": lambda: solve_gap(
-        lambda x, y: (x**2 + y**2) / 20,
-        Tissue(0.1),
-        half_widths=(3, 3),
-        angle=30,
-        load=1.0,
+        lambda x, y: (x**2 + y**2) / 20, Tissue(0.1), half_widths=(3, 3), angle=30, load=1.0
     ),
     "orientation of an ellipse": lambda: ImageEllipse(centre=(1, 1), semi_axes=(9, 8), orientation=20),
     "angle of a plane ellipse": lambda: PlaneEllipse(0, 0, 9, 8, angle=45),

@@ -59,11 +59,7 @@ from fingerpad.image import (
     read_image,
     scan_texture,
 )
-from fingerpad.loading import (
-    LoadingCurve,
-    read_loading_curve,
-    secant_modulus,
-)
+from fingerpad.loading import LoadingCurve, read_loading_curve, secant_modulus
 from fingerpad.simulate import render_coin, render_contact_image, render_finger, render_sequence
 from fingerpad.uncertainty import Inputs, pad_model, propagate
 
@@ -80,12 +76,7 @@ GRID = {
 }
 FACE = {"face": "palmar", "semi_axes": (11.8, 13.8), "covariance": 0.01 * np.eye(2)}
 PIXELS = np.zeros((20, 30), np.uint8)
-PRESSED = {
-    "gap": lambda x, y: (x**2 + y**2) / 20,
-    "tissue": Tissue(0.1),
-    "half_widths": (3, 3),
-    "load": 1.0,
-}
+PRESSED = {"gap": lambda x, y: (x**2 + y**2) / 20, "tissue": Tissue(0.1), "half_widths": (3, 3), "load": 1.0}
 
 
 PLACED, SOFT, BODIES = Placement(PAD, wedge_angle=0.5), Tissue(0.1), Paraboloid(12, 14)

@@ -127,9 +127,7 @@ def _system(bone: Bone, mesh: Mesh, depth: float) -> tuple[Any, FloatArray]:
         top = bone.top(p[0])
         above = p[2] <= depth + 1e-9
         p[2] = np.where(
-            above,
-            p[2] * top / depth,
-            top + (p[2] - depth) / (bone.base - depth) * (bone.base - top),
+            above, p[2] * top / depth, top + (p[2] - depth) / (bone.base - depth) * (bone.base - top)
         )
         block = MeshHex(p, block.t)
     nu = mesh.poisson_ratio

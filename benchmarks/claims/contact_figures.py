@@ -11,15 +11,7 @@ from benchmarks.claims.fast_laws import kept_contacts
 from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
-from fingerpad.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    VERMILLION,
-    in_style,
-    new_figure,
-)
+from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, VERMILLION, in_style, new_figure
 from fingerpad.geometry import Paraboloid
 
 _IMAGES = Path(__file__).parents[2] / "docs" / "images"

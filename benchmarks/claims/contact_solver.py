@@ -60,11 +60,7 @@ def exact_solutions() -> None:
 
 
 def _cells(
-    name: str,
-    points: int,
-    values: tuple[float, ...],
-    exact: tuple[float, ...],
-    found: SolvedContact,
+    name: str, points: int, values: tuple[float, ...], exact: tuple[float, ...], found: SolvedContact
 ) -> tuple[object, ...]:
     errors = (f"{a / b - 1:.1e}" for a, b in zip(values, exact, strict=True))
     return name, f"{points}²", *errors, f"{found.relative_error:.1e}"

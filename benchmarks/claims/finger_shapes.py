@@ -216,14 +216,7 @@ def print_radii(fingers: Iterable[Finger], wedges_deg: tuple[int, ...] = (15, 30
     table(
         ("shape", "n", "seen", "bias, rms error", "stated, held", "of the ellipse: bias, rms error"),
         (
-            (
-                name,
-                len(some),
-                share(seen),
-                off(e[seen]),
-                stated(e[seen], s[seen]),
-                off(by_ellipse),
-            )
+            (name, len(some), share(seen), off(e[seen]), stated(e[seen], s[seen]), off(by_ellipse))
             for name, some in rows.items()
             for e, s, by_ellipse in [np.array(some).T]
             for seen in [np.isfinite(e)]

@@ -57,10 +57,7 @@ def faces(names: Sequence[Face], std: ArrayLike, scale_std: float, repeats: int,
             measured = (lengths + own * random.normal(size=2)) * (1 + scale_std * random.normal())
             seen.append(
                 FaceSemiAxes(
-                    face=name,
-                    semi_axes=measured,
-                    covariance=own**2 * np.eye(2),
-                    relative_scale_std=scale_std,
+                    face=name, semi_axes=measured, covariance=own**2 * np.eye(2), relative_scale_std=scale_std
                 )
             )
         found = combine_faces(seen)

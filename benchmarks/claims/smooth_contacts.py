@@ -79,16 +79,7 @@ def _cells(name: str, found: dict[str, Any]) -> tuple[object, ...]:
 def report(first_seed: int = 200, seeds: int = 4) -> None:
     """Print errors of single contacts by optics, with and without a first picture, and of presses."""
     numbers = range(first_seed, first_seed + seeds)
-    head = (
-        "device",
-        "n",
-        "bias, rms error",
-        "stated, held",
-        "refused",
-        "missed",
-        "without contact",
-        "flags",
-    )
+    head = ("device", "n", "bias, rms error", "stated, held", "refused", "missed", "without contact", "flags")
     for title, with_background in (("With a picture of the empty view", True), ("Without", False)):
         rows = (_cells(k, accuracy(k, numbers, 2, with_background=with_background)) for k in KINDS)
         table(head, rows, title)

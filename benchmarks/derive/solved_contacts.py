@@ -10,12 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fingerpad._arrays import FloatArray
-from fingerpad.contact import (
-    SolvedContact,
-    Tissue,
-    hertz_contact,
-    solve_contact,
-)
+from fingerpad.contact import SolvedContact, Tissue, hertz_contact, solve_contact
 from fingerpad.contact.elliptic import curvature_ratio
 from fingerpad.contact.influence import layer_compliance_ratio
 from fingerpad.exceptions import GeometryError

@@ -46,13 +46,7 @@ def serve() -> None:
 
 def _started() -> subprocess.Popen[str]:
     child = subprocess.Popen(
-        [
-            sys.executable,
-            "-W",
-            "ignore",
-            "-c",
-            f"from {__name__} import serve; serve()",
-        ],
+        [sys.executable, "-W", "ignore", "-c", f"from {__name__} import serve; serve()"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

@@ -82,14 +82,7 @@ class Condition:
 
 
 _CLEAN = Condition(
-    width_fade=0,
-    contrast_fade=0,
-    features=0,
-    uneven=0,
-    haze=0,
-    dirt=0,
-    lighting=0,
-    noise=0.005,
+    width_fade=0, contrast_fade=0, features=0, uneven=0, haze=0, dirt=0, lighting=0, noise=0.005
 )
 
 CONDITIONS: dict[str, Condition] = {

@@ -70,9 +70,7 @@ CONDITIONS = {
     ),
     "live-scan": Condition(optics=_LIVE, mm_per_px=(0.0508, 0.0508)),
     "live-scan, creases, pores, dirt": Condition(
-        skin={"creases": 5, "pores": 0.9},
-        optics={**_LIVE, "dirt": 14},
-        mm_per_px=(0.0508, 0.0508),
+        skin={"creases": 5, "pores": 0.9}, optics={**_LIVE, "dirt": 14}, mm_per_px=(0.0508, 0.0508)
     ),
     "ink": Condition(optics=_INK, mm_per_px=(0.035, 0.0508)),
     "ink, smeared rim": Condition(optics={**_INK, "meniscus": 0.35, "dirt": 6}, mm_per_px=(0.035, 0.0508)),

@@ -199,10 +199,7 @@ def test_invalid_radii(bad: float) -> None:
         ({"youngs_modulus": [1.0, np.nan]}, "youngs_modulus must be .*, found nan at index 1"),
         ({"youngs_modulus": 1.0, "thickness": -2.0}, "thickness must be positive, found -2"),
         ({"youngs_modulus": 1.0, "thickness": np.nan}, "thickness must be positive, found nan"),
-        (
-            {"youngs_modulus": 1.0, "poisson_ratio": 0.51},
-            r"poisson_ratio must be within .*0.5\], found 0.51",
-        ),
+        ({"youngs_modulus": 1.0, "poisson_ratio": 0.51}, r"poisson_ratio must be within .*0.5\], found 0.51"),
         ({"youngs_modulus": [1.0, 2.0], "thickness": [1.0, 2.0, 3.0]}, "shapes must broadcast"),
     ],
 )

@@ -162,10 +162,7 @@ def test_invalid_bodies() -> None:
 def test_area_near_silhouette_on_layer():
     pad = Ellipsoid(palmar=7.5, distal=14.7, radial_ulnar=11.8)
     press = partial(
-        solve_contact,
-        Placement(pad, wedge_angle=np.radians(30)),
-        Tissue(0.1, thickness=8.0),
-        points=64,
+        solve_contact, Placement(pad, wedge_angle=np.radians(30)), Tissue(0.1, thickness=8.0), points=64
     )
     at_area = press(area=116.3)
     assert press(load=at_area.load).area == pytest.approx(116.3, rel=1e-3)

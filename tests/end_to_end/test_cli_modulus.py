@@ -71,10 +71,7 @@ def test_refusals(given: tuple[object, ...], words: str) -> None:
         ((*PAD, "--load-n", 2, "--area-mm2", 0.09), "outside 1–5000 kPa: check load and units"),
         (("--semi-axes-mm", 13.8, 7.9, 11.8, "--wedge-deg", 30), "palmar 13.8 mm is more than distal"),
         (("--semi-axes-mm", 0.8, 1.4, 1.2, "--wedge-deg", 30), "0.8 mm is less than any pad has"),
-        (
-            (*PAD[:4], "--wedge-deg", 0.5236),
-            "--wedge-deg: less than 1.6°: angles are in degrees",
-        ),
+        ((*PAD[:4], "--wedge-deg", 0.5236), "--wedge-deg: less than 1.6°: angles are in degrees"),
     ],
 )
 def test_other_units_and_another_order_are_noted(given: tuple[object, ...], words: str) -> None:

@@ -11,14 +11,7 @@ from tests.image import hand_mesh
 
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.flags import FLAGS
-from fingerpad.image import (
-    FACE_AXES,
-    Scale,
-    combine_faces,
-    measure_photograph,
-    read_colour_image,
-    read_image,
-)
+from fingerpad.image import FACE_AXES, Scale, combine_faces, measure_photograph, read_colour_image, read_image
 from fingerpad.image.photograph.faces import face_axes
 from fingerpad.simulate import render_finger
 

@@ -500,10 +500,7 @@ def test_unsupported_compression_refused(tmp_path, code, name, content):
     ("options", "words"),
     [
         ({"photometric": "cielab", "shape": (40, 60, 3), "dtype": "u1"}, "colour space CIELAB"),
-        (
-            {"photometric": "separated", "shape": (40, 60, 4), "dtype": "u2"},
-            "4 × 16 bits in TIFF",
-        ),
+        ({"photometric": "separated", "shape": (40, 60, 4), "dtype": "u2"}, "4 × 16 bits in TIFF"),
         ({"photometric": "minisblack", "shape": (40, 60), "dtype": "c8"}, "64 bits in format 6"),
     ],
 )

@@ -67,8 +67,7 @@ def test_resolution_invariance():
 
 
 @pytest.mark.parametrize(
-    "bad",
-    [{"semi_major": -1}, {"semi_major": 5, "semi_minor": 6}, {"ppi": 0}, {"ridge_period": math.nan}],
+    "bad", [{"semi_major": -1}, {"semi_major": 5, "semi_minor": 6}, {"ppi": 0}, {"ridge_period": math.nan}]
 )
 def test_invalid_contact_images(bad):
     with pytest.raises(GeometryError):

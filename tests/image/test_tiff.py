@@ -169,10 +169,7 @@ VARIANTS = {
         GREY16,
     ),
     "16 bits PackBits big-endian": (written(GREY16, compression="packbits", byteorder=">"), GREY16),
-    "16 bits signed": (
-        written(GREY16.view(np.int16)),
-        GREY16.view(np.int16).astype(np.float32),
-    ),
+    "16 bits signed": (written(GREY16.view(np.int16)), GREY16.view(np.int16).astype(np.float32)),
     "16 bits float": (written(FLOATS.astype("f2")), FLOATS.astype("f2").astype(np.float32)),
     "32 bits": (written(GREY32), GREY32.astype(np.float32)),
     "32 bits min-is-white": (

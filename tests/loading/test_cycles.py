@@ -7,14 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import FingerpadError, FitError, LoadingError
-from fingerpad.loading import (
-    Cycle,
-    LoadingCurve,
-    Segment,
-    find_cycles,
-    fit_loading_curve,
-    hysteresis,
-)
+from fingerpad.loading import Cycle, LoadingCurve, Segment, find_cycles, fit_loading_curve, hysteresis
 from fingerpad.loading.curve import saturated_rows
 from fingerpad.simulate import simulate_loading_curve
 

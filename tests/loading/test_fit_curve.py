@@ -12,10 +12,7 @@ from numpy.testing import assert_allclose
 from fingerpad import Estimate
 from fingerpad._json import dumps
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import (
-    LoadingFit,
-    fit_loading_curve,
-)
+from fingerpad.loading import LoadingFit, fit_loading_curve
 from fingerpad.loading.contact_point import ESTIMATORS, contact_by_threshold
 from fingerpad.simulate import simulate_loading_curve
 
@@ -119,13 +116,7 @@ def test_displacement_zero_invariance(shift: float) -> None:
 def test_without_area_modulus_undetermined() -> None:
     fit = fit_loading_curve(replace(CURVE, area=None))
     assert fit.contact_offset.known
-    for name in (
-        "loading_radius",
-        "youngs_modulus",
-        "initial_modulus",
-        "load_coefficient",
-        "area_exponent",
-    ):
+    for name in ("loading_radius", "youngs_modulus", "initial_modulus", "load_coefficient", "area_exponent"):
         assert not getattr(fit, name).known, name
     record = json.loads(dumps(fit.as_record()))
     assert record["youngs_modulus_kpa"] is None

@@ -46,11 +46,7 @@ def cells(text: str, quantity: str, of: str) -> list[str]:
     [
         ("Young's modulus E from load and area (kPa)", "youngs_modulus_kpa", "youngs_modulus_on_layer_kpa"),
         ("indentation ξ from the area (mm)", "indentation_mm", "indentation_on_layer_mm"),
-        (
-            "Rg to expect, A/(πξ) (mm)",
-            "geometric_radius_from_compliance_mm",
-            "loading_radius_on_layer_mm",
-        ),
+        ("Rg to expect, A/(πξ) (mm)", "geometric_radius_from_compliance_mm", "loading_radius_on_layer_mm"),
     ],
 )
 def test_both_theories_side_by_side(report, quantity: str, hertz: str, layered: str) -> None:

@@ -215,10 +215,7 @@ def cost(rows: int) -> Cost:
         write_report(result, out)
         done = time.process_time()
         return Cost(
-            model_s=modelled - start,
-            tables_s=tabled - modelled,
-            report_s=done - tabled,
-            peak_mb=peak_mb(),
+            model_s=modelled - start, tables_s=tabled - modelled, report_s=done - tabled, peak_mb=peak_mb()
         )
 
 

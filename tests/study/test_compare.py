@@ -215,10 +215,7 @@ def ran(folder: Path, title: str, *fingers: list[Table], stated: dict[str, float
 def runs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     root = tmp_path_factory.mktemp("runs")
     first = ran(
-        root / "a",
-        "Lab <b>A</b>",
-        finger("l_index", 7.9, person="P01"),
-        finger("l_ring", 7.7, person="P01"),
+        root / "a", "Lab <b>A</b>", finger("l_index", 7.9, person="P01"), finger("l_ring", 7.7, person="P01")
     )
     second = ran(root / "b", "Lab B", finger("index", 7.2, person="P02"), finger("pad", 8.2, synthetic=True))
     third = ran(root / "c", "Lab C", finger("index", 8.3))

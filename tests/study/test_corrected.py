@@ -58,11 +58,7 @@ def study_of():
             "observations": [
                 {**contact, "name": "p", "file": "print.png", "scale": "reader", "synthetic": True},
                 {**contact, "name": "none", "file": "empty.png", "scale": "reader"},
-                {
-                    **contact,
-                    "name": "given",
-                    "ellipse_mm": {"semi_major": 5, "semi_minor": 4, "std": 0.1},
-                },
+                {**contact, "name": "given", "ellipse_mm": {"semi_major": 5, "semi_minor": 4, "std": 0.1}},
             ],
             "sequences": [
                 {

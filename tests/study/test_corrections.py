@@ -191,11 +191,7 @@ BAD = {
     "stroke outside": ("print_1", {"strokes": [{**STROKE, "points_px": [[-9, 4]]}]}, "lies outside"),
     "mask outside": ("print_1", {"mask_px": [[1, 90], [2, 90], [3, 99]]}, "mask_px"),
     "ellipse outside": ("print_1", {"ellipse_px": {"centre": [5, -3], "semi_axes": [4, 3]}}, "centre"),
-    "point far away": (
-        "f/a/p.jpg",
-        {"added_points_px": [[5, 5], [1e200, 9]]},
-        "or equal to 1000000",
-    ),
+    "point far away": ("f/a/p.jpg", {"added_points_px": [[5, 5], [1e200, 9]]}, "or equal to 1000000"),
     "point outside": ("f/a/p.jpg", {"added_points_px": [[5, 5], [5, 99]]}, "added_points_px"),
 }
 

@@ -78,10 +78,7 @@ def task(number: int, work=process) -> Task:
 def records(folder: Path, *works, workers: int = 1, limits: Limits = DEFAULT_LIMITS) -> list[Record]:
     tasks = [task(number, work) for number, work in enumerate(works)]
     folder.mkdir(exist_ok=True)
-    with (
-        Store.writing(folder / STORE_NAME) as store,
-        local_executor(folder, workers, limits) as executor,
-    ):
+    with Store.writing(folder / STORE_NAME) as store, local_executor(folder, workers, limits) as executor:
         return records_of(tasks, executor, store, folder)
 
 

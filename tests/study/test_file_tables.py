@@ -139,12 +139,7 @@ def test_pattern() -> None:
         ],
     )
     assert [one.problem == "" for one in found] == [True, True, False, False]
-    assert found[0].values == {
-        "person": "01",
-        "finger": "left_index",
-        "wedge_angle_deg": 45.0,
-        "load_N": 0.5,
-    }
+    assert found[0].values == {"person": "01", "finger": "left_index", "wedge_angle_deg": 45.0, "load_N": 0.5}
     assert found[1].values["finger"] == "right_thumb"
     assert found[1].values["load_N"] == 0.0015
     assert "100" in found[2].problem

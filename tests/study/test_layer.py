@@ -272,11 +272,7 @@ def test_an_uncertain_roll_changes_the_modulus_of_a_curve_to_second_order(
 
 @pytest.mark.parametrize(
     ("thickness", "std", "flag"),
-    [
-        (2.2, 0.1, "layer_too_thin"),
-        (1.0, None, "contact_too_wide"),
-        (2.8, 0.6, "uncertainty_out_of_range"),
-    ],
+    [(2.2, 0.1, "layer_too_thin"), (1.0, None, "contact_too_wide"), (2.8, 0.6, "uncertainty_out_of_range")],
 )
 def test_a_curve_out_of_range_is_named(
     pressed: tuple[StudyResult, Path], thickness: float, std: float | None, flag: str

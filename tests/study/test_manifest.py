@@ -322,13 +322,7 @@ def test_says_every_fault_at_once(tmp_path: Path) -> None:
         (
             "wedge_angle_deg_std = 0\nroll_angle_deg_std = 0",
             "scale = { ppi = 500 }",
-            [
-                "the wedge angle",
-                "the roll angle",
-                "the load",
-                "Poisson's ratio",
-                "scales of single pictures",
-            ],
+            ["the wedge angle", "the roll angle", "the load", "Poisson's ratio", "scales of single pictures"],
         ),
         (
             "load_relative_std = 0.1\nroll_angle_deg_std = 0",

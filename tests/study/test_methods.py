@@ -85,10 +85,7 @@ def test_what_is_not_stated_is_missing(tmp_path: Path) -> None:
         assert sum(f"apparatus.{key})" in words for words in found.missing) == 1
 
 
-@pytest.mark.parametrize(
-    "stated",
-    [{"dwel_s": 1}, {"dwell_s": -1}, {"imaging": 3}],
-)
+@pytest.mark.parametrize("stated", [{"dwel_s": 1}, {"dwell_s": -1}, {"imaging": 3}])
 def test_wrong_apparatus_is_named(tmp_path: Path, stated: dict[str, int]) -> None:
     with pytest.raises(ManifestError, match=rf"apparatus.*{next(iter(stated))}"):
         study(tmp_path, stated)

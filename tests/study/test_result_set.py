@@ -24,12 +24,7 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import TaskResult
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.result_set import (
-    new_result_set,
-    put_in_place,
-    result_files,
-    result_set_faults,
-)
+from fingerpad.study.results.result_set import new_result_set, put_in_place, result_files, result_set_faults
 from fingerpad.study.results.table import records
 
 TABLES = ("results.csv", "results.json", "results_columns.csv", "summary.json")

@@ -392,17 +392,11 @@ def test_a_key_frame_needs_an_ellipse(study_dir: Path) -> None:
     run(study_dir, ("p", CLOCK))
     with pytest.raises(StoreError, match="give ellipse_px"):
         CorrectionLog(study_dir).append(
-            "p#5",
-            {"key_frame": True},
-            who="anna",
-            expected=0,
-            study=read_study(study_dir / "study.toml"),
+            "p#5", {"key_frame": True}, who="anna", expected=0, study=read_study(study_dir / "study.toml")
         )
 
 
-def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_else(
-    study_dir: Path,
-) -> None:
+def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_else(study_dir: Path) -> None:
     (study_dir / "study.toml").write_text(MANIFEST + SEQUENCE % ("p", CLOCK))
     study = read_study(study_dir / "study.toml")
 

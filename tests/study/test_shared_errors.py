@@ -20,12 +20,7 @@ EXACT = {"wedge_angle_deg_std": 0, "roll_angle_deg_std": 0}
 def result(folder: Path, stated: dict[str, float], wedge: float = 0.0) -> StudyResult:
     contacts = (contact(f"c{number}", std=0.05, axis="") for number in range(COUNT))
     known = finger(std=1e-6, effective_thickness_mm=9)
-    return run(
-        folder,
-        known,
-        *contacts,
-        uncertainty={**EXACT, "wedge_angle_deg_std": wedge, **stated},
-    )
+    return run(folder, known, *contacts, uncertainty={**EXACT, "wedge_angle_deg_std": wedge, **stated})
 
 
 def test_presses_do_not_average_the_gain_of_the_force_out(tmp_path: Path) -> None:

@@ -42,12 +42,7 @@ def test_the_model_is_the_contact_of_the_area_of_the_ellipse() -> None:
     modulus = youngs_modulus(placement, load=2.0, area=area, thickness=8.0, poisson_ratio=0.47)
     tissue = Tissue(modulus, poisson_ratio=0.47, thickness=8.0)
     contact = fast_contact(placement, tissue, area=area)
-    values = (
-        tissue.reduced_modulus,
-        modulus,
-        contact.indentation,
-        contact.area_over_pi_indentation,
-    )
+    values = (tissue.reduced_modulus, modulus, contact.indentation, contact.area_over_pi_indentation)
     assert_allclose([found[name].value for name in LAYER_OUTPUTS], values, rtol=1e-12)
 
 

@@ -11,12 +11,7 @@ from numpy.testing import assert_allclose
 from scipy import stats
 
 from fingerpad.exceptions import UncertaintyError
-from fingerpad.uncertainty import (
-    SharedErrors,
-    pool,
-    pool_random_effects,
-    proportional_stds,
-)
+from fingerpad.uncertainty import SharedErrors, pool, pool_random_effects, proportional_stds
 
 
 def test_weights_are_inverse_variances() -> None:

@@ -36,9 +36,7 @@ def serving(workspace, access=None, port=0):
     listener = listening(port)
     server = uvicorn.Server(
         uvicorn.Config(
-            make_app(workspace, access or Access(TOKEN)),
-            log_level="warning",
-            timeout_graceful_shutdown=1,
+            make_app(workspace, access or Access(TOKEN)), log_level="warning", timeout_graceful_shutdown=1
         )
     )
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})

@@ -128,13 +128,7 @@ def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
     assert info["bits"] == 16
     # An observation shows its levels; a file of which nothing is known is shown as a photograph is.
     state = client.get("/api/studies/demo/state").json()
-    table = {
-        "finger": "synthetic_pad",
-        "wedge_angle_deg": 30,
-        "load_N": 1.0,
-        "file": file,
-        "scale": "reader",
-    }
+    table = {"finger": "synthetic_pad", "wedge_angle_deg": 30, "load_N": 1.0, "file": file, "scale": "reader"}
     edit(client, state, {"kind": "observation", "key": "deep", "set": table})
     shown = client.get("/api/studies/demo/picture/preview", params={"item": "deep"}).content
     levels = cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)

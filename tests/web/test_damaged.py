@@ -63,14 +63,8 @@ def set_to(value, *path):
 
 DAMAGED = {
     "no curves": (without("curves"), "summary.json: is not understood (curves: Field required)"),
-    "half a covariance": (
-        set_to([[1.0]], "fingers", 0, "covariance_mm2"),
-        "fingers.0.covariance_mm2",
-    ),
-    "negative variance": (
-        set_to(-1.0, "fingers", 0, "covariance_mm2", 0, 0),
-        "not be negative",
-    ),
+    "half a covariance": (set_to([[1.0]], "fingers", 0, "covariance_mm2"), "fingers.0.covariance_mm2"),
+    "negative variance": (set_to(-1.0, "fingers", 0, "covariance_mm2", 0, 0), "not be negative"),
 }
 
 

@@ -83,7 +83,7 @@ PURE = {
 RELATIVE = {"disagreements", "shares"}
 # Of a unit that an item beside them names, or that stands in the sentence beside them.
 NAMED_BESIDE = {"printed", "computed", "low", "high", "with_misprint", "value", "std"} | {
-    *("reference", "reference_std", "value_std", "interval", "simulated_interval", "simulated_std"),
+    *("reference", "reference_std", "value_std", "interval", "simulated_interval", "simulated_std")
 }
 IN_PIXELS = {"ellipse_px", "semi_axes", "centre"}
 
