@@ -138,7 +138,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     if np.ptp(rows["load_N"].to_numpy()) > 0:
         yield Plot(
             name=f"{name}_area",
-            figure=_area(rows, area_exponent(summary.contacts_or_frames)),
+            figure=_area(rows, area_exponent(summary.areas)),
             caption=f"Contact area against load, with the fitted exponent and that of Hertz ({where}). "
             "± of the exponent is from the scatter about the line, over frames from its bends, and from the "
             "contact edge; the check of the model takes in the stated uncertainties of areas and loads.",

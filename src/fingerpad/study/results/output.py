@@ -242,7 +242,7 @@ def _placement(
         on_layer=summary.layer and _on_layer(summary.layer),
         loading_radius_mm=loading and loading.value,
         loading_radius_mm_std=loading and loading.std,
-        **_exponent(summary.contacts_or_frames),
+        **_exponent(summary.areas),
         uncertainty_check=check,
         radius_from_indentation_mm_model_std=radius.model_std,
         radius_from_indentation_mm_total_std=radius.total_std,

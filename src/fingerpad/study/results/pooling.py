@@ -45,6 +45,12 @@ from fingerpad.uncertainty import (
     proportional_stds,
 )
 
+# From which exponents and checks of areas follow.
+_OF_AREAS: Final = (
+    *("observation", "sequence", "scale", "pooled", "load_N", "edge_offset_mm_std"),
+    *("semi_major_mm", "semi_minor_mm", "semi_major_mm_noise_std", "semi_minor_mm_noise_std"),
+    *("gross_area_mm2", "gross_area_mm2_noise_std"),
+)
 # A press of fewer frames shows no bends.
 _LEAST_FRAMES: Final = 4
 _NORMAL_97_5: Final = 1.959963984540054
@@ -427,20 +433,20 @@ class Summary:
         """Return one column of `rows`, without a copy of the others."""
         return self.table[name].iloc[self.places]
 
-    def of_observation(self, name: str) -> pd.DataFrame:
-        """Return the rows of one observation."""
-        return self.table.iloc[self.places[self.column("observation") == name]]
+    def where(self, chosen: pd.Series) -> pd.DataFrame:
+        """Return those of `rows` for which something holds."""
+        return self.table.iloc[self.places[chosen]]
 
     @property
     def contacts(self) -> pd.DataFrame:
         """Rows of single contacts, without frames."""
-        return self.table.iloc[self.places[self.column("frame").isna()]]
+        return self.where(self.column("frame").isna())
 
     @property
-    def contacts_or_frames(self) -> pd.DataFrame:
-        """Rows of single contacts, or those of frames where there are none."""
-        contacts = self.contacts
-        return self.rows if contacts.empty else contacts
+    def areas(self) -> pd.DataFrame:
+        """What tells of areas and loads of single contacts, or of frames where there are none."""
+        single = self.column("frame").isna()
+        return self.table[[*_OF_AREAS]].iloc[self.places[single] if single.any() else self.places]
 
     @property
     def pooled_from(self) -> str:
@@ -458,6 +464,14 @@ class Summary:
         return " and ".join(parts)
 
 
+_POOLED: Final = (
+    *("observation", "sequence", "scale", "load_N"),
+    *(f"{name}_mm" for name in POOLED_OUTPUTS),
+    *(f"{name}_{unit_of(name)[0]}" for name in POOLED_ON_LAYER),
+    *("effective_thickness_mm", "effective_thickness_mm_std"),
+)
+
+
 def pool_contacts(rows: Rows) -> list[Summary]:
     """Pool the good rows of each finger at each placement; synthetic and real rows never mix."""
     good = np.flatnonzero(rows.table["status"] == "measured")
@@ -467,7 +481,7 @@ def pool_contacts(rows: Rows) -> list[Summary]:
 
 def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
     table = rows.table
-    pooled = table.iloc[places[table["pooled"].to_numpy()[places]]]
+    pooled = table[[*_POOLED]].iloc[places[table["pooled"].to_numpy()[places]]]
     by_load = table["load_N"].iloc[places].sort_values(kind="stable")
     estimate = items_of(pooled)
     corrected, compliance = (

@@ -46,6 +46,11 @@ class Column:
         """Return an array in which nothing is known; truths are false."""
         return np.full(size, _UNKNOWN[self.dtype], dtype=_NUMPY[self.dtype])
 
+    def is_unknown(self, array: ColumnArray) -> bool:
+        """Return whether an array tells nothing."""
+        missing = np.isnan(array) if self.dtype == "float" else array == _UNKNOWN[self.dtype]
+        return bool(missing.all())
+
     def series(self, array: ColumnArray, index: pd.Index | None = None) -> pd.Series:
         """Return an array as a column of a table, whose index it may share."""
         if self.dtype == "int":
@@ -282,45 +287,49 @@ _AT_ONCE: Final = 1000
 
 def table_of(batches: Iterable[Mapping[str, ColumnArray]], names: Iterable[str] = COLUMNS) -> pd.DataFrame:
     """Return a table of batches of rows, given by column; a column that is not given is not known."""
-    columns = {name: GrowingArray(COLUMNS[name].unknown(0)) for name in names}
-    words: dict[str | None, str | None] = {}
+    size, known, words = 0, dict[str, GrowingArray](), dict[str | None, str | None]()
     for batch in batches:
-        size = len(next(iter(batch.values())))
-        for name, grown in columns.items():
-            column, array = COLUMNS[name], batch.get(name)
-            if array is None:
-                array = column.unknown(size)
-            elif column.dtype == "text":  # each word is kept once
-                array = column.array(words.setdefault(word, word) for word in array)
-            grown.add(array)
-    arrays = {name: grown.array for name, grown in columns.items()}
+        more = len(next(iter(batch.values())))
+        for name, column in COLUMNS.items():
+            array = batch.get(name)
+            if array is None or column.is_unknown(array):
+                array = column.unknown(more)
+            elif name not in known:
+                known[name] = GrowingArray(column.unknown(size))
+            if name in known:
+                if column.dtype == "text":  # each word is kept once
+                    array = column.array(words.setdefault(word, word) for word in array)
+                known[name].add(array)
+        size += more
     # With one index, pandas need not align the columns, which takes longer than the model of a contact.
-    index = pd.RangeIndex(len(next(iter(arrays.values()), ())))
-    return pd.DataFrame(
-        {name: COLUMNS[name].series(array, index) for name, array in arrays.items()}, index=index, copy=False
-    )
+    index = pd.RangeIndex(size)
+    columns = {}
+    for name in names:
+        # Of what no row knows, half of the columns in most studies, there is one item whatever the size.
+        array = known[name].array if name in known else np.broadcast_to(COLUMNS[name].unknown(1), size)
+        columns[name] = COLUMNS[name].series(array, index)
+    return pd.DataFrame(columns, index=index, copy=False)
 
 
 class GrowingArray:
     """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
 
-    def __init__(self, empty: ColumnArray) -> None:
-        self._array, self._size = empty, 0
+    def __init__(self, first: ColumnArray) -> None:
+        self._array, self._size = first, len(first)
 
     def add(self, more: ColumnArray) -> None:
         """Add items."""
         size = self._size + len(more)
         if size > len(self._array):
-            grown = np.empty((max(size, len(self._array) * 5 // 4), *more.shape[1:]), dtype=self._array.dtype)
-            grown[: self._size] = self._array[: self._size]
-            self._array = grown
+            self._array.resize((max(size, len(self._array) * 5 // 4), *more.shape[1:]), refcheck=False)
         self._array[self._size : size] = more
         self._size = size
 
     @property
     def array(self) -> ColumnArray:
-        """All items."""
-        return self._array[: self._size]
+        """All items; nothing can be added to them any more."""
+        self._array.resize((self._size, *self._array.shape[1:]), refcheck=False)
+        return self._array
 
 
 def items(column: pd.Series) -> list[Any]:

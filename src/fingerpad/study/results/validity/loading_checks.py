@@ -123,9 +123,9 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
 
 def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Compare E and ξ with those of the loading curves, at the highest load of both."""
-    rows = case.summary.rows[case.summary.rows["pooled"]]
-    load, top = rows["load_N"].to_numpy(), min(fit.modulus_load for fit in case.fits)
-    inside = rows[(load <= _LARGEST_LOAD * top) & (load >= _SMALLEST_LOAD * top)]
+    load, top = case.summary.column("load_N"), min(fit.modulus_load for fit in case.fits)
+    under = (load <= _LARGEST_LOAD * top) & (load >= _SMALLEST_LOAD * top)
+    inside = case.summary.where(case.summary.column("pooled") & under)
     if inside.empty:
         yield from (
             _missing(name, "no contact under a load of the curves") for name in (MODULUS, INDENTATION)

@@ -323,16 +323,17 @@ class FingerAtAngle(NamedTuple):
     ) -> Self:
         """Gather what is known of a summary's finger at its angle."""
         highest = rows.highest_load.get(summary.key)
-        compared = summary.contacts_or_frames
+        areas = summary.areas
         return cls(
             study=study,
             pad=fingers[summary.finger],
             summary=summary,
             highest=highest,
-            highest_row=highest and first_record(summary.of_observation(highest.observation)),
+            highest_row=highest
+            and first_record(summary.where(summary.column("observation") == highest.observation)),
             loading=loading_radius(curves, summary.finger_and_wedge),
             fits=tuple(_fits(curves, summary)),
-            loaded=compared[compared["pooled"] & (compared["load_N"] > 0)],
+            loaded=areas[areas["pooled"] & (areas["load_N"] > 0)],
         )
 
 
