@@ -12,7 +12,7 @@ from fingerpad import Estimate
 from fingerpad.exceptions import LoadingError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 from fingerpad.loading import LoadingCurve, fit_layer_thickness
-from fingerpad.loading.joint import fit_joint, prepare
+from fingerpad.loading.joint import Prior, fit_joint, prepare
 from fingerpad.loading.layer import THICKER_THAN_FINGER, LayerThicknessFit
 
 PAD = Pad(radius=14.0, modulus=0.05)
@@ -119,6 +119,20 @@ def test_wrong_scales_are_held_by_their_uncertainty() -> None:
     assert not found.flags
 
 
+def test_an_error_of_one_scale_is_one_error_of_pad_and_areas() -> None:
+    """Radius and areas wrong together by a scale are no evidence of another layer."""
+    curve, scale = curve_on(6.0), 1.04
+    scaled = replace(curve, area=scale**2 * curve.area)
+    placement = Paraboloid(scale * 14.0, scale * 14.0)
+    known = {"radius_std": 0.9, "area_relative_std": 0.08}
+    apart = fit_layer_thickness(scaled, placement=placement, **known)
+    shared = fit_layer_thickness(scaled, placement=placement, **known, shared_scale_std=0.04)
+    for name, truth in (("thickness", 6.0), ("youngs_modulus", PAD.modulus)):
+        assert getattr(shared, name).lower < truth < getattr(shared, name).upper
+        assert relative_std(getattr(shared, name)) < 0.985 * relative_std(getattr(apart, name)), name
+    assert relative_std(shared.radius) < 0.7 * relative_std(apart.radius)
+
+
 def test_hertz_theory_that_explains_a_curve_leaves_no_thickness() -> None:
     # A = πRξ and W ∝ ξ^(3/2) of R = 12 mm, where the geometry has an ellipsoid of 1/H = 13.2 ± 1 mm.
     placement = Placement(Ellipsoid(8.94, 12.0, 10.0), wedge_angle=0.0)
@@ -199,7 +213,7 @@ def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
     held = fit_joint(record, "hertz", start, {"loading_radius": known}, free.noise)
 
     def with_prior(std: float):
-        prior = {"loading_radius": Estimate.symmetric(15.0, std)}
+        prior = Prior(values={"loading_radius": 15.0}, covariance=np.array([[std**2]]))
         return fit_joint(record, "hertz", start, {}, free.noise, prior=prior).estimate("youngs_modulus")
 
     for std, limit in ((1e4, free), (1e-5, held)):
@@ -217,6 +231,8 @@ def test_a_prior_goes_from_a_free_to_a_held_parameter() -> None:
         ("poisson_ratio_std", np.nan),
         ("load_relative_std", -0.1),
         ("area_relative_std", np.inf),
+        ("shared_scale_std", -0.1),
+        ("shared_scale_std", 0.02),
     ],
 )
 def test_bad_arguments_are_named(name, wrong) -> None:

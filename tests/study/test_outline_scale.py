@@ -54,17 +54,21 @@ def test_a_name_that_is_not_there(tmp_path: Path) -> None:
         study(tmp_path / "study", {"scale": "third"})
 
 
-def test_the_scale_that_outlines_and_areas_share_is_one_error_in_their_comparison(tmp_path: Path) -> None:
-    spreads = {}
+def test_the_scale_that_outlines_and_areas_share_is_one_error(tmp_path: Path) -> None:
+    spreads, radii = {}, {}
     for scale in ("camera", "other"):
         (folder := tmp_path / scale).mkdir()
         made = simulate_loading_curve(force_std=0.004, displacement_std=0.003, area_std=0.8, points=100)
         write_curve(folder / "curve.csv", made)
-        of_areas = curve(file="curve.csv", scale=scale, thickness_mm=np.inf)
-        (validity,) = study(folder, {"scale": "camera"}, of_areas).validities
+        of_areas = curve(file="curve.csv", scale=scale)
+        result = study(folder, {"scale": "camera"}, of_areas)
+        (validity,), (of_curve,) = result.validities, result.curves
+        radii[scale] = of_curve.layer.radius
         (check,) = (one for one in validity.checks if one.name == "radius_against_loading")
         spreads[scale] = check.relative_std
     # The pad's radius goes with the scale of its outlines, R_g with the square of that of the areas.
     first, second = 1 + 0.03 * np.random.default_rng(0).normal(size=(2, 100_000))
     shared, apart = np.log(first / first**2).var(), np.log(first / second**2).var()
     assert spreads["other"] ** 2 - spreads["camera"] ** 2 == pytest.approx(apart - shared, rel=0.05)
+    # In the fit of a layer areas that are wrong by the scale tell how wrong the radius is.
+    assert radii["camera"].std < 0.95 * radii["other"].std

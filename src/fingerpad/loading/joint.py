@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from types import MappingProxyType
+from typing import Final
 
 import numpy as np
 
@@ -83,6 +83,29 @@ class FitData(Displayed):
     attached: BoolArray | None = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prior:
+    """Free parameters that were also measured elsewhere: a datum each, and the covariance of their errors."""
+
+    values: Mapping[str, float]
+    covariance: FloatArray
+
+    def residuals(self, free: Values) -> FloatArray:
+        """Return how far parameters are from it, in independent standard deviations."""
+        apart = [free[name] - value for name, value in self.values.items()]
+        return np.linalg.solve(np.linalg.cholesky(self.covariance), apart)
+
+    def information(self, names: Sequence[str]) -> FloatArray:
+        """Return the information that it is on the free parameters, (p, p)."""
+        found = np.zeros((len(names), len(names)))
+        places = [names.index(name) for name in self.values]
+        found[np.ix_(places, places)] = np.linalg.inv(self.covariance)
+        return found
+
+
+NO_PRIOR: Final = Prior(values={}, covariance=np.empty((0, 0)))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class JointFit(Displayed):
     """A law fitted to a record, with all that its uncertainty follows from.
@@ -95,8 +118,8 @@ class JointFit(Displayed):
         The free parameters.
     held : mapping of str to Estimate
         Parameters given from elsewhere, whose uncertainty is carried on.
-    prior : mapping of str to Estimate
-        Free parameters that were also measured elsewhere: one datum each.
+    prior : Prior
+        What else is known of the free parameters.
     noise, noise_uncertainty : Noise, NoiseUncertainty
         Of the record.
     covariance : ndarray, (p, p)
@@ -115,7 +138,7 @@ class JointFit(Displayed):
     covariance: FloatArray
     record: FitData
     response: Mapping[str, FloatArray]
-    prior: Mapping[str, Estimate]
+    prior: Prior
 
     @property
     def values(self) -> dict[str, float]:
@@ -160,14 +183,14 @@ class JointFit(Displayed):
     @property
     def aicc(self) -> float:
         """Corrected Akaike criterion, as `FittedForceModel` has it."""
-        n = self.record.load.size + self.record.area.size + len(self.prior)
+        n = self.record.load.size + self.record.area.size + len(self.prior.values)
         k = self.fit.values.size
         return self.fit.sum_of_squares + 2 * k + 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
 
     @property
     def _jacobians(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         derivatives = _jacobians(self.record, self.law, list(self.fit.names), self.values)
-        return *derivatives, _information(self.fit.names, self.prior)
+        return *derivatives, self.prior.information(self.fit.names)
 
     def residuals(self) -> tuple[FloatArray, FloatArray]:
         """Return the residuals of force (N) and area (mm²)."""
@@ -212,7 +235,7 @@ def fit_joint(
     held: Mapping[str, Estimate],
     noise: Noise | None = None,
     *,
-    prior: Mapping[str, Estimate] = MappingProxyType({}),
+    prior: Prior = NO_PRIOR,
 ) -> JointFit:
     """Fit a law to a record; the noise is found from the residuals unless it is given.
 
@@ -230,7 +253,7 @@ def find_noise(
     start: Values,
     held: Mapping[str, Estimate],
     *,
-    prior: Mapping[str, Estimate] = MappingProxyType({}),
+    prior: Prior = NO_PRIOR,
 ) -> tuple[Noise, dict[str, float]]:
     """Return the noise of a record about a law, and the parameters that fit it nearly."""
     names = [name for name in start if name not in held]
@@ -240,7 +263,7 @@ def find_noise(
         noise = replace(
             noise, slope=_slope(record, law, whole), radius=_area_slope(record, law, whole) / math.pi
         )
-        jacobians = *_jacobians(record, law, names, whole), _information(names, prior)
+        jacobians = *_jacobians(record, law, names, whole), prior.information(names)
         found = (noise.kind if noise.drift_std > 0 else "white",)
         noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, kinds or found)
         if kinds:
@@ -290,7 +313,7 @@ def _scaled_residuals(
     held: Mapping[str, Estimate],
     noise: Noise,
     *,
-    prior: Mapping[str, Estimate],
+    prior: Prior,
 ) -> tuple[list[str], Residuals]:
     """Return the free parameters, and the residuals over their spread as a function of these."""
     names = [name for name in start if name not in held]
@@ -298,9 +321,9 @@ def _scaled_residuals(
     scaled = noise.scaling()
 
     def residuals(free: FloatArray) -> FloatArray:
-        force, area = _residuals(record, law, {**given, **dict(zip(names, free.tolist(), strict=True))})
-        known = [(free[names.index(name)] - one.value) / one.std for name, one in prior.items()]
-        return np.append(scaled(force[:, None], area[:, None])[:, 0], known)
+        values = dict(zip(names, free.tolist(), strict=True))
+        force, area = _residuals(record, law, {**given, **values})
+        return np.append(scaled(force[:, None], area[:, None])[:, 0], prior.residuals(values))
 
     return names, residuals
 
@@ -312,7 +335,7 @@ def _fit(
     held: Mapping[str, Estimate],
     noise: Noise,
     *,
-    prior: Mapping[str, Estimate],
+    prior: Prior,
 ) -> JointFit:
     given = {name: estimate.value for name, estimate in held.items()}
     names, residuals = _scaled_residuals(record, law, start, held, noise, prior=prior)
@@ -333,7 +356,7 @@ def _fit(
         change = (moved[0] - moved[1]) / (2 * step)
         response[name] = as_float_array(-np.linalg.lstsq(fit.jacobian, change)[0])
     whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}
-    known = _information(fit.names, prior)
+    known = prior.information(fit.names)
     jacobians = *_jacobians(record, law, names, whole), known
     of_noise = noise_uncertainty(noise, _residuals(record, law, whole), jacobians)
     inverse = noise.inverse_information(*jacobians)
@@ -348,11 +371,6 @@ def _fit(
         response=response,
         prior=prior,
     )
-
-
-def _information(names: Sequence[str], prior: Mapping[str, Estimate]) -> FloatArray:
-    """Return the information on the free parameters that a prior is, (p, p)."""
-    return np.diag([(1 / prior[name].std if name in prior else 0.0) ** 2 for name in names])
 
 
 def _slope(record: FitData, law: str, values: Values) -> FloatArray:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, Self
 
+import numpy as np
+
 from fingerpad._json import plain
 from fingerpad._records import Recorded
 from fingerpad.contact.contact import AnyPlacement
@@ -17,6 +19,7 @@ from fingerpad.loading.joint import (
     FitData,
     JointFit,
     Press,
+    Prior,
     bounded,
     check_std,
     determined,
@@ -58,6 +61,9 @@ _NARROWED: Final = 1 / 3
 _PAD_FORM_STD: Final = 0.5
 _EDGE_STD: Final = 0.05  # mm, of the edge of the areas, as of contact images
 _COMPLIANCE_STD: Final = 0.01  # mm/N, of a stage
+_OF_ONE_SCALE: Final = ("loading_radius", "area_gain")
+# Of two errors that are the same; one would leave no density to both.
+_MOST_CORRELATED: Final = 0.9999
 _NO_AREA: Final = (
     "no contact area in the curve: load and indentation alone cannot tell a layer from a modulus that grows "
     "with load"
@@ -232,6 +238,7 @@ def fit_layer_thickness(
     poisson_ratio_std: float = 0.0,
     load_relative_std: float = 0.0,
     area_relative_std: float = 0.02,
+    shared_scale_std: float = 0.0,
     cycle: int = 0,
     stage_compliance: float | Estimate | None = None,
     area_delay: float | Estimate | None = None,
@@ -269,6 +276,10 @@ def fit_layer_thickness(
         Its standard uncertainty.
     load_relative_std, area_relative_std : float
         Relative standard uncertainties of the scales of force and area, common to the whole curve.
+    shared_scale_std : float
+        Relative standard uncertainty of the scale of lengths by which both the pad and the areas were
+        measured: one error, of the radius and twice of the areas. `radius_std` and `area_relative_std`
+        contain it.
     cycle : int
         Which press of the record to fit.
     stage_compliance, area_delay : float or Estimate, optional
@@ -306,13 +317,14 @@ def fit_layer_thickness(
     >>> thickness.lower < 6 < thickness.upper < 9, fit.layer_weight > 0.99
     (True, True)
     """
-    held, prior = _geometry(placement, radius_std, radius_ratio_std)
+    held, known = _geometry(placement, radius_std, radius_ratio_std)
     if not 0.3 <= poisson_ratio <= 0.5:
         raise LoadingError(f"poisson_ratio must be 0.3 to 0.5 on a layer, found {poisson_ratio}")
     for name, std in (
         ("poisson_ratio_std", poisson_ratio_std),
         ("load_relative_std", load_relative_std),
         ("area_relative_std", area_relative_std),
+        ("shared_scale_std", shared_scale_std),
     ):
         check_std(name, std)
     held |= {
@@ -321,15 +333,16 @@ def fit_layer_thickness(
         "stage_compliance": Estimate.symmetric(0.0, _COMPLIANCE_STD),
         **known_quantities(curve, stage_compliance=stage_compliance, area_delay=area_delay),
     }
-    prior["area_edge"] = Estimate.symmetric(0.0, _EDGE_STD)
+    known["area_edge"] = Estimate.symmetric(0.0, _EDGE_STD)
     if area_relative_std:
-        prior["area_gain"] = Estimate.symmetric(1.0, area_relative_std)
+        known["area_gain"] = Estimate.symmetric(1.0, area_relative_std)
     press = prepare(curve, poisson_ratio, cycle)
     if press.record.area.size < _FEWEST_AREAS:
         found = press.record.area.size
         reason = f"{found} areas under load; five are needed" if found else _NO_AREA
         return LayerThicknessFit.undetermined(reason, press.flags)
-    radius = (held | prior)["loading_radius"].value
+    radius = (held | known)["loading_radius"].value
+    prior = _prior(known, shared_scale_std)
     if radius_std > radius / 3:
         return LayerThicknessFit.undetermined(
             f"the pad's radius of {radius:.3g} mm is not known to a third: another one looks like a layer",
@@ -337,7 +350,25 @@ def fit_layer_thickness(
         )
     with determined("a layer"):
         models = _fit(press, radius, held, prior)
-        return _result(press, models, prior, Estimate.symmetric(1.0, load_relative_std))
+        return _result(press, models, known, Estimate.symmetric(1.0, load_relative_std))
+
+
+def _prior(known: Mapping[str, Estimate], shared_scale_std: float) -> Prior:
+    """Return what is known beforehand; an error of the scale is in the radius once and in the areas twice."""
+    covariance = np.diag([one.std**2 for one in known.values()])
+    if shared_scale_std:
+        radius, gain = (known.get(name, Estimate.symmetric(1.0, 0.0)) for name in _OF_ONE_SCALE)
+        least = min(radius.std / radius.value, gain.std / 2)
+        if shared_scale_std > least * (1 + 1e-9):
+            raise LoadingError(
+                "shared_scale_std must be no more than radius_std over the radius and half of "
+                f"area_relative_std, which contain it: {least:.3g}; found {shared_scale_std:.3g}"
+            )
+        stds = radius.std * gain.std
+        shared = min(2 * radius.value * shared_scale_std**2, _MOST_CORRELATED * stds)
+        places = [list(known).index(name) for name in _OF_ONE_SCALE]
+        covariance[places, places[::-1]] = shared
+    return Prior(values={name: one.value for name, one in known.items()}, covariance=covariance)
 
 
 def _geometry(
@@ -363,16 +394,14 @@ def _geometry(
     return (held, known) if radius_std else (held | known, {})
 
 
-def _fit(
-    press: Press, radius: float, held: Mapping[str, Estimate], prior: Mapping[str, Estimate]
-) -> dict[str, JointFit]:
+def _fit(press: Press, radius: float, held: Mapping[str, Estimate], prior: Prior) -> dict[str, JointFit]:
     """Return all models that can be fitted, by name, under one noise."""
     record = press.record
     start = start_values(press, radius)
     modulus = start.pop("initial_modulus")
     start.pop("load_coefficient")
     start |= {"youngs_modulus": 0.7 * modulus, "inverse_thickness": 0.5 / _widest(record)}
-    start |= {"loading_radius": radius, **{name: known.value for name, known in prior.items()}}
+    start |= {"loading_radius": radius, **prior.values}
     noise, start = _noise(record, start, held, prior)
     models: dict[str, JointFit] = {}
     for body in _BODIES:
@@ -398,7 +427,7 @@ def _widest(record: FitData) -> float:
 
 
 def _noise(
-    record: FitData, start: Mapping[str, float], held: Mapping[str, Estimate], prior: Mapping[str, Estimate]
+    record: FitData, start: Mapping[str, float], held: Mapping[str, Estimate], prior: Prior
 ) -> tuple[Noise, dict[str, float]]:
     """Return the noise that a layer leaves with areas of any offset, and parameters that fit nearly."""
     try:
@@ -409,7 +438,7 @@ def _noise(
 
 
 def _result(
-    press: Press, models: Mapping[str, JointFit], prior: Mapping[str, Estimate], load_gain: Estimate
+    press: Press, models: Mapping[str, JointFit], known: Mapping[str, Estimate], load_gain: Estimate
 ) -> LayerThicknessFit:
     main, widest = models["layer"], _widest(press.record)
     aicc = {name: model.aicc for name, model in models.items()}
@@ -423,7 +452,7 @@ def _result(
     offset = average_models([_first_order(model, "contact_offset") for model in layered], shares)
     modulus = modulus.over(load_gain)
     reason = _hertz_explains(inverse, weights)
-    notes = {} if reason else _notes(main, models, prior, inverse, widest)
+    notes = {} if reason else _notes(main, models, known, inverse, widest)
     reason = reason or _reason(main, inverse, widest)
     unknown = Estimate.unknown(reason)
     return LayerThicknessFit(

@@ -167,11 +167,12 @@ def curve_names(study: Study) -> list[str | None]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlacedPad:
-    """The pad where a curve presses it, and standard uncertainties of 1/H (mm) and of R1/R2."""
+    """The pad where a curve presses it, with standard uncertainties of 1/H (mm) and of R1/R2."""
 
     placement: Placement
     radius_std: float
     radius_ratio_std: float
+    scale: str | None  # of all its photographs
 
 
 def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) -> PlacedPad:
@@ -193,6 +194,7 @@ def placed_pad(finger: FingerResult, wedge_angle_deg: float, stds: Uncertainty) 
         placement=Placement(pad, wedge_angle=wedge_angle),
         radius_std=float(known["radius"].std),
         radius_ratio_std=float(known["ratio"].std),
+        scale=finger.scale,
     )
 
 
@@ -222,6 +224,8 @@ def _record(
         and curve.thickness_mm is None
     ):
         known = {"poisson_ratio": poisson_ratio, "cycle": curve.cycle, **_instrument(curve, scale)}
+        if isinstance(scale, FoundScale) and scale.name is not None and scale.name == placed.scale:
+            known["shared_scale_std"] = scale.scale.relative_std
         found = replace(found, layer=_layer(found.curve, placed, given, known))
     values = {name: to_record(getattr(found, name)) for name in _FOUND}
     return {"curve": values, "reason": found.reason if found.failed else None}

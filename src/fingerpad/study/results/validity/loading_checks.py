@@ -78,11 +78,6 @@ def _radius_check(case: FingerAtAngle) -> ValidityCheck:
     first = case.summary.first
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
     reference, note = without_misfit(loading)
-    log_std = None
-    if loading.scale is not None and loading.scale == case.pad.scale:
-        # The pad's radius goes with the scale that its outlines share with the areas, R_g with its square.
-        apart = (pooled.std / pooled.value) ** 2 + (reference[1] / loading.value) ** 2
-        log_std = math.sqrt(apart - (loading.area_std / loading.value) ** 2)
     return compare_ratio(
         ROUTES[RADIUS],
         _WORDS[RADIUS],
@@ -90,9 +85,20 @@ def _radius_check(case: FingerAtAngle) -> ValidityCheck:
         (factor * pooled.value, factor * pooled.std),
         reference,
         unit=UNITS[RADIUS],
-        log_std=log_std,
+        log_std=_shared_scale_std(case, loading, pooled.std / pooled.value, reference[1]),
         note=note,
     )
+
+
+def _shared_scale_std(
+    case: FingerAtAngle, loading: LoadingRadius, relative_std: float, loading_std: float
+) -> float | None:
+    """Return that of the logarithm of a radius over R_g where outlines and areas share a scale, else None."""
+    if loading.scale is None or loading.scale != case.pad.scale:
+        return None
+    # The pad's radius goes with the scale, R_g with its square.
+    apart = relative_std**2 + (loading_std / loading.value) ** 2
+    return math.sqrt(apart - (loading.area_std / loading.value) ** 2)
 
 
 def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
@@ -253,13 +259,15 @@ def _layer_radius_check(case: FingerAtAngle, layer: LayerSummary) -> ValidityChe
         return missing(_RADIUS, _LAYER_WORDS[_RADIUS], _ON_LAYER[:1], NO_CURVE)
     found = layer.at_highest_load["loading_radius_on_layer"]
     (value, std), note = without_misfit(case.loading)
+    std = math.hypot(std, _READING * value)
     return compare_ratio(
         _RADIUS,
         _LAYER_WORDS[_RADIUS],
         _ON_LAYER[:1],
         (found.value, found.std),
-        (value, math.hypot(std, _READING * value)),
+        (value, std),
         unit="mm",
+        log_std=_shared_scale_std(case, case.loading, found.std / found.value, std),
         note="; ".join(filter(None, (note, f"± {100 * _READING:.0f} % for how R_g was read"))),
     )
 
