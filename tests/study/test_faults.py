@@ -288,8 +288,8 @@ def test_a_full_disk_where_pictures_are_drawn(
     request: pytest.FixtureRequest,
 ) -> None:
     monkeypatch.setenv("TMPDIR", str(small_disk))
-    POOL.close()  # workers that are started now draw there
-    request.addfinalizer(POOL.close)
+    POOL.keep(0)  # workers that are started now draw there
+    request.addfinalizer(lambda: POOL.keep(0))
     out = unfinished.parent / "out"
 
     def fill(progress: Progress) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -136,9 +136,7 @@ def _between(one: ImageEllipse, other: ImageEllipse, share: float) -> Interpolat
     )
 
 
-NOTHING = ContactCorrection()
-# Changes of these have the ridges detected again; strokes and ellipse are measured on those detected before.
-_OF_THE_READING = CORRECTIONS
+NOTHING: Final = ContactCorrection()
 
 
 def contact_correction(active_correction: ActiveCorrection | None) -> ContactCorrection:
@@ -249,7 +247,8 @@ def corrected_contact_image(
         return CorrectedContactImage(contact_image=automatic, reason=reason, automatic=automatic)
     try:
         prepared = plain
-        if prepared is None or _OF_THE_READING & correction.edits.keys():
+        # With changes of these the ridges are detected again; strokes and ellipse need only those before.
+        if prepared is None or CORRECTIONS & correction.edits.keys():
             prepared = prepared_contact(pixels, scale, contact, folder, correction, settings=settings)
         contact_image = measured_under(prepared, correction)
     except ImageError as error:

@@ -1,9 +1,11 @@
 """What a person can correct in a measurement: each change says all that is wanted of its item."""
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
+import numpy as np
 from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from fingerpad.image import BrushStroke, ImageEllipse, Phase, PhaseIntervals, RegionPolygon
@@ -12,13 +14,15 @@ from fingerpad.study.manifest.models import Box, Finite, ManifestModel, Pixel, P
 Reason = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1, max_length=500)]
 Size = Annotated[float, Field(gt=0, le=1e5, allow_inf_nan=False), AfterValidator(not_tiny)]
 Pair = Annotated[list[Size], Field(min_length=2, max_length=2)]
-Path = Annotated[list[Point], Field(min_length=1, max_length=5000)]
+Points = Annotated[list[Point], Field(min_length=1, max_length=5000)]
+# Points (row, column) that a person drew, and how far round them that reaches, px.
+Drawn: TypeAlias = tuple[Sequence[Sequence[float]], float]
 
 
 class Stroke(ManifestModel):
     """A stroke of a round brush or rubber; of one point a disk."""
 
-    points_px: Path
+    points_px: Points
     radius_px: Size
 
 
@@ -26,7 +30,7 @@ class RegionStroke(ManifestModel):
     """A stroke over a contact region; without a radius the points enclose an area."""
 
     action: Literal["add", "remove", "replace"]
-    points_px: Path
+    points_px: Points
     radius_px: Size | None = None
 
     @model_validator(mode="after")
@@ -127,6 +131,21 @@ class _Judged(ManifestModel):
         """Return it as a record keeps it."""
         return self.model_dump(mode="json", exclude_defaults=True)
 
+    def _drawn(self) -> dict[str, Drawn]:
+        """Return what is drawn into the picture, by key."""
+        return {}
+
+    def outside(self, shape: tuple[int, int]) -> str | None:
+        """Say what misses a picture of this shape altogether; None where nothing does."""
+        for name, (points, reach) in self._drawn().items():
+            first, last = np.min(points, axis=0), np.max(points, axis=0)
+            if np.any(last < -0.5 - reach) or np.any(first > np.array(shape) - 0.5 + reach):
+                return (
+                    f"{name}: row {first[0]:g}, column {first[1]:g} lies outside the picture of {shape[0]} "
+                    f"rows and {shape[1]} columns"
+                )
+        return None
+
 
 class ContactCorrection(_Judged):
     """What a person corrects in the measurement of a contact image or a frame."""
@@ -161,24 +180,21 @@ class ContactCorrection(_Judged):
         turn = self.ellipse_px.orientation_deg
         return ImageEllipse(centre=(row, column), semi_axes=(major, minor), orientation=math.radians(turn))
 
-    def outside(self, shape: tuple[int, int]) -> str | None:
-        """Say what misses a picture of this shape altogether; None where nothing does."""
-        seed, ellipse = self.seed_px, self.ellipse_px
+    def _drawn(self) -> dict[str, Drawn]:
         box = self.region_of_interest_px
-        corners = None if box is None else [[*map(float, box[:2])], [*map(float, box[2:])]]
-        return _outside(
-            shape,
-            {
-                "seed_px": ([seed] if seed else None, 0.0),
-                "mask_px": (_extent(self.mask_px), 0.0),
-                "region_of_interest_px": (_extent(corners), 0.0),
-                "ellipse_px.centre": ([ellipse.centre] if ellipse else None, 0.0),
-                **{
-                    f"strokes[{k}].points_px": (_extent(stroke.points_px), stroke.radius_px or 0.0)
-                    for k, stroke in enumerate(self.strokes)
-                },
+        points: dict[str, Sequence[Sequence[float]] | None] = {
+            "seed_px": self.seed_px and [self.seed_px],
+            "mask_px": self.mask_px,
+            "region_of_interest_px": box and [box[:2], box[2:]],
+            "ellipse_px.centre": self.ellipse_px and [self.ellipse_px.centre],
+        }
+        return {
+            **{name: (some, 0.0) for name, some in points.items() if some},
+            **{
+                f"strokes[{k}].points_px": (stroke.points_px, stroke.radius_px or 0.0)
+                for k, stroke in enumerate(self.strokes)
             },
-        )
+        }
 
 
 class PhotographCorrection(_Judged):
@@ -191,22 +207,17 @@ class PhotographCorrection(_Judged):
     added_points_px: Annotated[list[Point], Field(max_length=5000)] = Field(default=[])
     erased: Annotated[list[Stroke], Field(max_length=2000)] = Field(default=[])
 
-    def outside(self, shape: tuple[int, int]) -> str | None:
-        """Say what misses a picture of this shape altogether; None where nothing does."""
+    def _drawn(self) -> dict[str, Drawn]:
+        # The ellipse's centre may lie beyond a picture that shows the tip alone.
         box = self.region_of_interest_px
-        corners = None if box is None else [[*map(float, box[:2])], [*map(float, box[2:])]]
-        return _outside(
-            shape,
-            {
-                # The ellipse's centre may lie beyond a picture that shows the tip alone.
-                "region_of_interest_px": (_extent(corners), 0.0),
-                **{f"added_points_px[{k}]": ([point], 0.0) for k, point in enumerate(self.added_points_px)},
-                **{
-                    f"erased[{k}].points_px": (_extent(stroke.points_px), stroke.radius_px)
-                    for k, stroke in enumerate(self.erased)
-                },
+        return {
+            **({"region_of_interest_px": ([box[:2], box[2:]], 0.0)} if box else {}),
+            **{f"added_points_px[{k}]": ([point], 0.0) for k, point in enumerate(self.added_points_px)},
+            **{
+                f"erased[{k}].points_px": (stroke.points_px, stroke.radius_px)
+                for k, stroke in enumerate(self.erased)
             },
-        )
+        }
 
 
 class SequenceCorrection(_Judged):
@@ -216,30 +227,5 @@ class SequenceCorrection(_Judged):
     rejected: None = None
     phases: PhaseCorrection | None = None
 
-    def outside(self, _shape: tuple[int, int]) -> None:
-        """Return None: nothing of it is drawn into a picture."""
-
 
 Change: TypeAlias = ContactCorrection | PhotographCorrection | SequenceCorrection
-
-
-def _extent(points: list[Point] | None) -> list[Point] | None:
-    """Return the corners of the box round some points."""
-    if points is None:
-        return None
-    rows, columns = zip(*points, strict=True)
-    return [[min(rows), min(columns)], [max(rows), max(columns)]]
-
-
-def _outside(shape: tuple[int, int], places: dict[str, tuple[list[Point] | None, float]]) -> str | None:
-    for name, (corners, reach) in places.items():
-        if corners is None:
-            continue
-        for axis, count in enumerate(shape):
-            if corners[-1][axis] < -0.5 - reach or corners[0][axis] > count - 0.5 + reach:
-                row, column = corners[0]
-                return (
-                    f"{name}: row {row:g}, column {column:g} lies outside the picture of {shape[0]} rows and "
-                    f"{shape[1]} columns"
-                )
-    return None

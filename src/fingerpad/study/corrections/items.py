@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 
@@ -21,7 +21,7 @@ from fingerpad.study.manifest.messages import validated
 
 CORRECTIONS_NAME: Final = "corrections.jsonl"
 SECOND_OPERATOR_NAME: Final = "second_operator.jsonl"
-_PHASES: Final = "#phases"
+_PHASES: Final = "phases"
 
 Action: TypeAlias = Literal["change", "undo", "redo"]
 
@@ -42,8 +42,7 @@ class Record:
 
     def as_json(self) -> dict[str, Any]:
         """Return it as its line of the file says it."""
-        names = ("id", "item", "when", "who", "action", "change", "picture")
-        return {name: getattr(self, name) for name in names}
+        return asdict(self)
 
     @property
     def words(self) -> str:
@@ -145,21 +144,40 @@ def _first_with_pooling(changes: Sequence[Record]) -> Record | None:
     return found
 
 
+ItemKind: TypeAlias = Literal["observation", "frame", "phases", "photograph"]
+_MODELS: Final[Mapping[ItemKind, type[Change]]] = {
+    "observation": ContactCorrection,
+    "frame": ContactCorrection,
+    "phases": SequenceCorrection,
+    "photograph": PhotographCorrection,
+}
+
+
 def phases_item(sequence: str) -> str:
     """Return the item under which the phases of a sequence are corrected."""
-    return f"{sequence}{_PHASES}"
+    return f"{sequence}#{_PHASES}"
+
+
+def parts_of_item(item: str) -> tuple[ItemKind, str, str]:
+    """Return what an item is by its name alone, whose it is, and which picture or frame, empty for none."""
+    if "/" in item:
+        finger, _, picture = item.partition("/")
+        return "photograph", finger, picture
+    name, mark, frame = item.partition("#")
+    if not mark:
+        return "observation", name, ""
+    return ("phases", name, "") if frame == _PHASES else ("frame", name, frame)
 
 
 def sequence_of_phases(item: str) -> str | None:
     """Return the sequence whose phases an item is, None where it is another one."""
-    return item.removesuffix(_PHASES) if item.endswith(_PHASES) and "/" not in item else None
+    kind, name, _ = parts_of_item(item)
+    return name if kind == "phases" else None
 
 
 def model_of(item: str) -> type[Change]:
     """Return the model of an item's corrections."""
-    if "/" in item:
-        return PhotographCorrection
-    return ContactCorrection if sequence_of_phases(item) is None else SequenceCorrection
+    return _MODELS[parts_of_item(item)[0]]
 
 
 def checked_change(model: type[Change], content: Mapping[str, Any], where: str) -> Any:
@@ -208,9 +226,6 @@ def _dump(content: Mapping[str, Any]) -> bytes:
     return json.dumps(content, ensure_ascii=False, allow_nan=False).encode(errors="surrogatepass")
 
 
-ItemKind: TypeAlias = Literal["observation", "frame", "phases", "photograph"]
-
-
 def kind_of(item: str, study: Study) -> ItemKind:
     """Return what an item is; `StoreError` where the manifest names no such item."""
     kind = named_kind(item, study)
@@ -225,17 +240,16 @@ def kind_of(item: str, study: Study) -> ItemKind:
 
 def named_kind(item: str, study: Study) -> ItemKind | None:
     """Return what an item is, None where the manifest names no such item."""
-    if "/" in item:
-        finger, _, image = item.partition("/")
-        images = {photo.file for each in study.fingers if each.name == finger for photo in each.photographs}
-        return "photograph" if image in images else None
-    if (sequence := sequence_of_phases(item)) is not None:
-        return "phases" if any(one.name == sequence for one in study.sequences) else None
-    name, mark, number = item.partition("#")
-    if mark:
-        known = any(sequence.name == name for sequence in study.sequences)
-        return "frame" if known and _is_frame(number) else None
-    return "observation" if any(each.name == item for each in study.observations) else None
+    kind, name, part = parts_of_item(item)
+    if kind == "photograph":
+        known = any(
+            one.name == name and part in {each.file for each in one.photographs} for one in study.fingers
+        )
+    elif kind == "observation":
+        known = any(one.name == name for one in study.observations)
+    else:
+        known = (kind == "phases" or _is_frame(part)) and any(one.name == name for one in study.sequences)
+    return kind if known else None
 
 
 def image_of(item: str, study: Study) -> str | None:
@@ -243,11 +257,12 @@ def image_of(item: str, study: Study) -> str | None:
 
     None where it has none of its own, as a frame of a sequence.
     """
-    if "/" in item:
-        return item.partition("/")[2]
-    if (sequence := sequence_of_phases(item)) is not None:
-        return next((each.force for each in study.sequences if each.name == sequence), None)
-    return next((each.file for each in study.observations if each.name == item), None)
+    kind, name, part = parts_of_item(item)
+    if kind == "photograph":
+        return part
+    if kind == "phases":
+        return next((one.force for one in study.sequences if one.name == name), None)
+    return next((one.file for one in study.observations if one.name == item), None)
 
 
 def picture_digest(item: str, study: Study, folder: Path) -> str:
@@ -255,10 +270,10 @@ def picture_digest(item: str, study: Study, folder: Path) -> str:
     image = image_of(item, study)
     if image is not None:
         return digest_of(folder / image)
-    name, _, number = item.partition("#")
-    path = next((sequence.file for sequence in study.sequences if sequence.name == name), None)
-    if path is None or not _is_frame(number):
+    if named_kind(item, study) != "frame":
         return ""
+    _, name, number = parts_of_item(item)
+    path = next(sequence.file for sequence in study.sequences if sequence.name == name)
     try:
         return open_frames(folder / path).at(int(number)).digest
     except ImageError:
@@ -281,12 +296,8 @@ def frames_of(
 ) -> dict[int, ActiveCorrection]:
     """Return the active corrections of a sequence's frames, by the frame's number."""
     start = f"{sequence}#"
-    named = {
-        item.removeprefix(start): one for item, one in active_corrections.items() if item.startswith(start)
-    }
-    return {
-        int(number): active_correction for number, active_correction in named.items() if _is_frame(number)
-    }
+    named = ((item.removeprefix(start), item) for item in active_corrections if item.startswith(start))
+    return {int(number): active_corrections[item] for number, item in named if _is_frame(number)}
 
 
 def _is_frame(number: str) -> bool:

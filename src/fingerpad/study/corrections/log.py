@@ -150,11 +150,7 @@ class CorrectionLog:
                 item: History(item=item, records=tuple(records)).active_correction
                 for item, records in self._histories.items()
             }
-        return {
-            item: active_correction
-            for item, active_correction in found.items()
-            if active_correction is not None
-        }
+        return {item: active for item, active in found.items() if active is not None}
 
     def unknown_items(self, study: Study) -> list[str]:
         """Return the corrected items that a manifest does not name: they are kept, and wait."""

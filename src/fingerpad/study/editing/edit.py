@@ -5,7 +5,7 @@ A table may be written before it is complete: `load_study` tells what it lacks.
 
 import re
 import tomllib
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -17,6 +17,7 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT
 
 from fingerpad.exceptions import EditConflict, ManifestError, StoreError
+from fingerpad.study.corrections.items import ItemKind, parts_of_item
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.template import manifest_files
 from fingerpad.study.journal import LOCK_NAME, complete, locked, read_text_or_none, replace_files
@@ -88,13 +89,6 @@ def remove(home: Any, name: str, table: Any) -> None:
     listed.pop(next(place for place, one in enumerate(listed) if one is table))
     if not listed:
         home.pop(name)
-
-
-def remove_scale(home: Any, name: str) -> None:
-    """Remove a scale, and the table of scales with its last one."""
-    home["scales"].pop(name)
-    if not home["scales"]:
-        home.pop("scales")
 
 
 _HEADER: Final = re.compile(r"^[ \t]*\[[^,\n]*\][ \t]*(?:#.*)?\r?$", re.MULTILINE)
@@ -248,29 +242,6 @@ def tables_of(edits: Iterable[Edit]) -> set[str] | None:
     return names
 
 
-def apply_edit(files: StudyFiles, edit: Edit) -> None:
-    """Make one edit in the documents of a study."""
-    try:
-        _apply(files, edit)
-    except (TOMLKitError, TypeError, ValueError, KeyError) as error:
-        if isinstance(error, ManifestError):
-            raise
-        raise ManifestError(f"{edit.kind} {edit.key}: cannot be written as TOML ({error})") from error
-
-
-def _apply(files: StudyFiles, edit: Edit) -> None:
-    if edit.kind == "study" or edit.kind in SECTIONS:
-        _set_top(files, edit)
-    elif edit.kind == "scale":
-        _set_scale(files, edit)
-    elif edit.kind == "photograph":
-        _set_photograph(files, edit)
-    elif edit.kind in LISTS:
-        _set_listed(files, edit)
-    else:
-        raise ManifestError(f"{edit.kind!r} is no part of a study that can be edited")
-
-
 def _require_name(kind: Kind, name: str) -> None:
     """Refuse a name that no study may have, before anything refers to it."""
     try:
@@ -304,7 +275,9 @@ def _set_scale(files: StudyFiles, edit: Edit) -> None:
     if edit.set is None:
         if not known:
             raise ManifestError(f"scale {edit.key}: there is none of this name")
-        remove_scale(manifest, edit.key)
+        manifest["scales"].pop(edit.key)
+        if not manifest["scales"]:
+            manifest.pop("scales")
         return
     values = dict(edit.set)
     renamed = str(values.pop("name", edit.key))
@@ -386,15 +359,22 @@ def _find(files: StudyFiles, kind: Kind, key: str) -> Any:
     return next((table for table in tables if table.get("name") == key), None)
 
 
+# Whose name stands in the items of each kind.
+_CORRECTED: Final[Mapping[ItemKind, Kind]] = {
+    "observation": "observation",
+    "frame": "sequence",
+    "phases": "sequence",
+    "photograph": "finger",
+}
+
+
 def _refuse_rename(files: StudyFiles, edit: Edit) -> None:
     """Keep the names that corrections go by."""
-    renamed = (edit.set or {}).get("name", edit.key)
-    if renamed == edit.key:
+    if (edit.set or {}).get("name", edit.key) == edit.key:
         return
-    starts = {"observation": edit.key, "sequence": f"{edit.key}#", "finger": f"{edit.key}/"}
-    start = starts.get(edit.kind)
     for item in CorrectionLog(files.folder).active_corrections():
-        if item == start or (start is not None and start[-1] in "#/" and item.startswith(start)):
+        kind, name, _ = parts_of_item(item)
+        if (_CORRECTED[kind], name) == (edit.kind, edit.key):
             raise ManifestError(
                 f"{edit.kind} {edit.key}: it has corrections, which are kept under its name: "
                 "take them back before you rename it"
@@ -410,6 +390,26 @@ def _rename(files: StudyFiles, key: str, old: str, new: str) -> None:
             table[key] = new
     if files.sheet is not None:
         files.sheet.rename(key, old, new)
+
+
+_CHANGES: Final[Mapping[Kind, Callable[[StudyFiles, Edit], None]]] = {
+    **dict.fromkeys(("study", *SECTIONS), _set_top),
+    "scale": _set_scale,
+    **dict.fromkeys(LISTS, _set_listed),
+    "photograph": _set_photograph,
+}
+
+
+def apply_edit(files: StudyFiles, edit: Edit) -> None:
+    """Make one edit in the documents of a study."""
+    if edit.kind not in _CHANGES:
+        raise ManifestError(f"{edit.kind!r} is no part of a study that can be edited")
+    try:
+        _CHANGES[edit.kind](files, edit)
+    except ManifestError:
+        raise
+    except (TOMLKitError, TypeError, ValueError, KeyError) as error:
+        raise ManifestError(f"{edit.kind} {edit.key}: cannot be written as TOML ({error})") from error
 
 
 # As in template.toml.

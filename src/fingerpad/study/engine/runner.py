@@ -122,11 +122,12 @@ def run_plans(
                     stage.left -= 1
                     if not stage.left:
                         advance(stage.plan)
-                interrupts.raise_if_any()
+                if interrupts:
+                    raise KeyboardInterrupt  # noqa: TRY301 (as one raised by `store_result`)
         except KeyboardInterrupt:
             for future in [future for future in at_work if future.cancel()]:
                 del at_work[future]
-            while at_work and interrupts.count < 2:
+            while at_work and len(interrupts) < 2:
                 try:
                     for task, result, _ in finished():
                         store_result(task, result)
@@ -147,8 +148,9 @@ def records_of(
     records: dict[str, Record] = {}
 
     def is_done(task: Task) -> bool:
-        done = store.is_done(task, statuses, executor.limits)
-        record = store.record(task.name, task.key) if done else None
+        if not store.is_current(statuses.get(task.name), task.key, executor.limits):
+            return False
+        record = store.record(task.name, task.key)
         if record is not None:
             records[task.name] = record
         return record is not None
@@ -171,29 +173,14 @@ def put_unless_changed(store: Store, folder: Path, task: Task, result: TaskResul
     return result.record
 
 
-class _Interrupts:
-    """How many interrupts have come from the keyboard."""
-
-    def __init__(self) -> None:
-        self.count = 0
-
-    def raise_if_any(self) -> None:
-        if self.count:
-            raise KeyboardInterrupt
-
-
 @contextmanager
-def _deferred_interrupts() -> Iterator[_Interrupts]:
-    """Count interrupts by the keyboard in place of raising them."""
-    found = _Interrupts()
+def _deferred_interrupts() -> Iterator[list[int]]:
+    """List interrupts by the keyboard in place of raising them."""
+    found: list[int] = []
     if threading.current_thread() is not threading.main_thread():
         yield found
         return
-
-    def count(*_: object) -> None:
-        found.count += 1
-
-    before = signal.signal(signal.SIGINT, count)
+    before = signal.signal(signal.SIGINT, lambda number, _frame: found.append(number))
     try:
         yield found
     finally:

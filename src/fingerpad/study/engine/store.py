@@ -12,7 +12,7 @@ import json
 import shutil
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from datetime import UTC, datetime
 from functools import cache, partial
@@ -26,7 +26,7 @@ from filelock import FileLock, Timeout
 
 from fingerpad._files import content_digest, content_stamp, make_folder
 from fingerpad.exceptions import StoreError
-from fingerpad.study.engine.task import Limits, Task, TaskResult
+from fingerpad.study.engine.task import Limits, TaskResult
 
 Structured = TypeVar("Structured")
 
@@ -156,7 +156,8 @@ class Store:
             with _plain_errors(path):
                 is_new = not path.exists() or not path.stat().st_size
                 connection = sqlite3.connect(path, isolation_level=None)
-            with cls._opened(path, connection, read_only=False) as store:
+            with closing(connection):
+                store = cls(path, connection, read_only=False)
                 with _plain_errors(path):
                     if is_new:
                         connection.executescript(f"BEGIN; {_SCHEMA} COMMIT;")
@@ -177,18 +178,11 @@ class Store:
         uri = f"{path.absolute().as_uri()}?{'immutable=1' if alone else 'mode=ro'}"
         with _plain_errors(path):
             connection = sqlite3.connect(uri, uri=True, isolation_level=None)
-        with cls._opened(path, connection, read_only=True) as store:
+        with closing(connection):
+            store = cls(path, connection, read_only=True)
             with _plain_errors(path):
                 store._require_own()
             yield store
-
-    @classmethod
-    @contextmanager
-    def _opened(cls, path: Path, connection: sqlite3.Connection, *, read_only: bool) -> Iterator[Self]:
-        try:
-            yield cls(path, connection, read_only=read_only)
-        finally:
-            connection.close()
 
     def _require_own(self) -> None:
         application, version, tables = (
@@ -221,9 +215,17 @@ class Store:
             else:
                 rows = [row for task in tasks for row in ask(f"{query} WHERE task = ?", (task,))]
         found = {}
-        for task, *rest in rows:
+        for task, key, status, seconds, count, drawn, limits in rows:
             with suppress(ValueError, TypeError):  # damaged: as good as not there
-                found[task] = _status(rest)
+                found[task] = TaskStatus(
+                    key=key,
+                    status=status,
+                    seconds=float(seconds),
+                    count=int(count),
+                    # Most draw nothing, and nothing stopped them.
+                    drawn={} if drawn == "{}" else json.loads(drawn),
+                    limits=None if limits == "null" else Limits(**json.loads(limits)),
+                )
         return found
 
     def record(self, task: str, key: str) -> dict[str, Any] | None:
@@ -273,14 +275,11 @@ class Store:
         with _plain_errors(self.path):
             self._connection.execute(query, (*row, _checksum(row)))
 
-    def is_done(self, task: Task, statuses: Mapping[str, TaskStatus], limits: Limits) -> bool:
-        """Tell whether a task need not be performed again; arguments as for `is_current`."""
-        status = statuses.get(task.name)
-        return status is not None and self.is_current(status, task.key, limits)
-
-    def is_current(self, status: TaskStatus, key: str, limits: Limits) -> bool:
+    def is_current(self, status: TaskStatus | None, key: str, limits: Limits) -> bool:
         """Tell whether a result still holds: what stricter limits stopped and an empty key do not."""
-        if not key or status.key != key or (status.limits is not None and limits.exceed(status.limits)):
+        if status is None or not key or status.key != key:
+            return False
+        if status.limits is not None and limits.exceed(status.limits):
             return False
         return all(self.drawn_file(name, digest) is not None for name, digest in status.drawn.items())
 
@@ -317,11 +316,7 @@ class Store:
         `placed` has the digests of the files of the results, by name.
         """
         self.discard(
-            [
-                task
-                for task, status in self.statuses().items()
-                if any(placed.get(name) != digest for name, digest in status.drawn.items())
-            ]
+            [task for task, status in self.statuses().items() if not status.drawn.items() <= placed.items()]
         )
         shutil.rmtree(self.folder / DRAWN_NAME, ignore_errors=True)
 
@@ -338,14 +333,12 @@ class Store:
             return str(row[2])
         digest = content_digest(path) if stamp else ""
         if not self._read_only:
-            self._remember(name, stamp, digest)
+            self.remember(path, digest, stamp)
         return digest
 
-    def remember(self, path: Path, digest: str) -> None:
-        """Keep the SHA-256 of the current file, for `digest`."""
-        self._remember(str(path), content_stamp(path), digest)
-
-    def _remember(self, *values: str) -> None:
+    def remember(self, path: Path, digest: str, stamp: str | None = None) -> None:
+        """Keep the SHA-256 of a file, by default as it is now, for `digest`."""
+        values = str(path), content_stamp(path) if stamp is None else stamp, digest
         with _plain_errors(self.path):
             self._connection.execute(
                 "INSERT OR REPLACE INTO input VALUES (?, ?, ?, ?)", (*values, _checksum(values))
@@ -365,19 +358,6 @@ def _checksum(values: tuple[object, ...]) -> str:
 def _is_intact(row: tuple[object, ...]) -> bool:
     """Tell whether a row, with its checksum last, is what was written."""
     return _checksum(row[:-1]) == row[-1]
-
-
-def _status(row: list[Any]) -> TaskStatus:
-    key, status, seconds, count, drawn, limits = row
-    stopped_by = None if limits == "null" else json.loads(limits)
-    return TaskStatus(
-        key=key,
-        status=status,
-        seconds=float(seconds),
-        count=int(count),
-        drawn={} if drawn == "{}" else json.loads(drawn),  # as of most, and of all that draw nothing
-        limits=None if stopped_by is None else Limits(**stopped_by),
-    )
 
 
 @contextmanager

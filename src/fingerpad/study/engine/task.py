@@ -3,10 +3,10 @@
 import errno
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
+from importlib import import_module, resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
@@ -84,12 +84,19 @@ def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
             raise
         # Files from anywhere can be damaged in unforeseen ways.
         except Exception as error:
-            _raise_if_full(error)
-            if _is_out_of_memory(error):
+            if any(isinstance(one, OSError) and one.errno == errno.ENOSPC for one in _causes(error)):
+                raise StoreError(
+                    f"{gettempdir()}: the disk is full: make room and run again to go on"
+                ) from error
+            if any(map(_is_out_of_memory, _causes(error))):
                 stopped_by = limits
-                record = {"reason": out_of_memory(file, limits)}
+                reason = (
+                    f"{file}: measuring it takes more than {limits.memory_gb:g} GB of memory: crop or shrink "
+                    "it, or raise the limit (--memory-gb)"
+                )
             else:
-                record = {"reason": in_study(reason_of(error, f"{file}: cannot be measured"), folder)}
+                reason = in_study(reason_of(error, f"{file}: cannot be measured"), folder)
+            record = {"reason": reason}
         drawn = {
             path.relative_to(drawing).as_posix(): path.read_bytes()
             for path in sorted(Path(drawing).rglob("*"))
@@ -98,31 +105,19 @@ def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
     return TaskResult(record, drawn, perf_counter() - start, stopped_by)
 
 
-def out_of_memory(file: str, limits: Limits) -> str:
-    """Return the reason of a task that ran out of memory."""
-    return (
-        f"{file}: measuring it takes more than {limits.memory_gb:g} GB of memory: crop or shrink it, "
-        "or raise the limit (--memory-gb)"
-    )
+def _causes(error: BaseException | None) -> Iterator[BaseException]:
+    """Yield an error, and the errors from which it was raised."""
+    while error is not None:
+        yield error
+        error = error.__cause__
 
 
-def _is_out_of_memory(error: BaseException | None) -> bool:
+def _is_out_of_memory(error: BaseException) -> bool:
     import cv2
 
-    while error is not None:
-        if isinstance(error, MemoryError) or (
-            isinstance(error, cv2.error) and error.code == cv2.Error.StsNoMem
-        ):
-            return True
-        error = error.__cause__
-    return False
-
-
-def _raise_if_full(error: BaseException | None) -> None:
-    while error is not None:
-        if isinstance(error, OSError) and error.errno == errno.ENOSPC:
-            raise StoreError(f"{gettempdir()}: the disk is full: make room and run again to go on") from error
-        error = error.__cause__
+    return isinstance(error, MemoryError) or (
+        isinstance(error, cv2.error) and error.code == cv2.Error.StsNoMem
+    )
 
 
 def working_code() -> str:
@@ -155,21 +150,9 @@ MEASUREMENT_VERSIONS: Final = {"image": 19, "loading": 13, "uncertainty": 7}
 
 def library_versions() -> dict[str, str]:
     """Return the versions of the libraries that results are computed with, of whatever distribution."""
-    import cv2
-    import imagecodecs
-    import numpy
-    import PIL
-    import scipy
-    import tifffile
-
-    return {
-        "imagecodecs": imagecodecs.__version__,
-        "numpy": numpy.__version__,
-        "opencv": cv2.__version__,
-        "pillow": PIL.__version__,
-        "scipy": scipy.__version__,
-        "tifffile": tifffile.__version__,
-    }
+    modules = ("imagecodecs", "numpy", "cv2", "PIL", "scipy", "tifffile")
+    names = {"cv2": "opencv", "PIL": "pillow"}
+    return {names.get(module, module): import_module(module).__version__ for module in modules}
 
 
 def versions_of(*measurements: Literal["image", "loading", "uncertainty"]) -> list[object]:

@@ -49,13 +49,16 @@ class Worker:
     """A child process that performs tasks."""
 
     def __init__(self) -> None:
-        self._process = subprocess.Popen(  # noqa: S603 (this very Python)
+        process = subprocess.Popen(  # noqa: S603 (this very Python)
             [sys.executable, "-c", _BOOTSTRAP.format(path=sys.path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env=os.environ | ONE_THREAD,
             start_new_session=True,  # an interrupt from the terminal is for the parent alone
         )
+        assert process.stdin is not None
+        assert process.stdout is not None
+        self._process, self._questions, self._answers = process, process.stdin, process.stdout
         self._is_ready = self._late = False
 
     @property
@@ -73,7 +76,9 @@ class Worker:
         timer = threading.Timer(limits.seconds * max(1, task.reads), self._end_late)
         timer.daemon = True
         try:
-            self._wait_until_ready()
+            if not self._is_ready:
+                _read(self._answers)
+                self._is_ready = True
             timer.start()
             try:
                 answer = self._ask((task.work, task.file, folder, limits))
@@ -92,18 +97,9 @@ class Worker:
         assert isinstance(answer, TaskResult)
         return answer
 
-    def _wait_until_ready(self) -> None:
-        if not self._is_ready:
-            assert self._process.stdout is not None
-            _read(self._process.stdout)
-            self._is_ready = True
-
     def _ask(self, question: object) -> object:
-        message = pickle.dumps(question)
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        _send(self._process.stdin, message)
-        return pickle.loads(_read(self._process.stdout))  # noqa: S301 (of our own child)
+        _send(self._questions, pickle.dumps(question))
+        return pickle.loads(_read(self._answers))  # noqa: S301 (of our own child)
 
     def _end_late(self) -> None:
         self._late = True
@@ -113,17 +109,16 @@ class Worker:
         """End the process at once."""
         self._process.kill()
         self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
+        for pipe in (self._questions, self._answers):
             with suppress(OSError):  # what it was asked last may still be in the buffer
-                pipe.close()  # type: ignore[union-attr]
+                pipe.close()
 
 
 class WorkerPool:
     """Idle workers of this process, kept from one run to the next: to start one takes a second."""
 
-    def __init__(self, most_idle: int) -> None:
+    def __init__(self) -> None:
         self._idle: list[Worker] = []
-        self._most_idle = most_idle
         self._lock = threading.Lock()
 
     def take(self) -> Worker:
@@ -137,15 +132,8 @@ class WorkerPool:
             with self._lock:
                 self._idle.append(worker)
 
-    def trim(self) -> None:
-        """End idle workers beyond the few that are worth keeping."""
-        self._keep(self._most_idle)
-
-    def close(self) -> None:
-        """End all idle workers."""
-        self._keep(0)
-
-    def _keep(self, most: int) -> None:
+    def keep(self, most: int) -> None:
+        """End idle workers beyond so many."""
         with self._lock:
             extra, self._idle = self._idle[most:], self._idle[:most]
         for worker in extra:
@@ -156,8 +144,8 @@ class WorkerPool:
         self._idle, self._lock = [], threading.Lock()
 
 
-POOL: Final = WorkerPool(most_idle=1)
-atexit.register(POOL.close)
+POOL: Final = WorkerPool()
+atexit.register(POOL.keep, 0)
 if sys.platform != "win32":
     os.register_at_fork(after_in_child=POOL.forget)
 
@@ -172,10 +160,8 @@ class IsolatedRunner:
 
     def perform(self, task: Task) -> TaskResult:
         """Perform a task; any number of threads may ask. `CancelledError` if it was abandoned."""
-        try:
+        with suppress(WorkerDied):  # perhaps for want of memory beside others: a second time tells
             return self._attempt(task)
-        except WorkerDied:
-            pass  # perhaps for want of memory beside others: a second time tells
         try:
             return self._attempt(task)
         except WorkerDied as death:
@@ -325,4 +311,4 @@ def local_executor(folder: Path, workers: int, limits: Limits = DEFAULT_LIMITS) 
         threads.shutdown(wait=False, cancel_futures=True)
         runner.abandon()
         threads.shutdown()
-        POOL.trim()
+        POOL.keep(1)

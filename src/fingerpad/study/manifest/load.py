@@ -124,10 +124,8 @@ class TableChecks:
 
     def __init__(self, folder: Path, surface: Surface = "ridged") -> None:
         self._folder, self._surface = folder, surface
-        # Names seen so far by their folded form: of scales, fingers, and observations and sequences.
-        self._scales: dict[str, str] = {}
-        self._fingers: dict[str, str] = {}
-        self._contacts: dict[str, str] = {}
+        # Names seen so far by their folded form; observations and sequences share theirs.
+        self._names: dict[Kind, dict[str, str]] = {"scale": {}, "finger": {}, "observation": {}}
         self._incomplete: set[tuple[Kind, str]] = set()
         self._stated: dict[frozenset[str], set[str]] = {}
 
@@ -143,7 +141,10 @@ class TableChecks:
         faults = (*faults, *self._name_faults(table))
         if model is not None:
             faults = (*faults, *self._reference_faults(model), *_file_faults(model, self._folder))
-        complete = model is not None and not faults and not self._waits(model)
+        complete = model is not None and not faults
+        if model is not None and complete:
+            referred = {(kind, name) for _, kind, name in _references(model)}
+            complete = self._incomplete.isdisjoint(referred)
         if not complete:
             self._incomplete.add((table.kind, table.key))
         return replace(table, faults=faults, model=model, complete=complete)
@@ -159,7 +160,7 @@ class TableChecks:
     def _name_faults(self, table: Table) -> Iterator[Fault]:
         if table.kind == "curve":
             return
-        names = {"scale": self._scales, "finger": self._fingers}.get(table.kind, self._contacts)
+        names = self._names["observation" if table.kind == "sequence" else table.kind]
         place = "" if table.kind == "scale" else "name"
         if table.kind == "scale":
             yield from checked(_NAME, table.key, strict=True)[1]
@@ -169,23 +170,13 @@ class TableChecks:
 
     def _reference_faults(self, model: ManifestModel) -> Iterator[Fault]:
         """Yield which finger and which scales are not there."""
-        finger = getattr(model, "finger", None)
-        if finger is not None and self._fingers.get(_folded(finger)) != finger:
-            known = f"; there is {', '.join(self._fingers.values())}" if self._fingers else ""
-            yield Fault("finger", f"no finger is named {finger!r}{known}")
-        for place, scale in _scales_of(model):
-            if self._scales.get(_folded(scale)) != scale:
-                known = ", ".join(self._scales.values())
-                known = f"there is {known}" if known else f"write a table [scales.{scale}]"
-                yield Fault(place, f"no scale is named {scale!r}; {known}")
-
-    def _waits(self, model: ManifestModel) -> bool:
-        """Tell whether a finger or a scale of a table is not complete."""
-        referred = [
-            ("finger", getattr(model, "finger", None)),
-            *(("scale", name) for _, name in _scales_of(model)),
-        ]
-        return not self._incomplete.isdisjoint(referred)
+        for place, kind, name in _references(model):
+            names = self._names[kind]
+            if names.get(_folded(name)) != name:
+                known = f"; there is {', '.join(names.values())}" if names else ""
+                if kind == "scale" and not names:
+                    known = f"; write a table [scales.{name}]"
+                yield Fault(place, f"no {kind} is named {name!r}{known}")
 
 
 def _folded(name: str) -> str:
@@ -193,12 +184,13 @@ def _folded(name: str) -> str:
     return normalize("NFC", name).casefold()
 
 
-def _scales_of(model: ManifestModel) -> Iterator[tuple[str, str]]:
-    """Yield each place where a table refers to a scale by name, and the name."""
+def _references(model: ManifestModel) -> Iterator[tuple[str, Kind, str]]:
+    """Yield each place where a table refers to a finger or a scale by name, which of them, and the name."""
+    if (finger := getattr(model, "finger", None)) is not None:
+        yield "finger", "finger", finger
     for loc, part in (((), model), *model.tables()):
-        scale = getattr(part, "scale", None)
-        if isinstance(scale, str):
-            yield key_path((*loc, "scale")), scale
+        if isinstance(scale := getattr(part, "scale", None), str):
+            yield key_path((*loc, "scale")), "scale", scale
 
 
 def _file_faults(model: ManifestModel, folder: Path) -> Iterator[Fault]:

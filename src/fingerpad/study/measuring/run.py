@@ -153,7 +153,7 @@ def measure_study(
     tally = _Tally(items, store, executor.limits, statuses, on_progress)
 
     def is_done(task: Task) -> bool:
-        if not store.is_done(task, statuses, executor.limits):
+        if not store.is_current(statuses.get(task.name), task.key, executor.limits):
             return False
         if task.name != task.item:  # a piece of a sequence that is not done as a whole
             tally.pictures += task.pictures
@@ -166,8 +166,7 @@ def measure_study(
     left = (
         one
         for one in items.sequences
-        if (status := statuses.get(one.name)) is None
-        or not store.is_current(status, one.key, executor.limits)
+        if not store.is_current(statuses.get(one.name), one.key, executor.limits)
     )
     tally.tell()
     run_plans(items.plans(left), executor, store_result, is_done)

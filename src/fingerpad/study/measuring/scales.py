@@ -5,11 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
-import numpy as np
-import numpy.typing as npt
-
 from fingerpad.exceptions import CalibrationError, FingerpadError
-from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
+from fingerpad.image import Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.engine.store import from_record, to_record
 from fingerpad.study.engine.task import Record, in_study
 from fingerpad.study.manifest import (
@@ -18,6 +15,7 @@ from fingerpad.study.manifest import (
     GridScale,
     LineScale,
     PitchScale,
+    ResolutionScale,
     ScaleKey,
     ScaleTable,
     Study,
@@ -75,38 +73,43 @@ def require_scale(found: FoundScale | str) -> FoundScale:
 
 
 def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> FoundScale:
-    """Return the scale that a table means."""
-    if isinstance(table, CoinScale):
-        return _coin(table, folder, name)
-    if isinstance(table, GridScale):
-        return _grid(table, folder, name)
-    if isinstance(table, LineScale):
-        (row, column), (end_row, end_column) = table.line
-        scale = Scale.of_line(
-            table.length_mm,
-            (row, column),
-            (end_row, end_column),
-            length_mm_std=table.length_mm_std,
-            point_px_std=table.ends_px_std,
-        )
-    elif isinstance(table, CircleScale):
-        scale = Scale.of_circle(
-            table.diameter_mm,
-            [(row, column) for row, column in table.circle],
-            diameter_mm_std=table.diameter_mm_std,
-            point_px_std=table.points_px_std,
-        )
-    elif isinstance(table, PitchScale):
-        scale = Scale(table.mm_per_px, table.mm_per_px * table.relative_std)
-    else:
-        scale = Scale.of_ppi(table.ppi, table.ppi * table.relative_std)
+    """Return the scale that a table means; `CalibrationError` where no coin or grid is found."""
+    match table:
+        case CoinScale() | GridScale():
+            scale, flags = _in_picture(table, folder)
+            return FoundScale(scale=scale, name=name, flags=flags)
+        case LineScale():
+            (row, column), (end_row, end_column) = table.line
+            scale = Scale.of_line(
+                table.length_mm,
+                (row, column),
+                (end_row, end_column),
+                length_mm_std=table.length_mm_std,
+                point_px_std=table.ends_px_std,
+            )
+        case CircleScale():
+            scale = Scale.of_circle(
+                table.diameter_mm,
+                [(row, column) for row, column in table.circle],
+                diameter_mm_std=table.diameter_mm_std,
+                point_px_std=table.points_px_std,
+            )
+        case PitchScale():
+            scale = Scale(table.mm_per_px, table.mm_per_px * table.relative_std)
+        case ResolutionScale():
+            scale = Scale.of_ppi(table.ppi, table.ppi * table.relative_std)
     return FoundScale(scale=scale, name=name)
 
 
-def grid_of(table: GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
-    """Find the grid of a table in its picture."""
+def _in_picture(table: CoinScale | GridScale, folder: Path) -> tuple[Scale, tuple[str, ...]]:
+    """Return the scale of a coin or a grid, and its flags."""
+    file = table.coin if isinstance(table, CoinScale) else table.grid
+    pixels = read_image(folder / file).pixels
     try:
-        return measure_grid(
+        if isinstance(table, CoinScale):
+            coin = measure_coin(pixels)
+            return coin.scale(table.diameter_mm, table.diameter_mm_std), coin.flags
+        grid = measure_grid(
             pixels,
             (table.points[0], table.points[1]),
             table.spacing_mm,
@@ -114,22 +117,5 @@ def grid_of(table: GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
             pattern=table.pattern,
         )
     except CalibrationError as error:
-        raise CalibrationError(f"{table.grid}: {error}") from error
-
-
-def _grid(table: GridScale, folder: Path, name: str | None) -> FoundScale:
-    grid = grid_of(table, read_image(folder / table.grid).pixels)
-    return FoundScale(scale=grid.scale, name=name, flags=grid.flags)
-
-
-def _coin(table: CoinScale, folder: Path, name: str | None) -> FoundScale:
-    pixels = read_image(folder / table.coin).pixels
-    try:
-        coin = measure_coin(pixels)
-    except CalibrationError as error:
-        raise CalibrationError(f"{table.coin}: {error}") from error
-    return FoundScale(
-        scale=coin.scale(table.diameter_mm, table.diameter_mm_std),
-        name=name,
-        flags=coin.flags,
-    )
+        raise CalibrationError(f"{file}: {error}") from error
+    return grid.scale, grid.flags
