@@ -182,11 +182,11 @@ class ContactCorrection(_Judged):
 
     def _drawn(self) -> dict[str, Drawn]:
         box = self.region_of_interest_px
-        points: dict[str, Sequence[Sequence[float]] | None] = {
-            "seed_px": self.seed_px and [self.seed_px],
-            "mask_px": self.mask_px,
-            "region_of_interest_px": box and [box[:2], box[2:]],
-            "ellipse_px.centre": self.ellipse_px and [self.ellipse_px.centre],
+        points: dict[str, Sequence[Sequence[float]]] = {
+            "seed_px": [self.seed_px] if self.seed_px else [],
+            "mask_px": self.mask_px or [],
+            "region_of_interest_px": [box[:2], box[2:]] if box else [],
+            "ellipse_px.centre": [self.ellipse_px.centre] if self.ellipse_px else [],
         }
         return {
             **{name: (some, 0.0) for name, some in points.items() if some},

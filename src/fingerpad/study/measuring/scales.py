@@ -5,8 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
+import numpy as np
+import numpy.typing as npt
+
 from fingerpad.exceptions import CalibrationError, FingerpadError
-from fingerpad.image import Scale, measure_coin, measure_grid, read_image
+from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.engine.store import from_record, to_record
 from fingerpad.study.engine.task import Record, in_study
 from fingerpad.study.manifest import (
@@ -75,9 +78,17 @@ def require_scale(found: FoundScale | str) -> FoundScale:
 def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> FoundScale:
     """Return the scale that a table means; `CalibrationError` where no coin or grid is found."""
     match table:
-        case CoinScale() | GridScale():
-            scale, flags = _in_picture(table, folder)
-            return FoundScale(scale=scale, name=name, flags=flags)
+        case GridScale():
+            grid = grid_of(table, read_image(folder / table.grid).pixels)
+            return FoundScale(scale=grid.scale, name=name, flags=grid.flags)
+        case CoinScale():
+            pixels = read_image(folder / table.coin).pixels
+            try:
+                coin = measure_coin(pixels)
+            except CalibrationError as error:
+                raise CalibrationError(f"{table.coin}: {error}") from error
+            scale = coin.scale(table.diameter_mm, table.diameter_mm_std)
+            return FoundScale(scale=scale, name=name, flags=coin.flags)
         case LineScale():
             (row, column), (end_row, end_column) = table.line
             scale = Scale.of_line(
@@ -101,15 +112,10 @@ def measure_scale(table: ScaleTable, folder: Path, name: str | None = None) -> F
     return FoundScale(scale=scale, name=name)
 
 
-def _in_picture(table: CoinScale | GridScale, folder: Path) -> tuple[Scale, tuple[str, ...]]:
-    """Return the scale of a coin or a grid, and its flags."""
-    file = table.coin if isinstance(table, CoinScale) else table.grid
-    pixels = read_image(folder / file).pixels
+def grid_of(table: GridScale, pixels: npt.NDArray[np.generic]) -> Grid:
+    """Find the grid of a table in its picture; `CalibrationError` if it is not found."""
     try:
-        if isinstance(table, CoinScale):
-            coin = measure_coin(pixels)
-            return coin.scale(table.diameter_mm, table.diameter_mm_std), coin.flags
-        grid = measure_grid(
+        return measure_grid(
             pixels,
             (table.points[0], table.points[1]),
             table.spacing_mm,
@@ -117,5 +123,4 @@ def _in_picture(table: CoinScale | GridScale, folder: Path) -> tuple[Scale, tupl
             pattern=table.pattern,
         )
     except CalibrationError as error:
-        raise CalibrationError(f"{file}: {error}") from error
-    return grid.scale, grid.flags
+        raise CalibrationError(f"{table.grid}: {error}") from error
