@@ -14,6 +14,8 @@ import pytest
 import tifffile
 from tests.web.conftest import serving
 
+from fingerpad.web.api.files import plain_name
+from fingerpad.web.pictures import kind_of_file
 from fingerpad.web.workspace import Workspace
 
 
@@ -315,3 +317,13 @@ def test_a_zip_takes_no_others_place(client):
     assert bring(client, zipped(**{"study.toml": STUDY}), "demo").status_code == 409
     assert bring(client, zipped(**{"study.toml": STUDY}), "new").status_code == 201
     assert bring(client, zipped(**{"top/study.toml": STUDY}), "second").json()["title"] == "t"
+
+
+def test_names_of_uploads_are_plain_and_keep_their_decimal_mark():
+    names = ["../../Finger (1).PNG", "ü b.tif", "30deg_0,5N.png"]
+    assert [plain_name(name) for name in names] == ["Finger-1.PNG", "ü-b.tif", "30deg_0.5N.png"]
+
+
+def test_kind_of_a_file_by_its_name():
+    kinds = [kind_of_file(name) for name in ("a.PNG", "a.csv", "a.avi", "a.txt")]
+    assert kinds == ["picture", "table", "sequence", "other"]

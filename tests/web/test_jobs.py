@@ -244,10 +244,10 @@ def test_the_time_left_is_that_of_the_pictures_left(monkeypatch):
     job = run_job.RunJob(Events())
     job._started = now[0]
     job._progress(Progress(pictures=10, failed=0, total=50))
-    assert job.describe()["seconds_left"] is None
+    assert job.describe().seconds_left is None
     now[0] += 20.0
     job._progress(Progress(item="a", status="done", pictures=20, failed=1, total=50))
-    assert job.describe()["seconds_left"] == pytest.approx(60)
+    assert job.describe().seconds_left == pytest.approx(60)
 
 
 def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study):
@@ -372,7 +372,7 @@ def test_closing_the_workspace_stops_its_runs(studies_folder):
         client.post("/api/studies/demo/run", json={})
         study = workspace.session("demo")
         workspace.close()
-        assert study.run_job.describe()["state"] in {"cancelled", "done"}
+        assert study.run_job.describe().state in {"cancelled", "done"}
 
 
 def test_the_page_responds_during_a_run(studies_folder):

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Final, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, computed_field
 
+from fingerpad._arrays import FloatArray
 from fingerpad._json import dumps
 from fingerpad._rounding import positive_with_uncertainty, value_with_uncertainty
 
@@ -131,3 +132,8 @@ class SemiAxes(Answer):
     palmar: float
     distal: float
     radial_ulnar: float
+
+    @classmethod
+    def of_three(cls, lengths: FloatArray) -> Self:
+        """Return semi-axes in the order of an array."""
+        return cls(**dict(zip(cls.model_fields, lengths.tolist(), strict=True)))

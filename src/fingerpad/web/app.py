@@ -63,15 +63,7 @@ def make_api() -> FastAPI:
 
 
 def make_app(workspace: Workspace, access: Access) -> ASGIApp:
-    """Return the application of one launch.
-
-    Parameters
-    ----------
-    workspace : Workspace
-        Its studies.
-    access : Access
-        Its access control.
-    """
+    """Return the application of one launch."""
 
     def start(request: Request) -> Response:
         """Exchange the token or the code of the start address for a cookie, and redirect to the page."""
@@ -129,17 +121,10 @@ _TO_OPEN_S: Final = 120.0
 
 
 class Launch(NamedTuple):
-    """Addresses of the page of one launch.
+    """Addresses of the page of one launch; that for the user and the file for scripts hold the token.
 
-    Attributes
-    ----------
-    address : str
-        For the user to open; it holds the token.
-    browser_address : str
-        Opened in the browser by this program; valid once, for a short time. Other users of the machine
-        may see it in the list of processes.
-    token_file : Path
-        Holds the token for scripts; only this user can read it.
+    The address that is opened in the browser is valid once, for a short time: other users of the machine may
+    see it in the list of processes.
     """
 
     address: str
@@ -148,22 +133,7 @@ class Launch(NamedTuple):
 
 
 def serve(workspace: Workspace, *, port: int, on_ready: Callable[[Launch], None]) -> None:
-    """Serve the page until it is interrupted, or ended by SIGTERM or SIGHUP.
-
-    Parameters
-    ----------
-    workspace : Workspace
-        Its studies.
-    port : int
-        Port; 0 for any free one.
-    on_ready : callable
-        Called with the addresses once the server is ready.
-
-    Raises
-    ------
-    FingerpadError
-        If the port is not available.
-    """
+    """Serve the page until it is interrupted, or ended by SIGTERM or SIGHUP; port 0 is any free one."""
     listener = listening(port)
     page = f"http://{LOOPBACK}:{listener.getsockname()[1]}{START}"
     folder, access = _private_folder(), Access()
@@ -238,13 +208,7 @@ def _write_private(path: Path, text: str) -> None:
 
 
 def listening(port: int) -> socket.socket:
-    """Return a socket that listens on this machine only.
-
-    Raises
-    ------
-    FingerpadError
-        If the port is not available.
-    """
+    """Return a socket that listens on this machine only."""
     # With the protocol stated, asyncio sets TCP_NODELAY; otherwise each response waits for 40 ms.
     listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:

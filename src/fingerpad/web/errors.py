@@ -7,17 +7,7 @@ from starlette.exceptions import HTTPException
 
 
 class RequestError(HTTPException):
-    """A request that failed.
-
-    Attributes
-    ----------
-    status_code : int
-        HTTP status.
-    words : str
-        What is wrong, and what to do.
-    more : dict
-        Further keys of the response.
-    """
+    """A request that failed: words of what is wrong and what to do, and further keys of the answer."""
 
     def __init__(self, status: HTTPStatus, words: str, **more: Any) -> None:
         super().__init__(status, words)

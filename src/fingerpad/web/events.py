@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator
 from threading import Lock
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 from fingerpad._json import dumps
 from fingerpad.web.answers import Answer
@@ -13,20 +13,20 @@ _MAX_WAITING: Final = 200
 
 
 class RunStatus(Answer):
-    """Progress of a run; `version` rises with each change."""
+    """Progress of a run; `version` rises with each change, so that a page can ignore older answers."""
 
-    state: Literal["idle", "running", "cancelling", "done", "cancelled", "failed"]
-    phase: Literal["measuring", "tables", "report"] | None
-    total: int
-    done: int
-    failed: int
-    current: str
-    file: str
-    seconds: float
-    seconds_left: float | None
-    error: str | None
-    failures: list[str]
-    version: int
+    state: Literal["idle", "running", "cancelling", "done", "cancelled", "failed"] = "idle"
+    phase: Literal["measuring", "tables", "report"] | None = None
+    total: int = 0
+    done: int = 0
+    failed: int = 0
+    current: str = ""
+    file: str = ""
+    seconds: float = 0.0
+    seconds_left: float | None = None
+    error: str | None = None
+    failures: tuple[str, ...] = ()
+    version: int = 0
 
 
 class StudyEvent(Answer):
@@ -42,11 +42,10 @@ class CorrectionsEvent(Answer):
     last_id: int
 
 
-# Server-sent events by their names.
-EVENTS: Final[dict[str, type[Answer]]] = {
-    "study": StudyEvent,
-    "corrections": CorrectionsEvent,
-    "run": RunStatus,
+_NAMES: Final[dict[type[Answer], str]] = {
+    StudyEvent: "study",
+    CorrectionsEvent: "corrections",
+    RunStatus: "run",
 }
 
 
@@ -57,11 +56,9 @@ class Events:
         self._listeners: dict[asyncio.Queue[str | None], asyncio.AbstractEventLoop] = {}
         self._lock = Lock()
 
-    def send(self, event: str, data: Any) -> None:
+    def send(self, event: Answer) -> None:
         """Send an event to all listeners."""
-        text = dumps(data)
-        EVENTS[event].model_validate_json(text.encode(errors="replace"))
-        self._put_all(f"event: {event}\ndata: {text}\n\n")
+        self._put_all(f"event: {_NAMES[type(event)]}\ndata: {dumps(event)}\n\n")
 
     def end(self) -> None:
         """Disconnect all listeners, so that the server can stop."""

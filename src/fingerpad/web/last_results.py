@@ -1,7 +1,6 @@
 """The results of the last run, validated on reading, as they may be imported or damaged."""
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -49,21 +48,13 @@ def item_row(table: pd.DataFrame, item: str) -> Row | None:
     return first_record(table[table["observation"] == item])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Reading:
-    """What reading the results of a run gave: tables, or what is wrong."""
-
-    results: Results | None
-    faults: tuple[str, ...]
-
-
-# Results kept, of studies that are open in several windows.
-_READ: Final[Cache[_Reading]] = Cache(3, lambda _: 1)
+# Results of studies that are open in several windows, or what is wrong with them.
+_READ: Final[Cache[tuple[Results | None, list[str]]]] = Cache(3, lambda _: 1)
 
 
 def last_results(opened: StudySession) -> Results | None:
     """Return the tables of the last run, None if there are none or they are damaged."""
-    return _reading(opened.out).results
+    return _reading(opened.out)[0]
 
 
 def last_headlines(opened: StudySession, placement: PlacementKey) -> dict[str, HeadlineRecord]:
@@ -80,32 +71,26 @@ def results_faults(opened: StudySession) -> list[str]:
 
     A file that was changed in place later is named by what reads it, and by ``fingerpad verify``.
     """
-    return list(_reading(opened.out).faults)
+    return _reading(opened.out)[1]
 
 
-def _reading(out: Path) -> _Reading:
-    """Return the results in a folder, checked and read once for each result set."""
+def _reading(out: Path) -> tuple[Results | None, list[str]]:
+    """Return the results in a folder and their faults, checked and read once for each result set."""
     return _READ.get((out, result_set_stamp(out)), lambda: _read(out))
 
 
-def _read(out: Path) -> _Reading:
+def _read(out: Path) -> tuple[Results | None, list[str]]:
     faults = quick_faults(out, lambda name: not name.startswith("overlays/"))
     if faults or not result_files(out):
-        return _Reading(results=None, faults=tuple(faults))
+        return None, faults
     try:
-        return _Reading(results=Results.read(out), faults=())
+        return Results.read(out), []
     except FingerpadError as error:
-        return _Reading(results=None, faults=(str(error).removesuffix(f"; {RERUN}"),))
+        return None, [str(error).removesuffix(f"; {RERUN}")]
 
 
 def require_file(opened: StudySession, name: str) -> None:
-    """Refuse a file of the results that is not what the last run wrote.
-
-    Raises
-    ------
-    RequestError
-        Naming it.
-    """
+    """Refuse a file of the results that is not what the last run wrote."""
     faults = result_set_faults(opened.out, is_checked=lambda one: one == name)
     if faults:
         raise RequestError.conflict(f"{'; '.join(faults)}: {RERUN}")

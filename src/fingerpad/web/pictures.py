@@ -34,21 +34,11 @@ Kept = TypeVar("Kept")
 
 @dataclass(frozen=True, slots=True)
 class ImageLocation:
-    """Location of an image: a file, or a frame of a sequence.
-
-    Attributes
-    ----------
-    path : Path
-        File or folder.
-    frame : int or None
-        Number of the frame.
-    colour : bool
-        Whether its colour matters: photographs, and files of which nothing is known.
-    """
+    """Location of an image: a file, or a frame of a sequence (a file or folder)."""
 
     path: Path
     frame: int | None = None
-    colour: bool = False
+    colour: bool = False  # whether it matters: of photographs, and of files of which nothing is known
 
     @property
     def stamp(self) -> Hashable:
@@ -170,13 +160,7 @@ def is_sequence(path: Path) -> bool:
 
 
 def kind_of_file(name: str) -> FileKind:
-    """Return the kind of a file by its name: picture, sequence, table or other.
-
-    Examples
-    --------
-    >>> kind_of_file("a.PNG"), kind_of_file("a.csv"), kind_of_file("a.avi"), kind_of_file("a.txt")
-    ('picture', 'table', 'sequence', 'other')
-    """
+    """Return the kind of a file by its name."""
     suffix = Path(name).suffix.lower()
     if suffix in PICTURE_SUFFIXES:
         return "picture"

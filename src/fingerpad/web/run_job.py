@@ -13,26 +13,12 @@ from fingerpad.study.engine.runner import Progress
 from fingerpad.study.pipeline import Draw, run_study
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.web.errors import RequestError
-from fingerpad.web.events import Events
+from fingerpad.web.events import Events, RunStatus
 
 _INTERVAL_S: Final = 0.2
 # Matplotlib's settings belong to the process: one report at a time, also while a closed study ends its run.
 _DRAWING: Final = Lock()
 _ACTIVE: Final = frozenset(("running", "cancelling"))
-_NOTHING: Final[dict[str, Any]] = {
-    "state": "idle",
-    "phase": None,
-    "total": 0,
-    "done": 0,
-    "failed": 0,
-    "current": "",
-    "file": "",
-    "seconds": 0.0,
-    "seconds_left": None,
-    "error": None,
-    "failures": [],
-    "version": 0,  # counts the changes, so that a page can ignore older answers
-}
 
 
 def _write_report(result: StudyResult, folder: Path, draw: Draw, on_drawn: Callable[[str], None]) -> None:
@@ -45,44 +31,42 @@ class RunJob:
 
     def __init__(self, events: Events) -> None:
         self._events = events
-        self._now = dict(_NOTHING)
+        self._now = RunStatus()
         self._started = self._sent_at = 0.0
         self._before = 0
         self._stop = Event()
         self._lock = Lock()
         self._thread: Thread | None = None
 
-    def describe(self) -> dict[str, Any]:
+    def describe(self) -> RunStatus:
         """Return the status of the run."""
         with self._lock:
-            now = dict(self._now)
-        if now["state"] in _ACTIVE:
-            now["seconds"] = time.monotonic() - self._started
-        return now
+            now = self._now
+        active = now.state in _ACTIVE
+        return RunStatus.of(now, seconds=time.monotonic() - self._started if active else now.seconds)
 
     def start(
         self, manifest: Path, out: Path, *, workers: int, force: bool, when_done: Callable[[], None]
-    ) -> dict[str, Any]:
+    ) -> RunStatus:
         """Start a run."""
         with self._lock:
-            if self._now["state"] in _ACTIVE:
+            if self._now.state in _ACTIVE:
                 raise RequestError.conflict("a run is in progress: wait for it to end, or cancel it")
-            started = {"state": "running", "phase": "measuring", "version": self._now["version"] + 1}
-            self._now = {**_NOTHING, **started}
+            self._now = RunStatus(state="running", phase="measuring", version=self._now.version + 1)
             self._started, self._sent_at = time.monotonic(), 0.0
             self._stop.clear()
             self._thread = Thread(
                 target=self._work, args=(manifest, out, workers, force, when_done), name="run", daemon=True
             )
             self._thread.start()
-        self._send()
+        self._events.send(self.describe())
         return self.describe()
 
-    def cancel(self) -> dict[str, Any]:
+    def cancel(self) -> RunStatus:
         """Cancel the run; finished measurements are kept."""
         with self._lock:
-            if self._now["state"] == "running":
-                self._now |= {"state": "cancelling", "version": self._now["version"] + 1}
+            if self._now.state == "running":
+                self._change(state="cancelling")
                 self._stop.set()
         return self.describe()
 
@@ -110,17 +94,14 @@ class RunJob:
         except (FingerpadError, OSError) as error:
             end = {"state": "failed", "error": str(error)}
         except Exception as error:  # a bug: the terminal shows the traceback
-            end = {
-                "state": "failed",
-                "error": f"the run ended with a fault ({type(error).__name__}: {error})",
-            }
+            words = f"the run ended with a fault ({type(error).__name__}: {error})"
+            end = {"state": "failed", "error": words}
             raise
         finally:
             with suppress(Exception):
                 when_done()
-            self._set(
-                **end, phase=None, current="", file="", seconds=time.monotonic() - self._started, force=True
-            )
+            end |= {"phase": None, "current": "", "file": "", "seconds": time.monotonic() - self._started}
+            self._set(**end, due=True)
 
     def _check_cancelled(self) -> None:
         if self._stop.is_set():
@@ -130,7 +111,7 @@ class RunJob:
         """Record the progress of the run, and stop it if it was cancelled."""
         if now.status == "written":
             if now.item in {"tables", "report"}:
-                self._set(phase=now.item)
+                self._set(phase=now.item, due=True)
             self._set(current=now.item, file="")
             self._check_cancelled()
             return
@@ -147,14 +128,15 @@ class RunJob:
         )
         self._check_cancelled()
 
-    def _set(self, *, force: bool = False, **changes: Any) -> None:
+    def _set(self, *, due: bool = False, **changes: Any) -> None:
+        """Change the status, and tell of it when it is due or was not told for a while."""
         with self._lock:
-            self._now |= {**changes, "version": self._now["version"] + 1}
+            self._change(**changes)
             now = time.monotonic()
-            due = force or "phase" in changes or now - self._sent_at > _INTERVAL_S
+            due = due or now - self._sent_at > _INTERVAL_S
             self._sent_at = now if due else self._sent_at
         if due:
-            self._send()
+            self._events.send(self.describe())
 
-    def _send(self) -> None:
-        self._events.send("run", self.describe())
+    def _change(self, **changes: Any) -> None:
+        self._now = self._now.model_copy(update={**changes, "version": self._now.version + 1})

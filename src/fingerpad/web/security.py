@@ -43,15 +43,7 @@ FRAMED_HEADERS: Final = {
 
 
 class Access:
-    """The token of one launch, and single-use codes that are exchanged for it.
-
-    Parameters
-    ----------
-    token : str, optional
-        The launch's secret, made here if left out.
-    clock : callable
-        The time in seconds.
-    """
+    """The token of one launch, and single-use codes that are exchanged for it."""
 
     def __init__(self, token: str | None = None, *, clock: Callable[[], float] = time.monotonic) -> None:
         self.token = token or secrets.token_urlsafe(32)
@@ -85,15 +77,7 @@ class Access:
 
 
 class Guard:
-    """ASGI middleware that passes requests of the local page and of scripts only.
-
-    Parameters
-    ----------
-    app : ASGIApp
-        The application.
-    access : Access
-        Its access control.
-    """
+    """ASGI middleware that passes requests of the local page and of scripts only."""
 
     def __init__(self, app: ASGIApp, access: Access) -> None:
         self._app, self._access = app, access
@@ -126,13 +110,10 @@ class Guard:
                 HTTPStatus.MISDIRECTED_REQUEST, "this page answers to 127.0.0.1 and localhost only"
             )
         origin, site = headers.get("origin"), headers.get("sec-fetch-site", "none")
-        if origin is not None and origin != f"http://{host}":
+        is_start = path == START
+        if origin not in {None, f"http://{host}"} or not (is_start or site in {"same-origin", "none"}):
             raise RequestError(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
-        if path == START:
-            return
-        if site not in {"same-origin", "none"}:
-            raise RequestError(HTTPStatus.FORBIDDEN, "requests from other pages are refused")
-        if not self._access.has_token(headers):
+        if not (is_start or self._access.has_token(headers)):
             raise RequestError(
                 HTTPStatus.FORBIDDEN,
                 "this launch's token is missing: open the address that fingerpad app printed when it started",

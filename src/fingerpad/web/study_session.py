@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from threading import Lock
 from typing import Any, Final, TypeAlias, TypeVar
@@ -31,14 +31,14 @@ from fingerpad.study.manifest.messages import Fault, validated
 from fingerpad.study.manifest.models import ManifestModel
 from fingerpad.study.status import Missing, missing
 from fingerpad.web.errors import RequestError
-from fingerpad.web.events import Events
+from fingerpad.web.events import Events, StudyEvent
 from fingerpad.web.pictures import Cache, ImageLocation, Pictures
 from fingerpad.web.run_job import RunJob
 
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
 # Where an incomplete contact is measured: no model may use them.
-_PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0}
+PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0, "load_N": 1}
 Drafted = TypeVar("Drafted", bound=ManifestModel)
 # Files and folders, each with what changes with it; None where it is not there.
 Stamps: TypeAlias = dict[Path, tuple[int, int, int] | None]
@@ -46,18 +46,9 @@ _OWN: Final = frozenset((STUDY_NAME, SCHEMA_NAME, CORRECTIONS_NAME, SECOND_OPERA
 
 
 class StudySession:
-    """A study folder and its results.
+    """A study folder and its results; events of its windows, and the cache of pictures of all studies.
 
-    Parameters
-    ----------
-    folder, out : Path
-        The study folder, and the folder of results.
-    events : Events
-        Those of its windows.
-    pictures : Pictures
-        The cache of pictures, which all studies share.
-    memory_limit : int
-        The most bytes that reading and measuring a picture may take, as for `read_image`.
+    `memory_limit` is the most bytes that reading and measuring a picture may take, as for `read_image`.
     """
 
     def __init__(
@@ -85,6 +76,10 @@ class StudySession:
         """Return the address of a request about this study."""
         return f"/api/studies/{quote(self.name, safe='')}{path}"
 
+    def tell_changed(self) -> None:
+        """Tell every window that the study or its files have changed."""
+        self.events.send(StudyEvent(digest=self.read().digest))
+
     def close(self) -> None:
         """Cancel the run, and wait until it has stopped; disconnect the listeners."""
         self.run_job.cancel()
@@ -108,9 +103,7 @@ class StudySession:
         if self.read().issues:
             faults = [one for one in self.missing() if one.kind not in {"file", "folder"}]
             words = "; ".join(one.words for one in faults)
-            raise RequestError.impossible(
-                f"the study is not complete: {words}", faults=[asdict(one) for one in faults]
-            )
+            raise RequestError.impossible(f"the study is not complete: {words}", faults=faults)
 
     def _loaded(self) -> tuple[LoadedStudy, list[Missing]]:
         with self._lock:
@@ -180,23 +173,24 @@ class StudySession:
             sequence = self.sequence(name)
             return sequence, sequence in self.study().sequences
         found = next((one for one in self.study().observations if one.name == name), None)
-        return found or self._draft("observation", name, Observation, load_N=1), found is not None
+        return found or self._draft("observation", name, Observation), found is not None
 
     def sequence(self, name: str) -> ContactSequence:
         """Return a sequence by its name; of one that is incomplete the force may be empty."""
         found = next((one for one in self.study().sequences if one.name == name), None)
         return found or self._draft("sequence", name, ContactSequence)
 
-    def _draft(self, kind: str, name: str, model: type[Drafted], **needed: Any) -> Drafted:
+    def _draft(self, kind: str, name: str, model: type[Drafted]) -> Drafted:
         """Return an incomplete contact with placeholders for what its picture is measured without."""
         content = self._content(kind, name)
         if not content.get("file"):
             raise RequestError.not_there(f"no {kind} with a picture is named {name[:80]!r}")
         if not content.get("scale"):
             raise RequestError.impossible("state the scale of the picture")
+        needed = {key: value for key, value in PLACEHOLDERS.items() if key in model.model_fields}
         if model is ContactSequence:
             content = {"force": "", **content}
-        return validated(model, {**content, **_PLACEHOLDERS, **needed, "name": name}, name, strict=False)
+        return validated(model, {**content, **needed, "name": name}, name, strict=False)
 
     def sequence_file(self, name: str) -> str:
         """Return the file or folder of a sequence."""
@@ -207,32 +201,31 @@ class StudySession:
 
     def photograph(self, item: str) -> tuple[Finger | None, Photograph]:
         """Return a photograph by finger and file, and its finger, None where that is incomplete."""
-        finger_name, _, file = item.partition("/")
-        for finger in self.study().fingers:
-            for photograph in finger.photographs:
-                if finger.name == finger_name and photograph.file == file:
-                    return finger, photograph
-        for one in self._content("finger", finger_name).get("photographs", []):
-            if one.get("file") == file:
-                if one.get("face") is None:
-                    raise RequestError.impossible("state which face the photograph shows")
-                if one.get("scale") is None:
-                    raise RequestError.impossible("state the scale of the photograph")
-                return None, validated(Photograph, one, item, strict=False)
-        raise RequestError.not_there(f"no item is named {item!r}")
+        name, _, file = item.partition("/")
+        for finger in (one for one in self.study().fingers if one.name == name):
+            for photograph in (one for one in finger.photographs if one.file == file):
+                return finger, photograph
+        photographs = self._content("finger", name).get("photographs", [])
+        found = next((one for one in photographs if one.get("file") == file), None)
+        if found is None:
+            raise RequestError.not_there(f"no item is named {item!r}")
+        for key, words in (
+            ("face", "which face the photograph shows"),
+            ("scale", "the scale of the photograph"),
+        ):
+            if found.get(key) is None:
+                raise RequestError.impossible(f"state {words}")
+        return None, validated(Photograph, found, item, strict=False)
 
     def count_frames(self, name: str) -> int | None:
         """Return the number of frames of a folder, TIFF or video, None where it cannot be opened."""
-        path = self._inside(name)
-        if path is None:
+        if (path := self._inside(name)) is None:
             return None
-        try:
+        with suppress(ImageError):
             return self._counts.get(
-                (name, _stamp_of(path)),
-                lambda: open_frames(path, memory_limit=self.memory_limit).count,
+                (name, _stamp_of(path)), lambda: open_frames(path, memory_limit=self.memory_limit).count
             )
-        except ImageError:
-            return None
+        return None
 
     def image_location(self, item: str) -> ImageLocation:
         """Return the location of an item's image; only files named by the manifest."""

@@ -4,7 +4,6 @@ import getpass
 import os
 import re
 import shutil
-from dataclasses import asdict
 from http import HTTPStatus
 from importlib.metadata import version
 from pathlib import Path
@@ -40,9 +39,9 @@ _RULES: Final = {
     "faces": FACES,
     "uses": USES,
     "takes": TAKES,
-    "scale_ways": {way: asdict(one) for way, one in SCALE_WAYS.items()},
-    "coins": [asdict(one) for one in COINS],
-    "card": [asdict(one) for one in CARD],
+    "scale_ways": SCALE_WAYS,
+    "coins": COINS,
+    "card": CARD,
     "verdicts": VERDICT_SYMBOLS,
 }
 
@@ -50,16 +49,8 @@ _RULES: Final = {
 class Workspace:
     """A folder of studies, any of which can be open: each window of the page has its own.
 
-    Parameters
-    ----------
-    workspace : Path
-        Folder whose sub-folders are studies.
-    upload_limit : int
-        The most bytes of one file.
-    import_limit : int or None
-        The most bytes of an imported study; None for the free space of the disk.
-    memory_limit : int
-        The most bytes that reading and measuring one picture may take, as for `read_image`.
+    Limits are in bytes, of an uploaded file, of an imported study (None for the free space of the disk), and
+    of what reading and measuring one picture may take, as for `read_image`.
     """
 
     def __init__(
@@ -94,7 +85,7 @@ class Workspace:
             "who": _login(),
             "plotly": PLOTLY_ADDRESS,
             "limits": {"upload_bytes": self.upload_limit, "picture_memory_bytes": self.memory_limit},
-            "glossary": {symbol: asdict(meaning) for symbol, meaning in GLOSSARY.items()},
+            "glossary": GLOSSARY,
             "rules": _RULES,
         }
 

@@ -7,6 +7,7 @@ from fastapi import APIRouter
 from fingerpad.web.api import (
     contacts,
     corrections,
+    downloads,
     figures,
     files,
     geometry,
@@ -25,5 +26,5 @@ ROUTERS: Final[tuple[APIRouter, ...]] = (
     *(studies.here, studies.router, state.router, images.router, scales.router, photographs.router),
     *(contacts.router, sequences.router, corrections.router, results.here, results.router),
     simulator.router,
-    *(figures.router, geometry.router, files.here, files.router, new_files.router),
+    *(figures.router, geometry.router, files.here, files.router, downloads.router, new_files.router),
 )

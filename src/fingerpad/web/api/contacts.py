@@ -49,7 +49,7 @@ from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import item_row, known_finger, last_headlines, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
-from fingerpad.web.study_session import StudySession, frame_of
+from fingerpad.web.study_session import PLACEHOLDERS, StudySession, frame_of
 
 router = study_router()
 
@@ -193,35 +193,28 @@ class ContactParams(Params):
 def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     """Measure a contact image under a correction; nothing is stored."""
     began = time.perf_counter()
-    contact, complete = _contact(opened, params)
-    assert contact.scale is not None
-    found = scale_of(opened, contact.scale)
-    change = params.change or correction_of(opened, params.item)
-    prepared = _prepared(opened, params.item, contact, found, change)
-    contact_image = measured_under(prepared, change)
+    item = params.item
+    contact, complete, found = _contact(opened, params)
+    change = params.change or correction_of(opened, item)
+    contact_image = measured_under(_prepared(opened, item, contact, found, change), change)
     waits = params.soon and complete and known_finger(opened, contact.finger) is None
-    model = _model(opened, params.item, contact, contact_image, found) if complete and not waits else None
-    own, error = _automatic(opened, params.item, contact, found) if change.edits else (contact_image, None)
-    pooling = None
-    if model is not None:
-        measured = from_contact_image(contact_image, contact, found)
-        plausible = IMPLAUSIBLE_SIZE not in model.range_notes
-        pooling = _pooling(opened, params.item, contact, measured, plausible=plausible)
-    return ContactMeasurement(
-        item=params.item,
-        by=_by(change),
-        outline_px=_points(contact_image),
+    model = _model(opened, item, contact, contact_image, found) if complete and not waits else None
+    own, error = _automatic(opened, item, contact, found) if change.edits else (contact_image, None)
+    return ContactMeasurement.of(
+        contact_image,
+        item=item,
+        by="manual" if change.ellipse_px is not None else "corrected" if change.edits else "automatic",
+        outline_px=contact_image.outline.round(2),
         **_drawn(contact_image, found),
-        numbers=ContactNumbers(**numbers(contact_image)),
-        automatic=None if own is None else AutomaticContact(**numbers(own), outline_px=_points(own)),
+        numbers=_numbers(contact_image),
+        automatic=own and _numbers(own) | {"outline_px": own.outline.round(2)},
         automatic_error=error,
         model=model,
         waits=waits,
-        settings=ContactSettings(
-            dark_on_light=contact_image.dark_on_light, threshold=contact_image.threshold
-        ),
+        settings=ContactSettings.of(contact_image),
         flags=[*doubts_of(contact_image), *found.flags],
-        pooling=pooling,
+        pooling=model
+        and _pooling(opened, item, contact, from_contact_image(contact_image, contact, found), model),
         mm_per_px=found.scale.mm_per_px,
         mm_per_px_std=found.scale.mm_per_px_std,
         milliseconds=1000 * (time.perf_counter() - began),
@@ -231,35 +224,29 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
 @router.post("/measure/levels")
 def levels(opened: Opened, params: Body[ContactParams]) -> ContactLevels:
     """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
-    contact, _ = _contact(opened, params)
-    assert contact.scale is not None
-    found = scale_of(opened, contact.scale)
+    contact, _, found = _contact(opened, params)
     change = (params.change or ContactCorrection()).model_copy(update={"threshold": None})
     prepared = _prepared(opened, params.item, contact, found, change)
     counts, edges = prepared.level_histogram()
-    return ContactLevels.of(
-        {
-            "counts": counts,
-            "edges": edges,
-            "automatic_threshold": None if prepared.reason else prepared.measure().threshold,
-        }
-    )
+    automatic = None if prepared.reason else prepared.measure().threshold
+    return ContactLevels.of(counts=counts, edges=edges, automatic_threshold=automatic)
 
 
-def _contact(opened: StudySession, params: ContactParams) -> tuple[Contact, bool]:
-    """Return the table of an item, one for this request of a new file, and whether it is complete."""
+def _contact(opened: StudySession, params: ContactParams) -> tuple[Contact, bool, FoundScale]:
+    """Return the table of an item, one for this request of a new file; whether it is complete; its scale."""
     item = params.item
+    contact: Contact
     if item.startswith("file:"):
         if params.scale is None:
             raise RequestError.impossible(f"{item}: state its scale")
         file = item.removeprefix("file:")
-        return Observation(
-            name="new", finger="none", wedge_angle_deg=0, load_N=1, file=file, scale=params.scale
-        ), False
-    contact, complete = opened.contact(item)
-    if contact.scale is None:
+        contact, complete = Observation(name="new", file=file, scale=params.scale, **PLACEHOLDERS), False
+    else:
+        contact, complete = opened.contact(item)
+    scale = contact.scale if params.scale is None else params.scale
+    if contact.scale is None or scale is None:
         raise RequestError.not_there(f"no contact image is named {item!r}")
-    return contact if params.scale is None else contact.model_copy(update={"scale": params.scale}), complete
+    return contact.model_copy(update={"scale": scale}), complete, scale_of(opened, scale)
 
 
 def correction_of(opened: StudySession, item: str) -> ContactCorrection:
@@ -355,41 +342,26 @@ def _automatic(
     return _AUTOMATIC.get(_reading_of(opened, item, contact, found, ContactCorrection()), measured)
 
 
-def _by(change: ContactCorrection) -> MeasuredBy:
-    if change.ellipse_px is not None:
-        return "manual"
-    return "corrected" if change.edits else "automatic"
-
-
-def numbers(contact_image: ContactImageResult) -> dict[str, Any]:
-    """Return the numbers of a contact."""
+def _numbers(contact_image: ContactImageResult) -> dict[str, Any]:
     record = contact_image.as_record()
     return {name: record[name] for name in ContactNumbers.model_fields}
-
-
-def _points(contact_image: ContactImageResult) -> list[Any]:
-    points: list[Any] = contact_image.outline.round(2).tolist()
-    return points
 
 
 def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, Any]:
     """Return ellipse and handles of a contact in pixels."""
     size = found.scale.mm_per_px
-    major, minor = (
-        float(contact_image.ellipse.semi_major) / size,
-        float(contact_image.ellipse.semi_minor) / size,
-    )
-    centre = contact_image.centroid
-    hand = ImageEllipse(centre=centre, semi_axes=(major, minor), orientation=contact_image.orientation)
+    ellipse, centre = contact_image.ellipse, contact_image.centroid
+    axes = float(ellipse.semi_major) / size, float(ellipse.semi_minor) / size
+    drawn = ImageEllipse(centre=centre, semi_axes=axes, orientation=contact_image.orientation)
     # Four points: the ends of both axes.
-    top, left, bottom, right = hand.points(4).tolist()
+    top, left, bottom, right = drawn.points(4)
     return {
-        "ellipse_px": ContactEllipsePx(
-            centre=centre,
-            semi_axes=(major, minor),
-            orientation_deg=float(np.degrees(contact_image.orientation)),
-        ),
-        "handles": ContactHandles(centre_px=centre, major_ends_px=(top, bottom), minor_ends_px=(left, right)),
+        "ellipse_px": {
+            "centre": centre,
+            "semi_axes": axes,
+            "orientation_deg": np.degrees(contact_image.orientation),
+        },
+        "handles": {"centre_px": centre, "major_ends_px": (top, bottom), "minor_ends_px": (left, right)},
     }
 
 
@@ -414,25 +386,26 @@ def _model(
         if (std := row[f"{name}_std"]) is not None:
             relative = np.nan_to_num(headlines[name].model_relative_std) if name in headlines else 0.0
             row[f"{name}_total_std"] = math.hypot(std, relative * row[name])
-    row["range_notes"] = (row["range_notes"] or "").split()
-    row["verdicts"] = {name: one.verdict for name, one in headlines.items()}
-    return ContactModel(**{name: row[name] for name in ContactModel.model_fields})
+    return ContactModel.of(
+        row,
+        range_notes=(row["range_notes"] or "").split(),
+        verdicts={name: one.verdict for name, one in headlines.items()},
+    )
 
 
 def _pooling(
-    opened: StudySession, item: str, contact: Contact, measured: Measurement, *, plausible: bool
+    opened: StudySession, item: str, contact: Contact, measured: Measurement, model: ContactModel
 ) -> ContactPooling | None:
     """Return whether a contact will be pooled; None of frames, for which other rules hold."""
     if isinstance(contact, ContactSequence):
         return None
-    active_correction = opened.corrections.active_correction(item)
-    seen = reviewed(measured, active_correction)
-    excluding = excluding_flags(contact, seen, plausible=plausible)
-    corrected = pooling_correction(active_correction)
+    active = opened.corrections.active_correction(item)
+    seen = reviewed(measured, active)
+    excluding = excluding_flags(contact, seen, plausible=IMPLAUSIBLE_SIZE not in model.range_notes)
     return ContactPooling(
         pooled=is_pooled(seen, excluding),
         excluding_flags=sorted(excluding),
-        correction=None if corrected is None else PoolingCorrectionRecord(**corrected),
+        correction=pooling_correction(active),
     )
 
 

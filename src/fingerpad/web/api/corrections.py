@@ -1,17 +1,16 @@
 """Corrections of items: saved with author and time, undone and redone, and repeated by a second operator."""
 
 from collections.abc import Callable
+from functools import partial
 from http import HTTPStatus
 from typing import Annotated, Any, Literal
 
-from fastapi import Query
 from pydantic import Field
 
 from fingerpad.exceptions import CorrectionConflict
 from fingerpad.study.corrections.apply import contact_correction
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import (
-    Action,
     ActiveCorrection,
     Record,
     kind_of,
@@ -22,28 +21,17 @@ from fingerpad.study.corrections.items import (
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.results.summary_file import OperatorAgreementRecord
-from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Body, Item, Opened, Params, Person, study_router
+from fingerpad.web.answers import Answer, PoolingCorrectionRecord
+from fingerpad.web.api.base import Body, Item, Opened, Params, Person, Query, study_router
 from fingerpad.web.api.state import Review, review_record
 from fingerpad.web.errors import RequestError
+from fingerpad.web.events import CorrectionsEvent
 from fingerpad.web.last_results import last_results
 from fingerpad.web.study_session import StudySession
 
 router = study_router()
 
 _Seen = Annotated[int, Field(ge=0, le=2**53)]
-
-
-class CorrectionRecord(Answer):
-    """One record of the corrections."""
-
-    id: int
-    item: str
-    when: str
-    who: str
-    action: Action
-    change: dict[str, Any]
-    picture: str
 
 
 class Corrections(Answer):
@@ -55,7 +43,7 @@ class Corrections(Answer):
     on_another_image: bool
     can_undo: bool
     can_redo: bool
-    history: list[CorrectionRecord]
+    history: list[Record]
 
 
 class SimilarImage(Answer):
@@ -118,41 +106,30 @@ def _log(opened: StudySession, params: ItemParams) -> CorrectionLog:
     return opened.corrections if params.operator == "first" else opened.second_operator
 
 
-def _document(opened: StudySession, params: ItemParams) -> dict[str, Any]:
+def _corrections(opened: StudySession, params: ItemParams) -> Corrections:
     """Return the corrections of an item."""
-    item = params.item
-    history = _log(opened, params).history(item)
-    active_correction = history.active_correction
-    elsewhere = active_correction and on_another_image({item: active_correction}, opened.picture_digest)
-    return {
-        "item": item,
-        "last_id": history.last_id,
-        "change": {} if active_correction is None else active_correction.change.as_json(),
-        "on_another_image": bool(elsewhere),
-        "can_undo": history.can_undo,
-        "can_redo": history.can_redo,
-        "history": [record.as_json() for record in history.records],
-    }
+    history = _log(opened, params).history(params.item)
+    active = history.active_correction
+    return Corrections.of(
+        history,
+        change=active.change.as_json() if active else {},
+        on_another_image=bool(active and on_another_image({params.item: active}, opened.picture_digest)),
+        history=history.records,
+    )
 
 
-def pooling_correction(active_correction: ActiveCorrection | None) -> dict[str, Any] | None:
+def pooling_correction(active: ActiveCorrection | None) -> PoolingCorrectionRecord | None:
     """Return the correction of a contact's pooling, None without one."""
-    change = active_correction and active_correction.change
-    if active_correction is None or not isinstance(change, ContactCorrection) or change.pooling is None:
+    if active is None or not isinstance(active.change, ContactCorrection) or active.change.pooling is None:
         return None
-    return {
-        "include": change.pooling.include,
-        "why": change.pooling.why,
-        "who": active_correction.pooling_who,
-        "when": active_correction.pooling_when,
-    }
+    return PoolingCorrectionRecord.of(active.change.pooling, who=active.pooling_who, when=active.pooling_when)
 
 
 @router.get("/corrections")
-def show(opened: Opened, params: Annotated[ItemParams, Query()]) -> Corrections:
+def show(opened: Opened, params: Query[ItemParams]) -> Corrections:
     """Return the corrections of an item."""
     kind_of(params.item, opened.with_incomplete())
-    return Corrections.of(_document(opened, params))
+    return _corrections(opened, params)
 
 
 @router.post("/corrections", status_code=HTTPStatus.CREATED)
@@ -160,43 +137,49 @@ def add(opened: Opened, params: Body[ChangeParams]) -> Corrections:
     """Save a correction; it is on the disk before the response."""
     study = opened.with_incomplete()
     kind_of(params.item, study)
-    return Corrections.of(
-        _save(
-            opened,
-            params,
-            lambda: _log(opened, params).append(
-                params.item,
-                params.change,
-                who=params.who,
-                expected=params.expected,
-                study=study,
-                shape=opened.shape_of(params.item) if params.change else None,
-                picture=opened.picture_digest(params.item),
-            ),
-        )
+    return _saved(
+        opened,
+        params,
+        lambda: _log(opened, params).append(
+            params.item,
+            params.change,
+            who=params.who,
+            expected=params.expected,
+            study=study,
+            shape=opened.shape_of(params.item) if params.change else None,
+            picture=opened.picture_digest(params.item),
+        ),
     )
 
 
 @router.post("/corrections/undo", status_code=HTTPStatus.CREATED)
 def undo(opened: Opened, params: Body[StepParams]) -> Corrections:
     """Undo the last correction."""
-    log = _log(opened, params)
-    return Corrections.of(
-        _save(opened, params, lambda: log.undo(params.item, who=params.who, expected=params.expected))
-    )
+    step = partial(_log(opened, params).undo, params.item, who=params.who, expected=params.expected)
+    return _saved(opened, params, step)
 
 
 @router.post("/corrections/redo", status_code=HTTPStatus.CREATED)
 def redo(opened: Opened, params: Body[StepParams]) -> Corrections:
     """Redo the correction that was undone last."""
-    log = _log(opened, params)
-    return Corrections.of(
-        _save(opened, params, lambda: log.redo(params.item, who=params.who, expected=params.expected))
-    )
+    step = partial(_log(opened, params).redo, params.item, who=params.who, expected=params.expected)
+    return _saved(opened, params, step)
+
+
+def _saved(opened: StudySession, params: StepParams, save: Callable[[], object]) -> Corrections:
+    """Save a step, tell every window of it, and return the corrections of the item."""
+    try:
+        save()
+    except CorrectionConflict as conflict:
+        now = _corrections(opened, params)
+        raise RequestError.conflict(str(conflict), latest=conflict.latest, corrections=now) from conflict
+    found = _corrections(opened, params)
+    opened.events.send(CorrectionsEvent(item=params.item, last_id=found.last_id))
+    return found
 
 
 @router.get("/corrections/similar")
-def similar(opened: Opened, params: Annotated[ItemParams, Query()]) -> SimilarImages:
+def similar(opened: Opened, params: Query[ItemParams]) -> SimilarImages:
     """Return the images that a correction's settings may apply to, with their new corrections."""
     study = opened.with_incomplete()
     kind_of(params.item, study)
@@ -207,28 +190,16 @@ def similar(opened: Opened, params: Annotated[ItemParams, Query()]) -> SimilarIm
         now = contact_correction(history.active_correction)
         proposed = with_settings_of(source, now)
         images.append(
-            {
-                "item": item,
-                "last_id": history.last_id,
-                "change": now.as_json(),
-                "proposed": proposed.as_json(),
-                "differs": proposed.edits != now.edits,
-            }
+            SimilarImage(
+                item=item,
+                last_id=history.last_id,
+                change=now.as_json(),
+                proposed=proposed.as_json(),
+                differs=proposed.edits != now.edits,
+            )
         )
     settings = with_settings_of(source, ContactCorrection()).as_json()
-    return SimilarImages.of({"item": params.item, "settings": settings, "images": images})
-
-
-def _save(opened: StudySession, params: StepParams, keep: Callable[[], object]) -> dict[str, Any]:
-    try:
-        keep()
-    except CorrectionConflict as conflict:
-        latest = conflict.latest.as_json() if isinstance(conflict.latest, Record) else None
-        now = _document(opened, params)
-        raise RequestError.conflict(str(conflict), latest=latest, corrections=now) from conflict
-    found = _document(opened, params)
-    opened.events.send("corrections", {"item": params.item, "last_id": found["last_id"]})
-    return found
+    return SimilarImages(item=params.item, settings=settings, images=images)
 
 
 @router.get("/second-operator")
@@ -242,11 +213,11 @@ def second_operator(opened: Opened) -> SecondOperator:
         if (change := contact_correction(first.get(name))).accepted or (change.edits and not change.rejected)
     ]
     found = last_results(opened)
-    return SecondOperator.of(
-        {
-            "first_operators": sorted({first[name].who for name in looked}),
-            "images": [{"item": name, **review_record(second.get(name))} for name in blind_order(looked)],
-            "unseen": len(named) - len(looked),
-            "agreement": [one.model_dump() for one in found.summary.second_operator] if found else [],
-        }
+    return SecondOperator(
+        first_operators=sorted({first[name].who for name in looked}),
+        images=[
+            SecondOperatorImage(item=one, **review_record(second.get(one))) for one in blind_order(looked)
+        ],
+        unseen=len(named) - len(looked),
+        agreement=found.summary.second_operator if found else [],
     )

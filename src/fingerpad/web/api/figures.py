@@ -1,11 +1,11 @@
 """Figures of the last report: their list, and each as a file for publication."""
 
 import re
-from collections.abc import Iterator
+from html import unescape
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Final, Literal
 
-from fastapi import Query, Response
+from fastapi import Response
 from pydantic import Field
 
 from fingerpad._files import file_stem
@@ -20,7 +20,7 @@ from fingerpad.figures.publish import (
 )
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, Params, saved_as, study_router
+from fingerpad.web.api.base import Opened, Params, Query, saved_as, study_router
 from fingerpad.web.api.results import require_results
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import require_file
@@ -100,52 +100,51 @@ class FigureFileParams(FigureParams):
 def figures(opened: Opened) -> Figures:
     """Return the report's figures with their captions."""
     require_results(opened)
-    names = [name for name in result_files(opened.out) if name.startswith("figures/")]
-    return Figures.of({"figures": list(_listed(opened, names))})
+    files = result_files(opened.out)
+
+    def entry(drawing: str) -> FigureEntry:
+        name = Path(drawing).stem
+        png = f"figures/{name}.png"
+        return FigureEntry(
+            name=name,
+            caption=_caption(opened.out / drawing) or name,
+            svg=opened.address(f"/download/{drawing}"),
+            png=opened.address(f"/download/{png}") if png in files else None,
+            settable=f"figures/{name}.json" in files,
+        )
+
+    return Figures(
+        figures=[entry(one) for one in files if one.startswith("figures/") and one.endswith(".svg")]
+    )
 
 
-def _listed(opened: StudySession, names: list[str]) -> Iterator[dict[str, Any]]:
-    every = set(names)
-    for drawing in (name for name in names if name.endswith(".svg")):
-        stem = Path(drawing).stem
-        with (opened.out / drawing).open(encoding="utf-8") as file:
-            caption = _CAPTION.search(file.read(4000))
-        words = caption[1] if caption else stem
-        drawn_too = f"figures/{stem}.png"
-        yield {
-            "name": stem,
-            "caption": words.replace("&quot;", '"').replace("&lt;", "<").replace("&amp;", "&"),
-            "svg": opened.address(f"/download/{drawing}"),
-            "png": opened.address(f"/download/{drawn_too}") if drawn_too in every else None,
-            "settable": f"figures/{stem}.json" in every,
-        }
+def _caption(drawing: Path) -> str:
+    with drawing.open(encoding="utf-8") as file:
+        found = _CAPTION.search(file.read(4000))
+    return unescape(found[1]) if found else ""
 
 
 @router.get("/results/figure")
-def figure(opened: Opened, params: Annotated[FigureParams, Query()]) -> FigureDetails:
+def figure(opened: Opened, params: Query[FigureParams]) -> FigureDetails:
     """Return what can be set of a figure, as it is in the report."""
     found = _read(opened, params.name)
     return FigureDetails.of(
-        {
-            "name": params.name,
-            "width_mm": found.width_mm,
-            "height_mm": found.height_mm,
-            "colours": figure_colours(found),
-            "axes": [
-                {
-                    "axis": axis,
-                    "name": plain_text(getattr(found.panels[0], axis).label),
-                    "scale": "log" if getattr(found.panels[0], axis).log else "linear",
-                    "settable": len({getattr(panel, axis).label for panel in found.panels}) == 1,
-                }
-                for axis in "xy"
-            ],
-        }
+        found, name=params.name, colours=figure_colours(found), axes=[_axis(found, axis) for axis in "xy"]
+    )
+
+
+def _axis(found: Figure, axis: str) -> FigureAxis:
+    first, *others = (getattr(panel, axis) for panel in found.panels)
+    return FigureAxis.of(
+        axis=axis,
+        name=plain_text(first.label),
+        scale="log" if first.log else "linear",
+        settable=all(one.label == first.label for one in others),
     )
 
 
 @router.get("/results/figure/file", response_class=Response)
-def figure_download(opened: Opened, params: Annotated[FigureFileParams, Query()]) -> Response:
+def figure_download(opened: Opened, params: Query[FigureFileParams]) -> Response:
     """Return a figure as a file."""
     settings = FigureSettings(
         width_mm=params.width_mm,

@@ -1,102 +1,60 @@
-"""Uploads, import and export of a study as a ZIP, and downloads of results."""
+"""Files of a study that are uploaded, removed and restored, and studies that are imported from a ZIP."""
 
+import hashlib
 import os
 import re
 import shutil
+import unicodedata
 from contextlib import suppress
-from dataclasses import asdict
 from datetime import UTC, datetime
 from http import HTTPStatus
+from itertools import count
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from typing import Annotated, Any, Final, Literal
+from typing import IO, Annotated, Final
 from uuid import uuid4
 
-from fastapi import Path as PathParameter
-from fastapi import Query, Response
+from fastapi import Response
 from pydantic import Field
-from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import FileResponse, StreamingResponse
 
-from fingerpad.study.share import Bundle, pack, unpack
+from fingerpad._files import sha256_of
+from fingerpad._tables import TABLE_SUFFIXES, read_table
+from fingerpad.exceptions import FingerpadError, ManifestError
+from fingerpad.image import open_frames, read_image
+from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
+from fingerpad.study.imports.names import FileKind
+from fingerpad.study.share import unpack
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, saved_as, study_router
-from fingerpad.web.api.state import State, StateAfterRemoval, StateAfterRestore, document
+from fingerpad.web.api.base import Body, Here, Opened, Params, Query, api_router, study_router
+from fingerpad.web.api.state import State, StateAfterRemoval, StateAfterRestore, state_of
 from fingerpad.web.errors import RequestError
-from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
-from fingerpad.web.last_results import require_file
-from fingerpad.web.security import FRAMED_HEADERS
+from fingerpad.web.pictures import is_sequence, kind_of_file
 from fingerpad.web.study_session import StudySession
-from fingerpad.web.uploads import FOLDER, kept, placed, plain_name, stored
 from fingerpad.web.workspace import NAME
 
 router = study_router()
 here = api_router("/api")
 
+FOLDER: Final = "uploads"
 # Hidden, so that its contents do not count as files of the study.
 _REMOVED: Final = ".removed"
-_TABLES: Final = (
-    "report.html",
-    "results.csv",
-    "results_columns.csv",
-    "by_load.csv",
-    "repeatability.csv",
-    "second_operator.csv",
-    "results.json",
-    "summary.json",
-    "results.parquet",
-    "results.mat",
-)
-_TYPES: Final = {
-    ".html": "text/html",
-    ".csv": "text/csv",
-    ".json": "application/json",
-    ".svg": "image/svg+xml",
-    ".png": "image/png",
-}
-_DRAWN: Final = re.compile(
-    r"(figures|overlays)/((photographs|sequences)/)?[^/\\\0]+\.(svg|png|json)|report/[^/\\\0]+\.html"
-)
-
-
-FilePath = Annotated[str, PathParameter(max_length=300)]
+_LONGEST: Final = 120
+_SUFFIXES: Final = PICTURE_SUFFIXES | VIDEO_SUFFIXES | TABLE_SUFFIXES
 
 
 class UploadedFile(Answer):
-    """An uploaded file."""
+    """An uploaded file, with what its kind has: a table columns, pictures a size."""
 
     file: str
-    kind: Literal["picture", "sequence", "table", "other"]
+    kind: FileKind
     bytes: int
-    rows_px: int | None
-    columns_px: int | None
-    resolution_ppi: float | None
-    frames: int | None
-    columns: list[str] | None
-    problem: str | None
-
-
-class LeftOutFile(Answer):
-    """A file that the ZIP does not hold, and why."""
-
-    file: str
-    why: str
-
-
-class BundleContents(Answer):
-    """What the ZIP of the study holds."""
-
-    files: int
-    bytes: int
-    left_out: list[LeftOutFile]
-
-
-class EventStream(StreamingResponse):
-    """Server-sent events."""
-
-    media_type = "text/event-stream"
+    rows_px: int | None = None
+    columns_px: int | None = None
+    resolution_ppi: float | None = None
+    frames: int | None = None
+    columns: list[str] | None = None
 
 
 class UploadParams(Params):
@@ -126,59 +84,61 @@ class RestoreParams(Params):
 
 @router.post("/files", status_code=HTTPStatus.CREATED)
 async def upload(
-    opened: Opened,
-    workspace: Here,
-    params: Annotated[UploadParams, Query()],
-    request: Request,
-    answer: Response,
+    opened: Opened, workspace: Here, params: Query[UploadParams], request: Request, answer: Response
 ) -> UploadedFile:
     """Add a file to the study."""
     name = plain_name(params.name)
-    target = opened.folder / FOLDER if params.folder is None else opened.folder / FOLDER / params.folder
-    path, digest = await stored(request, workspace.upload_limit, target)
+    folder = opened.folder / FOLDER / (params.folder or "")
+    path, digest = await stored(request, workspace.upload_limit, folder)
 
-    def keep() -> dict[str, Any]:
+    def keep() -> UploadedFile:
+        target = placed(path, folder / name, digest)
+        new = not path.exists()
+        path.unlink(missing_ok=True)
         try:
-            record, new = kept(opened, path, digest, name)
-        finally:
-            with suppress(OSError):
-                path.unlink()
-        if record["problem"] is not None:
+            found = _described(opened, target)
+        except FingerpadError as error:
             if new:
-                (opened.folder / record["file"]).unlink(missing_ok=True)
-            raise RequestError.impossible(record["problem"])
-        opened.events.send("study", {"digest": opened.read().digest})
+                target.unlink(missing_ok=True)
+            raise RequestError.impossible(str(error).replace(f"{opened.folder}{os.sep}", "")) from error
+        opened.tell_changed()
         if not new:
             answer.status_code = HTTPStatus.OK
-        return record
+        return found
 
-    return UploadedFile.of(await run_in_threadpool(keep))
+    return await run_in_threadpool(keep)
+
+
+def _described(opened: StudySession, path: Path) -> UploadedFile:
+    """Return the kind and size of a file, which must be one that can be read."""
+    file, size = path.relative_to(opened.folder).as_posix(), path.stat().st_size
+    if (kind := kind_of_file(path.name)) == "table":
+        header = read_table(path, ManifestError, head_only=True).header
+        return UploadedFile(file=file, kind=kind, bytes=size, columns=header)
+    if is_sequence(path) and (frames := open_frames(path, memory_limit=opened.memory_limit).count) > 1:
+        return UploadedFile(file=file, kind="sequence", bytes=size, frames=frames)
+    picture = read_image(path, memory_limit=opened.memory_limit)
+    rows, columns = picture.pixels.shape
+    ppi = picture.dots_per_inch
+    return UploadedFile(
+        file=file, kind=kind, bytes=size, rows_px=rows, columns_px=columns, resolution_ppi=ppi, frames=1
+    )
 
 
 @here.post("/session/import", status_code=HTTPStatus.CREATED)
-async def import_study(workspace: Here, params: Annotated[ImportParams, Query()], request: Request) -> State:
+async def import_study(workspace: Here, params: Query[ImportParams], request: Request) -> State:
     """Import a study from a ZIP, and open it."""
     folder = workspace.new_folder(params.name)
     path, _ = await stored(request, workspace.room, workspace.workspace)
 
-    def open_it() -> dict[str, Any]:
+    def open_it() -> State:
         try:
             unpack(path, folder, workspace.room)
-            return document(workspace.open_folder(folder))
+            return state_of(workspace.open_folder(folder))
         finally:
             path.unlink(missing_ok=True)
 
-    return State.of(await run_in_threadpool(open_it))
-
-
-@router.get(
-    "/events",
-    response_class=EventStream,
-    responses={200: {"model": StudyEvent | CorrectionsEvent | RunStatus}},
-)
-async def listen(opened: Opened) -> Response:
-    """Stream events, each with its kind: ``study``, ``corrections`` or ``run``."""
-    return EventStream(opened.events.listen())
+    return await run_in_threadpool(open_it)
 
 
 @router.delete("/files")
@@ -197,7 +157,7 @@ def remove(opened: Opened, params: Body[RemoveParams]) -> StateAfterRemoval:
     kept = opened.folder / _REMOVED / number / path.relative_to(opened.folder)
     kept.parent.mkdir(parents=True)
     path.rename(kept)
-    return StateAfterRemoval.of({**document(opened), "removed": number})
+    return StateAfterRemoval(**dict(state_of(opened)), removed=number)
 
 
 @router.post("/files/restore")
@@ -211,61 +171,91 @@ def restore(opened: Opened, params: Body[RestoreParams]) -> StateAfterRestore:
     target.parent.mkdir(parents=True, exist_ok=True)
     back = placed(kept, target)
     shutil.rmtree(home, ignore_errors=True)
-    return StateAfterRestore.of({**document(opened), "restored": back.relative_to(opened.folder).as_posix()})
+    restored = back.relative_to(opened.folder).as_posix()
+    return StateAfterRestore(**dict(state_of(opened)), restored=restored)
 
 
-@router.get("/download/{path:path}", response_class=Response)
-def download(opened: Opened, path: FilePath, *, attachment: bool = False) -> Response:
-    """Return a file of the results."""
-    if path == "study.zip":
-        return _zipped(opened)
-    if path not in _TABLES and not _DRAWN.fullmatch(path):
-        raise RequestError.not_there(f"no file {path[:80]!r} can be downloaded here")
-    file = opened.out / path
-    if not file.is_file() or not file.resolve().is_relative_to(opened.out.resolve()):
-        raise RequestError.not_there(f"{path}: not there yet: run the study")
-    require_file(opened, path)
-    headers = {"cache-control": "private, no-cache"} | (FRAMED_HEADERS if file.suffix == ".html" else {})
-    if attachment:
-        headers |= saved_as(file.name)
-    return FileResponse(file, media_type=_TYPES.get(file.suffix, "application/octet-stream"), headers=headers)
+def plain_name(name: str) -> str:
+    """Return a file's name with letters, digits and _ + - only, and . in decimal fractions.
+
+    The decimal point is kept, and a decimal comma becomes one: the load is read from the name, and 0.5N is
+    not 5N.
+    """
+    last = unicodedata.normalize("NFC", re.split(r"[/\\]", name)[-1])
+    stem, dot, suffix = last.rpartition(".")
+    if not dot or f".{suffix.lower()}" not in _SUFFIXES:
+        raise RequestError(
+            HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+            f"{name[-80:]!r}: only pictures (PNG, TIFF, JPEG, BMP, PGM), videos (AVI, MP4) and tables "
+            "(CSV, TSV, XLSX, MAT, TDMS) can be used",
+        )
+    stem = re.sub(r"(?<=\d),(?=\d)", ".", stem)
+    plain = re.sub(r"(?:(?!(?<=\d)\.(?=\d))[^\w+-])+", "-", stem).strip("-.+_")[:_LONGEST] or "file"
+    return f"{plain}.{suffix}"
 
 
-@router.get("/bundle")
-def bundle(opened: Opened) -> BundleContents:
-    """Return the contents of the study's ZIP, and the files left out."""
-    found = _bundle(opened)
-    return BundleContents.of(
-        {
-            "files": len(found.files),
-            "bytes": sum(os.stat(path).st_size for path in found.files.values()),
-            "left_out": [asdict(one) for one in found.left_out],
-        }
-    )
-
-
-def _bundle(opened: StudySession) -> Bundle:
-    loaded = opened.read()
-    return Bundle.of(opened.folder, opened.out, loaded.files(), loaded.study.observations_csv)
-
-
-def _zipped(opened: StudySession) -> Response:
-    with NamedTemporaryFile(prefix="fingerpad-", suffix=".zip", delete=False) as file:
-        target = Path(file.name)
+async def stored(request: Request, limit: int, folder: Path) -> tuple[Path, str]:
+    """Stream a body of at most `limit` bytes into a file of `folder`; return its path and its SHA-256."""
+    announced = request.headers.get("content-length", "")
+    if announced.isdecimal() and int(announced) > limit:
+        raise _too_large(limit)
     try:
-        pack(opened.folder, _bundle(opened), target)
+        await run_in_threadpool(folder.mkdir, parents=True, exist_ok=True)
+        with NamedTemporaryFile(dir=folder, prefix=".upload-", delete=False) as file:
+            try:
+                return Path(file.name), await _written(request, limit, file)
+            except BaseException:
+                with suppress(OSError):
+                    Path(file.name).unlink()
+                raise
     except OSError as error:
-        target.unlink(missing_ok=True)
         raise RequestError.impossible(
-            f"the ZIP cannot be made ({error.strerror}): make room in {target.parent}, or set TMPDIR to a "
-            "folder with more and start fingerpad app again"
+            f"the file cannot be written ({error.strerror}): make room on the disk"
         ) from error
-    except BaseException:
-        target.unlink(missing_ok=True)
+
+
+async def _written(request: Request, limit: int, file: IO[bytes]) -> str:
+    """Write a body to the disk as it arrives, and return its SHA-256."""
+    digest, size = hashlib.sha256(), 0
+    async for part in request.stream():
+        size += len(part)
+        if size > limit:
+            raise _too_large(limit)
+        digest.update(part)
+        await run_in_threadpool(file.write, part)
+    if not size:
+        raise RequestError(HTTPStatus.BAD_REQUEST, "the file is empty: choose it again")
+    file.flush()
+    await run_in_threadpool(os.fsync, file.fileno())
+    return digest.hexdigest()
+
+
+def _too_large(limit: int) -> RequestError:
+    return RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"the file is larger than {limit} bytes")
+
+
+def placed(path: Path, target: Path, digest: str | None = None) -> Path:
+    """Rename a file, with a number if the name is taken by a file of another SHA-256."""
+    for number in count(1):
+        free = target if number == 1 else target.with_stem(f"{target.stem}-{number}")
+        try:
+            _rename_to_free(path, free)
+        except FileExistsError:
+            if digest is not None and sha256_of(free) == digest:
+                return free
+        else:
+            return free
+    raise AssertionError
+
+
+def _rename_to_free(path: Path, free: Path) -> None:
+    """Rename a file, but never put it in the place of another."""
+    try:
+        os.link(path, free)
+    except FileExistsError:
         raise
-    return FileResponse(
-        target,
-        media_type="application/zip",
-        headers=saved_as(f"{opened.name}.zip"),
-        background=BackgroundTask(os.unlink, target),
-    )
+    except OSError:  # no hard links there
+        free.touch(exist_ok=False)
+        path.replace(free)
+    else:
+        path.unlink()

@@ -1,12 +1,13 @@
 """The pad in three dimensions: point of contact, curvature, wedge and platen."""
 
-from typing import Annotated, Any, Final, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.image import SEMI_AXES
 from fingerpad.study.manifest.models import Length, RollAngle, WedgeAngle
 from fingerpad.uncertainty import Inputs, placement_model, propagate
 from fingerpad.web.answers import Answer, Point3D, Quantities, SemiAxes
@@ -17,7 +18,6 @@ from fingerpad.web.study_session import StudySession
 
 router = study_router()
 
-_AXES: Final = ("palmar", "distal", "radial_ulnar")
 _Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
 
 
@@ -117,25 +117,19 @@ def geometry(opened: Opened, params: Body[GeometryParams]) -> PadGeometry:
     turn = np.linspace(0, 2 * np.pi, 2 * params.detail + 1)
     height = np.linspace(0, np.pi, params.detail + 1)
     mesh = pad.point(turn[:, None], height)
-    stds = None if covariance is None else np.sqrt(covariance.diagonal())
     return PadGeometry.of(
-        {
-            "semi_axes_mm": dict(zip(_AXES, axes, strict=True)),
-            "semi_axes_mm_std": None if stds is None else dict(zip(_AXES, stds, strict=True)),
-            **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
-            "v_deg": np.degrees(placement.v),
-            "contact_point_mm": placement.point,
-            "normal": placement.normal,
-            "principal_directions": placement.curvature.principal_directions,
-            "mesh": {f"{name}_mm": mesh[..., k] for k, name in enumerate("xyz")},
-            "lines": [
-                {"name": name, "points_mm": points}
-                for name, points in _lines(pad, placement, float(max(axes)))
-            ],
-            "platen": {"corners_mm": _platen(placement, float(max(axes)))},
-            "wedge": _wedge(pad, placement),
-            "points": [{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in params.u_deg],
-        }
+        semi_axes_mm=SemiAxes.of_three(axes),
+        semi_axes_mm_std=None if covariance is None else SemiAxes.of_three(np.sqrt(covariance.diagonal())),
+        **_placed(axes, covariance, np.array([wedge, roll]), angle_stds),
+        v_deg=np.degrees(placement.v),
+        contact_point_mm=placement.point,
+        normal=placement.normal,
+        principal_directions=placement.curvature.principal_directions,
+        mesh={f"{name}_mm": mesh[..., k] for k, name in enumerate("xyz")},
+        lines=_lines(pad, placement, float(max(axes))),
+        platen={"corners_mm": _platen(placement, float(max(axes)))},
+        wedge=_wedge(pad, placement),
+        points=[{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in params.u_deg],
     )
 
 
@@ -149,11 +143,7 @@ def _pad(opened: StudySession, params: PadParams) -> tuple[FloatArray, FloatArra
     if finger is None:
         raise RequestError.impossible(f"{params.finger}: no complete finger of the study has this name")
     of = study.uncertainty
-    return (
-        finger.semi_axes,
-        finger.covariance,
-        np.radians([of.wedge_deg_std, of.roll_angle_deg_std]),
-    )
+    return finger.semi_axes, finger.covariance, np.radians([of.wedge_deg_std, of.roll_angle_deg_std])
 
 
 def _placed(
@@ -161,12 +151,12 @@ def _placed(
 ) -> dict[str, float | None]:
     """Return u and the radii at the point of contact, with standard uncertainties if known."""
     inputs = Inputs.of(
-        **dict(zip(_AXES, axes.tolist(), strict=True)),
+        **dict(zip(SEMI_AXES, axes.tolist(), strict=True)),
         wedge_angle=(angles[0], angle_stds[0]),
         roll_angle=(angles[1], angle_stds[1]),
     )
     if covariance is not None:
-        inputs = inputs.with_covariance(_AXES, covariance)
+        inputs = inputs.with_covariance(SEMI_AXES, covariance)
     found = propagate(placement_model, inputs)
     placed: dict[str, float | None] = {}
     for name in found.names:
@@ -176,18 +166,19 @@ def _placed(
     return placed
 
 
-def _lines(pad: Ellipsoid, placement: Placement, size: float) -> list[tuple[str, FloatArray]]:
+def _lines(pad: Ellipsoid, placement: Placement, size: float) -> list[dict[str, Any]]:
     """Return lines: principal directions, normal, finger axis and midline."""
     point, reach = placement.point, 0.6 * size
     along, across = placement.curvature.principal_directions
     midline = pad.point(np.linspace(-np.pi / 2, np.pi / 2, 61), np.pi / 2)
-    return [
-        ("principal direction along", np.stack([point - reach * along, point + reach * along])),
-        ("principal direction across", np.stack([point - reach * across, point + reach * across])),
-        ("normal", np.stack([point, point + reach * placement.normal])),
-        ("finger axis", np.array([[0, -1.2, 0], [0, 1.2, 0]]) * pad.semi_axes),
-        ("midline", midline),
-    ]
+    lines = {
+        "principal direction along": np.stack([point - reach * along, point + reach * along]),
+        "principal direction across": np.stack([point - reach * across, point + reach * across]),
+        "normal": np.stack([point, point + reach * placement.normal]),
+        "finger axis": np.array([[0, -1.2, 0], [0, 1.2, 0]]) * pad.semi_axes,
+        "midline": midline,
+    }
+    return [{"name": name, "points_mm": points} for name, points in lines.items()]
 
 
 def _platen(placement: Placement, size: float) -> FloatArray:

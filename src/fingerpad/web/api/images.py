@@ -4,11 +4,11 @@ import hashlib
 from typing import Annotated, Final
 from urllib.parse import urlencode
 
-from fastapi import Query, Response
+from fastapi import Response
 from pydantic import Field
 
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import IMMUTABLE, Item, Opened, Params, study_router
+from fingerpad.web.api.base import IMMUTABLE, Item, Opened, Params, Query, study_router
 from fingerpad.web.pictures import PREVIEW_PX, ImageLocation, is_sequence
 
 router = study_router()
@@ -42,23 +42,21 @@ class PreviewParams(PictureParams):
 
 
 @router.get("/picture/info")
-def info(opened: Opened, params: Annotated[PictureParams, Query()]) -> PictureInfo:
+def info(opened: Opened, params: Query[PictureParams]) -> PictureInfo:
     """Return the size of an image and the addresses of its previews."""
     place = opened.image_location(params.item)
     is_frame = place.colour and is_sequence(place.path)
     picture = opened.pictures.grey(ImageLocation(place.path, frame=0) if is_frame else place)
     rows, columns = picture.pixels.shape
     query = urlencode({"item": params.item, "v": version(place)})
-    return PictureInfo.of(
-        {
-            "item": params.item,
-            "rows_px": rows,
-            "columns_px": columns,
-            "bits": 8 * picture.pixels.itemsize,
-            "resolution_ppi": picture.dots_per_inch,
-            "preview": opened.address(f"/picture/preview?{query}"),
-            "thumbnail": opened.address(f"/picture/thumbnail?{query}"),
-        }
+    return PictureInfo(
+        item=params.item,
+        rows_px=rows,
+        columns_px=columns,
+        bits=8 * picture.pixels.itemsize,
+        resolution_ppi=picture.dots_per_inch,
+        preview=opened.address(f"/picture/preview?{query}"),
+        thumbnail=opened.address(f"/picture/thumbnail?{query}"),
     )
 
 
@@ -68,7 +66,7 @@ def version(place: ImageLocation) -> str:
 
 
 @router.get("/picture/preview", response_class=Response)
-def preview(opened: Opened, params: Annotated[PreviewParams, Query()]) -> Response:
+def preview(opened: Opened, params: Query[PreviewParams]) -> Response:
     """Return a preview of an image."""
     place = opened.image_location(params.item)
     drawn, kind = opened.pictures.preview(place, params.longest_px)
@@ -76,7 +74,7 @@ def preview(opened: Opened, params: Annotated[PreviewParams, Query()]) -> Respon
 
 
 @router.get("/picture/thumbnail", response_class=Response)
-def thumbnail(opened: Opened, params: Annotated[PictureParams, Query()]) -> Response:
+def thumbnail(opened: Opened, params: Query[PictureParams]) -> Response:
     """Return a thumbnail."""
     drawn = opened.pictures.thumbnail(opened.image_location(params.item))
     return Response(drawn, media_type="image/webp", headers=IMMUTABLE if params.v else _NO_CACHE)

@@ -2,9 +2,8 @@
 
 from collections.abc import Collection
 from threading import Lock
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final
 
-from fastapi import Query
 from pydantic import Field
 
 from fingerpad.study.editing.edit import Edit
@@ -27,7 +26,7 @@ from fingerpad.study.imports import (
 from fingerpad.study.imports.identify import FileIdentity
 from fingerpad.study.manifest import LoadedStudy
 from fingerpad.web.answers import Answer, Face
-from fingerpad.web.api.base import Body, Opened, Params, study_router
+from fingerpad.web.api.base import Body, Opened, Params, Query, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.pictures import Cache, ImageLocation
 
@@ -66,21 +65,14 @@ class FileGuess(Answer):
 
 
 @router.get("/files/identity")
-def identity(opened: Opened, params: Annotated[FileParams, Query()]) -> FileGuess:
+def identity(opened: Opened, params: Query[FileParams]) -> FileGuess:
     """Guess what a file is."""
     place = ImageLocation(opened.file(params.file))
     with _READING:
         found = _FOUND.get(place.stamp, lambda: identify_file(place.path, memory_limit=opened.memory_limit))
     guess = guess_of(found, _scales(opened.read()))
-    return FileGuess(
-        file=params.file,
-        uses=list(guess.uses),
-        sure=guess.sure,
-        face=guess.face,
-        face_sure=guess.face_sure,
-        stated=guess.stated,
-        scales={use: GuessedScale(scale=scale, why=why) for use, (scale, why) in guess.scales.items()},
-    )
+    scales = {use: GuessedScale(scale=scale, why=why) for use, (scale, why) in guess.scales.items()}
+    return FileGuess.of(guess, file=params.file, scales=scales)
 
 
 def _scales(loaded: LoadedStudy) -> dict[str, Any]:
@@ -154,13 +146,13 @@ def join(opened: Opened, params: Body[TableParams]) -> JoinedTable:
     found = join_files(table, new)
     scales = _scales(opened.read())
     problems = {id(row.values): row.problems for row in table.rows}
-    return JoinedTable(
-        columns=[TableColumn(**column._asdict()) for column in table.columns],
+    return JoinedTable.of(
+        found,
+        columns=[TableColumn.of(column) for column in table.columns],
         files=[
             _stated(scales, new[file], values, problems[id(values)]) for file, values in found.values.items()
         ],
-        rows_without_file=[TableRow(line=row.line, file=row.file) for row in found.rows_without_file],
-        files_without_row=found.files_without_row,
+        rows_without_file=[TableRow.of(row) for row in found.rows_without_file],
     )
 
 
@@ -211,7 +203,7 @@ class WrittenScale(Answer):
 
 
 @router.get("/files/scale")
-def scale(opened: Opened, params: Annotated[WrittenParams, Query()]) -> WrittenScale:
+def scale(opened: Opened, params: Query[WrittenParams]) -> WrittenScale:
     """Read a scale: a number with its unit, or the name of one."""
     return WrittenScale(scale=written_scale(params.words, _scales(opened.read())))
 
@@ -223,18 +215,10 @@ class ProposalParams(Params):
     synthetic: bool = False
 
 
-class ProposedEdit(Answer):
-    """An edit that adds to the manifest."""
-
-    kind: Literal["scale", "finger", "photograph", "observation", "sequence", "curve"]
-    key: str
-    set: dict[str, Any]
-
-
 class ProposedEdits(Answer):
     """The edits that add new files, how many of these they add, and those whose finger is not known."""
 
-    edits: list[ProposedEdit]
+    edits: list[Edit]
     added: int
     waiting: list[str]
 
@@ -242,11 +226,4 @@ class ProposedEdits(Answer):
 @router.post("/files/edits")
 def edits(opened: Opened, params: Body[ProposalParams]) -> ProposedEdits:
     """Return the edits that add new files to the study; nothing is written."""
-    found = proposed_edits(opened.read(), params.files, synthetic=params.synthetic)
-    return ProposedEdits(
-        edits=[_edit(one) for one in found.edits], added=found.added, waiting=list(found.waiting)
-    )
-
-
-def _edit(one: Edit) -> ProposedEdit:
-    return ProposedEdit.model_validate({"kind": one.kind, "key": one.key, "set": one.set})
+    return ProposedEdits.of(proposed_edits(opened.read(), params.files, synthetic=params.synthetic))

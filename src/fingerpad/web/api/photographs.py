@@ -13,7 +13,6 @@ from fingerpad.image import (
     FACE_AXES,
     SEMI_AXES,
     FaceSemiAxes,
-    PadSemiAxes,
     PhotographFit,
     combine_faces,
     photograph_from_handles,
@@ -156,28 +155,25 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
     finger, photograph = _table(opened, params)
     change = params.change or photograph_correction(opened.corrections.active_correction(params.item))
     fit = _fit(opened, params.item, photograph, change, params.handles)
-    together: dict[str, Any] | None = None
-    error = None
-    if params.with_finger and finger is None and not params.item.startswith("file:"):
-        error = "The other faces of this finger are not complete yet."
+    together, error = None, None
     if params.with_finger and finger is not None:
         try:
             together = _together(opened, finger, params.item, fit)
-        except FingerpadError as error_response:
-            error = str(error_response)
+        except FingerpadError as fault:
+            error = str(fault)
+    elif params.with_finger and not params.item.startswith("file:"):
+        error = "The other faces of this finger are not complete yet."
     manual = params.handles is not None or change.ellipse_px is not None
     edited = manual or bool(change.edits)
-    own = _automatic(opened, params.item, photograph) if edited else None
-    return PhotographMeasurement.of(
-        {
-            "item": params.item,
-            "by": "manual" if manual else "corrected" if edited else "automatic",
-            **described(fit),
-            "automatic": own and _semi_axes(own),
-            "finger": together,
-            "finger_error": error,
-            "milliseconds": 1000 * (time.perf_counter() - began),
-        }
+    automatic = _automatic(opened, params.item, photograph) if edited else None
+    return _measurement(
+        fit,
+        item=params.item,
+        by="manual" if manual else "corrected" if edited else "automatic",
+        automatic=automatic and FaceAxes.of(automatic),
+        finger=together,
+        finger_error=error,
+        milliseconds=1000 * (time.perf_counter() - began),
     )
 
 
@@ -192,31 +188,28 @@ def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | Non
     return None, Photograph(face=params.face, file=params.item.removeprefix("file:"), scale=params.scale)
 
 
-def described(fit: PhotographFit) -> dict[str, Any]:
+def _measurement(fit: PhotographFit, **more: Any) -> PhotographMeasurement:
     """Return the numbers and the drawing of a fit."""
     centre, across, along = fit.handles
-    return {
-        "face": fit.face,
-        "axes": list(FACE_AXES[fit.face]),
-        **_semi_axes(fit),
-        "ellipse_px": {
-            "centre": fit.centre,
-            "semi_axes": fit.semi_axes / fit.scale.mm_per_px,
-            "tilt_deg": math.degrees(fit.tilt),
-        },
-        "handles": {"centre_px": centre, "across_end_px": across, "along_end_px": along},
-        "points_px": fit.points.round(2),
-        "outliers_px": fit.outliers.round(2),
-        "uncertainty_words": {axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
-        "arc_deg": fit.arc_deg,
-        "exponent": None if math.isnan(fit.exponent) else fit.exponent,
-        "exponent_std": None if math.isnan(fit.exponent) else fit.exponent_std,
-        "radii": fit.side_radii(),
-        "tilt_deg": math.degrees(fit.tilt),
-        "flags": sorted(fit.flags),
-        "mm_per_px": fit.scale.mm_per_px,
-        "mm_per_px_std": fit.scale.mm_per_px_std,
-    }
+    tilt, no_exponent = math.degrees(fit.tilt), math.isnan(fit.exponent)
+    return PhotographMeasurement.of(
+        fit,
+        **more,
+        axes=FACE_AXES[fit.face],
+        ellipse_px=FaceEllipse.of(
+            centre=fit.centre, semi_axes=fit.semi_axes / fit.scale.mm_per_px, tilt_deg=tilt
+        ),
+        handles=FaceHandles.of(centre_px=centre, across_end_px=across, along_end_px=along),
+        points_px=fit.points.round(2),
+        outliers_px=fit.outliers.round(2),
+        uncertainty_words={axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
+        exponent_std=None if no_exponent else fit.exponent_std,
+        radii=fit.side_radii(),
+        tilt_deg=tilt,
+        flags=sorted(fit.flags),
+        mm_per_px=fit.scale.mm_per_px,
+        mm_per_px_std=fit.scale.mm_per_px_std,
+    )
 
 
 def _terms(fit: PhotographFit, axis: str) -> str:
@@ -224,10 +217,6 @@ def _terms(fit: PhotographFit, axis: str) -> str:
     stds = {term: by_axis[axis] for term, by_axis in fit.uncertainty_mm_std.items() if by_axis[axis] > 0}
     ordered = sorted(stds, key=lambda term: -stds[term])
     return ", ".join(f"{term} {value_with_uncertainty(stds[term])} mm" for term in ordered)
-
-
-def _semi_axes(fit: PhotographFit) -> dict[str, Any]:
-    return {"semi_axes_mm": fit.semi_axes_mm, "semi_axes_mm_std": fit.semi_axes_mm_std}
 
 
 def _automatic(opened: StudySession, item: str, photograph: Photograph) -> PhotographFit | None:
@@ -298,10 +287,20 @@ def _outline_radii(fit: PhotographFit) -> tuple[tuple[float, float, float], ...]
     return _RADII.get(id(fit), lambda: (fit, outline_radii(fit)))[1]
 
 
-def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> dict[str, Any]:
+def _together(opened: StudySession, finger: Finger, item: str, fit: PhotographFit) -> CombinedFaces:
     """Return the finger's semi-axes with the current fit of one face."""
     faces = _faces(opened, finger, item, fit)
-    return _joint(combine_faces(faces.values()), list(faces))
+    found = combine_faces(faces.values())
+    return CombinedFaces.of(
+        found,
+        semi_axes_mm=SemiAxes.of_three(found.semi_axes),
+        semi_axes_mm_std=SemiAxes.of_three(found.stds),
+        p_words=p_words(found.p_value),
+        disagreements=[
+            {"item": item, "face": face.face} | {axis: off.get(axis) for axis in SEMI_AXES}
+            for item, face, off in zip(faces, found.faces, found.disagreements, strict=True)
+        ],
+    )
 
 
 def _faces(
@@ -328,19 +327,3 @@ def _stored_fit(opened: StudySession, item: str, photograph: Photograph) -> Phot
     """Return the fit of a photograph under the correction that is stored."""
     stored = photograph_correction(opened.corrections.active_correction(item))
     return _fit(opened, item, photograph, stored)
-
-
-def _joint(found: PadSemiAxes, items: list[str]) -> dict[str, Any]:
-    return {
-        "semi_axes_mm": dict(zip(SEMI_AXES, found.semi_axes, strict=True)),
-        "semi_axes_mm_std": dict(zip(SEMI_AXES, found.stds, strict=True)),
-        "chi_square": found.chi_square,
-        "degrees_of_freedom": found.degrees_of_freedom,
-        "p_words": p_words(found.p_value),
-        "disagree": found.disagree,
-        "between_relative_std": found.between_relative_std,
-        "disagreements": [
-            {"item": item, "face": face.face} | {axis: off.get(axis) for axis in SEMI_AXES}
-            for item, face, off in zip(items, found.faces, found.disagreements, strict=True)
-        ],
-    }

@@ -4,12 +4,10 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
 from typing import Annotated, Any, Final
 
 import numpy as np
 import pandas as pd
-from fastapi import Query
 from pydantic import Field
 
 from fingerpad._arrays import BoolArray
@@ -33,7 +31,7 @@ from fingerpad.web.answers import (
     unit_of,
     with_unit,
 )
-from fingerpad.web.api.base import Opened, Params, api_router, study_router
+from fingerpad.web.api.base import Opened, Params, Query, api_router, study_router
 from fingerpad.web.api.corrections import pooling_correction
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import last_results, results_faults
@@ -87,29 +85,6 @@ class Group(Quantities):
     figure: str
 
 
-class PlottedRows(Answer):
-    """The columns that are plotted."""
-
-    item: list[str]
-    load_N: list[float | None]  # noqa: N815
-    radius_from_indentation_mm: list[float | None]
-    radius_from_indentation_mm_total_std: list[float | None]
-    radius_from_indentation_mm_fixed_geometry_std: list[float | None]
-    radius_from_compliance_mm: list[float | None]
-    gross_area_mm2: list[float | None]
-    gross_area_mm2_std: list[float | None]
-    aspect_ratio: list[float | None]
-    indentation_mm: list[float | None]
-    indentation_mm_total_std: list[float | None]
-    youngs_modulus_kpa: list[float | None]
-    youngs_modulus_kpa_total_std: list[float | None]
-    indentation_on_layer_mm: list[float | None]
-    indentation_on_layer_mm_std: list[float | None]
-    youngs_modulus_on_layer_kpa: list[float | None]
-    youngs_modulus_on_layer_kpa_std: list[float | None]
-    pooled: list[bool]
-
-
 class PooledContact(Answer):
     """A contact that is left out of the pooled radius, or about which a person or a flag has a say.
 
@@ -147,6 +122,8 @@ class CheckWords(Answer):
 class PlottedGroup(Group):
     """A finger at one placement: pooled values, the rows to plot, and whether Hertz theory holds.
 
+    `rows` are the columns that are plotted; what is plotted against load is in `point_words`, too.
+
     `radius_verdict` is that of the corrected radius, `radius_of_model` whether its standard uncertainty holds
     what the model leaves uncertain.
     """
@@ -159,7 +136,7 @@ class PlottedGroup(Group):
     mean_curvature_radius_mm_std: float | None
     loading_radius_mm: float | None
     loading_radius_mm_std: float | None
-    rows: PlottedRows
+    rows: dict[str, list[Any]]
     point_words: dict[str, list[str]]
     range_notes: list[RangeNote]
     verdict: str
@@ -187,18 +164,21 @@ class Budget(Answer):
     groups: list[BudgetGroup]
 
 
+class AuditWords(Answer):
+    """The values of an audited number, in words."""
+
+    printed: str
+    computed: str
+    range: str
+    with_misprint: str
+
+
 class AuditedNumber(Answer):
     """A number printed by Dzidek et al. (2017), and what the equations give."""
 
     item: str
-    printed: float
-    unit: str
     verdict: str
-    computed: float | None
-    low: float | None
-    high: float | None
-    with_misprint: float | None
-    words: dict[str, str]
+    words: AuditWords
     formula: str
     remark: str
 
@@ -210,17 +190,10 @@ class Audit(Answer):
 
 
 def require_results(opened: StudySession) -> Results:
-    """Return the results of the last run.
-
-    Raises
-    ------
-    RequestError
-        If there are none, or they are damaged.
-    """
+    """Return the results of the last run; refuse where there are none, or they are damaged."""
     found = last_results(opened)
     if found is None:
-        faults = results_faults(opened)
-        if faults:
+        if faults := results_faults(opened):
             raise RequestError.conflict(f"{'; '.join(faults[:3])}: {RERUN}")
         raise RequestError.not_there("there are no results yet: run the study")
     return found
@@ -242,7 +215,7 @@ class RowsParams(Params):
 
 
 @router.get("/results/rows")
-def rows(opened: Opened, params: Annotated[RowsParams, Query()]) -> Rows:
+def rows(opened: Opened, params: Query[RowsParams]) -> Rows:
     """Return some rows of the results."""
     found = require_results(opened)
     chosen = found.table[_chosen(found.table, params)]
@@ -254,16 +227,14 @@ def rows(opened: Opened, params: Annotated[RowsParams, Query()]) -> Rows:
     columns = [name for name in params.columns.split(",") if name in found.table] or list(found.table)
     shown = chosen[params.offset : params.offset + params.limit]
     return Rows.of(
-        {
-            "total": len(found.table),
-            "matching": len(chosen),
-            "columns": [_column(COLUMNS[name]) for name in columns],
-            "rows": [
-                {"item": item, **row}
-                for item, row in zip(items(shown["observation"]), records(shown, *columns), strict=True)
-            ],
-            "words": [_words(row, columns) for row in records(shown, *_with_stds(columns))],
-        }
+        total=len(found.table),
+        matching=len(chosen),
+        columns=[_column(COLUMNS[name]) for name in columns],
+        rows=[
+            {"item": item, **row}
+            for item, row in zip(items(shown["observation"]), records(shown, *columns), strict=True)
+        ],
+        words=[_words(row, columns) for row in records(shown, *_with_stds(columns))],
     )
 
 
@@ -318,15 +289,15 @@ def _label(column: Column) -> str:
     return ", ".join(filter(None, (_LABELS.get(column.name, plain), unit)))
 
 
-def _column(column: Column) -> dict[str, Any]:
+def _column(column: Column) -> ColumnEntry:
     stds = [f"{column.name}_total_std", f"{column.name}_std"]
-    return {
-        "key": column.name,
-        "label": _label(column),
-        "words": column.meaning,
-        "symbol": next((key for key, symbol in GLOSSARY.items() if symbol.column == column.name), None),
-        "std": next((std for std in stds if std in COLUMNS), None),
-    }
+    return ColumnEntry(
+        key=column.name,
+        label=_label(column),
+        words=column.meaning,
+        symbol=next((key for key, symbol in GLOSSARY.items() if symbol.column == column.name), None),
+        std=next((std for std in stds if std in COLUMNS), None),
+    )
 
 
 class PlotParams(Params):
@@ -336,54 +307,41 @@ class PlotParams(Params):
 
 
 @router.get("/results/plot")
-def plot(opened: Opened, params: Annotated[PlotParams, Query()]) -> Plot:
+def plot(opened: Opened, params: Query[PlotParams]) -> Plot:
     """Return the data to plot for each finger and placement."""
     found = require_results(opened)
-    active_corrections = opened.corrections.active_corrections()
-    groups = [
-        _group(one, found.table, active_corrections)
-        for one in found.summary.summaries
-        if params.finger in {None, one.finger}
-    ]
-    return Plot.of({"groups": groups})
+    active = opened.corrections.active_corrections()
+    return Plot(
+        groups=[
+            _group(one, found.table, active)
+            for one in found.summary.summaries
+            if params.finger in {None, one.finger}
+        ]
+    )
 
 
-def _placed(of: PlacementRecord) -> dict[str, Any]:
-    return {**dict(zip(PLACEMENT, of.key, strict=True)), "figure": group_name(of.key)}
-
-
-def _group(
-    of: PlacementRecord, table: pd.DataFrame, active_corrections: Mapping[str, ActiveCorrection]
-) -> dict[str, Any]:
+def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
     placement = zip(PLACEMENT, of.key, strict=True)
     placed = np.logical_and.reduce([table[name].to_numpy() == value for name, value in placement])
-    rows = table[placed & table["radius_from_indentation_mm"].notna()]
+    rows = table[placed & table[_PLOTTED[0]].notna()]
     rejected = placed & (table["status"].to_numpy() == "rejected") & table["frame"].isna()
-    radius = of.validity.headlines["radius_from_indentation_mm"]
+    radius = of.validity.headlines[_PLOTTED[0]]
     codes = Counter(code for notes in items(rows["range_notes"]) for code in (notes or "").split())
-    return {
-        **_placed(of),
-        "radius_from_indentation_mm": of.radius_from_indentation_mm,
-        "mean_curvature_radius_mm": of.mean_curvature_radius_mm,
-        "mean_curvature_radius_mm_std": of.mean_curvature_radius_mm_std,
-        "loading_radius_mm": of.loading_radius_mm,
-        "loading_radius_mm_std": of.loading_radius_mm_std,
-        "pooling": _pooling(rows, int(rejected.sum()), active_corrections),
-        "rows": {
-            name: items(rows["observation" if name == "item" else name]) for name in PlottedRows.model_fields
-        },
-        "point_words": _point_words(rows),
-        "range_notes": [
-            {"code": code, "words": flag.words, "to_do": flag.to_do, "rows": codes[code]}
-            for code, flag in FLAGS["row"].items()
-            if code in codes
+    return PlottedGroup.of(
+        of,
+        figure=group_name(of.key),
+        pooling=_pooling(rows, int(rejected.sum()), active),
+        rows={"item": items(rows["observation"])} | {name: items(rows[name]) for name in _PLOTTED_COLUMNS},
+        point_words=_point_words(rows),
+        range_notes=[
+            RangeNote.of(flag, rows=codes[code]) for code, flag in FLAGS["row"].items() if code in codes
         ],
-        "verdict": of.validity.verdict,
-        "checks": [{"verdict": one.verdict, "words": check_words(one)} for one in of.validity.checks],
-        "radius_verdict": radius.verdict,
-        "radius_of_model": not math.isnan(radius.model_std),
-        "radius_from_indentation_mm_total_std": radius.total_std,
-    }
+        verdict=of.validity.verdict,
+        checks=[CheckWords(verdict=one.verdict, words=check_words(one)) for one in of.validity.checks],
+        radius_verdict=radius.verdict,
+        radius_of_model=not math.isnan(radius.model_std),
+        radius_from_indentation_mm_total_std=radius.total_std,
+    )
 
 
 # What is plotted against load.
@@ -401,6 +359,9 @@ def _with_stds(names: Iterable[str]) -> list[str]:
     return [one for name in names for one in (name, f"{name}_std", f"{name}_total_std") if one in COLUMNS]
 
 
+_PLOTTED_COLUMNS: Final = ("load_N", "pooled", *_with_stds(_PLOTTED), f"{_ON_GIVEN_PAD}_std")
+
+
 def _point_words(rows: pd.DataFrame) -> dict[str, list[str]]:
     """Return what is plotted in words, by column; also of the corrected radius on a given pad."""
     found: dict[str, list[str]] = {name: [] for name in (*_PLOTTED, _ON_GIVEN_PAD)}
@@ -413,66 +374,52 @@ def _point_words(rows: pd.DataFrame) -> dict[str, list[str]]:
     return found
 
 
-def _pooling(
-    rows: pd.DataFrame, rejected: int, active_corrections: Mapping[str, ActiveCorrection]
-) -> dict[str, Any]:
-    """Return how many rows are pooled, and the contacts that are not or about which there is a say.
+def _pooling(rows: pd.DataFrame, rejected: int, active: Mapping[str, ActiveCorrection]) -> Pooling:
+    """Return how many measured rows are pooled, and the contacts that are not or about which there is a say.
 
-    Parameters
-    ----------
-    rows : DataFrame
-        The measured rows of a group.
-    rejected : int
-        The number of its contacts that a person rejected.
-    active_corrections : mapping
-        What people corrected, by item.
+    `rejected` is the number of the group's contacts that a person rejected.
     """
-    corrected = {name for name, one in active_corrections.items() if pooling_correction(one)}
+    corrected = {name for name, one in active.items() if pooling_correction(one)}
     framed = rows["frame"].notna()
     contacts, frames = rows[~framed], rows[framed]
     asked = contacts[
-        np.array(
-            [
-                not row["pooled"] or bool(row["excluding_flags"]) or row["observation"] in corrected
-                for row in records(contacts, "observation", "pooled", "excluding_flags")
-            ],
-            dtype=bool,
-        )
+        ~contacts["pooled"].astype(bool)
+        | contacts["excluding_flags"].fillna("").ne("")
+        | contacts["observation"].isin(corrected)
     ]
-    return {
-        "contacts": len(contacts) + rejected,
-        "contacts_pooled": int(contacts["pooled"].sum()),
-        "contacts_rejected": rejected,
-        "frames": len(frames),
-        "frames_pooled": int(frames["pooled"].sum()),
-        "in_question": [
-            {
-                "item": row["observation"],
-                "load_N": row["load_N"],
-                "pooled": row["pooled"],
-                "why": pooling_words(row),
-                "correction": pooling_correction(active_corrections.get(row["observation"])),
-            }
+    return Pooling(
+        contacts=len(contacts) + rejected,
+        contacts_pooled=int(contacts["pooled"].sum()),
+        contacts_rejected=rejected,
+        frames=len(frames),
+        frames_pooled=int(frames["pooled"].sum()),
+        in_question=[
+            PooledContact.of(
+                item=row["observation"],
+                load_N=row["load_N"],
+                pooled=row["pooled"],
+                why=pooling_words(row),
+                correction=pooling_correction(active.get(row["observation"])),
+            )
             for row in records(asked[:_MOST_IN_QUESTION])
         ],
-    }
+    )
 
 
 @router.get("/results/budget")
 def budget(opened: Opened) -> Budget:
     """Return the uncertainty budgets of pooled radii and of the highest-load contacts."""
-    return Budget.of(
-        {
-            "groups": [
-                {
-                    **_placed(one),
-                    "pooled": one.radius_from_indentation_variance_shares,
-                    "check_words": _check_words(one),
-                    "check": one.uncertainty_check and one.uncertainty_check.model_dump(),
-                }
-                for one in require_results(opened).summary.summaries
-            ]
-        }
+    return Budget(
+        groups=[
+            BudgetGroup.of(
+                one,
+                figure=group_name(one.key),
+                pooled=one.radius_from_indentation_variance_shares,
+                check_words=_check_words(one),
+                check=one.uncertainty_check,
+            )
+            for one in require_results(opened).summary.summaries
+        ]
     )
 
 
@@ -484,14 +431,16 @@ def _check_words(one: PlacementRecord) -> str:
 @here.get("/published")
 def published() -> Audit:
     """Return the audit of the numbers that Dzidek et al. (2017) print."""
-    return Audit.of({"items": [{**asdict(item), "words": _audit_words(item)} for item in audit()]})
+    return Audit(items=[AuditedNumber.of(item, words=_audit_words(item)) for item in audit()])
 
 
-def _audit_words(item: AuditItem) -> dict[str, str]:
+def _audit_words(item: AuditItem) -> AuditWords:
     def words(value: float | None) -> str:
         return "–" if value is None else with_unit(value_with_uncertainty(value), item.unit)
 
-    low = "–" if item.low is None else f"{value_with_uncertainty(item.low)} to {words(item.high)}"
-    printed = "–" if item.printed is None else with_unit(f"{item.printed:g}", item.unit)
-    computed, misprint = words(item.computed), words(item.with_misprint)
-    return {"printed": printed, "computed": computed, "range": low, "with_misprint": misprint}
+    return AuditWords(
+        printed="–" if item.printed is None else with_unit(f"{item.printed:g}", item.unit),
+        computed=words(item.computed),
+        range="–" if item.low is None else f"{value_with_uncertainty(item.low)} to {words(item.high)}",
+        with_misprint=words(item.with_misprint),
+    )

@@ -1,7 +1,7 @@
 """Scales and lengths: the named scales of the study, and measurements that are not stored."""
 
 from pathlib import PurePosixPath
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import cv2
 import numpy as np
@@ -77,18 +77,12 @@ def scale_of(opened: StudySession, key: ScaleKey) -> FoundScale:
     if table is None:
         raise RequestError.not_there(f"no scale is named {name!r}")
     pictures = [file for _, file in table.files()]
-    for file in pictures:
-        opened.file(file)  # one of the study's own
-    stamp = [_stamp(opened, file) for file in pictures]
+    stamps = tuple(ImageLocation(opened.file(file)).stamp for file in pictures)  # files of the study only
     found = _FOUND.get(
-        (opened.folder, name, table.model_dump_json(), tuple(stamp)),
+        (opened.folder, name, table.model_dump_json(), stamps),
         lambda: scale_from(scale_record(name, table, opened.folder, opened.folder)),
     )
     return require_scale(found)
-
-
-def _stamp(opened: StudySession, file: str) -> Any:
-    return ImageLocation(opened.folder / file).stamp
 
 
 _OUTLINE_POINTS: Final = 90
@@ -121,15 +115,11 @@ def scale(opened: Opened, params: Body[ScaleParams]) -> ScaleMeasurement:
     else:
         found = scale_of(opened, table)
     return ScaleMeasurement.of(
-        {
-            "mm_per_px": found.scale.mm_per_px,
-            "mm_per_px_std": found.scale.mm_per_px_std,
-            "relative_std": found.scale.relative_std,
-            "resolution_ppi": found.scale.ppi,
-            "flags": list(found.flags),
-            "coin": _circle(table) if isinstance(table, CircleScale) else coin and _coin(coin),
-            "grid": grid and _grid(grid),
-        }
+        found.scale,
+        resolution_ppi=found.scale.ppi,
+        flags=found.flags,
+        coin=_circle(table) if isinstance(table, CircleScale) else coin and _coin(coin),
+        grid=grid and _grid(grid),
     )
 
 
@@ -140,38 +130,34 @@ def _measured_grid(opened: StudySession, table: GridScale) -> Grid:
     )
 
 
-def _grid(grid: Grid) -> dict[str, Any]:
-    sides = grid.rectified_scale
-    return {
-        "points_px": grid.points.reshape(-1, 2).round(2),
-        "residual_px": grid.residual,
-        "anisotropy": grid.anisotropy,
-        "variation": grid.variation,
-        "unevenness": grid.unevenness,
-        "rectified_mm_per_px": sides.mm_per_px,
-        "rectified_mm_per_px_std": sides.mm_per_px_std,
-    }
+def _grid(grid: Grid) -> GridMeasurement:
+    return GridMeasurement.of(
+        grid,
+        points_px=grid.points.reshape(-1, 2).round(2),
+        residual_px=grid.residual,
+        rectified_mm_per_px=grid.rectified_scale.mm_per_px,
+        rectified_mm_per_px_std=grid.rectified_scale.mm_per_px_std,
+    )
 
 
-def _circle(table: CircleScale) -> dict[str, Any]:
+def _circle(table: CircleScale) -> CoinOutline:
     centre, radius, weights = circle_through([(row, column) for row, column in table.circle])
     outline = ImageEllipse(centre=(float(centre[0]), float(centre[1])), semi_axes=(radius, radius))
-    return {
-        "outline_px": outline.points(_OUTLINE_POINTS).round(2),
-        "radius_px": radius,
-        "radius_px_std": table.points_px_std * float(np.linalg.norm(weights)),
-    }
-
-
-def _coin(coin: Coin) -> dict[str, Any]:
-    outline = ImageEllipse(
-        centre=coin.centre, semi_axes=(coin.semi_major, coin.semi_minor), orientation=coin.orientation
+    return CoinOutline.of(
+        outline_px=outline.points(_OUTLINE_POINTS).round(2),
+        radius_px=radius,
+        radius_px_std=table.points_px_std * float(np.linalg.norm(weights)),
     )
-    return {
-        "outline_px": outline.points(_OUTLINE_POINTS).round(2),
-        "radius_px": coin.semi_major,
-        "radius_px_std": coin.semi_major_std,
-    }
+
+
+def _coin(coin: Coin) -> CoinOutline:
+    axes = (coin.semi_major, coin.semi_minor)
+    outline = ImageEllipse(centre=coin.centre, semi_axes=axes, orientation=coin.orientation)
+    return CoinOutline.of(
+        outline_px=outline.points(_OUTLINE_POINTS).round(2),
+        radius_px=coin.semi_major,
+        radius_px_std=coin.semi_major_std,
+    )
 
 
 class RectifyParams(Params):
@@ -199,10 +185,7 @@ def rectify(opened: Opened, params: Body[RectifyParams]) -> RectifiedPictures:
         part.write_bytes(content.tobytes())
         part.replace(target)
         written[file] = f"{_RECTIFIED}/{target.name}"
-    scale = grid.rectified_scale
-    return RectifiedPictures.of(
-        {"files": written, "mm_per_px": scale.mm_per_px, "relative_std": scale.relative_std}
-    )
+    return RectifiedPictures.of(grid.rectified_scale, files=written)
 
 
 class LengthParams(Params):
@@ -218,4 +201,4 @@ def length(opened: Opened, params: Body[LengthParams]) -> LengthMeasurement:
     """Return the length of a line."""
     start, end = ((row, column) for row, column in params.line_px)
     found, std = scale_of(opened, params.scale).scale.length(start, end, point_px_std=params.ends_px_std)
-    return LengthMeasurement.of({"length_mm": found, "length_mm_std": std})
+    return LengthMeasurement(length_mm=found, length_mm_std=std)

@@ -5,7 +5,6 @@ from itertools import pairwise
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
-from fastapi import Query
 from pydantic import Field
 
 from fingerpad._arrays import FloatArray
@@ -15,7 +14,7 @@ from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, rea
 from fingerpad.study.engine.task import in_study
 from fingerpad.study.manifest import ContactSequence
 from fingerpad.web.answers import Answer
-from fingerpad.web.api.base import Opened, Params, study_router
+from fingerpad.web.api.base import Opened, Params, Query, study_router
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import frame_rows, last_results
 
@@ -60,7 +59,7 @@ class SignalParams(Params):
 
 
 @router.get("/signal")
-def signal(opened: Opened, params: Annotated[SignalParams, Query()]) -> SequenceSignal:
+def signal(opened: Opened, params: Query[SignalParams]) -> SequenceSignal:
     """Return the force of a sequence over time, and how well its frames agree with it."""
     sequence = opened.sequence(params.sequence)
     if not sequence.force:
@@ -72,19 +71,17 @@ def signal(opened: Opened, params: Annotated[SignalParams, Query()]) -> Sequence
     except FingerpadError as error:
         raise RequestError.impossible(in_study(error, opened.folder)) from error
     found = last_results(opened)
-    rows = list(frame_rows(found.table, sequence.name).items()) if found else []
-    timed = [(frame, row) for frame, row in rows if row["time_s"] is not None]
-    drawn, found_phases = _extremes(force), phase_intervals(force.time, force.load)
+    rows = frame_rows(found.table, sequence.name) if found else {}
+    timed = {frame: row for frame, row in rows.items() if row["time_s"] is not None}
+    drawn, phases = _extremes(force), phase_intervals(force.time, force.load)
     return SequenceSignal.of(
-        {
-            "time_s": force.time[drawn].tolist(),
-            "load_N": force.load[drawn].tolist(),
-            "phases": [
-                {"phase": phase, "start_s": start}
-                for phase, start in zip(found_phases.phase, found_phases.start.tolist(), strict=True)
-            ],
-            **_alignment(sequence, force, [frame for frame, _ in timed], [row for _, row in timed]),
-        }
+        time_s=force.time[drawn],
+        load_N=force.load[drawn],
+        phases=[
+            {"phase": phase, "start_s": start}
+            for phase, start in zip(phases.phase, phases.start, strict=True)
+        ],
+        **_alignment(sequence, force, timed),
     )
 
 
@@ -98,18 +95,14 @@ def _extremes(force: ForceSignal) -> Any:
 
 
 def _alignment(
-    sequence: ContactSequence, force: ForceSignal, frames: list[int], rows: list[dict[str, Any]]
+    sequence: ContactSequence, force: ForceSignal, timed: dict[int, dict[str, Any]]
 ) -> dict[str, Any]:
     """Return the time of frame 0, and the scatter of areas by how much later the frames would be."""
-    if sequence.times is not None or len(frames) < 2:
+    if sequence.times is not None or len(timed) < 2:
         return {"start_s": None, "shift_s": [], "area_scatter": []}
-    time: FloatArray = np.array([row["time_s"] for row in rows])
-    area: FloatArray = np.array([row["gross_area_mm2"] or np.nan for row in rows])
-    step, start = np.polyfit(frames, time, 1)
+    time: FloatArray = np.array([row["time_s"] for row in timed.values()])
+    area: FloatArray = np.array([row["gross_area_mm2"] or np.nan for row in timed.values()])
+    step, start = np.polyfit(list(timed), time, 1)
     shift = np.linspace(-_FARTHEST, _FARTHEST, _SHIFTS) * max(float(np.ptp(time)), step)
     scatter = alignment_scatter(time, area, force, shift)
-    return {
-        "start_s": float(start),
-        "shift_s": shift.tolist(),
-        "area_scatter": [float(one) if np.isfinite(one) else None for one in scatter],
-    }
+    return {"start_s": start, "shift_s": shift, "area_scatter": scatter}

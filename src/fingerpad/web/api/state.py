@@ -3,18 +3,23 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, TypeAlias, get_args
 
 import numpy as np
-from fastapi import Query
-from pydantic import Field
+from pydantic import (
+    Field,
+    StrictFloat,
+    StrictStr,
+    ValidationError,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
 from fingerpad._files import digest_of
 from fingerpad.exceptions import StoreError
-from fingerpad.flags import FLAGS
-from fingerpad.image import FACE_AXES
+from fingerpad.flags import FLAGS, Flag
 from fingerpad.image.sequence.frames import TIFF_SUFFIXES
 from fingerpad.report.write import REPORT_NAME
 from fingerpad.study.corrections.apply import InterpolatedCorrection, frame_corrections
@@ -29,18 +34,17 @@ from fingerpad.study.editing.propose import Use, named_file
 from fingerpad.study.editing.scales import scale_words
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.imports.names import FileKind
-from fingerpad.study.manifest import Finger, LoadedStudy, Study
-from fingerpad.study.manifest.load import STUDY_NAME, Kind
+from fingerpad.study.manifest import LoadedStudy, Study
+from fingerpad.study.manifest.load import STUDY_NAME
 from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.results.load import Results
-from fingerpad.study.results.summary_file import FingerRecord
 from fingerpad.study.results.table import COLUMNS
-from fingerpad.study.status import item_states, semi_axes_state
+from fingerpad.study.status import Missing, item_states, semi_axes_state
 from fingerpad.web.answers import Answer, Face, Quantities, SemiAxes, Status
-from fingerpad.web.api.base import Opened, Params, study_router
+from fingerpad.web.api.base import Opened, Params, Query, study_router
 from fingerpad.web.events import RunStatus
 from fingerpad.web.last_results import (
     FRAME_COLUMNS,
@@ -55,23 +59,19 @@ from fingerpad.web.study_session import StudySession, table_content
 
 router = study_router()
 
-_UNREADABLE: Final = (OSError, StoreError)
-_WORDS: Final[Mapping[str, Any]] = {
-    "flags": {
-        kind: {code: {"words": flag.words, "to_do": flag.to_do} for code, flag in flags.items()}
-        for kind, flags in FLAGS.items()
-    },
-    "columns": {name: column.meaning for name, column in COLUMNS.items()},
-}
+
+def _or_null(value: Any, validated: ValidatorFunctionWrapHandler) -> Any:
+    try:
+        return validated(value)
+    except ValidationError:
+        return None
 
 
-class MissingEntry(Answer):
-    """Something that the study lacks; `place` is the key of the table that would hold it, or empty."""
-
-    kind: Kind | Literal["file", "folder"]
-    key: str
-    words: str
-    place: str
+# What a table of the manifest states; one that is not complete may hold anything, which is null then.
+Text: TypeAlias = Annotated[StrictStr | None, WrapValidator(_or_null)]
+Number: TypeAlias = Annotated[StrictFloat | None, WrapValidator(_or_null)]
+StatedScale: TypeAlias = Annotated[str | dict[str, Any] | None, WrapValidator(_or_null)]
+StatedFace: TypeAlias = Annotated[Face | None, WrapValidator(_or_null)]
 
 
 class Review(Answer):
@@ -100,11 +100,11 @@ class PhotographEntry(Review):
     file: str | None
     outline: bool
     status: Status
-    face: Face | None
-    scale: str | dict[str, Any] | None
+    face: StatedFace
+    scale: StatedScale
     scale_words: str
-    tip: str | None
-    palmar_side: str | None
+    tip: Text
+    palmar_side: Text
     synthetic: bool
 
 
@@ -119,8 +119,8 @@ class FingerEntry(Quantities):
     synthetic: bool
     semi_axes_mm: SemiAxes | None
     semi_axes_mm_std: SemiAxes | None
-    effective_thickness_mm: float | None
-    effective_thickness_mm_std: float | None
+    effective_thickness_mm: Number
+    effective_thickness_mm_std: Number
     status: Status
     reason: str | None
     photographs: list[PhotographEntry]
@@ -130,13 +130,13 @@ class ObservationEntry(Review):
     """An observation: one contact at one load."""
 
     item: str
-    finger: str | None
-    wedge_angle_deg: float | None
-    roll_angle_deg: float | None
-    load_N: float | None  # noqa: N815
-    scale: str | dict[str, Any] | None
+    finger: Text
+    wedge_angle_deg: Number
+    roll_angle_deg: Number
+    load_N: Number  # noqa: N815
+    scale: StatedScale
     scale_words: str
-    file: str | None
+    file: Text
     notes: str
     surface: Surface
     synthetic: bool
@@ -150,14 +150,14 @@ class SequenceEntry(Answer):
     """A sequence of contact images."""
 
     name: str
-    finger: str | None
-    wedge_angle_deg: float | None
-    roll_angle_deg: float | None
-    force: str | None
-    scale: str | dict[str, Any] | None
+    finger: Text
+    wedge_angle_deg: Number
+    roll_angle_deg: Number
+    force: Text
+    scale: StatedScale
     scale_words: str
-    file: str | None
-    frames_per_second: float | None
+    file: Text
+    frames_per_second: Number
     surface: Surface
     synthetic: bool
     status: Status
@@ -175,11 +175,11 @@ class CurveEntry(Quantities):
     has_units = False
 
     key: str
-    finger: str | None
-    wedge_angle_deg: float | None
-    file: str | None
-    loading_radius_mm: float | None
-    loading_radius_mm_std: float | None
+    finger: Text
+    wedge_angle_deg: Number
+    file: Text
+    loading_radius_mm: Number
+    loading_radius_mm_std: Number
     synthetic: bool
     complete: bool
     status: Status
@@ -206,17 +206,10 @@ class FileEntry(Answer):
     reading: FileReading | None
 
 
-class FlagWords(Answer):
-    """What a flag means, and what to do about it."""
-
-    words: str
-    to_do: str
-
-
 class Descriptions(Answer):
     """Descriptions of flags, by what is flagged and their codes, and of columns."""
 
-    flags: dict[str, dict[str, FlagWords]]
+    flags: dict[str, dict[str, Flag]]
     columns: dict[str, str]
 
 
@@ -255,7 +248,7 @@ class State(Answer):
     taken_as_exact: list[str]
     assumed: list[str]
     ready: bool
-    missing: list[MissingEntry]
+    missing: list[Missing]
     scales: list[ScaleEntry]
     fingers: list[FingerEntry]
     observations: list[ObservationEntry]
@@ -305,322 +298,236 @@ class Frames(Answer):
     frames: list[FrameEntry]
 
 
-def document(opened: StudySession) -> dict[str, Any]:
+_WORDS: Final = Descriptions(
+    flags={kind: dict(flags) for kind, flags in FLAGS.items()},
+    columns={name: column.meaning for name, column in COLUMNS.items()},
+)
+
+
+def state_of(opened: StudySession) -> State:
     """Return the state of a study; nothing is measured."""
     loaded = opened.read()
     study = loaded.study
-    active_corrections = opened.corrections.active_corrections()
-    states = _item_states(study, opened, active_corrections)
-    found = last_results(opened)
-    seen = contact_rows(found.table) if found else {}
-    fingers = {one.name: one for one in study.fingers}
-    counts = Counter(states.values())
-    return {
-        "name": opened.name,
-        "title": study.title,
-        "description": study.description,
-        "digest": loaded.digest,
-        "poisson_ratio": study.poisson_ratio,
-        "surface": study.surface,
-        "uncertainty": study.uncertainty.model_dump(),
-        "stated": sorted(study.uncertainty.model_fields_set),
-        "apparatus": study.apparatus.model_dump(),
-        "taken_as_exact": study.taken_as_exact(),
-        "assumed": study.assumed(),
-        "ready": not loaded.issues,
-        "missing": [asdict(one) for one in opened.missing()],
-        "scales": _scales(loaded),
-        "fingers": [
-            _finger(
-                opened,
-                *one,
-                finger=fingers.get(one[0]),
-                record=found.summary.finger(one[0]) if found else None,
-                states=states,
-                active_corrections=active_corrections,
-            )
-            for one in _tables(loaded, "finger")
-        ],
-        "observations": [
-            {
-                **_observation(*one, states=states, seen=seen, active_corrections=active_corrections),
-                "surface": _surface(loaded, one[1]),
-            }
-            for one in _tables(loaded, "observation")
-        ],
-        "sequences": [
-            {
-                **_sequence(opened, *one, states=states, active_corrections=active_corrections),
-                "surface": _surface(loaded, one[1]),
-            }
-            for one in _tables(loaded, "sequence")
-        ],
-        "curves": _curves(loaded, states, found),
-        "files": _files(opened),
-        "words": _WORDS,
-        "counts": {
-            **{name: counts[name] for name in ("done", "failed", "stale", "left")},
-            "total": len(states),
-        },
-        "run": opened.run_job.describe(),
-        "results": {
-            "there": found is not None,
-            "faults": results_faults(opened),
-            "report": _has_report(opened),
-            "finished": found and found.summary.provenance.made,
-            "fresh": _is_fresh(opened, study, found, counts),
-        },
-    }
-
-
-def _is_fresh(opened: StudySession, study: Study, found: Results | None, counts: Mapping[str, int]) -> bool:
-    """Tell whether the results and the report are up to date."""
-    if found is None or counts["stale"] + counts["left"] or not _has_report(opened):
-        return False
-    return _same_inputs(opened, study, found.summary.provenance.inputs_sha256)
-
-
-def _has_report(opened: StudySession) -> bool:
-    return (opened.out / REPORT_NAME).is_file()
+    active = opened.corrections.active_corrections()
+    known = _Known(
+        opened=opened,
+        loaded=loaded,
+        states=_item_states(study, opened, active),
+        active=active,
+        found=last_results(opened),
+    )
+    counts = Counter(known.states.values())
+    return State.of(
+        study,
+        name=opened.name,
+        digest=loaded.digest,
+        stated=sorted(study.uncertainty.model_fields_set),
+        taken_as_exact=study.taken_as_exact(),
+        assumed=study.assumed(),
+        ready=not loaded.issues,
+        missing=opened.missing(),
+        scales=known.scales(),
+        fingers=[known.finger(*one) for one in known.tables("finger")],
+        observations=known.observations(),
+        sequences=[known.sequence(*one) for one in known.tables("sequence")],
+        curves=known.curves(),
+        files=_files(opened),
+        words=_WORDS,
+        counts={name: counts[name] for name in ("done", "failed", "stale", "left")}
+        | {"total": len(known.states)},
+        run=opened.run_job.describe(),
+        results=known.results(counts),
+    )
 
 
 def _item_states(
-    study: Study, opened: StudySession, active_corrections: Mapping[str, ActiveCorrection]
+    study: Study, opened: StudySession, active: Mapping[str, ActiveCorrection]
 ) -> dict[str, str]:
     """Return the status of each item: done, failed, stale or left."""
     path = opened.out / STORE_NAME
     if path.is_file():
-        with suppress(*_UNREADABLE), Store.reading(path) as store:  # a run reports what is wrong with it
-            return item_states(StudyItems.of(RunContext.of(study, opened.folder, active_corrections, store)))
-    return item_states(StudyItems.of(RunContext.of(study, opened.folder, active_corrections, None)))
+        # A run reports what is wrong with the store.
+        with suppress(OSError, StoreError), Store.reading(path) as store:
+            return item_states(StudyItems.of(RunContext.of(study, opened.folder, active, store)))
+    return item_states(StudyItems.of(RunContext.of(study, opened.folder, active, None)))
 
 
-def _same_inputs(opened: StudySession, study: Study, known: Mapping[str, str]) -> bool:
-    """Tell whether manifest, spreadsheet and corrections are those of a run."""
-    sheet = [study.observations_csv] if study.observations_csv else []
-    names = [STUDY_NAME, *sheet, CORRECTIONS_NAME, SECOND_OPERATOR_NAME]
-    return all(digest_of(opened.folder / name) == known.get(name, "") for name in names)
-
-
-def review_record(active_correction: ActiveCorrection | None) -> dict[str, Any]:
+def review_record(correction: ActiveCorrection | None) -> dict[str, Any]:
     """Return the review of an item."""
     return {
-        "corrected": active_correction is not None and bool(active_correction.change.edits),
-        "accepted": active_correction is not None and active_correction.change.accepted,
-        "rejected": active_correction and active_correction.change.rejected,
-        "who": active_correction and active_correction.who,
+        "corrected": correction is not None and bool(correction.change.edits),
+        "accepted": correction is not None and correction.change.accepted,
+        "rejected": correction and correction.change.rejected,
+        "who": correction and correction.who,
     }
 
 
-def _values(table: Mapping[str, Any], kinds: type | tuple[type, ...], *names: str) -> dict[str, Any]:
-    """Return values of a table by name, None where one is missing or of another type.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Known:
+    """What is known of a study, and what of that is said of each of its tables."""
 
-    A table that is not complete yet may hold anything.
-    """
-    values = {name: table.get(name) for name in names}
-    return {
-        name: value if isinstance(value, kinds) and not isinstance(value, bool) else None
-        for name, value in values.items()
-    }
+    opened: StudySession
+    loaded: LoadedStudy
+    states: Mapping[str, str]
+    active: Mapping[str, ActiveCorrection]
+    found: Results | None
 
+    def tables(self, kind: str) -> Iterator[tuple[str, dict[str, Any], bool]]:
+        """Yield key and content of each table of a kind, and whether it is complete."""
+        return ((one.key, table_content(one), one.complete) for one in self.loaded.tables if one.kind == kind)
 
-def _text(table: Mapping[str, Any], name: str) -> str | None:
-    value: str | None = _values(table, str, name)[name]
-    return value
+    def status(self, item: str) -> str:
+        """Return the status of an item; rejected items are only that."""
+        return "rejected" if is_rejected(self.active.get(item)) else self.states.get(item, "left")
 
+    def surface(self, table: Mapping[str, Any]) -> str:
+        """Return whether a contact has ridges: as its table says, or else the study."""
+        stated = table.get("surface")
+        return str(stated) if stated in get_args(Surface) else self.loaded.study.surface
 
-def _tables(loaded: LoadedStudy, kind: str) -> Iterator[tuple[str, dict[str, Any], bool]]:
-    """Yield key and content of each table of a kind, and whether it is complete."""
-    return ((one.key, table_content(one), one.complete) for one in loaded.tables if one.kind == kind)
+    def scales(self) -> list[ScaleEntry]:
+        uses = Counter(self.loaded.study.named_scales())
+        for one in self.loaded.incomplete:
+            names = (table.get("scale") for table in one.tables)
+            uses.update(name for name in names if isinstance(name, str))
+        return [
+            ScaleEntry(
+                name=name, table=table, words=scale_words(table), used_by=uses[name], complete=complete
+            )
+            for name, table, complete in self.tables("scale")
+        ]
 
+    def finger(self, name: str, table: dict[str, Any], complete: bool) -> FingerEntry:
+        finger = next((one for one in self.loaded.study.fingers if one.name == name), None)
+        record = self.found.summary.finger(name) if self.found else None
+        known = known_finger(self.opened, name) if complete else None
+        status = "left" if finger is None else semi_axes_state(finger, self.states, record)
+        return FingerEntry.of(
+            table,
+            name=name,
+            table=table,
+            complete=complete,
+            synthetic=table.get("synthetic") is True,
+            semi_axes_mm=known and SemiAxes.of_three(known.semi_axes),
+            semi_axes_mm_std=known and SemiAxes.of_three(np.sqrt(known.covariance.diagonal())),
+            status=status,
+            reason=record.reason if record and status == "failed" else None,
+            photographs=[self.photograph(name, one) for one in table.get("photographs", [])],
+        )
 
-def _scales(loaded: LoadedStudy) -> list[dict[str, Any]]:
-    uses = Counter(loaded.study.named_scales())
-    for one in loaded.incomplete:
-        names = (table.get("scale") for table in one.tables)
-        uses.update(name for name in names if isinstance(name, str))
-    return [
-        {
-            "name": name,
-            "table": table,
-            "words": scale_words(table),
-            "used_by": uses[name],
-            "complete": complete,
-        }
-        for name, table, complete in _tables(loaded, "scale")
-    ]
+    def photograph(self, finger: str, table: Mapping[str, Any]) -> PhotographEntry:
+        file = next((one for key in ("file", "outline") if isinstance(one := table.get(key), str)), None)
+        item = f"{finger}/{file}"
+        return PhotographEntry.of(
+            table,
+            **review_record(self.active.get(item)),
+            item=item,
+            file=file,
+            outline="outline" in table,
+            status="given" if "outline" in table else self.status(item),
+            scale_words=scale_words(table.get("scale")),
+            synthetic=table.get("synthetic") is True,
+        )
 
+    def observations(self) -> list[ObservationEntry]:
+        seen = contact_rows(self.found.table) if self.found else {}
+        return [
+            ObservationEntry.of(
+                table,
+                **review_record(self.active.get(name)),
+                item=name,
+                scale_words=scale_words(table.get("scale")),
+                notes=notes if isinstance(notes := table.get("notes"), str) else "",
+                surface=self.surface(table),
+                synthetic=table.get("synthetic") is True,
+                status="given" if "ellipse_mm" in table else self.status(name),
+                flags=(seen.get(name, {}).get("flags") or "").split(),
+                reason=seen.get(name, {}).get("reason"),
+                complete=complete,
+            )
+            for name, table, complete in self.tables("observation")
+        ]
 
-def _finger(
-    opened: StudySession,
-    name: str,
-    table: dict[str, Any],
-    complete: bool,
-    *,
-    finger: Finger | None,
-    record: FingerRecord | None,
-    states: Mapping[str, str],
-    active_corrections: Mapping[str, ActiveCorrection],
-) -> dict[str, Any]:
-    known = known_finger(opened, name) if complete else None
-    status = "left" if finger is None else semi_axes_state(finger, states, record)
-    axes = ("palmar", "distal", "radial_ulnar")
-    return {
-        "name": name,
-        "table": table,
-        "complete": complete,
-        "synthetic": table.get("synthetic") is True,
-        "semi_axes_mm": known and dict(zip(axes, known.semi_axes.tolist(), strict=True)),
-        "semi_axes_mm_std": known
-        and dict(zip(axes, np.sqrt(known.covariance.diagonal()).tolist(), strict=True)),
-        **_values(table, (int, float), "effective_thickness_mm", "effective_thickness_mm_std"),
-        "status": status,
-        "reason": record.reason if record and status == "failed" else None,
-        "photographs": [
-            _photograph(name, one, states, active_corrections) for one in table.get("photographs", [])
-        ],
-    }
+    def sequence(self, name: str, table: dict[str, Any], complete: bool) -> SequenceEntry:
+        rows = frame_rows(self.found.table, name).values() if self.found else ()
+        of_frames = frames_of(self.active, name).values()
+        file = table.get("file")
+        return SequenceEntry.of(
+            table,
+            name=name,
+            scale_words=scale_words(table.get("scale")),
+            surface=self.surface(table),
+            synthetic=table.get("synthetic") is True,
+            status=self.states.get(name, "left"),
+            frames=self.opened.count_frames(file) if isinstance(file, str) else None,
+            flags=Counter(flag for row in rows for flag in (row["flags"] or "").split()),
+            corrected=sum(bool(one.change.edits) for one in of_frames),
+            rejected=sum(one.change.rejected is not None for one in of_frames),
+            reviewed=len(of_frames),
+            complete=complete,
+        )
 
+    def curves(self) -> list[CurveEntry]:
+        names = iter(curve_names(self.loaded.study))
+        seen = self.found.summary.curves if self.found else []
+        reasons = {(one.finger, one.wedge_angle_deg, one.file): one.reason for one in seen}
 
-def _photograph(
-    finger: str,
-    table: Mapping[str, Any],
-    states: Mapping[str, str],
-    active_corrections: Mapping[str, ActiveCorrection],
-) -> dict[str, Any]:
-    file = _text(table, "file") or _text(table, "outline")
-    face = _text(table, "face")
-    return {
-        "item": f"{finger}/{file}",
-        "file": file,
-        "outline": "outline" in table,
-        "status": "given" if "outline" in table else _status(f"{finger}/{file}", states, active_corrections),
-        "face": face if face in FACE_AXES else None,
-        **_values(table, str, "tip", "palmar_side"),
-        **_values(table, (str, dict), "scale"),
-        "scale_words": scale_words(table.get("scale")),
-        "synthetic": table.get("synthetic") is True,
-        **review_record(active_corrections.get(f"{finger}/{file}")),
-    }
+        def entry(key: str, table: dict[str, Any], complete: bool) -> CurveEntry:
+            item = next(names) if complete else None
+            at: Any = tuple(map(table.get, ("finger", "wedge_angle_deg", "file")))
+            return CurveEntry.of(
+                table,
+                key=key,
+                synthetic=table.get("synthetic") is True,
+                complete=complete,
+                status=self.states.get(item or "", "given"),
+                reason=reasons.get(at) if complete else None,
+            )
 
+        return [entry(*one) for one in self.tables("curve")]
 
-def _surface(loaded: LoadedStudy, table: Mapping[str, Any]) -> str:
-    """Return whether a contact has ridges: as its table says, or else the study."""
-    stated = table.get("surface")
-    return str(stated) if stated in get_args(Surface) else loaded.study.surface
+    def results(self, counts: Mapping[str, int]) -> ResultsStatus:
+        """Return whether there are results and a report, and whether they are up to date."""
+        made = self.found and self.found.summary.provenance
+        has_report = (self.opened.out / REPORT_NAME).is_file()
+        measured = not counts["stale"] + counts["left"]
+        return ResultsStatus(
+            there=made is not None,
+            faults=results_faults(self.opened),
+            report=has_report,
+            finished=made and made.made,
+            fresh=bool(made and measured and has_report and self._has_same_inputs(made.inputs_sha256)),
+        )
 
-
-def _observation(
-    name: str,
-    table: Mapping[str, Any],
-    complete: bool,
-    *,
-    states: Mapping[str, str],
-    seen: Mapping[str, Mapping[str, Any]],
-    active_corrections: Mapping[str, ActiveCorrection],
-) -> dict[str, Any]:
-    row = seen.get(name, {})
-    return {
-        "item": name,
-        **_values(table, str, "finger"),
-        **_values(table, (int, float), "wedge_angle_deg", "roll_angle_deg", "load_N"),
-        **_values(table, (str, dict), "scale"),
-        "scale_words": scale_words(table.get("scale")),
-        "file": _text(table, "file"),
-        "notes": _text(table, "notes") or "",
-        "synthetic": table.get("synthetic") is True,
-        "status": "given" if "ellipse_mm" in table else _status(name, states, active_corrections),
-        "flags": (row.get("flags") or "").split(),
-        "reason": row.get("reason"),
-        **review_record(active_corrections.get(name)),
-        "complete": complete,
-    }
-
-
-def _status(item: str, states: Mapping[str, str], active_corrections: Mapping[str, ActiveCorrection]) -> str:
-    """Return the status of an item; rejected items are only that."""
-    return "rejected" if is_rejected(active_corrections.get(item)) else states.get(item, "left")
-
-
-def _sequence(
-    opened: StudySession,
-    name: str,
-    table: dict[str, Any],
-    complete: bool,
-    *,
-    states: Mapping[str, str],
-    active_corrections: Mapping[str, ActiveCorrection],
-) -> dict[str, Any]:
-    found = last_results(opened)
-    rows = frame_rows(found.table, name).values() if found else ()
-    of_frames = frames_of(active_corrections, name).values()
-    return {
-        "name": name,
-        **_values(table, str, "finger", "force"),
-        **_values(table, (int, float), "wedge_angle_deg", "roll_angle_deg", "frames_per_second"),
-        **_values(table, (str, dict), "scale"),
-        "scale_words": scale_words(table.get("scale")),
-        "file": _text(table, "file"),
-        "synthetic": table.get("synthetic") is True,
-        "status": states.get(name, "left"),
-        "frames": None if (file := _text(table, "file")) is None else opened.count_frames(file),
-        "flags": Counter(flag for row in rows for flag in (row["flags"] or "").split()),
-        "corrected": sum(bool(active_correction.change.edits) for active_correction in of_frames),
-        "rejected": sum(active_correction.change.rejected is not None for active_correction in of_frames),
-        "reviewed": len(of_frames),
-        "complete": complete,
-    }
+    def _has_same_inputs(self, known: Mapping[str, str]) -> bool:
+        """Tell whether manifest, spreadsheet and corrections are those of a run."""
+        sheet = self.loaded.study.observations_csv
+        names = filter(None, (STUDY_NAME, sheet, CORRECTIONS_NAME, SECOND_OPERATOR_NAME))
+        return all(digest_of(self.opened.folder / name) == known.get(name, "") for name in names)
 
 
-def _curves(loaded: LoadedStudy, states: Mapping[str, str], found: Results | None) -> list[dict[str, Any]]:
-    place = ("finger", "wedge_angle_deg", "file")
-    names = iter(curve_names(loaded.study))
-    seen = found.summary.curves if found else []
-    reasons: dict[tuple[Any, ...], str | None] = {
-        (one.finger, one.wedge_angle_deg, one.file): one.reason for one in seen
-    }
-
-    def described(key: str, table: dict[str, Any], complete: bool) -> dict[str, Any]:
-        item = next(names) if complete else None
-        return {
-            "key": key,
-            **_values(table, str, "finger", "file"),
-            **_values(table, (int, float), "wedge_angle_deg", "loading_radius_mm", "loading_radius_mm_std"),
-            "synthetic": table.get("synthetic") is True,
-            "complete": complete,
-            "status": states.get(item or "", "given"),
-            "reason": reasons.get(tuple(map(table.get, place))) if complete else None,
-        }
-
-    return [described(*one) for one in _tables(loaded, "curve")]
-
-
-def _files(opened: StudySession) -> list[dict[str, Any]]:
+def _files(opened: StudySession) -> list[FileEntry]:
     unused = {one.key for one in opened.missing() if one.kind == "file"}
     folders = tuple(f"{one.key}/" for one in opened.missing() if one.kind == "folder")
     fingers = [finger.name for finger in opened.study().fingers]
 
-    def described(name: str, size: int) -> dict[str, Any]:
-        kind, used = kind_of_file(name), name not in unused and not name.startswith(folders)
-        if (
-            name in unused
-            and Path(name).suffix.lower() in TIFF_SUFFIXES
-            and (opened.count_frames(name) or 1) > 1
-        ):
+    def entry(name: str, size: int) -> FileEntry:
+        kind = kind_of_file(name)
+        if name not in unused:
+            used = not name.startswith(folders)
+            return FileEntry(file=name, kind=kind, bytes=size, used=used, reading=None)
+        if Path(name).suffix.lower() in TIFF_SUFFIXES and (opened.count_frames(name) or 1) > 1:
             kind = "sequence"
-        reading = None
-        if name in unused:
-            stated = named_file(name, kind, fingers)
-            reading = {key: getattr(stated, key) for key in FileReading.model_fields}
-        return {"file": name, "kind": kind, "bytes": size, "used": used, "reading": reading}
+        reading = FileReading.of(named_file(name, kind, fingers))
+        return FileEntry(file=name, kind=kind, bytes=size, used=False, reading=reading)
 
-    return [described(name, status.st_size) for name, status in opened.files().items()]
+    return [entry(name, status.st_size) for name, status in opened.files().items()]
 
 
 @router.get("/state")
 def state(opened: Opened) -> State:
     """Return the state of the open study."""
-    return State.of(document(opened))
+    return state_of(opened)
 
 
 class FramesParams(Params):
@@ -632,33 +539,25 @@ class FramesParams(Params):
 
 
 @router.get("/frames")
-def frames(opened: Opened, params: Annotated[FramesParams, Query()]) -> Frames:
+def frames(opened: Opened, params: Query[FramesParams]) -> Frames:
     """Return frames of a sequence, with the results of the last run."""
     name, found = params.sequence, last_results(opened)
     total = opened.count_frames(opened.sequence_file(name)) or 0
     rows = frame_rows(found.table, name) if found else {}
     shown = range(min(params.offset, total), min(params.offset + params.limit, total))
     active = frame_corrections(opened.corrections.active_corrections(), name, shown)
-    return Frames.of(
-        {
-            "total": total,
-            "frames": [_frame(name, number, rows.get(number), active.get(number)) for number in shown],
-        }
-    )
 
+    def entry(number: int) -> FrameEntry:
+        row, correction = rows.get(number, {}), active.get(number)
+        return FrameEntry.of(
+            **review_record(correction),
+            **{key: row.get(key) for key in FRAME_COLUMNS},
+            item=f"{name}#{number}",
+            frame=number,
+            status=row.get("status", "none"),
+            flags=(row.get("flags") or "").split(),
+            pooled=bool(row.get("pooled")),
+            interpolated=correction is not None and isinstance(correction.change, InterpolatedCorrection),
+        )
 
-def _frame(
-    sequence: str, number: int, row: Mapping[str, Any] | None, active_correction: ActiveCorrection | None
-) -> dict[str, Any]:
-    known = row or {}
-    return {
-        "item": f"{sequence}#{number}",
-        "frame": number,
-        "status": known.get("status", "none"),
-        "flags": (known.get("flags") or "").split(),
-        **{key: known.get(key) for key in FRAME_COLUMNS},
-        "pooled": bool(known.get("pooled")),
-        "interpolated": active_correction is not None
-        and isinstance(active_correction.change, InterpolatedCorrection),
-        **review_record(active_correction),
-    }
+    return Frames(total=total, frames=[entry(number) for number in shown])

@@ -1,22 +1,25 @@
-"""Create, open, edit and run studies."""
+"""Create, open, edit and run studies, and hear what has changed."""
 
 import os
 from http import HTTPStatus
-from typing import Annotated, Any
+from typing import Annotated
 
+from fastapi import Response
 from pydantic import Field
+from starlette.responses import StreamingResponse
 
 from fingerpad.exceptions import EditConflict
 from fingerpad.study.editing.edit import Edit, create_study
 from fingerpad.study.editing.scales import KnownSize, ScaleWay
 from fingerpad.study.editing.template import write_example
 from fingerpad.study.imports.names import FileKind
-from fingerpad.study.manifest.load import STUDY_NAME, Kind
+from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.results.table import Symbol
 from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, Here, Opened, Params, api_router, study_router
-from fingerpad.web.api.state import State, document
+from fingerpad.web.api.state import State, state_of
 from fingerpad.web.errors import RequestError
-from fingerpad.web.events import RunStatus
+from fingerpad.web.events import CorrectionsEvent, RunStatus, StudyEvent
 from fingerpad.web.workspace import NAME
 
 router = study_router()
@@ -37,15 +40,6 @@ class Limits(Answer):
 
     upload_bytes: int
     picture_memory_bytes: int
-
-
-class SymbolMeaning(Answer):
-    """What a symbol means, its unit, and the column of ``results.csv`` that holds it."""
-
-    name: str
-    meaning: str
-    unit: str
-    column: str
 
 
 class EntryRules(Answer):
@@ -76,7 +70,7 @@ class Session(Answer):
     who: str
     plotly: str
     limits: Limits
-    glossary: dict[str, SymbolMeaning]
+    glossary: dict[str, Symbol]
     rules: EntryRules
 
 
@@ -103,7 +97,7 @@ class RunParams(Params):
 @here.get("/session")
 def session(workspace: Here) -> Session:
     """Return the studies of the workspace and the open one."""
-    return Session.of(workspace.describe())
+    return Session.of(**workspace.describe())
 
 
 @here.post("/session/new", status_code=HTTPStatus.CREATED)
@@ -111,7 +105,7 @@ def new(workspace: Here, params: Body[NewParams]) -> State:
     """Create a study in a new folder."""
     folder = workspace.new_folder(params.name)
     create_study(folder, params.title or params.name)
-    return State.of(document(workspace.open_folder(folder)))
+    return state_of(workspace.open_folder(folder))
 
 
 @here.post("/session/example", status_code=HTTPStatus.CREATED)
@@ -121,66 +115,69 @@ def example(workspace: Here) -> State:
     names = ("example", *(f"example-{number}" for number in range(2, 1000)))
     folder = workspace.new_folder(next(name for name in names if name not in taken))
     write_example(folder)
-    return State.of(document(workspace.open_folder(folder)))
+    return state_of(workspace.open_folder(folder))
 
 
 @here.post("/session/open")
 def open_study(workspace: Here, params: Body[OpenParams]) -> State:
     """Open a study of the workspace."""
-    return State.of(document(workspace.open(params.name)))
-
-
-class EditParams(Params):
-    """One edit of the manifest."""
-
-    kind: Kind
-    key: Annotated[str, Field(max_length=1000)]
-    set: dict[str, Any] | None
+    return state_of(workspace.open(params.name))
 
 
 class EditsParams(Params):
     """Edits of the manifest, whose digest is `expected`."""
 
     expected: Annotated[str, Field(max_length=100)]
-    edits: Annotated[list[EditParams], Field(min_length=1, max_length=10_000)]
+    edits: Annotated[list[Edit], Field(min_length=1, max_length=10_000)]
 
 
 @router.post("/edits")
 def edit(opened: Opened, params: Body[EditsParams]) -> State:
     """Apply all edits to the manifest, or none."""
-    edits = [Edit(kind=one.kind, key=one.key, set=one.set) for one in params.edits]
     try:
-        opened.change(edits, params.expected)
+        opened.change(params.edits, params.expected)
     except EditConflict as conflict:
         raise RequestError.conflict(str(conflict), digest=opened.read().digest) from conflict
-    found = document(opened)
-    opened.events.send("study", {"digest": found["digest"]})
-    return State.of(found)
+    opened.tell_changed()
+    return state_of(opened)
+
+
+class EventStream(StreamingResponse):
+    """Server-sent events."""
+
+    media_type = "text/event-stream"
+
+
+@router.get(
+    "/events",
+    response_class=EventStream,
+    responses={200: {"model": StudyEvent | CorrectionsEvent | RunStatus}},
+)
+async def listen(opened: Opened) -> Response:
+    """Stream events, each with its kind: ``study``, ``corrections`` or ``run``."""
+    return EventStream(opened.events.listen())
 
 
 @router.post("/run", status_code=HTTPStatus.ACCEPTED)
 def run(opened: Opened, params: Body[RunParams]) -> RunStatus:
     """Start a run of the study."""
     opened.require_complete()
-    workers = min(params.workers, os.cpu_count() or 1)
-    return RunStatus.of(
-        opened.run_job.start(
-            opened.folder / STUDY_NAME,
-            opened.out,
-            workers=workers,
-            force=params.force,
-            when_done=lambda: opened.events.send("study", {"digest": opened.read().digest}),
-        )
+    return opened.run_job.start(
+        opened.folder / STUDY_NAME,
+        opened.out,
+        workers=min(params.workers, os.cpu_count() or 1),
+        force=params.force,
+        when_done=opened.tell_changed,
     )
 
 
 @router.get("/run")
 def progress(opened: Opened) -> RunStatus:
     """Return the status of the run."""
-    return RunStatus.of(opened.run_job.describe())
+    return opened.run_job.describe()
 
 
 @router.post("/run/cancel", status_code=HTTPStatus.ACCEPTED)
 def cancel(opened: Opened) -> RunStatus:
     """Stop the run; finished measurements are kept."""
-    return RunStatus.of(opened.run_job.cancel())
+    return opened.run_job.cancel()

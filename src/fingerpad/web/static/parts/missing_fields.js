@@ -34,7 +34,7 @@ export const missingOf = (kind, key) =>
 /**
  * The field that takes what is missing, or a way to where it is entered.
  *
- * @param {Answers["MissingEntry"]} entry
+ * @param {Answers["Missing"]} entry
  */
 function fieldOf({ kind, key, place, words }) {
   const { fingers, files } = workspace.study;
@@ -71,7 +71,7 @@ const nameOf = ({ kind, key }) => (kind === "photograph" ? key.split("/", 1)[0] 
 /**
  * A list of missing entries with their fields.
  *
- * @param {Answers["MissingEntry"][]} entries
+ * @param {Answers["Missing"][]} entries
  * @param {{ named?: boolean, axes?: (finger: string) => void }} [options] whether each is named, and what
  *   asks for the semi-axes of a finger
  */

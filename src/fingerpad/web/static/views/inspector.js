@@ -91,7 +91,7 @@ export class Inspector {
   /**
    * Show what the item lacks, with its fields.
    *
-   * @param {Answers["MissingEntry"][]} entries
+   * @param {Answers["Missing"][]} entries
    */
   missing(entries) {
     this.parts.missing.hidden = !entries.length;

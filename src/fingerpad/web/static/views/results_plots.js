@@ -225,12 +225,14 @@ export class Plots {
       Boolean,
     );
     const there = (index) => rows.load_N[index] !== null && drawn.some((each) => rows[each][index] !== null);
-    if (rows.item.some((_, index) => there(index))) return "";
+    /** @type {any[]} */
+    const items = rows.item;
+    if (items.some((_, index) => there(index))) return "";
     const given = new Set(
       workspace.study.observations.filter(({ status }) => status === "given").map(({ item }) => item),
     );
     const none = `No contact here has a ${words} to plot`;
-    return key === "gross_area_mm2" && rows.item.every((item) => given.has(item))
+    return key === "gross_area_mm2" && items.every((item) => given.has(item))
       ? `${none}: their ellipses are given, and no image was measured.`
       : [`${none}; `, h("a", { href: "#/results/table" }, "the table"), " says what each lacks."];
   }
@@ -238,7 +240,7 @@ export class Plots {
   /** @param {Answers["PlottedGroup"]} group */
   #words(group) {
     const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
-    const values = group.rows[key].filter((value) => value !== null);
+    const values = /** @type {number[]} */ (group.rows[key].filter((value) => value !== null));
     const ends = [Math.min(...values), Math.max(...values)].map((end) => short(end));
     return `Chart of ${words} against load: ${values.length} values from ${ends.join(" to ")}`;
   }

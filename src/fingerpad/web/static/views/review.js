@@ -36,7 +36,7 @@ export class Review {
   at = -1;
   /** @type {"first" | "second"} */
   operator = "first";
-  /** @type {Answers["MissingEntry"][] | undefined} */
+  /** @type {Answers["Missing"][] | undefined} */
   lacking;
   tool = "ellipse";
   measured = null;
@@ -62,7 +62,7 @@ export class Review {
     return {};
   }
   dropped() {}
-  /** @returns {Answers["MissingEntry"][]} what the item of the entry lacks */
+  /** @returns {Answers["Missing"][]} what the item of the entry lacks */
   missing() {
     return [];
   }
