@@ -85,7 +85,7 @@ def test_readme_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_finger_for_simulators_is_what_the_code_prints() -> None:
     printed, said = run_page("docs/how-to/simulators.md")
-    assert len(said) == 2
+    assert len(said) == 3
     assert printed == said
 
 
