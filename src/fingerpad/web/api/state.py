@@ -488,14 +488,14 @@ class _Known:
 
     def results(self, counts: Mapping[str, int]) -> ResultsStatus:
         """Return whether there are results and a report, and whether they are up to date."""
-        made = self.found and self.found.summary.provenance
+        made = self.found.summary.provenance if self.found else None
         has_report = (self.opened.out / REPORT_NAME).is_file()
         measured = not counts["stale"] + counts["left"]
         return ResultsStatus(
             there=made is not None,
             faults=results_faults(self.opened),
             report=has_report,
-            finished=made and made.made,
+            finished=made.made if made else None,
             fresh=bool(made and measured and has_report and self._has_same_inputs(made.inputs_sha256)),
         )
 
