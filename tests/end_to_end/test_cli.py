@@ -185,7 +185,7 @@ def test_text_output_with_units() -> None:
             "measure photo x.png --face palmar",
             "give either --ppi, --mm-per-px, --scale-line, --scale-circle, --coin or --grid",
         ),
-        ("measure photo x.png --face palmar --ppi 500 --tip north", "--tip must be up"),
+        ("measure photo x.png --face palmar --ppi 500 --tip north", "--tip.*north.* is not one of .*up"),
         ("measure print x.png --ppi 500 --seed-px 12", "--seed-px takes 2 numbers"),
         ("measure print x.png --ppi 500 --mm-per-px 0.05", "give either .*, found --ppi and --mm-per-px"),
         ("measure print x.png --ppi 500 --roi-px 0,0,nan,9", "--roi-px takes 4 numbers"),

@@ -12,9 +12,10 @@ from tests.workbooks import sheet_xml, workbook
 from fingerpad._json import dumps
 from fingerpad.contact import Tissue, fast_contact
 from fingerpad.exceptions import ManifestError
+from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report import write_report
-from fingerpad.report.text import doubtful_curves
+from fingerpad.report.text import doubtful_results
 from fingerpad.simulate import outline_points, simulate_loading_curve
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.measuring.curves import loading_radius, placed_pad
@@ -154,7 +155,7 @@ def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path: Path) -> None:
     write_curve(tmp_path / "a.csv", loading_radius=15.0, initial_modulus=8.0)
     result = study(tmp_path, ON_HALF_SPACE, ON_HALF_SPACE)
     assert "a.csv: press 0 is given 2 times, and counts so often in R_g" in result.notes
-    assert "implausible_modulus" in {flag.code for _, flag in doubtful_curves(result)}
+    assert FLAGS["curve"]["implausible_modulus"].words in "\n".join(doubtful_results(result))
     _, out, _ = command.run("run", tmp_path / "study.toml", "--out", tmp_path / "out")
     assert "doubtful: a.csv: the modulus lies beyond any finger pad's; to do: check the units" in out
 

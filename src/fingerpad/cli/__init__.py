@@ -5,17 +5,10 @@ from typing import Annotated
 import typer
 
 import fingerpad
-from fingerpad.cli import imports, measure, model, study
-from fingerpad.cli.app import app as page
-from fingerpad.cli.compare import compare
-from fingerpad.cli.export import export
-from fingerpad.cli.fields import fields
-from fingerpad.cli.figure import figure
+from fingerpad.cli import imports, measure, model, results, study
 from fingerpad.cli.fit import fit
-from fingerpad.cli.modulus import modulus
 from fingerpad.cli.shared import Command, Commands
 from fingerpad.cli.simulator import simulator
-from fingerpad.cli.solve import solve
 
 __all__ = ["app"]
 
@@ -34,11 +27,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 for title, functions in (
-    ("Studies", (study.init, study.run, page, study.status, study.verify, compare, figure, export)),
-    (
-        "Single questions",
-        (model.geometry, model.hertz, modulus, solve, fields, model.correct, fit, simulator),
-    ),
+    ("Studies", (study.init, study.run, study.app, study.status, study.verify)),
+    ("Studies", (results.compare, results.figure, results.export)),
+    ("Single questions", (model.geometry, model.hertz, model.modulus, model.solve, model.fields)),
+    ("Single questions", (model.correct, fit, simulator)),
     ("Dzidek et al. (2017)", (model.reproduce,)),
 ):
     for function in functions:

@@ -1,10 +1,11 @@
 """Fit one loading curve."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from inspect import Parameter, Signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Argument, Option, echo
 
 from fingerpad._plausible import unit_doubts
 from fingerpad.cli.shared import (
@@ -13,18 +14,45 @@ from fingerpad.cli.shared import (
     WedgeAngle,
     column_flags,
     columns_of,
-    estimate_of,
     placement_of,
     print_folder,
-    print_json,
     print_note,
+    print_result,
     takes,
 )
 from fingerpad.exceptions import FitError, LoadingError
 
 if TYPE_CHECKING:
     from fingerpad.estimate import Estimate
-    from fingerpad.loading import LawFit, LoadingCurve
+
+
+def estimate_of(
+    flag: str, words: str, unit: str = "", *, read: Callable[[str], float] | None = None, **limits: Any
+) -> Callable[..., "Estimate | None"]:
+    """Return a function of a flag and its standard uncertainty, for `takes`, which returns the two as one.
+
+    Text is read by a function where it is not a finite number.
+    """
+    name = flag[2:].replace("-", "_")
+
+    def make(**given: Any) -> "Estimate | None":
+        value, std = given[name], given[f"{name}_std"]
+        if not std >= 0 or (std and value is None):
+            raise LoadingError(f"{flag}-std must not be negative, and goes with {flag}")
+        if value is None:
+            return None
+        from fingerpad.estimate import Estimate
+
+        return Estimate.symmetric(value if read is None else read(value), std)
+
+    kind = str if read else float
+    own = Annotated[kind | None, Option(help=words, **limits)]  # type: ignore[valid-type]
+    std = Annotated[float, Option(min=0, help=f"Its standard uncertainty{unit and ', '}{unit}.")]
+    parameters = ((name, None, own), (f"{name}_std", 0.0, std))
+    make.__signature__ = Signature(  # type: ignore[attr-defined]
+        [Parameter(each, Parameter.KEYWORD_ONLY, default=of, annotation=to) for each, of, to in parameters]
+    )
+    return make
 
 
 def _thickness(text: str) -> float:
@@ -58,45 +86,39 @@ def _thickness(text: str) -> float:
 )
 def fit(
     curve: Annotated[
-        Path,
-        typer.Argument(help="CSV, XLSX, MAT or TDMS file with force and displacement.", show_default=False),
+        Path, Argument(help="CSV, XLSX, MAT or TDMS file with force and displacement.", show_default=False)
     ],
     *,
     column: Columns = None,
-    poisson_ratio: Annotated[
-        float, typer.Option(min=-0.99, max=0.5, help="Poisson's ratio of the pad.")
-    ] = 0.5,
+    poisson_ratio: Annotated[float, Option(min=-0.99, max=0.5, help="Poisson's ratio of the pad.")] = 0.5,
     loading_radius: "Estimate | None",
-    cycle: Annotated[int, typer.Option(min=0, help="Which press of the record, from 0.")] = 0,
+    cycle: Annotated[int, Option(min=0, help="Which press of the record, from 0.")] = 0,
     contact_point: Annotated[
-        str,
-        typer.Option(help="joint, or hold it by contact_by_threshold, two_lines, gradient or power_law."),
+        str, Option(help="joint, or hold it by contact_by_threshold, two_lines, gradient or power_law.")
     ] = "joint",
     load_range_n: Annotated[
-        str | None, typer.Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
+        str | None, Option(metavar="W0,W1", help="Loads, N, between which the modulus grows.")
     ] = None,
     stage_compliance: "Estimate | None",
     area_delay: "Estimate | None",
     thickness: "Estimate | None",
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(
-            help="Palmar, distal and radial-ulnar semi-axes, mm: the thickness over bone is fitted, too."
-        ),
+        Option(help="Palmar, distal and radial-ulnar semi-axes, mm: the thickness over bone is fitted, too."),
     ] = None,
     wedge_deg: WedgeAngle = 0.0,
     pad_radius_mm_std: Annotated[
-        float, typer.Option(min=0, help="Standard uncertainty of the pad's radius 1/H, mm.")
+        float, Option(min=0, help="Standard uncertainty of the pad's radius 1/H, mm.")
     ] = 0.0,
     poisson_ratio_std: Annotated[
-        float, typer.Option(min=0, max=0.5, help="Standard uncertainty of Poisson's ratio, for the layer.")
+        float, Option(min=0, max=0.5, help="Standard uncertainty of Poisson's ratio, for the layer.")
     ] = 0.0,
     load_relative_std: Annotated[
-        float, typer.Option(min=0, max=1, help="Of the force's scale, relative, for the layer.")
+        float, Option(min=0, max=1, help="Of the force's scale, relative, for the layer.")
     ] = 0.0,
     area_relative_std: Annotated[
         float | None,
-        typer.Option(
+        Option(
             min=0,
             max=1,
             help="Relative, of all areas alike, as of their scale; 0.02 for the layer if not given.",
@@ -105,12 +127,12 @@ def fit(
     constraint: "Estimate | None",
     law: Annotated[
         str | None,
-        typer.Option(
+        Option(
             metavar="NAME|FILE.py:NAME|MODULE:NAME",
             help="A contact law to fit as well and compare: jkr, where there is a pull-off, or your own.",
         ),
     ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Folder for the figures, as SVG and JSON.")] = None,
+    plot: Annotated[Path | None, Option(help="Folder for the figures, as SVG and JSON.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Fit radius, moduli, place of contact and exponents to a loading curve.
@@ -122,8 +144,9 @@ def fit(
     """
     from fingerpad._columns import columns_named_by, unread_notes
     from fingerpad.flags import flags_in
-    from fingerpad.loading import fit_layer_thickness, fit_loading_curve, read_loading_curve
+    from fingerpad.loading import fit_adhesion, fit_layer_thickness, fit_loading_curve, read_loading_curve
     from fingerpad.loading.curve import unread_curve_columns
+    from fingerpad.loading.law_registry import find_law
 
     if semi_axes_mm is not None and thickness is not None:
         raise LoadingError("--semi-axes-mm fits the thickness that --thickness-mm states; give one of them")
@@ -136,31 +159,26 @@ def fit(
     columns = columns_of(column, "time", "force", "displacement", "area")
     with columns_named_by(column_flags):
         record = read_loading_curve(curve, columns)
-    doubts = unit_doubts(record.load, record.indentation, record.area)
-    unread = unread_curve_columns(curve, columns)
-    notes = unread_notes(unread, lambda name, column: f": {column_flags({name: column})}")
-    for note in (*doubts, *notes):
+    unread = unread_notes(
+        unread_curve_columns(curve, columns), lambda name, column: f": {column_flags({name: column})}"
+    )
+    for note in (*unit_doubts(record.load, record.indentation, record.area), *unread):
         print_note(note)
-    area_std: dict[str, Any] = {} if area_relative_std is None else {"area_relative_std": area_relative_std}
-    given: dict[str, Any] = {
-        "poisson_ratio": poisson_ratio,
-        "loading_radius": loading_radius,
-        "cycle": cycle,
-        "stage_compliance": stage_compliance,
-        "area_delay": area_delay,
-        **area_std,
-    }
+    given: dict[str, Any] = {"cycle": cycle, "stage_compliance": stage_compliance, "area_delay": area_delay}
+    given |= {} if area_relative_std is None else {"area_relative_std": area_relative_std}
+    of_half_space = {**given, "poisson_ratio": poisson_ratio, "loading_radius": loading_radius}
     asked: dict[str, Any] = {
         "contact_point": contact_point,
         "fit_load_range": None if load_range_n is None else _loads(load_range_n),
         "thickness": thickness,
     }
     try:
-        found = fit_loading_curve(record, law=law, **given, **asked)
+        found = fit_loading_curve(record, law=law, **of_half_space, **asked)
     except FitError as error:
-        alone = None if thickness is not None else _way_out_alone(record, law, given)
-        if alone is None:
+        # An adhesive law does not need the way in.
+        if thickness is not None or law is None or find_law(law).pull_off is None:
             raise
+        alone = fit_adhesion(record, law=law, **of_half_space)
         wanted = {"--constraint": constraint, "--semi-axes-mm": semi_axes_mm, "--plot": plot}
         idle = " and ".join(flag for flag, value in wanted.items() if value is not None)
         without = f", without {idle}, for which the way in is needed" if idle else ""
@@ -169,7 +187,7 @@ def fit(
         return
     if constraint is not None:
         found = found.divide_by_constraint(constraint)
-    layer = None
+    lines, shown = [found.report()], {"file": str(curve), **found.as_record()}
     if semi_axes_mm is not None:
         layer = fit_layer_thickness(
             record,
@@ -178,38 +196,25 @@ def fit(
             poisson_ratio=poisson_ratio,
             poisson_ratio_std=poisson_ratio_std,
             load_relative_std=load_relative_std,
-            **area_std,
-            cycle=cycle,
-            stage_compliance=stage_compliance,
-            area_delay=area_delay,
+            **given,
         )
-    if plot is not None:
-        _draw(plot, curve.stem, record, found, cycle)
-    lines, on_layer = [found.report()], {}
-    if layer is not None:
         lines += [f"layer: {layer.conclusion}", f"modulus: {layer.advice}"]
         for flag in flags_in(layer.notes, "curve", notes=layer.notes):
             lines.append(f"flag {flag.code}: of the layer, {flag.words}. To do: {flag.to_do}.")
-        on_layer["layer"] = layer.as_record()
-    _show("\n".join(lines), {"file": str(curve), **found.as_record(), **on_layer}, as_json=as_json)
+        shown["layer"] = layer.as_record()
+    if plot is not None:
+        from fingerpad._files import make_folder
+        from fingerpad.report.loading import loading_plots
+        from fingerpad.report.plot import save_plots
+
+        make_folder(plot)
+        save_plots(loading_plots(curve.stem, record, found, cycle=cycle), plot)
+    _show("\n".join(lines), shown, as_json=as_json)
     print_folder("Figures", plot, as_json)
 
 
-def _way_out_alone(record: "LoadingCurve", law: str | None, given: Mapping[str, Any]) -> "LawFit | None":
-    """Return the fit of an adhesive law, which does not need the way in; None for any other."""
-    from fingerpad.loading import fit_adhesion
-    from fingerpad.loading.law_registry import find_law
-
-    if law is None or find_law(law).pull_off is None:
-        return None
-    return fit_adhesion(record, law=law, **given)
-
-
 def _show(text: str, record: Mapping[str, Any], *, as_json: bool) -> None:
-    if as_json:
-        print_json(record)
-    else:
-        typer.echo(text.replace("or loading_radius", "or --radius-mm"))
+    print_result(record, as_json, lambda _: echo(text.replace("or loading_radius", "or --radius-mm")))
 
 
 def _loads(text: str) -> tuple[float, float]:
@@ -218,12 +223,3 @@ def _loads(text: str) -> tuple[float, float]:
     except ValueError:
         raise LoadingError(f"--load-range-n takes two loads separated by a comma, found {text!r}") from None
     return low, high
-
-
-def _draw(folder: Path, name: str, record: Any, found: Any, cycle: int) -> None:
-    from fingerpad._files import make_folder
-    from fingerpad.report.loading import loading_plots
-    from fingerpad.report.plot import save_plots
-
-    make_folder(folder)
-    save_plots(loading_plots(name, record, found, cycle=cycle), folder)

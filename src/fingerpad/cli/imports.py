@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
+from typer import Argument, Option
 
-from fingerpad.cli.measure.scale import WAYS, scale_of_flags
-from fingerpad.cli.shared import AsJson, Group, print_json, takes
+from fingerpad.cli.scale import WAYS, scale_of_flags
+from fingerpad.cli.shared import AsJson, Group, print_result, takes
 from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
@@ -26,37 +27,33 @@ _SHOWN = 5
 def import_fiji(
     files: Annotated[
         list[Path],
-        typer.Argument(
+        Argument(
             metavar="FILE...", help="Results.csv, .txt or .xls; .roi or RoiSet.zip.", show_default=False
         ),
     ],
     *,
     std_mm: Annotated[
-        float,
-        typer.Option(min=1e-9, help="Standard uncertainty of either semi-axis, mm.", show_default=False),
+        float, Option(min=1e-9, help="Standard uncertainty of either semi-axis, mm.", show_default=False)
     ],
     unit: Annotated[
-        str | None,
-        typer.Option(help="Unit of a table whose pictures had a scale in Fiji: mm, um, cm or inch."),
+        str | None, Option(help="Unit of a table whose pictures had a scale in Fiji: mm, um, cm or inch.")
     ] = None,
-    finger: Annotated[str | None, typer.Option(help="Finger name for all rows.")] = None,
+    finger: Annotated[str | None, Option(help="Finger name for all rows.")] = None,
     wedge_deg: Annotated[
-        float | None, typer.Option(min=0, max=90, help="Wedge angle for all rows, degrees.")
+        float | None, Option(min=0, max=90, help="Wedge angle for all rows, degrees.")
     ] = None,
     roll_deg: Annotated[
-        float | None, typer.Option(min=-90, max=90, help="Roll angle for all rows, degrees.")
+        float | None, Option(min=-90, max=90, help="Roll angle for all rows, degrees.")
     ] = None,
-    load_n: Annotated[float | None, typer.Option(min=1e-6, help="Load for all rows, N.")] = None,
+    load_n: Annotated[float | None, Option(min=1e-6, help="Load for all rows, N.")] = None,
     label_pattern: Annotated[
-        str | None,
-        typer.Option(help='Pattern of labels, as in "{finger}_{wedge}deg_{load}N".'),
+        str | None, Option(help='Pattern of labels, as in "{finger}_{wedge}deg_{load}N".')
     ] = None,
     finger_axis_deg: Annotated[
-        float,
-        typer.Option(help="The finger's direction in the pictures, from straight up, counter-clockwise."),
+        float, Option(help="The finger's direction in the pictures, from straight up, counter-clockwise.")
     ] = 0.0,
-    synthetic: Annotated[bool, typer.Option("--synthetic", help="The pictures were rendered.")] = False,
-    out: Annotated[Path, typer.Option(help="Output CSV (must not exist).")] = Path("observations.csv"),
+    synthetic: Annotated[bool, Option("--synthetic", help="The pictures were rendered.")] = False,
+    out: Annotated[Path, Option(help="Output CSV (must not exist).")] = Path("observations.csv"),
     as_json: AsJson = False,
     scale: "Scale | None" = None,
 ) -> None:
@@ -67,12 +64,7 @@ def import_fiji(
     """
     from fingerpad.study.imports import manual_observations, write_observations
 
-    given = {
-        "finger": finger,
-        "wedge_angle_deg": wedge_deg,
-        "roll_angle_deg": roll_deg,
-        "load_N": load_n,
-    }
+    given = {"finger": finger, "wedge_angle_deg": wedge_deg, "roll_angle_deg": roll_deg, "load_N": load_n}
     mm_per_unit = _mm_per_unit(files, unit, scale)
     ellipses = _read(files)
     rows = manual_observations(
@@ -89,10 +81,7 @@ def import_fiji(
     for ellipse in ellipses:
         for doubt in ellipse.doubts:
             typer.echo(f"doubtful: {ellipse.source}: {doubt}", err=True)
-    if as_json:
-        print_json([row.as_record() for row in rows])
-    else:
-        _print_outcome(out, rows)
+    print_result([row.as_record() for row in rows], as_json, lambda _: _print_outcome(out, rows))
 
 
 def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> float:

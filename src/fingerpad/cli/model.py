@@ -1,43 +1,141 @@
-"""Commands of the model: geometry, hertz, correct, reproduce."""
+"""Commands of the model: where a pad touches, its contact by each theory, and the article's numbers."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
 import numpy as np
 import typer
+from typer import Option
 
 from fingerpad._files import make_folder
+from fingerpad._json import plain
+from fingerpad._plausible import load_doubts
 from fingerpad.cli.shared import (
     AsJson,
-    Indentation,
-    Load,
+    PoissonRatio,
+    RollAngle,
     SemiAxes,
     Thickness,
     WedgeAngle,
-    contact_record,
-    only_one,
     placement_of,
-    pressed_record,
     print_folder,
-    print_if_too_large,
-    print_json,
-    print_record,
+    print_note,
+    print_result,
     print_rows,
     require_positive,
+    takes,
+    tissue_of,
 )
+from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
+    from fingerpad._arrays import FloatArray
+    from fingerpad.contact import Contact, ContactField, Tissue
+    from fingerpad.geometry import Placement
     from fingerpad.published import AuditItem
+
+# Depths of receptors in the fingertip, mm, as the literature has them; they vary from person to person.
+RECEPTORS: Final = {"Meissner": (0.5, 0.7), "Merkel": (0.7, 1.0), "Pacinian": (1.5, 2.5)}
+_DEFAULT_DEPTHS: Final = (0.5, 0.7, 1.0, 1.5, 2.0, 2.5)
+_COMPONENTS: Final = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+# Of the table of a field: heading and key.
+_FIELD_COLUMNS: Final = {
+    "xx": "stress_xx_kpa",
+    "yy": "stress_yy_kpa",
+    "zz": "stress_zz_kpa",
+    "shear": "maximum_shear_kpa",
+    "energy": "strain_energy_density_kJ_per_m3",
+    "strain_zz": "strain_zz",
+}
+
+Load: TypeAlias = Annotated[float | None, Option(help="Normal force, N.")]
+Area: TypeAlias = Annotated[float | None, Option(help="Contact area, mm², instead of --load-n.")]
+Indentation: TypeAlias = Annotated[float | None, Option(help="Indentation, mm, instead of --load-n.")]
+Grid: TypeAlias = Annotated[int, Option(min=64, max=1024, help="Grid cells along each side.")]
+_FLAGS: Final = {"load": "--load-n", "area": "--area-mm2", "indentation": "--indentation-mm"}
+_ROUND: Final = 1.001  # aspect ratio below which an ellipse has no direction
+
+
+def only_one(**given: float | None) -> dict[str, float]:
+    """Return which of load, area and indentation is given: exactly one must be, with a positive value."""
+    found = {name: value for name, value in given.items() if value is not None}
+    if len(found) != 1:
+        *most, last = (_FLAGS[name] for name in given)
+        raise typer.BadParameter(f"give exactly one of {', '.join(most)} and {last}")
+    for name, value in found.items():
+        require_positive(_FLAGS[name], value)
+    return found
+
+
+def pressed_of(
+    *, load_n: Load = None, area_mm2: Area = None, indentation_mm: Indentation = None
+) -> dict[str, float]:
+    """Return how a pad is pressed."""
+    return only_one(load=load_n, area=area_mm2, indentation=indentation_mm)
+
+
+def pressed_record(contact: "Contact") -> dict[str, Any]:
+    """Return how a pad is pressed."""
+    return {
+        "load_N": contact.load,
+        "area_mm2": contact.area,
+        "indentation_mm": contact.indentation,
+        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
+    }
+
+
+def contact_record(contact: "Contact") -> dict[str, Any]:
+    """Return one contact, in mm, N and kPa; the long axis lies along either direction of a near-circle."""
+    along = "either" if contact.aspect_ratio < _ROUND else "first" if contact.along else "second"
+    return {
+        **pressed_record(contact),
+        "semi_major_mm": contact.semi_major,
+        "semi_minor_mm": contact.semi_minor,
+        "aspect_ratio": contact.aspect_ratio,
+        "long_axis_along": along if contact.load > 0 else None,
+        "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
+    }
+
+
+def print_side_by_side(records: Mapping[str, Mapping[str, Any]]) -> None:
+    """Print records, a column each, with the lines of the first."""
+    columns = [plain(record) for record in records.values()]
+    lines = ([key, *(_cell(column[key]) for column in columns)] for key in columns[0])
+    print_rows([["", *records], *lines])
+
+
+def _cell(value: str | float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.5g}" if isinstance(value, float) else value
+
+
+def print_law_flag(flag: str | None) -> None:
+    """Say what takes a contact out of the range of the fast laws, if anything does."""
+    if flag:
+        typer.echo(f"The fast laws do not hold here: {flag.replace('_', ' ')}")
+
+
+def print_if_too_large(size: float) -> None:
+    """Say of a contact as wide as the bodies, by its a/R, that Hertz theory does not hold for it."""
+    from fingerpad.contact.law_factors import WIDEST
+
+    if size > WIDEST:
+        typer.echo(
+            f"Hertz theory does not hold here: the contact's radius is {size:.2g} times that of curvature; "
+            f"beyond {WIDEST:.1f} not even the error is known: check load, modulus and units"
+        )
 
 
 def geometry(
     semi_axes_mm: SemiAxes,
     wedge_deg: WedgeAngle,
     roll_deg: Annotated[
-        float | None, typer.Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
+        float | None, Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -61,21 +159,19 @@ def geometry(
         "point_mm": placement.point,
     }
     if roll_deg is not None:
-        record |= {
-            "principal_radii_mm": np.array(curvature.principal_radii),
-            "principal_directions": curvature.principal_directions,
-        }
-    print_record(record, as_json)
+        record["principal_radii_mm"] = np.array(curvature.principal_radii)
+        record["principal_directions"] = curvature.principal_directions
+    print_result(record, as_json)
 
 
 def hertz(
-    radii_mm: Annotated[tuple[float, float], typer.Option(help="Relative principal radii of curvature, mm.")],
-    reduced_modulus_kpa: Annotated[float, typer.Option(help="Reduced modulus E*, kPa.")],
+    radii_mm: Annotated[tuple[float, float], Option(help="Relative principal radii of curvature, mm.")],
+    reduced_modulus_kpa: Annotated[float, Option(help="Reduced modulus E*, kPa.")],
     load_n: Load = None,
     indentation_mm: Indentation = None,
     thickness_mm: Thickness = None,
     poisson_ratio: Annotated[
-        float, typer.Option(min=0, max=0.5, help="Poisson's ratio, which matters to a layer alone.")
+        float, Option(min=0, max=0.5, help="Poisson's ratio, which matters to a layer alone.")
     ] = 0.5,
     as_json: AsJson = False,
 ) -> None:
@@ -86,14 +182,11 @@ def hertz(
     from fingerpad.contact import Tissue, fast_contact, hertz_contact, indentation_factor, size_factor
     from fingerpad.geometry import Paraboloid
 
-    only_one({"--load-n": load_n, "--indentation-mm": indentation_mm})
-    for option, value in (("--reduced-modulus-kpa", reduced_modulus_kpa), ("--thickness-mm", thickness_mm)):
-        require_positive(option, value)
-    for radius in radii_mm:
-        require_positive("--radii-mm", radius)
-    bodies = Paraboloid(*radii_mm)
-    modulus = reduced_modulus_kpa / KPA_PER_MPA
-    pressed = {"load": load_n, "indentation": indentation_mm}
+    pressed = only_one(load=load_n, indentation=indentation_mm)
+    require_positive("--reduced-modulus-kpa", reduced_modulus_kpa)
+    require_positive("--thickness-mm", thickness_mm)
+    require_positive("--radii-mm", *radii_mm)
+    bodies, modulus = Paraboloid(*radii_mm), reduced_modulus_kpa / KPA_PER_MPA
     contact = hertz_contact(bodies, Tissue.of_reduced_modulus(modulus), **pressed)
     size = math.sqrt(contact.semi_major * contact.semi_minor / math.prod(radii_mm))
     record = {
@@ -109,16 +202,210 @@ def hertz(
         on_layer = fast_contact(bodies, layer, **pressed)
         flag = str(on_layer.flags)
         record["on_layer"] = pressed_record(on_layer) | ({"flag": flag or None} if as_json or flag else {})
-    print_record(record, as_json)
+    print_result(record, as_json)
     if not as_json:
         print_if_too_large(size)
 
 
+def modulus(
+    semi_axes_mm: SemiAxes,
+    wedge_deg: WedgeAngle,
+    load_n: Annotated[float, Option(help="Normal force, N.")],
+    roll_deg: RollAngle = 0.0,
+    poisson_ratio: PoissonRatio = 0.5,
+    thickness_mm: Thickness = None,
+    area_mm2: Annotated[float | None, Option(help="Contact area, mm².")] = None,
+    indentation_mm: Annotated[float | None, Option(help="Indentation, mm, instead of --area-mm2.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find Young's modulus from a load and the contact area or the indentation.
+
+    The whole ellipsoid, on deep tissue or on a layer over bone, by fast laws, beside Hertz theory. The laws
+    are flagged, and say nothing, beyond their range.
+    """
+    from fingerpad.contact.contact import from_reduced_modulus
+    from fingerpad.contact.fast_laws import find_modulus, plate_gap
+    from fingerpad.geometry import Paraboloid
+
+    given = {"load": load_n, **only_one(area=area_mm2, indentation=indentation_mm)}
+    require_positive("--load-n", load_n)
+    require_positive("--thickness-mm", thickness_mm)
+    gap = plate_gap(placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg))
+    paraboloid = plate_gap(Paraboloid(gap.first_radius, gap.second_radius))
+    records, flag = [], ""
+    for of, thickness in ((paraboloid, None), (gap, thickness_mm)):
+        reduced, contact = find_modulus(of, **given, thickness=thickness, poisson_ratio=poisson_ratio)
+        flag = str(contact.flags)
+        records.append(
+            {
+                **pressed_record(contact),
+                "reduced_modulus_kpa": KPA_PER_MPA * reduced,
+                "youngs_modulus_kpa": KPA_PER_MPA * from_reduced_modulus(reduced, poisson_ratio),
+            }
+        )
+    by_hertz, whole = records
+    for doubt in load_doubts(load_n, by_hertz["youngs_modulus_kpa"]):
+        print_note(doubt)
+
+    def print_table(_: Mapping[str, Any]) -> None:
+        print_side_by_side({"whole pad": whole, "Hertz": by_hertz})
+        print_law_flag(flag)
+        area = by_hertz["area_mm2"] / math.pi
+        print_if_too_large(math.sqrt(area / (gap.first_radius * gap.second_radius)))
+
+    record = {**whole, "flag": flag or None, "thickness_mm": thickness_mm, "hertz": by_hertz}
+    print_result(record, as_json, print_table)
+
+
+@takes(placement=placement_of, tissue=tissue_of, pressed=pressed_of)
+def solve(
+    *,
+    placement: "Placement",
+    tissue: "Tissue",
+    pressed: dict[str, float],
+    grid: Grid = 256,
+    as_json: AsJson = False,
+) -> None:
+    """Press a whole ellipsoidal pad against a flat plate, on deep tissue or on a layer over bone.
+
+    Fast laws and Hertz theory answer the same question beside it. The laws are flagged, and say nothing,
+    beyond their range; the error of Hertz theory is its departure from the solved contact, and its flag
+    says where it ignores a thickness that matters. The long axis lies along the first principal
+    direction, the one nearer to the finger's axis, along the second, or along either.
+    """
+    from fingerpad.contact import fast_contact, hertz_contact, solve_contact
+    from fingerpad.contact.fast_laws import ERROR_OF_BOTH, ERROR_OF_PAD
+
+    try:
+        solved = solve_contact(placement, tissue, **pressed, points=grid)
+    except (ConvergenceError, GeometryError) as error:
+        way_out = "; try another --grid" if isinstance(error, ConvergenceError) else ""
+        ((name, value),) = pressed.items()
+        raise type(error)(f"{_FLAGS[name]} {value:g}: {error}{way_out}") from None
+    fast = fast_contact(placement, tissue, **pressed)
+    by_hertz = hertz_contact(placement, tissue, **pressed)
+    error_of_laws = None if str(fast.flags) else ERROR_OF_PAD if tissue.is_deep else ERROR_OF_BOTH
+    departure = max(
+        abs(getattr(by_hertz, name) / getattr(solved, name) - 1) for name in ("load", "area", "indentation")
+    )
+    record = {**contact_record(solved), "relative_error_estimate": solved.relative_error}
+    for name, contact, error in (("fast", fast, error_of_laws), ("hertz", by_hertz, departure)):
+        flag = str(contact.flags) or None
+        record[name] = {**contact_record(contact), "relative_error_estimate": error, "flag": flag}
+    print_result(record, as_json, _print_solved)
+
+
+def _print_solved(record: Mapping[str, Any]) -> None:
+    """Print the solved contact and the other answers, a column each."""
+    plainly = plain(record)
+    others = {name: plainly.pop(name) for name in ("fast", "hertz")}
+    print_side_by_side({"solved": plainly, **others})
+    print_law_flag(others["fast"]["flag"])
+    if others["hertz"]["flag"] == "thickness_ignored":
+        typer.echo("Hertz theory takes the layer for deep tissue")
+
+
+@takes(placement=placement_of, tissue=tissue_of, pressed=pressed_of)
+def fields(
+    *,
+    placement: "Placement",
+    tissue: "Tissue",
+    pressed: dict[str, float],
+    depth_mm: Annotated[
+        list[float] | None,
+        Option(
+            help="Depths below the surface, mm: one or more. By default those of receptors in the "
+            "literature, which vary: Meissner 0.5-0.7, Merkel 0.7-1, Pacinian 1.5-2.5.",
+            show_default=False,
+        ),
+    ] = None,
+    grid: Grid = 256,
+    plot: Annotated[
+        Path | None, Option(help="Folder for the section under the contact, as SVG and PNG.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find stress and strain below the place of first contact, by Hertz theory and for the whole pad.
+
+    In names of components x is along the finger, y across, z into the tissue; tension is positive. Hertz
+    theory is that of a half-space, under the same load, area or indentation.
+    """
+    from fingerpad.contact import ContactField, solve_contact
+
+    depths = _depths(depth_mm, float(tissue.thickness))
+    by_hertz = ContactField.of_hertz(placement, tissue, **pressed)
+    solved = ContactField.of_solution(solve_contact(placement, tissue, **pressed, points=grid))
+    record = _field_record(solved, depths) | {
+        "thickness_mm": None if tissue.is_deep else tissue.thickness,
+        "hertz": _field_record(by_hertz, depths),
+    }
+    if plot is not None:
+        from fingerpad.figures import save_figure, section_figure
+
+        make_folder(plot)
+        save_figure(
+            section_figure(solved, hertz=by_hertz, receptors=RECEPTORS),
+            plot / "section",
+            description="Contact pressure and maximum shear stress in the section along the finger.",
+        )
+    print_result(record, as_json, _print_fields)
+
+
+def _depths(given: list[float] | None, thickness: float) -> "FloatArray":
+    """Return the given depths in ascending order, or those of receptors as far as there is tissue."""
+    if not given:
+        return np.unique([min(depth, thickness) for depth in _DEFAULT_DEPTHS])
+    for depth in given:
+        if not 0 <= depth <= thickness:
+            bone = "" if np.isinf(thickness) else f" and at most --thickness-mm {thickness:g}"
+            raise GeometryError(f"--depth-mm must be at least 0{bone}, found {depth:g}")
+    return np.unique(given)
+
+
+def _field_record(field: "ContactField", depths: "FloatArray") -> dict[str, Any]:
+    """Return a contact and the field on its axis, a list of one value for each depth."""
+    stress = field.stress_on_axis(depths)
+    strain = field.strain(stress)
+    highest, where = field.highest_shear_on_axis()
+    return {
+        **pressed_record(field.contact),
+        "peak_pressure_kpa": KPA_PER_MPA * field.contact.peak_pressure,
+        "highest_shear_on_axis_kpa": KPA_PER_MPA * highest,
+        "highest_shear_on_axis_depth_mm": where,
+        "depth_mm": depths,
+        **{f"stress_{name}_kpa": KPA_PER_MPA * stress.tensor[:, *ij] for name, ij in _COMPONENTS.items()},
+        "principal_stresses_kpa": KPA_PER_MPA * stress.principal,
+        "maximum_shear_kpa": KPA_PER_MPA * stress.maximum_shear,
+        **{f"strain_{name}": strain[:, *ij] for name, ij in _COMPONENTS.items()},
+        "principal_strains": np.linalg.eigvalsh(strain),
+        "strain_energy_density_kJ_per_m3": KPA_PER_MPA * field.strain_energy_density(stress),
+    }
+
+
+def _print_fields(record: dict[str, Any]) -> None:
+    """Print the contacts side by side, and the field on both axes as tables."""
+    by_hertz = record["hertz"]
+    both = {"whole pad": {key: record[key] for key in by_hertz}, "Hertz": by_hertz}
+    print_side_by_side(
+        {of: {key: value for key, value in one.items() if np.ndim(value) == 0} for of, one in both.items()}
+    )
+    for title, one in both.items():
+        typer.echo(f"\n{title}, below the place of first contact")
+        rows = [["depth_mm", *_FIELD_COLUMNS, "receptors"]]
+        for index, depth in enumerate(one["depth_mm"]):
+            values = (f"{one[key][index]:.4g}" for key in _FIELD_COLUMNS.values())
+            here = ", ".join(name for name, (low, high) in RECEPTORS.items() if low <= depth <= high)
+            rows.append([f"{depth:.4g}", *values, here])
+        print_rows(rows)
+    typer.echo("\nStresses in kPa, energy in kJ/m³; --json gives all components, and strains.")
+    typer.echo("Depths of receptors vary between people; those named here are from the literature.")
+
+
 def correct(
     ellipse_mm: Annotated[
-        tuple[float, float], typer.Option(help="Semi-major and semi-minor axis of the contact, mm.")
+        tuple[float, float], Option(help="Semi-major and semi-minor axis of the contact, mm.")
     ],
-    radius_mm: Annotated[float, typer.Option(help="Radius of curvature of the undeformed pad, mm.")],
+    radius_mm: Annotated[float, Option(help="Radius of curvature of the undeformed pad, mm.")],
     as_json: AsJson = False,
 ) -> None:
     """Correct a radius of curvature for the observed contact ellipse.
@@ -132,8 +419,7 @@ def correct(
     from fingerpad import contact
     from fingerpad.geometry import Ellipse
 
-    for semi_axis in ellipse_mm:
-        require_positive("--ellipse-mm", semi_axis)
+    require_positive("--ellipse-mm", *ellipse_mm)
     observed = Ellipse(*ellipse_mm)
     require_positive("--radius-mm", radius_mm)
     k = observed.axis_ratio
@@ -148,13 +434,12 @@ def correct(
         "radius_from_area_mm": contact.equivalent_radius_from_area(radius_mm, k),
         "radius_from_compliance_mm": contact.equivalent_radius_from_compliance(radius_mm, k),
     }
-    print_record(record, as_json)
+    print_result(record, as_json)
 
 
 def reproduce(
     figures: Annotated[
-        Path | None,
-        typer.Option(help="Folder for Fig. 1 of Dzidek et al. (2017), 4, 5 and 6, as SVG and PNG."),
+        Path | None, Option(help="Folder for Fig. 1 of Dzidek et al. (2017), 4, 5 and 6, as SVG and PNG.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -171,10 +456,7 @@ def reproduce(
         make_folder(figures)
         for name, figure, caption in dzidek2017_figures():
             save_figure(figure, figures / name, description=caption)
-    if as_json:
-        print_json([asdict(item) for item in items])
-    else:
-        _print_audit(items)
+    print_result([asdict(item) for item in items], as_json, lambda _: _print_audit(items))
     print_folder("Figures", figures, as_json)
 
 

@@ -7,74 +7,48 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from enum import IntEnum
 from functools import wraps
-from inspect import Parameter, Signature, signature
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
+from typer import Option
 from typer.core import TyperCommand, TyperGroup
 
 from fingerpad._json import dumps, plain
 from fingerpad._plausible import in_radians, semi_axes_doubt
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError, GeometryError, LoadingError, is_interrupt, reason_of
+from fingerpad.flags import Flagged, flags_in
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:
-    from fingerpad.contact import Contact, Tissue
-    from fingerpad.estimate import Estimate
-    from fingerpad.geometry import Ellipsoid, Placement
+    from fingerpad.contact import Tissue
+    from fingerpad.geometry import Placement
 
-AsJson: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
-
+AsJson: TypeAlias = Annotated[bool, Option("--json", help="Print one JSON document instead of text.")]
 Columns: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="QUANTITY=NAME:UNIT", help="A column of another name, as in force=Fz:mN. Repeatable."
-    ),
+    Option(metavar="QUANTITY=NAME:UNIT", help="A column of another name, as in force=Fz:mN. Repeatable."),
 ]
 
 # A pad on its wedge, and how it is pressed.
 SemiAxes: TypeAlias = Annotated[
     tuple[float, float, float],
-    typer.Option(
-        help="Palmar, distal and radial-ulnar semi-axes, mm: half of the finger's thickness and width."
-    ),
+    Option(help="Palmar, distal and radial-ulnar semi-axes, mm: half of the finger's thickness and width."),
 ]
 WedgeAngle: TypeAlias = Annotated[
-    float, typer.Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
+    float, Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
 ]
 RollAngle: TypeAlias = Annotated[
-    float, typer.Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
+    float, Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
 ]
-YoungsModulus: TypeAlias = Annotated[float, typer.Option(help="Young's modulus E of the tissue, kPa.")]
+YoungsModulus: TypeAlias = Annotated[float, Option(help="Young's modulus E of the tissue, kPa.")]
 Thickness: TypeAlias = Annotated[
-    float | None,
-    typer.Option(help="Effective thickness of the tissue over bone, mm.", show_default="half-space"),
+    float | None, Option(help="Effective thickness of the tissue over bone, mm.", show_default="half-space")
 ]
-PoissonRatio: TypeAlias = Annotated[
-    float, typer.Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")
-]
-Load: TypeAlias = Annotated[float | None, typer.Option(help="Normal force, N.")]
-Area: TypeAlias = Annotated[float | None, typer.Option(help="Contact area, mm², instead of --load-n.")]
-Indentation: TypeAlias = Annotated[float | None, typer.Option(help="Indentation, mm, instead of --load-n.")]
-Grid: TypeAlias = Annotated[int, typer.Option(min=64, max=1024, help="Grid cells along each side.")]
-
-
-_ROUND: Final = 1.001  # aspect ratio below which an ellipse has no direction
-_SMALLEST: Final = 1e-9
-_LARGEST: Final = 1e9
-
-
-class Pressed(NamedTuple):
-    """How a pad is pressed: arguments of a contact, one of which is not None, and its flag."""
-
-    given: dict[str, float | None]
-    flag: str
-
-    def __str__(self) -> str:
-        """Return the flag and its value."""
-        return f"{self.flag} {next(value for value in self.given.values() if value is not None):g}"
+PoissonRatio: TypeAlias = Annotated[float, Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")]
+_SMALLEST, _LARGEST = 1e-9, 1e9
 
 
 def takes(**groups: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -229,37 +203,17 @@ def print_note(text: str) -> None:
     typer.echo(f"note: {text}", err=True)
 
 
-def print_if_too_large(size: float) -> None:
-    """Say of a contact as wide as the bodies, by its a/R, that Hertz theory does not hold for it."""
-    from fingerpad.contact.law_factors import WIDEST
-
-    if size > WIDEST:
-        typer.echo(
-            f"Hertz theory does not hold here: the contact's radius is {size:.2g} times that of curvature; "
-            f"beyond {WIDEST:.1f} not even the error is known: check load, modulus and units"
-        )
-
-
-def checked_pad(semi_axes_mm: tuple[float, float, float]) -> "Ellipsoid":
-    """Return the pad of ``--semi-axes-mm``, each of which must be positive."""
-    from fingerpad.geometry import Ellipsoid
-
-    for semi_axis in semi_axes_mm:
-        require_positive("--semi-axes-mm", semi_axis)
-    if doubt := semi_axes_doubt(semi_axes_mm):
-        print_note(f"--semi-axes-mm: {doubt}")
-    return Ellipsoid(*semi_axes_mm)
-
-
 def placement_of(*, semi_axes_mm: SemiAxes, wedge_deg: WedgeAngle, roll_deg: RollAngle = 0.0) -> "Placement":
-    """Return the pad on its wedge."""
-    from fingerpad.geometry import Placement
+    """Return the pad of ``--semi-axes-mm``, each of which must be positive, on its wedge."""
+    from fingerpad.geometry import Ellipsoid, Placement
 
     if in_radians(wedge_deg):
         print_note("--wedge-deg: less than 1.6°: angles are in degrees, not radians")
-    return Placement(
-        checked_pad(semi_axes_mm), wedge_angle=math.radians(wedge_deg), roll_angle=math.radians(roll_deg)
-    )
+    require_positive("--semi-axes-mm", *semi_axes_mm)
+    if doubt := semi_axes_doubt(semi_axes_mm):
+        print_note(f"--semi-axes-mm: {doubt}")
+    wedge, roll = math.radians(wedge_deg), math.radians(roll_deg)
+    return Placement(Ellipsoid(*semi_axes_mm), wedge_angle=wedge, roll_angle=roll)
 
 
 def tissue_of(
@@ -288,102 +242,30 @@ def columns_of(texts: list[str] | None, *known: str) -> dict[str, str]:
     return columns
 
 
-def estimate_of(
-    flag: str, words: str, unit: str = "", *, read: Callable[[str], float] | None = None, **limits: Any
-) -> Callable[..., "Estimate | None"]:
-    """Return a function of a flag and its standard uncertainty, for `takes`, which returns the two as one.
-
-    Text is read by a function where it is not a finite number.
-    """
-    name = flag[2:].replace("-", "_")
-
-    def make(**given: Any) -> "Estimate | None":
-        value, std = given[name], given[f"{name}_std"]
-        if not std >= 0 or (std and value is None):
-            raise LoadingError(f"{flag}-std must not be negative, and goes with {flag}")
-        if value is None:
-            return None
-        from fingerpad.estimate import Estimate
-
-        return Estimate.symmetric(value if read is None else read(value), std)
-
-    kind = str if read else float
-    own = Annotated[kind | None, typer.Option(help=words, **limits)]  # type: ignore[valid-type]
-    std = Annotated[float, typer.Option(min=0, help=f"Its standard uncertainty{unit and ', '}{unit}.")]
-    parameters = ((name, None, own), (f"{name}_std", 0.0, std))
-    make.__signature__ = Signature(  # type: ignore[attr-defined]
-        [Parameter(each, Parameter.KEYWORD_ONLY, default=of, annotation=to) for each, of, to in parameters]
-    )
-    return make
-
-
 def column_flags(columns: Mapping[str, str]) -> str:
     """Return what to write after the command to have columns read."""
     return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
 
 
-def require_positive(flag: str, value: float | None) -> None:
+def require_positive(flag: str, *values: float | None) -> None:
     """Refuse a value that is given but not positive and finite."""
-    if value is not None and not (value > 0 and math.isfinite(value)):
-        raise GeometryError(f"{flag} must be positive and finite, found {value:g}")
+    for value in values:
+        if value is not None and not (value > 0 and math.isfinite(value)):
+            raise GeometryError(f"{flag} must be positive and finite, found {value:g}")
 
 
-def print_json(value: Any) -> None:
-    """Print one JSON document."""
-    typer.echo(dumps(value))
-
-
-def pressed_of(*, load_n: Load = None, area_mm2: Area = None, indentation_mm: Indentation = None) -> Pressed:
-    """Return the one of load, area and indentation that is given."""
-    option = only_one({"--load-n": load_n, "--area-mm2": area_mm2, "--indentation-mm": indentation_mm})
-    return Pressed({"load": load_n, "area": area_mm2, "indentation": indentation_mm}, option)
-
-
-def only_one(given: Mapping[str, float | None]) -> str:
-    """Return which of some flags is given, exactly one of which must be, with a positive value."""
-    found = [flag for flag, value in given.items() if value is not None]
-    if len(found) != 1:
-        *most, last = given
-        raise typer.BadParameter(f"give exactly one of {', '.join(most)} and {last}")
-    require_positive(found[0], given[found[0]])
-    return found[0]
-
-
-def pressed_record(contact: "Contact") -> dict[str, Any]:
-    """Return how a pad is pressed."""
-    return {
-        "load_N": contact.load,
-        "area_mm2": contact.area,
-        "indentation_mm": contact.indentation,
-        "area_over_pi_indentation_mm": contact.area_over_pi_indentation,
-    }
-
-
-def contact_record(contact: "Contact") -> dict[str, Any]:
-    """Return one contact, in mm, N and kPa; the long axis lies along either direction of a near-circle."""
-    along = "either" if contact.aspect_ratio < _ROUND else "first" if contact.along else "second"
-    return {
-        **pressed_record(contact),
-        "semi_major_mm": contact.semi_major,
-        "semi_minor_mm": contact.semi_minor,
-        "aspect_ratio": contact.aspect_ratio,
-        "long_axis_along": along if contact.load > 0 else None,
-        "peak_pressure_kpa": KPA_PER_MPA * contact.peak_pressure,
-    }
+def print_result(record: Any, as_json: bool, print_as_text: Callable[[Any], None] | None = None) -> None:
+    """Print a record as one JSON document, or as text: by default as lines, one for each key."""
+    if as_json:
+        typer.echo(dumps(record))
+    else:
+        (print_as_text or print_text)(record)
 
 
 def print_folder(title: str, folder: Path | None, as_json: bool) -> None:
     """Say where pictures were written, if any were, unless scripts read the output."""
     if folder is not None and not as_json:
         typer.echo(f"{title}: {folder}")
-
-
-def print_record(record: Mapping[str, Any], as_json: bool) -> None:
-    """Print a record as JSON or as lines of text."""
-    if as_json:
-        print_json(record)
-    else:
-        print_text(record)
 
 
 def print_text(record: Mapping[str, Any]) -> None:
@@ -407,25 +289,10 @@ def print_rows(rows: Iterable[Sequence[str]], indent: str = "") -> None:
         typer.echo(indent + "  ".join(cells).rstrip())
 
 
-def print_side_by_side(records: Mapping[str, Mapping[str, Any]]) -> None:
-    """Print records, a column each, with the lines of the first."""
-    columns = [plain(record) for record in records.values()]
-    typer.echo(f"{'':<28}" + "".join(f"{title:<16}" for title in records).rstrip())
-    for key in columns[0]:
-        cells = (_cell(column[key]) for column in columns)
-        typer.echo(f"{key:<28}" + "".join(f"{cell:<16}" for cell in cells).rstrip())
-
-
-def _cell(value: str | float | None) -> str:
-    if value is None:
-        return "–"
-    return f"{value:.5g}" if isinstance(value, float) else value
-
-
-def print_law_flag(flag: str | None) -> None:
-    """Say what takes a contact out of the range of the fast laws, if anything does."""
-    if flag:
-        typer.echo(f"The fast laws do not hold here: {flag.replace('_', ' ')}")
+def print_flags(record: Mapping[str, Any], *kinds: Flagged) -> None:
+    """Print what each flag of a record means, and what to do about it."""
+    for flag in flags_in(record.get("flags", ()), *kinds):
+        typer.echo(f"{flag.code}: {flag.words}. To do: {flag.to_do}.")
 
 
 def _text(value: Any, std: Any = None) -> str:

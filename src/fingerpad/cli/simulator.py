@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
+from typer import Argument, Option
 
 from fingerpad.cli.shared import (
     AsJson,
@@ -14,8 +15,9 @@ from fingerpad.cli.shared import (
     Thickness,
     WedgeAngle,
     placement_of,
-    print_json,
     print_note,
+    print_result,
+    print_rows,
     require_positive,
     tissue_of,
 )
@@ -32,40 +34,34 @@ def simulator(
     wedge_deg: WedgeAngle,
     results: Annotated[
         Path | None,
-        typer.Argument(
-            help="Output folder of a finished run, in place of the pad's numbers.", show_default=False
-        ),
+        Argument(help="Output folder of a finished run, in place of the pad's numbers.", show_default=False),
     ] = None,
-    finger: Annotated[
-        str | None, typer.Option(help="Finger of that run.", show_default="its only one")
-    ] = None,
+    finger: Annotated[str | None, Option(help="Finger of that run.", show_default="its only one")] = None,
     semi_axes_mm: Annotated[
         tuple[float, float, float] | None,
-        typer.Option(help="Palmar, distal and radial-ulnar semi-axes, mm.", show_default=False),
+        Option(help="Palmar, distal and radial-ulnar semi-axes, mm.", show_default=False),
     ] = None,
     youngs_modulus_kpa: Annotated[
-        float | None, typer.Option(help="Young's modulus E of the tissue, kPa.", show_default=False)
+        float | None, Option(help="Young's modulus E of the tissue, kPa.", show_default=False)
     ] = None,
     thickness_mm: Thickness = None,
     poisson_ratio: PoissonRatio = 0.5,
     roll_deg: RollAngle = 0.0,
     load_n: Annotated[
-        tuple[float, float], typer.Option(help="Lowest and highest load of the range that matters, N.")
+        tuple[float, float], Option(help="Lowest and highest load of the range that matters, N.")
     ] = (0.2, 3.0),
-    mass_kg: Annotated[float, typer.Option(help="MuJoCo's effective mass of the contact, kg.")] = 0.1,
-    damping_ratio: Annotated[float, typer.Option(help="Damping ratio in MuJoCo; 1 is critical.")] = 1.0,
-    youngs_modulus_kpa_std: Annotated[
-        float, typer.Option(min=0, help="Standard uncertainty of E, kPa.")
-    ] = 0.0,
+    mass_kg: Annotated[float, Option(help="MuJoCo's effective mass of the contact, kg.")] = 0.1,
+    damping_ratio: Annotated[float, Option(help="Damping ratio in MuJoCo; 1 is critical.")] = 1.0,
+    youngs_modulus_kpa_std: Annotated[float, Option(min=0, help="Standard uncertainty of E, kPa.")] = 0.0,
     thickness_mm_std: Annotated[
-        float, typer.Option(min=0, help="Standard uncertainty of the thickness, mm.")
+        float, Option(min=0, help="Standard uncertainty of the thickness, mm.")
     ] = 0.0,
     semi_axes_mm_std: Annotated[
-        float, typer.Option(min=0, help="Standard uncertainty of each semi-axis, mm.")
+        float, Option(min=0, help="Standard uncertainty of each semi-axis, mm.")
     ] = 0.0,
     export: Annotated[
         Path | None,
-        typer.Option(help="Folder for MJCF, SDF, meshes and tables. finger.inp needs the package meshio."),
+        Option(help="Folder for MJCF, SDF, meshes and tables. finger.inp needs the package meshio."),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
@@ -77,8 +73,8 @@ def simulator(
     """
     from fingerpad.simulator import export_finger, simulator_law
 
-    for flag, value in (("--mass-kg", mass_kg), ("--damping-ratio", damping_ratio)):
-        require_positive(flag, value)
+    require_positive("--mass-kg", mass_kg)
+    require_positive("--damping-ratio", damping_ratio)
     if not 0 < load_n[0] < load_n[1]:
         raise GeometryError(f"--load-n must ascend from above zero, found {load_n[0]:g} {load_n[1]:g}")
     source = ""
@@ -119,14 +115,13 @@ def simulator(
         record = _record(law, mass_kg, damping_ratio)
     except GeometryError as error:
         raise GeometryError(f"--mass-kg {mass_kg:g}: {error}") from None
-    files = None
-    if export is not None:
-        files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
-    if as_json:
-        print_json(record)
-        return
-    _print(record, law.model)
-    if files is not None:
+    files = (
+        export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
+        if export is not None
+        else []
+    )
+    print_result(record, as_json, _print)
+    if files and not as_json:
         typer.echo(f"Files: {export}, {', '.join(file.name for file in files)}")
 
 
@@ -154,48 +149,40 @@ def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str,
     }
 
 
-def _print(record: dict[str, Any], model: str) -> None:
+def _print(record: dict[str, Any]) -> None:
     """Print the law, a line for each target, and what each assumes."""
-    table = record["table"]
-    typer.echo(f"By the {model}:\n{'load_N':<12}{'indentation_mm':<16}area_mm2")
-    for place in np.linspace(0, len(table["load_N"]) - 1, _SHOWN).round().astype(int):
-        load, depth, area = (table[key][place] for key in ("load_N", "indentation_mm", "area_mm2"))
-        typer.echo(f"{load:<12.4g}{depth:<16.4g}{area:.4g}")
-    newton, drake, mujoco, pressure = (
-        record[name] for name in ("newton", "drake", "mujoco", "pressure_by_depth")
+    table, pressure, newton, drake, mujoco, elements = (
+        record[name]
+        for name in ("table", "pressure_by_depth", "newton", "drake", "mujoco", "finite_elements")
     )
-    values = {
-        "pressure by depth": (f"{len(pressure['depth_m'])} depths, in --json and --export", pressure),
-        "Newton kh": (_with_std(newton["kh_N_per_m3"], newton["kh_N_per_m3_std"], "N/m³"), newton),
-        "Drake modulus": (
-            _with_std(drake["hydroelastic_modulus_Pa"], drake["hydroelastic_modulus_Pa_std"], "Pa"),
-            drake,
-        ),
-        "MuJoCo solref": (_numbers(mujoco["solref"]), mujoco),
-        "MuJoCo solimp": (_numbers(mujoco["solimp"]), None),
-    }
-    typer.echo(f"\n{'':<19}{'':<48}{'load within':<13}area")
-    for name, (text, target) in values.items():
-        end = ""
-        if target is not None:
-            factor = target["area_factor"]
-            end = f"{100 * target['worst_relative_error']:<13.2g}" + (
-                "none" if math.isnan(factor) else f"× {factor:.2f}"
-            )
-            end = end.replace(" ", " %", 1)
-        typer.echo(f"{name:<19}{text:<48}{end}".rstrip())
+    depths = len(pressure["depth_m"])
+    typer.echo(f"By the {table['model']}:")
+    columns = [table[key] for key in ("load_N", "indentation_mm", "area_mm2")]
+    shown = np.linspace(0, len(columns[0]) - 1, _SHOWN).round().astype(int)
+    rows = ([f"{column[place]:.4g}" for column in columns] for place in shown)
+    print_rows([("load_N", "indentation_mm", "area_mm2"), *rows])
+    typer.echo()
+    print_rows(
+        [
+            ("", "", "load within", "area"),
+            _line("pressure by depth", f"{depths} depths, in --json and --export", pressure),
+            _line("Newton kh", _with_std(newton, "kh_N_per_m3", "N/m³"), newton),
+            _line("Drake modulus", _with_std(drake, "hydroelastic_modulus_Pa", "Pa"), drake),
+            _line("MuJoCo solref", _numbers(mujoco["solref"]), mujoco),
+            ("MuJoCo solimp", _numbers(mujoco["solimp"]), "", ""),
+        ]
+    )
     typer.echo(
         f"\nMuJoCo: steps up to {1000 * mujoco['largest_time_step_s']:.3g} ms are stable; with twice the "
         f"effective mass solref is {_numbers(mujoco['solref_at_twice_the_mass'])}"
     )
-    if elements := record["finite_elements"]:
+    assumed = {"pressure by depth, Newton": newton, "Drake": drake, "MuJoCo": mujoco}
+    if elements:
         low, high = (elements["load_ratio"][end] for end in (0, -1))
         typer.echo(
             f"Finite elements on the exported tissue carry {low:.2f} of these loads at the lowest, "
             f"{high:.2f} at the highest"
         )
-    assumed = {"pressure by depth, Newton": newton, "Drake": drake, "MuJoCo": mujoco}
-    if elements:
         assumed["finite elements"] = elements
     for name, target in assumed.items():
         typer.echo(f"Assumed for {name}: {target['assumes']}")
@@ -203,8 +190,15 @@ def _print(record: dict[str, Any], model: str) -> None:
         print_note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
 
 
-def _with_std(value: float, std: float, unit: str) -> str:
-    return f"{value:.4g} {unit}" + (f" ± {std:.2g}" if std else "")
+def _line(name: str, value: str, target: dict[str, Any]) -> tuple[str, str, str, str]:
+    factor = target["area_factor"]
+    area = "none" if math.isnan(factor) else f"× {factor:.2f}"
+    return name, value, f"{100 * target['worst_relative_error']:.2g} %", area
+
+
+def _with_std(target: dict[str, Any], name: str, unit: str) -> str:
+    std = target[f"{name}_std"]
+    return f"{target[name]:.4g} {unit}" + (f" ± {std:.2g}" if std else "")
 
 
 def _numbers(values: tuple[float, ...]) -> str:

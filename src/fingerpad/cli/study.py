@@ -1,39 +1,43 @@
-"""Commands that create and run studies."""
+"""Commands that create, run and open studies."""
 
+import webbrowser
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
+from typer import Argument, Option
 
-from fingerpad.cli.shared import AsJson, Exit, print_error, print_json, require_positive
-from fingerpad.exceptions import ManifestError
+from fingerpad.cli.shared import AsJson, Exit, print_error, print_result, require_positive
+from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
 
 if TYPE_CHECKING:
     from fingerpad.study.results.study_result import StudyResult
-    from fingerpad.study.status import Status
+    from fingerpad.study.status import Status, Verification
+    from fingerpad.web.app import Launch
 
-
+Manifest: TypeAlias = Annotated[Path, Argument(help="The study's manifest.", show_default=False)]
 Out: TypeAlias = Annotated[
-    Path | None, typer.Option(help="Output folder.", show_default="results beside the manifest")
+    Path | None, Option(help="Output folder.", show_default="results beside the manifest")
 ]
+_NEEDED_BY_PAGE = {"fastapi", "plotly", "tomlkit", "uvicorn"}
 
 
 def init(
-    folder: Annotated[Path, typer.Argument(help="Folder of the study, made if missing.", show_default=False)],
+    folder: Annotated[Path, Argument(help="Folder of the study, made if missing.", show_default=False)],
     example: Annotated[
-        bool, typer.Option("--example", help="Write a small synthetic study that runs as it is.")
+        bool, Option("--example", help="Write a small synthetic study that runs as it is.")
     ] = False,
     from_files: Annotated[
-        bool, typer.Option("--from-files", help="Write the manifest of the files that lie in the folder.")
+        bool, Option("--from-files", help="Write the manifest of the files that lie in the folder.")
     ] = False,
     finger: Annotated[
-        str, typer.Option(help="With --from-files, the finger of files that name none.", show_default=False)
+        str, Option(help="With --from-files, the finger of files that name none.", show_default=False)
     ] = "",
 ) -> None:
     """Write a commented study manifest to start from, an example study, or the study of a folder's files."""
-    from fingerpad.study.editing.template import write_template
+    from fingerpad.study.editing.template import write_example, write_template
 
     if finger and not from_files:
         raise ManifestError("--finger is that of files: give --from-files with it")
@@ -41,17 +45,14 @@ def init(
         raise ManifestError("--example and --from-files write different studies: give one of them")
     if from_files:
         _begin(folder, finger)
-        return
-    if example:
-        from fingerpad.study.editing.template import write_example
-
+    elif example:
         typer.echo(f"Wrote a synthetic study. Run it: fingerpad run {write_example(folder)}")
-        return
-    manifest = write_template(folder)
-    typer.echo(
-        f"Wrote {manifest}. Its finger and contact are examples: replace them, remove their lines "
-        f"`synthetic = true`, put your pictures beside it, then: fingerpad run {manifest}"
-    )
+    else:
+        manifest = write_template(folder)
+        typer.echo(
+            f"Wrote {manifest}. Its finger and contact are examples: replace them, remove their lines "
+            f"`synthetic = true`, put your pictures beside it, then: fingerpad run {manifest}"
+        )
 
 
 def _begin(folder: Path, finger: str) -> None:
@@ -74,29 +75,29 @@ def _begin(folder: Path, finger: str) -> None:
 
 
 def run(
-    study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
+    study: Manifest,
     out: Out = None,
-    workers: Annotated[int, typer.Option(min=1, help="Number of processes that measure.")] = 1,
+    workers: Annotated[int, Option(min=1, help="Number of processes that measure.")] = 1,
     scheduler: Annotated[
         str | None,
-        typer.Option(
+        Option(
             help="Dask scheduler whose workers measure, as tcp://host:8786; local starts --workers here.",
             show_default=False,
         ),
     ] = None,
     log: Annotated[
         Path | None,
-        typer.Option(help="File to which progress is added, one JSON object a line.", show_default=False),
+        Option(help="File to which progress is added, one JSON object a line.", show_default=False),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Re-measure all.")] = False,
+    force: Annotated[bool, Option("--force", help="Re-measure all.")] = False,
     all_columns: Annotated[
-        bool, typer.Option("--all-columns", help="Write also the columns that few ask for.")
+        bool, Option("--all-columns", help="Write also the columns that few ask for.")
     ] = False,
     time_limit_s: Annotated[
-        float, typer.Option(help="Time that measuring one picture may take, s.")
+        float, Option(help="Time that measuring one picture may take, s.")
     ] = DEFAULT_LIMITS.seconds,
     memory_gb: Annotated[
-        float, typer.Option(help="Memory that measuring one picture may take, GB (enforced on Linux).")
+        float, Option(help="Memory that measuring one picture may take, GB (enforced on Linux).")
     ] = DEFAULT_LIMITS.memory_gb,
 ) -> None:
     """Run a study: measure, model, pool, and write tables, figures and a report.
@@ -135,64 +136,9 @@ def run(
         raise typer.Exit(Exit.SOME_FAILED)
 
 
-def status(
-    study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
-    out: Out = None,
-    as_json: AsJson = False,
-) -> None:
-    """Show how much of a study is measured, failed, stale or left."""
-    from fingerpad.study.results.result_set import results_folder
-    from fingerpad.study.status import study_status
-
-    found = study_status(study, out or results_folder(study))
-    record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
-    if as_json:
-        print_json(record)
-    else:
-        _print_status(found)
-    if found.faults:
-        raise typer.Exit(Exit.SOME_FAILED)
-
-
-def _print_status(found: "Status") -> None:
-    for name in ("done", "failed", "stale", "left"):
-        cost = found.seconds[name]
-        typer.echo(f"{name:<7} {getattr(found, name):>6}" + (f"  {cost:8.0f} s" if cost else ""))
-    typer.echo(f"{'total':<7} {found.total:>6}")
-    for item in found.failed_items:
-        typer.echo(f"failed: {item}")
-    for fault in found.faults:
-        typer.echo(f"fault: {fault}", err=True)
-
-
-def verify(
-    study: Annotated[Path, typer.Argument(help="The study's manifest.", show_default=False)],
-    out: Out = None,
-    as_json: AsJson = False,
-) -> None:
-    """Check that all that is kept of a study is what was written: manifest, corrections, store, results.
-
-    Nothing is written. The exit code is 3 where something is damaged.
-    """
-    from fingerpad.study.results.result_set import results_folder
-    from fingerpad.study.status import verify_study
-
-    found = verify_study(study, out or results_folder(study))
-    if as_json:
-        print_json(asdict(found))
-    else:
-        for name, holds in found.intact.items():
-            typer.echo(f"intact   {name}: {holds}")
-        for name in found.changed_inputs:
-            typer.echo(f"changed  {name}: not what it was at the last run")
-        for fault in found.faults:
-            typer.echo(f"fault    {fault}")
-    if found.faults:
-        raise typer.Exit(Exit.SOME_FAILED)
-
-
 def _print_outcome(result: "StudyResult", report: Path) -> None:
     from fingerpad.report.text import (
+        doubtful_results,
         fingers_without_results,
         implausible_values,
         moduli_apart,
@@ -213,7 +159,8 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
             f"Hertz theory: {STRAINED} where it is off by more than {STRAINED_ABOVE:.0%}, {FAILS} where by "
             f"more than {FAILS_ABOVE:.0%}; in brackets, its largest difference"
         )
-    _print_doubts(result)
+    for line in doubtful_results(result):
+        typer.echo(line)
     for note in (*result.notes, *implausible_values(result), *moduli_apart(answers)):
         typer.echo(f"note: {note}", err=True)
     for failure in result.failures:
@@ -221,22 +168,98 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     typer.echo(f"Report: {report}")
 
 
-def _print_doubts(result: "StudyResult") -> None:
-    """Print what is doubtful of fingers, contacts, sequences and loading curves."""
-    from fingerpad.report.text import contact_flags, doubtful_curves, doubtful_frames, finger_doubts, to_do
-    from fingerpad.study.results.table import records
+def status(study: Manifest, out: Out = None, as_json: AsJson = False) -> None:
+    """Show how much of a study is measured, failed, stale or left."""
+    from fingerpad.study.results.result_set import results_folder
+    from fingerpad.study.status import study_status
 
-    for finger in result.fingers.values():
-        for words in finger_doubts(finger):
-            typer.echo(f"doubtful: {finger.name}: {words}")
-    contacts = result.rows[result.rows["frame"].isna()]
-    for row in records(contacts, "observation", "flags"):
-        if row["flags"]:
-            words = ", ".join(flag.words for flag in contact_flags(row["flags"]))
-            typer.echo(f"doubtful: {row['observation']}: {words}")
-    for words in to_do(contacts):
-        typer.echo(f"to do: {words}")
-    for name, count, flag in doubtful_frames(result):
-        typer.echo(f"doubtful: {name}: {flag.words} in {count} of its frames; to do: {flag.to_do}")
-    for name, flag in doubtful_curves(result):
-        typer.echo(f"doubtful: {name}: {flag.words}; to do: {flag.to_do}")
+    found = study_status(study, out or results_folder(study))
+    record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
+    print_result(record, as_json, lambda _: _print_status(found))
+    if found.faults:
+        raise typer.Exit(Exit.SOME_FAILED)
+
+
+def _print_status(found: "Status") -> None:
+    for name in ("done", "failed", "stale", "left"):
+        cost = found.seconds[name]
+        typer.echo(f"{name:<7} {getattr(found, name):>6}" + (f"  {cost:8.0f} s" if cost else ""))
+    typer.echo(f"{'total':<7} {found.total:>6}")
+    for item in found.failed_items:
+        typer.echo(f"failed: {item}")
+    for fault in found.faults:
+        typer.echo(f"fault: {fault}", err=True)
+
+
+def verify(study: Manifest, out: Out = None, as_json: AsJson = False) -> None:
+    """Check that all that is kept of a study is what was written: manifest, corrections, store, results.
+
+    Nothing is written. The exit code is 3 where something is damaged.
+    """
+    from fingerpad.study.results.result_set import results_folder
+    from fingerpad.study.status import verify_study
+
+    found = verify_study(study, out or results_folder(study))
+    print_result(asdict(found), as_json, lambda _: _print_verified(found))
+    if found.faults:
+        raise typer.Exit(Exit.SOME_FAILED)
+
+
+def _print_verified(found: "Verification") -> None:
+    for name, holds in found.intact.items():
+        typer.echo(f"intact   {name}: {holds}")
+    for name in found.changed_inputs:
+        typer.echo(f"changed  {name}: not what it was at the last run")
+    for fault in found.faults:
+        typer.echo(f"fault    {fault}")
+
+
+def app(
+    study: Annotated[
+        Path | None, Argument(help="The study's manifest, or its folder.", show_default=False)
+    ] = None,
+    out: Annotated[
+        Path | None, Option(help="Folder of its results.", show_default="results beside the manifest")
+    ] = None,
+    port: Annotated[int, Option(min=0, max=65535, help="Port; 0 takes one that is free.")] = 0,
+    browser: Annotated[bool, Option(help="Open the page in the browser.")] = True,
+) -> None:
+    """Open a page in the browser to measure, correct and read a study.
+
+    It can be reached from this machine only, through the address that is printed. Without a study the page
+    offers those in the current folder. Ctrl-C ends it.
+    """
+    try:
+        from fingerpad.web.app import serve
+        from fingerpad.web.workspace import Workspace
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in _NEEDED_BY_PAGE:
+            raise
+        raise FingerpadError(
+            f"the page needs the package {error.name}: pip install 'fingerpad[app]'"
+        ) from None
+    workspace = Workspace(Path.cwd() if study is None else _folder_of(study).parent)
+    if study is not None:
+        workspace.open_folder(_folder_of(study), out)
+    elif out is not None:
+        raise FingerpadError("--out needs a study: name its manifest")
+
+    def tell(launch: "Launch") -> None:
+        typer.echo(f"The page is at {launch.address}")
+        typer.echo(f"Ctrl-C ends it. Scripts read the token from {launch.token_file}")
+        if browser:
+            webbrowser.open(launch.browser_address)
+
+    serve(workspace, port=port, on_ready=tell)
+
+
+def _folder_of(study: Path) -> Path:
+    from fingerpad.study.manifest.load import STUDY_NAME
+
+    if study.is_dir():
+        return study.absolute()
+    if not study.is_file():
+        raise ManifestError(f"{study}: no such file; `fingerpad app` without a name starts a new study")
+    if study.name != STUDY_NAME:
+        raise ManifestError(f"{study}: the page changes manifests named {STUDY_NAME} only; rename it")
+    return study.absolute().parent

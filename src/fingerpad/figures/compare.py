@@ -31,30 +31,18 @@ class MeanMark:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FingerLine:
-    """A finger's values against the wedge angle, degrees."""
+class Series:
+    """Values of one finger, against the load (N) at one placement, or against the wedge angle (degrees)."""
 
-    person: str
+    name: str  # of the finger and its angle, or of the person
     colour: str
-    wedge_angle_deg: ArrayLike
+    x: ArrayLike
     value: ArrayLike
     std: ArrayLike
     synthetic: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class LoadLine:
-    """Values of one finger at one placement against the load, N."""
-
-    name: str
-    colour: str
-    load: ArrayLike
-    value: ArrayLike
-    std: ArrayLike
     left_out: ArrayLike = False  # not pooled: faded
     beside: Sequence[tuple[float, float]] = ()  # that belong to no load, each with its std; NaN if unknown
-    synthetic: bool = False
-    kind: str = ""  # of the values, in words for the legend, where lines differ in it
+    kind: str = ""  # of the values, in words for the legend, where series differ in it
     marker: Marker = "o"  # of that kind
 
 
@@ -106,23 +94,19 @@ def plot_forest(
 
 @on_axes
 def plot_by_wedge(
-    axes: Panel,
-    lines: Sequence[FingerLine],
-    means: Sequence[tuple[float, MeanMark]] = (),
-    *,
-    label: str,
+    axes: Panel, lines: Sequence[Series], means: Sequence[tuple[float, MeanMark]] = (), *, label: str
 ) -> None:
     """Draw each finger's values against the wedge angle, people by colour, and the means over people.
 
     More than eight people have thin grey lines without names or bars.
     """
-    crowded = len({line.person for line in lines}) > MOST_NAMES
+    crowded = len({line.name for line in lines}) > MOST_NAMES
     named: set[str] = set()
     for place, line in enumerate(lines):
-        name = f"{'a finger' if crowded else line.person}{' (synthetic)' if line.synthetic else ''}"
+        name = f"{'a finger' if crowded else line.name}{' (synthetic)' if line.synthetic else ''}"
         said = f"_{name}" if name in named else name
         named.add(name)
-        angle = as_float_array(line.wedge_angle_deg)
+        angle = as_float_array(line.x)
         if crowded:
             dash: Dash = ":" if line.synthetic else "-"
             axes.add(Line(angle, line.value, dash=dash, colour=GREY, width=0.5, label=said))
@@ -138,28 +122,28 @@ def plot_by_wedge(
         chosen = [(angle, mean) for angle, mean in means if mean.synthetic is synthetic]
         if chosen:
             _draw_means(axes, *zip(*sorted(chosen, key=lambda one: one[0]), strict=True), synthetic=synthetic)
-    angles = {float(angle) for line in lines for angle in as_float_array(line.wedge_angle_deg)}
+    angles = {float(angle) for line in lines for angle in as_float_array(line.x)}
     axes.x = Axis("wedge angle (°)", ticks=tuple(sorted(angles)))
     axes.y = Axis(label, margin=0.12)
     axes.legend = "above"
 
 
 @on_axes
-def plot_over_load(axes: Panel, lines: Sequence[LoadLine], *, label: str, beside: Sequence[str] = ()) -> None:
+def plot_over_load(axes: Panel, lines: Sequence[Series], *, label: str, beside: Sequence[str] = ()) -> None:
     """Draw values of several fingers and angles against load, each with its standard uncertainty.
 
     Points at one load stand beside one another. More than eight fingers are grey, without names or bars, and
     at their loads. What kind of values they are, as by Hertz theory, tells the mark, and the legend in words.
     """
     crowded = len(lines) > MOST_NAMES
-    loads = np.concatenate([np.zeros(1), *(as_float_array(line.load) for line in lines)])
+    loads = np.concatenate([np.zeros(1), *(as_float_array(line.x) for line in lines)])
     top = float(loads.max()) or 1.0
     values = as_float_array([line.beside for line in lines]).reshape(len(lines), len(beside), 2)
     known = np.flatnonzero(np.isfinite(values[..., 0]).any(axis=0))
     values, names = values[:, known], [beside[place] for place in known.tolist()]
     places = top * (1.2 + 0.22 * np.arange(len(names)))
     for number, line in enumerate(lines):
-        x, y, std, out = broadcast(line.load, line.value, line.std, line.left_out)
+        x, y, std, out = broadcast(line.x, line.value, line.std, line.left_out)
         x, (y, std) = np.append(x, places), np.concatenate([[y, std], values[number].T], axis=1)
         seen = np.isfinite(y)
         colour, kind = GREY if crowded else line.colour, f", {line.kind}" if line.kind else ""

@@ -1,19 +1,33 @@
-"""Figures of loading data: curves with their fits, moduli, relaxation.
+"""Figures of loading data: curves with their fits, moduli, relaxation, sequences, laws for simulators.
 
 Arrays are in s, mm, mm², N and MPa; moduli are drawn in kPa. A `_std` is a standard uncertainty, drawn as a
 bar or band of that length to either side. `synthetic` marks data that were simulated.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Final, Literal, TypeAlias
+from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
 from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, as_float_array, broadcast
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.figures.marks import Axis, Band, Dash, Line, Panel, Points, Rule, measured, synthetic_tag
-from fingerpad.figures.mpl import on_axes
+from fingerpad.figures.marks import (
+    Axis,
+    Band,
+    Dash,
+    Line,
+    Marker,
+    Panel,
+    Points,
+    Rule,
+    Text,
+    fitted,
+    measured,
+    synthetic_tag,
+)
+from fingerpad.figures.mpl import AnyAxes, on_axes, place
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, SKY, VERMILLION
 from fingerpad.loading import FittedForceModel, LoadingFit
 from fingerpad.loading.law_registry import LAWS
@@ -35,19 +49,14 @@ _SHORT: Final = {
 _SHOWN_WEIGHT: Final = 0.01
 _LINE_POINTS: Final = 200
 _PHASE_COLOURS: Final = {"baseline": GREY, "loading": BLUE, "hold": GREEN, "unloading": VERMILLION}
-_LINE_STYLES: Final[tuple[tuple[str, Dash], ...]] = (
+_LINE_STYLES: Final[_Styles] = (
     (ORANGE, "-"),
     (BLACK, "--"),
     (SKY, "-."),
     (VERMILLION, ":"),
     (GREEN, "--"),
 )
-_RIVAL_STYLES: Final[_Styles] = (
-    (BLACK, "--"),
-    (GREEN, "-."),
-    (VERMILLION, ":"),
-    (SKY, "--"),
-)
+_RIVAL_STYLES: Final[_Styles] = ((BLACK, "--"), (GREEN, "-."), (VERMILLION, ":"), (SKY, "--"))
 _MILLI: Final = 1000.0
 # Of the largest indentation, how much of the approach is shown.
 _APPROACH: Final = 0.4
@@ -199,14 +208,10 @@ def plot_contact_compliance(
     x = np.pi * as_float_array(indentation)
     if loading_radius is not None and np.isfinite(x).any():
         line = np.array([min(np.nanmin(x), 0), np.nanmax(x)])
-        fitted = area_at_zero + loading_radius * line
         spread = loading_radius_std * np.abs(line - np.nanmean(x))
         said = value_with_uncertainty(loading_radius, loading_radius_std)
         label = rf"slope $R_\mathrm{{g}}$ = {said} mm"
-        axes.add(
-            Band(line, fitted - spread, fitted + spread, colour=ORANGE, alpha=0.25),
-            Line(line, fitted, colour=ORANGE, label=label),
-        )
+        axes.add(*fitted(line, area_at_zero + loading_radius * line, spread, label=label))
     axes.add(*measured(x, area, y_std=area_std, synthetic=synthetic), *synthetic_tag(synthetic))
     axes.x, axes.y = Axis("π × indentation, πξ (mm)"), Axis("contact area A (mm²)")
     axes.legend = "above"
@@ -228,18 +233,13 @@ def plot_secant_modulus(
     """Draw the secant modulus E_g against indentation or load, with the points that were fitted."""
     x, modulus = broadcast(abscissa, KPA_PER_MPA * as_float_array(secant_modulus))
     chosen: BoolArray = np.ones(x.shape, bool) if fitted_points is None else np.asarray(fitted_points, bool)
-    axes.add(
-        Points(x[~chosen], modulus[~chosen], marker=".", colour=GREY, size=2.5, label="not in the fit"),
-        Points(x[chosen], modulus[chosen], marker=".", colour=BLUE, size=3.2, label=r"$E_\mathrm{g}$"),
-    )
+    if not chosen.all():
+        out = {"colour": GREY, "size": 2.5, "label": "not in the fit"}
+        axes.add(Points(x[~chosen], modulus[~chosen], marker=".", **out))
+    axes.add(Points(x[chosen], modulus[chosen], marker=".", colour=BLUE, size=3.2, label=r"$E_\mathrm{g}$"))
     if fit is not None:
-        line, fitted, spread = broadcast(
-            fit[0], KPA_PER_MPA * as_float_array(fit[1]), KPA_PER_MPA * as_float_array(fit_std)
-        )
-        axes.add(
-            Band(line, fitted - spread, fitted + spread, colour=ORANGE, alpha=0.25),
-            Line(line, fitted, colour=ORANGE, label=label),
-        )
+        line, std = KPA_PER_MPA * as_float_array(fit[1]), KPA_PER_MPA * as_float_array(fit_std)
+        axes.add(*fitted(fit[0], line, std, label=label))
     axes.add(*synthetic_tag(synthetic))
     axes.x = Axis("indentation ξ (mm)" if against == "indentation" else "normal load W (N)", low=0)
     axes.y = Axis("secant modulus $E_\\mathrm{g}$ (kPa)")
@@ -287,9 +287,9 @@ def plot_relaxation(
         axes.add(Rule("x", begin, ramp_time, colour=GREY, alpha=0.15, label=words))
     axes.add(Points(t[after], y[after], marker=".", colour=BLUE, size=2.5, label="measured"))
     if fit is not None:
-        line, fitted = broadcast(*fit)
+        line, found = broadcast(*fit)
         shown = line >= (t[after].min() if after.any() else 0)
-        axes.add(Line(line[shown], fitted[shown], colour=ORANGE, label=label))
+        axes.add(Line(line[shown], found[shown], colour=ORANGE, label=label))
     for number, constant in enumerate(np.atleast_1d(as_float_array(time_constants)).tolist()):
         label = f"{'_' * (number > 0)}time constants"
         axes.add(Rule("x", constant, colour=GREEN, dash=":", width=0.9, label=label))
@@ -319,4 +319,108 @@ def plot_modulus_from_area_and_indentation(
     axes.y = Axis("E* from area / E* from indentation (–)")
     if np.isfinite(ratio).any():
         axes.y = replace(axes.y, low=0, high=max(1.6, 1.3 * float(np.nanpercentile(ratio, 98))))
+    axes.legend = "above"
+
+
+# Distinguished by colour and by shape.
+_PHASE_MARKS: Final[tuple[tuple[str, str, Marker], ...]] = (
+    ("loading", BLUE, "o"),
+    ("hold", GREY, "s"),
+    ("unloading", VERMILLION, "v"),
+)
+
+
+def plot_press(
+    axes: Sequence[AnyAxes],
+    *,
+    time: ArrayLike,
+    load: ArrayLike,
+    phase: npt.ArrayLike,
+    area: ArrayLike,
+    semi_major: ArrayLike,
+    semi_minor: ArrayLike,
+    synthetic: bool = False,
+) -> Sequence[AnyAxes]:
+    """Draw area and semi-axes against time and force on four axes, phases marked differently."""
+    t, W, A, major, minor = broadcast(time, load, area, semi_major, semi_minor)
+    phases = np.asarray(phase)
+    below = min(0.0, float(W.min())) if W.size else 0.0
+    panels = [Panel() for _ in axes]
+    for number, panel in enumerate(panels):
+        x, panel.x = (W, Axis("normal load W (N)", low=below)) if number % 2 else (t, Axis("time (s)"))
+        panel.y = Axis("semi-axes (mm)" if number > 1 else "contact area A (mm²)", low=0, margin=0.12)
+        _draw_phases(panel, x, major if number > 1 else A, phases, hollow=synthetic)
+        if number > 1:
+            _draw_phases(panel, x, minor, phases, hollow=synthetic, named=False)
+    panels[0].legend, panels[0].columns = "above", 3
+    panels[1].add(*synthetic_tag(synthetic))
+    if t.size:
+        side: Literal["bottom", "top"]
+        for y, name, side in ((major, "d", "bottom"), (minor, "e", "top")):
+            k = int(np.argmax(y))
+            up = 4 if side == "bottom" else -4
+            label = rf"$\ell_\mathrm{{{name}}}$"
+            panels[2].add(Text(label, t[k], y[k], up=up, horizontal="center", vertical=side))
+    for each, panel in zip(axes, panels, strict=True):
+        place(panel, each)
+    return axes
+
+
+@on_axes
+def plot_area_against_indentation(
+    axes: Panel, indentation: ArrayLike, area: ArrayLike, *, phase: npt.ArrayLike, synthetic: bool = False
+) -> None:
+    """Draw the contact area of the frames of a press against the measured indentation."""
+    xi, A = broadcast(indentation, area)
+    _draw_phases(axes, xi, A, np.asarray(phase), hollow=synthetic)
+    axes.x = Axis("measured indentation ξ (mm)", low=min(0.0, float(xi.min())) if xi.size else 0.0)
+    axes.y = Axis("contact area A (mm²)", low=0, margin=0.12)
+    axes.legend, axes.columns = "above", 3
+    axes.add(*synthetic_tag(synthetic))
+
+
+def _draw_phases(
+    axes: Panel,
+    x: FloatArray,
+    y: FloatArray,
+    phase: npt.NDArray[np.str_],
+    *,
+    hollow: bool,
+    named: bool = True,
+) -> None:
+    crowded = x.size > 80
+    look: dict[str, Any] = {"size": 1.8 if crowded else 3.6, "edge_width": 0.5 if crowded else 0.9}
+    axes.add(Line(x, y, colour="#c9c9c9", width=0.7))
+    for name, colour, marker in _PHASE_MARKS:
+        chosen: BoolArray = phase == name
+        if chosen.any():
+            face, label = "white" if hollow else "", name if named else f"_{name}"
+            axes.add(
+                Points(x[chosen], y[chosen], marker=marker, colour=colour, face=face, label=label, **look)
+            )
+
+
+_SIMULATOR_STYLES: Final[_Styles] = ((ORANGE, "--"), *_RIVAL_STYLES[1:])
+
+
+@on_axes
+def plot_simulated_load(
+    axes: Panel,
+    indentation: ArrayLike,
+    load: ArrayLike,
+    *,
+    load_std: ArrayLike = 0.0,
+    simulated: Mapping[str, ArrayLike] | None = None,
+    measured: tuple[ArrayLike, ArrayLike] | None = None,
+    synthetic: bool = False,
+) -> None:
+    """Draw the law of a pad, what simulators make of it, and the loading curve that it is of."""
+    xi = as_float_array(indentation)
+    if measured is not None:
+        axes.add(Points(*measured, marker=".", colour=BLUE, size=2.2, label="measured"))
+        axes.add(*synthetic_tag(synthetic))
+    axes.add(*fitted(xi, load, load_std, colour=BLACK, label="law of the pad"))
+    for (name, loads), (colour, dash) in zip((simulated or {}).items(), _SIMULATOR_STYLES, strict=False):
+        axes.add(Line(xi, loads, dash=dash, colour=colour, label=name))
+    axes.x, axes.y = Axis("indentation ξ (mm)"), Axis("normal load W (N)")
     axes.legend = "above"

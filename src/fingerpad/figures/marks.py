@@ -15,7 +15,7 @@ from typing import Annotated, Any, Final, Literal, Self, TypeAlias, get_args, ge
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
-from fingerpad.figures.style import BLACK, BLUE, FADED, FONT_PT, VERMILLION
+from fingerpad.figures.style import BLACK, BLUE, FADED, FONT_PT, ORANGE, VERMILLION
 
 # Whatever makes an array when given, an array of one axis when read; NaN where a number is missing.
 Numbers: TypeAlias = Annotated[Any, "numbers"]
@@ -335,9 +335,8 @@ def measured(
     y_std: ArrayLike | None = None,
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
-    colour: str = BLUE,
-    marker: Marker = "o",
     label: str = "measured",
+    **look: Any,
 ) -> Iterator[Points]:
     """Yield points with bars of one standard uncertainty, synthetic ones hollow, left-out ones faded."""
     stds = {"x_std": x_std, "y_std": y_std}
@@ -345,7 +344,7 @@ def measured(
     x, y, hollow, faded, *bars = (
         one.ravel() for one in broadcast(x, y, synthetic, left_out, *known.values())
     )
-    crowded = x.size > 80
+    usual = {"size": 1.8, "edge_width": 0.5} if x.size > 80 else {"size": 4.2}
     for out in (False, True):
         for made in (False, True):
             chosen = ((hollow != 0) == made) & ((faded != 0) == out)
@@ -354,29 +353,27 @@ def measured(
                     x[chosen],
                     y[chosen],
                     **{name: std[chosen] for name, std in zip(known, bars, strict=True)},
-                    colour=colour,
-                    marker=marker,
-                    face="white" if made else "",
-                    size=1.8 if crowded else 4.2,
-                    edge_width=0.5 if crowded else 0.9,
+                    **{"colour": BLUE, "face": "white" if made else "", **usual, **look},
                     label=f"{label}{', left out' if out else ''}{' (synthetic)' if made else ''}",
                     alpha=FADED if out else 1.0,
                 )
 
 
+def fitted(
+    x: ArrayLike, y: ArrayLike, std: ArrayLike = 0.0, *, label: str, colour: str = ORANGE
+) -> Iterator[Band | Line]:
+    """Yield a line, in a band of one standard uncertainty to either side."""
+    x, y, std = broadcast(x, y, std)
+    if std.any():
+        yield Band(x, y - std, y + std, colour=colour, alpha=0.25)
+    yield Line(x, y, colour=colour, label=label)
+
+
 def synthetic_tag(synthetic: ArrayLike) -> Iterator[Text]:
     """Yield "synthetic", if anything is, in the lower right corner, where a growing curve leaves room."""
     if np.any(synthetic):
-        yield Text(
-            "synthetic",
-            0.99,
-            0.02,
-            frame="xy",
-            horizontal="right",
-            vertical="bottom",
-            colour=VERMILLION,
-            tag=True,
-        )
+        place: dict[str, Any] = {"frame": "xy", "horizontal": "right", "vertical": "bottom"}
+        yield Text("synthetic", 0.99, 0.02, **place, colour=VERMILLION, tag=True)
 
 
 def arrow(start: FloatArray, end: FloatArray, *, colour: str = BLACK) -> Iterator[Line]:

@@ -44,7 +44,7 @@ CSV_COLUMNS: Final = ("panel", "x_name", "y_name", "series", "x", "y", "x_std", 
 _SIZE_MM, _FONT_PT, _DPI = (20.0, 500.0), (3.0, 30.0), (50.0, 1200.0)
 _LARGEST_PX: Final = 12_000
 # Of text, axes and paper: not of data.
-_NEUTRAL: Final = frozenset({style.BLACK, "white", ""})
+_NEUTRAL: Final = frozenset({style.BLACK, "white", "none", ""})
 _DRAWING: Final = Lock()  # Matplotlib's settings are global
 
 

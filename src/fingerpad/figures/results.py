@@ -1,9 +1,10 @@
-"""Figures of results: radii, areas and shapes against load.
+"""Figures of results: radii, areas and shapes against load, bone, uncertainty, agreement of two persons.
 
 Arrays are in mm, mm² and N; a `_std` is a standard uncertainty and is drawn as an error bar of that length
 to either side. `synthetic` marks data that were rendered or simulated, for all points or one by one.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, Literal, TypeAlias
 
@@ -14,6 +15,7 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.figures.marks import (
     Axis,
     Band,
+    Bars,
     Dash,
     Ellipses,
     Line,
@@ -25,8 +27,9 @@ from fingerpad.figures.marks import (
     synthetic_tag,
 )
 from fingerpad.figures.mpl import on_axes
-from fingerpad.figures.style import BLUE, FADED, GREY, ORANGE, VERMILLION
+from fingerpad.figures.style import BLUE, GREY, ORANGE, VERMILLION
 from fingerpad.published.dzidek2017 import PublishedWedge
+from fingerpad.uncertainty import Agreement
 
 Side: TypeAlias = Literal["top", "center", "bottom"]
 _SHAPE_POINTS: Final = 13.0
@@ -61,27 +64,14 @@ def plot_corrected_radius(
         )
     )
     if fixed_geometry_std is not None:
-        x, y, inner, out = broadcast(load, corrected_radius, fixed_geometry_std, left_out)
-        for mask, alpha, kind in ((out == 0, 1.0, ""), (out != 0, FADED, ", left out")):
-            if mask.any():
-                bars: dict[str, Any] = {
-                    "y_std": inner[mask],
-                    "marker": "",
-                    "bar_width": 2.4,
-                    "colour": BLUE,
-                    "alpha": alpha,
-                }
-                label = f"_geometry held exact{kind}"  # not in the legend
-                axes.add(Points(x[mask], y[mask], **bars, label=label))
+        look: dict[str, Any] = {"marker": "", "bar_width": 2.4, "label": "_geometry held exact"}
+        axes.add(*measured(load, corrected_radius, y_std=fixed_geometry_std, left_out=left_out, **look))
     axes.add(*synthetic_tag(synthetic))
     if compliance_radius is not None:
+        # An outline wider than the circle, which would hide a square of nearly the same value.
+        look = {"marker": "s", "size": 6.5, "colour": GREY, "face": "none"}
         label = r"$R_{A\xi}$, to compare with $R_\mathrm{g}$"
-        x, y, out = broadcast(load, compliance_radius, left_out)
-        hidden = "_left out: " if (out == 0).any() else "left out: "
-        for mask, alpha, kind in ((out == 0, 1.0, ""), (out != 0, FADED, hidden)):
-            if mask.any():
-                look: dict[str, Any] = {"marker": "s", "colour": GREY, "size": 3, "alpha": alpha}
-                axes.add(Points(x[mask], y[mask], **look, label=f"{kind}{label}"))
+        axes.add(*measured(load, compliance_radius, left_out=left_out, label=label, **look))
     if printed is not None:
         at = printed.load_N, printed.corrected_radius_mm.value
         label = r"$R_\mathrm{g}^\mathrm{corr}$, printed in Dzidek et al. (2017)"
@@ -212,3 +202,118 @@ def _shapes(
     """Return ellipses of one length and true shape; `beside` takes x in fractions of the frame."""
     size: dict[str, Any] = {"widths": _SHAPE_POINTS, "heights": _SHAPE_POINTS / as_float_array(aspect_ratio)}
     return Ellipses(x, y, **size, angles_deg=90 + np.degrees(angle), colour=edge, face=face, beside=beside)
+
+
+_THICKNESS_TICKS: Final = (3, 4, 6, 8, 12, 16)
+
+
+@on_axes
+def plot_layer_effect(
+    axes: Panel,
+    thickness: ArrayLike,
+    *,
+    modulus_ratio: ArrayLike,
+    radius_ratio: ArrayLike,
+    marked: ArrayLike = (4.0, 8.0, 12.0),
+    synthetic: bool = False,
+) -> None:
+    """Draw modulus and loading radius over those of Hertz theory, against the thickness of tissue over bone.
+
+    `thickness` ascends, mm; those that are `marked`, among them, are named with their ratios.
+    """
+    at = as_float_array(thickness)
+    axes.add(
+        Rule("y", 1.0, width=0.8, dash=":"),
+        Text("Hertz", 1, 1, right=-2, up=2, frame="x", horizontal="right"),
+    )
+    ratios: list[FloatArray] = [
+        np.atleast_1d(as_float_array(ratio)) for ratio in (modulus_ratio, radius_ratio)
+    ]
+    for values, colour, label, side in zip(
+        ratios,
+        (BLUE, VERMILLION),
+        ("E from load and area", r"$R_\mathrm{g} = A/(\pi\xi)$"),
+        (-1, 1),
+        strict=True,
+    ):
+        axes.add(Line(at, values, colour=colour, label=label))
+        _mark_ratios(axes, at, values, as_float_array(marked), colour=colour, side=side)
+    axes.x = Axis("assumed effective thickness of the tissue (mm)", log=True, ticks=_THICKNESS_TICKS)
+    axes.y = Axis("over Hertz theory", low=0, high=1.2 * float(np.nanmax(np.concatenate([[1.0], *ratios]))))
+    axes.legend = "above"
+    axes.add(*synthetic_tag(synthetic))
+
+
+def _mark_ratios(
+    axes: Panel, at: FloatArray, values: FloatArray, marked: FloatArray, *, colour: str, side: int
+) -> None:
+    """Mark some thicknesses, their ratios with two digits."""
+    chosen = np.isin(at, marked) & np.isfinite(values)
+    if chosen.any():
+        axes.add(Points(at[chosen], values[chosen], colour=colour))
+    for x, y in zip(at[chosen].tolist(), values[chosen].tolist(), strict=True):
+        vertical: Literal["bottom", "top"] = "bottom" if side > 0 else "top"
+        axes.add(Text(f"{y:#.2g}", x, y, up=6 * side, horizontal="center", vertical=vertical, colour=colour))
+
+
+@on_axes
+def plot_uncertainty_budget(
+    axes: Panel,
+    first_order: Mapping[str, float],
+    *,
+    total: Mapping[str, float] | None = None,
+    synthetic: bool = False,
+) -> None:
+    """Draw the contribution of each source to the variance of a result, as bars from the largest down."""
+    names = sorted(first_order, key=lambda name: first_order[name])
+    places = np.arange(len(names))
+    label = "first order" if total is not None else ""
+    axes.add(Bars(places, [100 * first_order[name] for name in names], colour=BLUE, height=0.6, label=label))
+    if total is not None:
+        shares = [100 * total[name] for name in names]
+        axes.add(Bars(places, shares, colour=ORANGE, height=0.18, label="Sobol, total"))
+        axes.legend = "above"
+    for place, name in enumerate(names):
+        share = 100 * max(first_order[name], 0.0 if total is None else total[name])
+        words = f"{100 * first_order[name]:.1f} %"
+        axes.add(Text(words, max(share, 0), place, right=3, vertical="center", size=6.8))
+    lowest = min([0.0, *(100 * share for share in first_order.values())])
+    axes.x = Axis("share of the variance (%)", low=lowest, high=118)
+    axes.y = Axis(ticks=tuple(places), names=tuple(names), lines=False)
+    axes.add(*synthetic_tag(synthetic))
+
+
+@on_axes
+def plot_agreement(
+    axes: Panel,
+    first: ArrayLike,
+    second: ArrayLike,
+    found: Agreement,
+    *,
+    quantity: str,
+    names: Sequence[str] = ("first", "second"),
+    synthetic: ArrayLike = False,
+) -> None:
+    """Draw the relative difference of pairs against their geometric mean, with bias and limits of agreement.
+
+    The limits are dashed, the 95 % interval of the bias is a band.
+    """
+    one, other = as_float_array(first), as_float_array(second)
+    axes.add(
+        *measured(np.sqrt(one * other), 100 * (other / one - 1), synthetic=synthetic),
+        *synthetic_tag(synthetic),
+        Rule("y", 0, colour=GREY, width=0.6),
+        Rule("y", 100 * found.bias, width=1.0),
+    )
+    lines = [("bias", found.bias)]
+    if np.isfinite(found.std):
+        axes.add(Rule("y", *(100 * end for end in found.bias_interval), colour=BLUE, alpha=0.15))
+        axes.add(*(Rule("y", 100 * end, dash="--", width=1.0) for end in found.limits))
+        lines += [("limit", end) for end in found.limits if np.isfinite(end)]
+    for words, value in lines:
+        place = 1.0, 100 * value
+        axes.add(
+            Text(f"{words} {100 * value:+.1f} %", *place, right=3, frame="x", vertical="center", size=6.8)
+        )
+    axes.x = Axis(f"{quantity}, mean of both", margin=0.1)
+    axes.y = Axis(f"{names[1]}, difference from {names[0]} (%)", margin=0.2)

@@ -161,14 +161,7 @@ def _(result: LoadingFit) -> Drawing:
         out = own.displacement - result.main.values["contact_offset"]
         xi, load = np.append(xi, out), np.append(load, own.load)
         phase = np.append(phase, np.full(out.size, own.phase))
-    plot_load_indentation(
-        loads,
-        xi,
-        load,
-        phase=phase,
-        fits=law_lines(result),
-        band=predicted_band(result),
-    )
+    plot_load_indentation(loads, xi, load, phase=phase, fits=law_lines(result), band=predicted_band(result))
     plot_load_residuals(residuals, result)
     return Drawing(figure)
 

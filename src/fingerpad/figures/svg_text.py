@@ -18,14 +18,7 @@ _SCRIPT_SIZE: Final = 0.7
 _LOWERED, _RAISED = 0.15, -0.38  # of the font size, downwards
 _MEASURED_AT: Final = 100  # px
 _ASCENT: Final = 0.76  # of digits and capitals, of the font size
-_COMMANDS: Final = {
-    "beta": "β",
-    "ell": "ℓ",
-    "pi": "π",
-    "propto": " ∝ ",
-    "tau": "τ",
-    "xi": "ξ",
-}
+_COMMANDS: Final = {"beta": "β", "ell": "ℓ", "pi": "π", "propto": " ∝ ", "tau": "τ", "xi": "ξ"}
 _SPACED: Final = {"=": " = ", "±": " ± "}
 _TOKEN: Final = re.compile(r"\\mathrm\{(?P<upright>[^{}]*)\}|\\(?P<command>[a-z]+)\s*|(?P<other>.)")
 _SCRIPT: Final = re.compile(r"([_^])(\{(?:[^{}]|\{[^{}]*\})*\}|\\mathrm\{[^{}]*\}|\\[a-z]+|.)")
@@ -141,12 +134,9 @@ class TextBox(NamedTuple):
         step, ascent = LINE_HEIGHT * self.size, _ASCENT * self.size
         count = self.text.count("\n")
         height = step * count + ascent
-        above = {
-            "top": 0.0,
-            "center": height / 2,
-            "bottom": height + 0.2 * self.size,
-            "baseline": height,
-        }[self.vertical]
+        above = {"top": 0.0, "center": height / 2, "bottom": height + 0.2 * self.size, "baseline": height}[
+            self.vertical
+        ]
         return [self.y - above + ascent + step * number for number in range(count + 1)]
 
     def box(self) -> tuple[float, float, float, float]:

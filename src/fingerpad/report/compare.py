@@ -12,7 +12,7 @@ from fingerpad._files import make_folder
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import new_panels
-from fingerpad.figures.compare import FingerLine, MeanMark, colours_of, plot_forest
+from fingerpad.figures.compare import MeanMark, Series, colours_of, plot_forest
 from fingerpad.report.plot import Plot, save_plots
 from fingerpad.report.plots import by_wedge_plot
 from fingerpad.report.templates import templates
@@ -186,10 +186,10 @@ def wedge_plot(comparison: Comparison) -> Iterator[Plot]:
     yield by_wedge_plot(
         "compare_radius_by_wedge",
         [
-            FingerLine(
-                person=person,
+            Series(
+                name=person,
                 colour=colours[person],
-                wedge_angle_deg=[value.wedge_angle_deg or 0.0 for value in points],
+                x=[value.wedge_angle_deg or 0.0 for value in points],
                 value=[value.value for value in points],
                 std=[value.std for value in points],
                 synthetic=synthetic,

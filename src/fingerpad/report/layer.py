@@ -1,6 +1,5 @@
 """What the report shows of the pad on its layer of tissue over bone, beside Hertz theory."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -15,9 +14,8 @@ from fingerpad.figures import plot_layer_effect, section_figure
 from fingerpad.figures.marks import Panel, new_panels, synthetic_tag
 from fingerpad.figures.mpl import draw
 from fingerpad.flags import FLAGS
-from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report.plot import Plot
-from fingerpad.report.plots import group_name
+from fingerpad.report.plots import group_name, placement_of, where
 from fingerpad.study.results.layer import HERTZ_OF, LayerQuantity, curve_on_layer
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.study_result import StudyResult
@@ -28,6 +26,11 @@ _THICKNESSES: Final = np.unique([*np.geomspace(3, 16, 40), *_IF_THICKNESS])
 # A drawing needs no finer grid, and takes half a second with this one.
 _CELLS, _SECTION_POINTS, _SECTION_LEVELS = 64, 91, 31
 _LEAST_SHARE: Final = 0.01
+_WORDS: Final = {
+    "youngs_modulus_on_layer": "Young's modulus E from load and area (kPa)",
+    "indentation_on_layer": "indentation ξ from the area (mm)",
+    "loading_radius_on_layer": "R_g to expect, A/(πξ) (mm)",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,31 +49,17 @@ def comparisons(result: StudyResult, summary: Summary) -> list[Comparison]:
     layer = summary.layer
     if layer is None:
         return []
-    names = {
-        "youngs_modulus_on_layer": "Young's modulus E from load and area (kPa)",
-        "indentation_on_layer": "indentation ξ from the area (mm)",
-        "loading_radius_on_layer": "R_g to expect, A/(πξ) (mm)",
-    }
-    at = f"{layer.observation}, {layer.load:.3g} N"
+    at, modulus = f"{layer.observation}, {layer.load:.3g} N", "youngs_modulus_on_layer"
     lines = {
         name: _comparison(words, at, layer.at_highest_load[HERTZ_OF[name]], layer.at_highest_load[name])
-        for name, words in names.items()
+        for name, words in _WORDS.items()
     }
-    pooled = layer.pooled["youngs_modulus_on_layer"]
-    means = (
-        [
-            _comparison(
-                "Young's modulus E from load and area (kPa)",
-                f"mean of {pooled.count} contacts",
-                layer.pooled["youngs_modulus"],
-                pooled,
-            )
-        ]
-        if pooled and pooled.count > 1
-        else []
-    )
+    pooled, mean = layer.pooled[modulus], []
+    if pooled and pooled.count > 1:
+        of = f"mean of {pooled.count} contacts"
+        mean = [_comparison(_WORDS[modulus], of, layer.pooled["youngs_modulus"], pooled)]
     radius = lines.pop("loading_radius_on_layer")
-    return [*means, *lines.values(), *_of_curves(result, summary), radius]
+    return [*mean, *lines.values(), *_of_curves(result, summary), radius]
 
 
 def _of_curves(result: StudyResult, summary: Summary) -> Iterator[Comparison]:
@@ -114,7 +103,7 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     area = np.pi * pooled["semi_major_mm"].to_numpy() * pooled["semi_minor_mm"].to_numpy()
     nu = result.study.poisson_ratio
     reduced, contacts = find_modulus(
-        plate_gap(_placement(result, summary)),
+        plate_gap(placement_of(result, summary)),
         thickness=_THICKNESSES,
         poisson_ratio=nu,
         load=pooled["load_N"].to_numpy()[:, None],
@@ -146,20 +135,12 @@ def _conditional(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     )
 
 
-def _placement(result: StudyResult, summary: Summary) -> Placement:
-    return Placement(
-        Ellipsoid(*result.fingers[summary.finger].semi_axes),
-        wedge_angle=math.radians(summary.wedge_angle_deg),
-        roll_angle=math.radians(summary.roll_angle_deg),
-    )
-
-
 def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw the section along the finger under the contact at the highest load."""
     layer = summary.layer
     if layer is None or layer.flag:
         return
-    modulus, placement = layer.at_highest_load["youngs_modulus_on_layer"].value, _placement(result, summary)
+    modulus, placement = layer.at_highest_load["youngs_modulus_on_layer"].value, placement_of(result, summary)
     try:
         tissue = Tissue(modulus / KPA_PER_MPA, result.study.poisson_ratio, layer.thickness)
         solved = solve_contact(placement, tissue, load=layer.load, points=_CELLS)
@@ -172,13 +153,13 @@ def _section(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         levels=_SECTION_LEVELS,
     )
     draw(Panel(marks=[*synthetic_tag(summary.synthetic)]), figure.axes[0])
+    at = where(summary.finger, summary.wedge_angle_deg, summary.synthetic)
     yield Plot(
         name=f"{group_name(summary.key)}_section",
         figure=figure,
         caption=(
-            f"Section along the finger under {layer.observation} ({layer.load:.3g} N; {summary.finger}, "
-            f"wedge {summary.wedge_angle_deg:g}°): pressure, and maximum shear stress in {layer.thickness:g} "
-            "mm of tissue over bone, with the modulus on the layer. Dashed: pressure of Hertz theory for the "
-            "same load and modulus."
+            f"Section along the finger under {layer.observation} ({layer.load:.3g} N; {at}): pressure, and "
+            f"maximum shear stress in {layer.thickness:g} mm of tissue over bone, with the modulus on the "
+            "layer. Dashed: pressure of Hertz theory for the same load and modulus."
         ),
     )

@@ -1,13 +1,12 @@
 """The figures of one loading curve."""
 
-from collections.abc import Iterator
-from typing import Literal
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad._rounding import value_with_uncertainty
-from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
 from fingerpad.figures import (
     plot_contact_compliance,
@@ -18,7 +17,7 @@ from fingerpad.figures import (
     plot_secant_modulus,
 )
 from fingerpad.figures.loading import law_lines, predicted_band
-from fingerpad.loading import LoadingCurve, LoadingFit, Relaxation, fit_relaxation, sphere_ratio
+from fingerpad.loading import LoadingCurve, LoadingFit, fit_relaxation, sphere_ratio
 from fingerpad.report.plot import Plot, panel
 from fingerpad.units import KPA_PER_MPA
 
@@ -34,57 +33,68 @@ def loading_plots(
     expected_ratio: tuple[ArrayLike, ArrayLike] | None = None,
     synthetic: bool = False,
 ) -> Iterator[Plot]:
-    """Draw the figures of a loading curve."""
-    where = where or name
+    """Draw the figures of a loading curve.
+
+    With `geometric_mean_radius`, R_e of the pad in mm, moduli from area and from indentation are compared;
+    `expected_ratio`, loads and ratios, is what the true ellipsoid makes of that.
+    """
+
+    def plot(kind: str, caption: str, draw: Callable[..., object], *args: Any, **options: Any) -> Plot:
+        figure = panel(draw, *args, **options, synthetic=synthetic)
+        return Plot(name=f"{name}_{kind}", figure=figure, caption=f"{caption} ({where or name}).")
+
     drawn = _Drawn(curve, fit, cycle)
-    yield Plot(
-        name=f"{name}_load_indentation",
-        figure=panel(
-            plot_load_indentation,
-            drawn.indentation,
-            drawn.load,
-            phase=drawn.phase,
-            fits=law_lines(fit),
-            band=predicted_band(fit),
-            synthetic=synthetic,
-        ),
-        caption=f"Load against indentation from the fitted place of contact, and the laws fitted to the "
-        f"loading; the band is the 95 % interval of the load at an indentation ({where}).",
+    loading = drawn.phase == "loading"
+    yield plot(
+        "load_indentation",
+        "Load against indentation from the fitted place of contact, and the laws fitted to the loading; the "
+        "band is the 95 % interval of the load at an indentation",
+        plot_load_indentation,
+        drawn.indentation,
+        drawn.load,
+        phase=drawn.phase,
+        fits=law_lines(fit),
+        band=predicted_band(fit),
     )
-    yield Plot(
-        name=f"{name}_residuals",
-        figure=panel(plot_load_residuals, fit, synthetic=synthetic),
-        caption="Load less that of the fitted law, the 95 % interval of its load, and what else could have "
-        f"made the curve, with Akaike weights ({where}).",
+    yield plot(
+        "residuals",
+        "Load less that of the fitted law, the 95 % interval of its load, and what else could have made the "
+        "curve, with Akaike weights",
+        plot_load_residuals,
+        fit,
     )
     if drawn.area is not None:
         radius = fit.loading_radius
-        fitted = drawn.phase == "loading"
-        yield Plot(
-            name=f"{name}_compliance",
-            figure=panel(
-                plot_contact_compliance,
-                drawn.indentation[fitted],
-                drawn.area[fitted],
-                loading_radius=radius.value if radius.known else None,
-                loading_radius_std=radius.std if radius.known else 0.0,
-                synthetic=synthetic,
-            ),
-            caption=f"Contact area against π × indentation; its slope is the loading radius ({where}).",
+        yield plot(
+            "compliance",
+            "Contact area against π × indentation; its slope is the loading radius",
+            plot_contact_compliance,
+            drawn.indentation[loading],
+            drawn.area[loading],
+            loading_radius=radius.value if radius.known else None,
+            loading_radius_std=radius.std if radius.known else 0.0,
         )
-    yield from _secant_plots(name, where, fit, synthetic=synthetic)
+    yield from _secant_plots(plot, fit)
     if drawn.area is not None and geometric_mean_radius is not None:
-        yield _shape(name, where, drawn, geometric_mean_radius, expected_ratio, synthetic=synthetic)
-    relaxation = drawn.relaxation()
-    if relaxation is not None:
-        yield _relaxation(name, where, drawn, relaxation, synthetic=synthetic)
+        chosen = loading & (drawn.load > 0.05 * drawn.load.max())
+        xi, area = drawn.indentation[chosen], drawn.area[chosen]
+        yield plot(
+            "shape",
+            "E* read from the area over E* read from the indentation, on R_e of the undeformed pad: one for "
+            "a Hertzian contact",
+            plot_modulus_from_area_and_indentation,
+            drawn.load[chosen],
+            sphere_ratio(xi, area, loading_radius=geometric_mean_radius),
+            expected_ratio=expected_ratio,
+        )
+    yield from _relaxation_plot(plot, drawn)
 
 
 class _Drawn:
     """The press that was fitted, from its fitted zeros of force and displacement."""
 
     def __init__(self, curve: LoadingCurve, fit: LoadingFit, cycle: int) -> None:
-        self.fit, self.cycle = fit, fit.cycles[cycle]
+        self.cycle = fit.cycles[cycle]
         main = fit.models["load_dependent"]
         self.offset = main.values["contact_offset"]
         segments = [(part, phase) for phase, part in self.cycle.phases().items() if part is not None]
@@ -99,93 +109,53 @@ class _Drawn:
         self.indentation: FloatArray = curve.indentation[rows] - self.offset
         self.area = None if curve.area is None else curve.area[rows]
 
-    def relaxation(self) -> Relaxation | None:
-        """Return the relaxation of the hold, None where there is none to fit."""
-        try:
-            return fit_relaxation(self.zeroed, self.cycle, self.offset)
-        except FitError:
-            return None
 
-
-def _secant_plots(name: str, where: str, fit: LoadingFit, *, synthetic: bool) -> Iterator[Plot]:
+def _secant_plots(plot: Callable[..., Plot], fit: LoadingFit) -> Iterator[Plot]:
     secant, (low, high) = fit.secant, fit.fit_load_range
-    line, label = None, "fit"
+    line: dict[str, Any] = {}
     initial, growth = fit.initial_modulus, fit.load_coefficient
     if initial.known and growth.known:
         loads = np.array([low, high])
-        line = (loads, initial.value + growth.value * loads)
-        label = rf"$E_\mathrm{{0g}}$ = {_in_kpa(initial)} kPa, β = {_in_kpa(growth)} kPa/N"
+        said = [
+            value_with_uncertainty(KPA_PER_MPA * one.value, KPA_PER_MPA * one.std)
+            for one in (initial, growth)
+        ]
+        label = rf"$E_\mathrm{{0g}}$ = {said[0]} kPa, β = {said[1]} kPa/N"
+        line = {"fit": (loads, initial.value + growth.value * loads), "label": label}
     fitted = (secant.load >= low) & (secant.load <= high)
-    against: Literal["load", "indentation"]
     outside = "" if fitted.all() else "; grey: not in the range of loads that was fitted"
-    for against, abscissa in (("load", secant.load), ("indentation", secant.indentation)):
-        drawn = ", with the fitted line" if line is not None and against == "load" else ""
-        yield Plot(
-            name=f"{name}_secant_modulus_{against}",
-            figure=panel(
-                plot_secant_modulus,
-                abscissa,
-                secant.modulus,
-                against=against,
-                fitted_points=fitted,
-                fit=line if against == "load" else None,
-                label=label,
-                synthetic=synthetic,
-            ),
-            caption=f"Secant modulus against {against}{drawn}{outside} ({where}).",
+    for against, x, shown in (("load", secant.load, line), ("indentation", secant.indentation, {})):
+        yield plot(
+            f"secant_modulus_{against}",
+            f"Secant modulus against {against}{', with the fitted line' if shown else ''}{outside}",
+            plot_secant_modulus,
+            x,
+            secant.modulus,
+            against=against,
+            fitted_points=fitted,
+            **shown,
         )
 
 
-def _in_kpa(estimate: Estimate) -> str:
-    return value_with_uncertainty(KPA_PER_MPA * estimate.value, KPA_PER_MPA * estimate.std)
-
-
-def _shape(
-    name: str,
-    where: str,
-    drawn: _Drawn,
-    radius: float,
-    expected: tuple[ArrayLike, ArrayLike] | None,
-    *,
-    synthetic: bool,
-) -> Plot:
-    fitted = (drawn.phase == "loading") & (drawn.load > 0.05 * drawn.load.max())
-    assert drawn.area is not None  # drawn only with areas
-    ratio = sphere_ratio(drawn.indentation[fitted], drawn.area[fitted], loading_radius=radius)
-    return Plot(
-        name=f"{name}_shape",
-        figure=panel(
-            plot_modulus_from_area_and_indentation,
-            drawn.load[fitted],
-            ratio,
-            expected_ratio=expected,
-            synthetic=synthetic,
-        ),
-        caption="E* read from the area over E* read from the indentation, on R_e of the undeformed pad: "
-        f"one for a Hertzian contact ({where}).",
-    )
-
-
-def _relaxation(name: str, where: str, drawn: _Drawn, found: Relaxation, *, synthetic: bool) -> Plot:
-    loading, hold = drawn.cycle.loading, drawn.cycle.hold
-    assert hold is not None and drawn.zeroed.time is not None  # noqa: PT018 (fitted only with both)
-    begin = drawn.zeroed.time[hold.start]
-    times = [term.time for term in found.terms]
-    said = ", ".join(
-        f"{value_with_uncertainty(each.value, each.std)} s" if each.known else each.reason for each in times
-    )
-    return Plot(
-        name=f"{name}_relaxation",
-        figure=panel(
-            plot_relaxation,
-            drawn.zeroed.time[hold.rows] - begin,
-            drawn.zeroed.load[hold.rows],
-            fit=(found.time + drawn.zeroed.time[loading.start] - begin, found.load),
-            label=f"Prony series of {len(times)} terms" if len(times) != 1 else "Prony series of one term",
-            ramp_time=found.ramp_time,
-            time_constants=[time.value for time in times if time.known],
-            synthetic=synthetic,
-        ),
-        caption=f"Load during the hold, with the Prony series through the recorded ramp; time constants: "
-        f"{said or 'none'} ({where}).",
+def _relaxation_plot(plot: Callable[..., Plot], drawn: _Drawn) -> Iterator[Plot]:
+    """Draw the relaxation of the hold, where there is one to fit."""
+    try:
+        found = fit_relaxation(drawn.zeroed, drawn.cycle, drawn.offset)
+    except FitError:
+        return
+    hold, clock = drawn.cycle.hold, drawn.zeroed.time
+    assert hold is not None and clock is not None  # noqa: PT018 (fitted only with both)
+    begin, times = clock[hold.start], [term.time for term in found.terms]
+    said = [f"{value_with_uncertainty(one.value, one.std)} s" if one.known else one.reason for one in times]
+    yield plot(
+        "relaxation",
+        "Load during the hold, with the Prony series through the recorded ramp; time constants: "
+        f"{', '.join(said) or 'none'}",
+        plot_relaxation,
+        clock[hold.rows] - begin,
+        drawn.zeroed.load[hold.rows],
+        fit=(found.time + clock[drawn.cycle.loading.start] - begin, found.load),
+        label=f"Prony series of {len(times)} terms" if len(times) != 1 else "Prony series of one term",
+        ramp_time=found.ramp_time,
+        time_constants=[time.value for time in times if time.known],
     )

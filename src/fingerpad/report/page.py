@@ -3,9 +3,8 @@
 import base64
 import io
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -26,10 +25,10 @@ from fingerpad.report.plots import (
     MOST_POINTS,
     agreement_plots,
     answer_plots,
-    area_indentation_plot,
     budget_plot,
     curve_plots,
-    press_plot,
+    evenly,
+    sequence_plots,
     shown_rows,
     summary_plots,
     thinned,
@@ -42,6 +41,7 @@ from fingerpad.report.text import (
     HEADLINE_WORDS,
     advice,
     contact_flags,
+    doubtful_curves,
     doubtful_frames,
     face_differences,
     fingers_without_results,
@@ -122,13 +122,14 @@ def write_page(
             overview=draw(answer_plots(result, found, f"{path.stem}_" if home else "")),
             by_wedge=draw(wedge_plot(result)) if pages else [],
             **(_tabled(result, found) if pages else _drawn_in_full(result, found, draw)),
+            curve_doubts=doubtful_curves(result),
             most_presses=_MOST_PRESSES,
             synthetic=bool(result.rows["synthetic"].any()),
             repeats=repeatability_section(result, with_loads=not pages),
             operators=[] if home else result.operators,
             agreement_figures=[] if home else draw(agreement_plots(result)),
             quantity_words=QUANTITY_WORDS,
-            missing=_missing(result, found),
+            missing=list(_missing(result, found)),
             first_order=result.study.uncertainty.method == "first_order",
             methods=None if home else methods_section(result),
             thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
@@ -196,37 +197,30 @@ def _line(result: StudyResult, summary: Summary, found: Answer) -> dict[str, Any
     }
 
 
-def _missing(result: StudyResult, found: Sequence[Answer]) -> list[str]:
-    """Return what is taken as exact, assumed, or missing, and what it does to the results."""
-    study = result.study
-    lacking = {
-        "the thickness of the tissue, so that the modulus is that of Hertz theory": [
-            one.label for one in found if one.of.on_layer is None
-        ],
-        "loading data, so that there is no loading radius R_g to compare with": [
-            one.label for one in found if math.isnan(one.of.loading_radius_mm)
-        ],
-    }
-    repeats = {kind: one.missing for kind, one in result.repeatability.items() if not one.known}
-    synthetic = set(result.rows["synthetic"])
-    return [
-        *(
-            f"Taken as exact, since the manifest gives no uncertainty: {one}."
-            for one in study.taken_as_exact()
-        ),
-        *(
+def _missing(result: StudyResult, found: Sequence[Answer]) -> Iterator[str]:
+    """Yield what is taken as exact, assumed, or missing, and what it does to the results."""
+    for one in result.study.taken_as_exact():
+        yield f"Taken as exact, since the manifest gives no uncertainty: {one}."
+    for one in result.study.assumed():
+        yield (
             f"Assumed, since the manifest does not say: {one}. Set wedge_angle_deg_std and "
             "roll_angle_deg_std if you know better."
-            for one in study.assumed()
-        ),
-        *(f"Missing: {what}: {', '.join(of)}." for what, of in lacking.items() if of),
-        *(
-            f"Missing: repeatability{' of synthetic contacts' if kind and len(synthetic) > 1 else ''}, "
-            f"which another impression would change: {why}."
-            for kind, why in repeats.items()
-            if kind in synthetic
-        ),
-    ]
+        )
+    if half_space := [one.label for one in found if one.of.on_layer is None]:
+        yield (
+            "Missing: the thickness of the tissue, so that the modulus is that of Hertz theory: "
+            f"{', '.join(half_space)}."
+        )
+    if unloaded := [one.label for one in found if math.isnan(one.of.loading_radius_mm)]:
+        yield (
+            "Missing: loading data, so that there is no loading radius R_g to compare with: "
+            f"{', '.join(unloaded)}."
+        )
+    kinds = set(result.rows["synthetic"])
+    for synthetic, repeats in result.repeatability.items():
+        if synthetic in kinds and not repeats.known:
+            of = " of synthetic contacts" if synthetic and len(kinds) > 1 else ""
+            yield f"Missing: repeatability{of}, which another impression would change: {repeats.missing}."
 
 
 def _details(
@@ -287,27 +281,21 @@ def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
     doubts: dict[str, list[tuple[int, Flag]]] = {}
     for name, count, flag in doubtful_frames(result):
         doubts.setdefault(name, []).append((count, flag))
-    shown = []
     sequences = list(zip(result.sequences, result.frames(), strict=True))
-    drawn = set(
-        np.linspace(0, len(sequences) - 1, min(len(sequences), _MOST_PRESSES)).round().astype(int).tolist()
-    )
+    drawn = evenly(len(sequences), _MOST_PRESSES)
     pictures = _share(_MOST_PICTURES, len(sequences))
-    for number, (sequence, frames) in enumerate(sequences):
-        plots = chain(press_plot(sequence, frames), area_indentation_plot(sequence, frames))
-        figures = draw(plots) if number in drawn else []
-        shown.append(
-            {
-                "sequence": sequence,
-                "synthetic": bool(frames["synthetic"].any()),
-                "figures": figures,
-                "pooled": int(frames["pooled"].sum()),
-                "exponent": area_exponent(frames),
-                "doubts": doubts.get(sequence.manifest.name, ()),
-                "overlays": sequence.overlays[:pictures],
-            }
-        )
-    return shown
+    return [
+        {
+            "sequence": sequence,
+            "synthetic": bool(frames["synthetic"].any()),
+            "figures": draw(sequence_plots(sequence, frames)) if number in drawn else [],
+            "pooled": int(frames["pooled"].sum()),
+            "exponent": area_exponent(frames),
+            "doubts": doubts.get(sequence.manifest.name, ()),
+            "overlays": sequence.overlays[:pictures],
+        }
+        for number, (sequence, frames) in enumerate(sequences)
+    ]
 
 
 def _share(whole: int, count: int) -> int:

@@ -23,9 +23,8 @@ from fingerpad.figures import (
 )
 from fingerpad.figures.compare import (
     MOST_NAMES,
-    FingerLine,
-    LoadLine,
     MeanMark,
+    Series,
     colours_of,
     plot_by_wedge,
     plot_over_load,
@@ -35,10 +34,10 @@ from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
 from fingerpad.report.simulator import simulator_plots
-from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
+from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.output import Answer
-from fingerpad.study.results.pooling import Exponent, Summary, area_exponent
+from fingerpad.study.results.pooling import Summary, area_exponent
 from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
@@ -48,6 +47,7 @@ from fingerpad.study.results.validity import RADIUS, Headline
 # More than these only make a page heavy.
 _MOST_FRAMES: Final = 150
 MOST_POINTS: Final = 60
+_LEAST_SHARE: Final = 0.001  # of a variance
 _BESIDE: Final = (r"$R_\mathrm{g}$", r"$R_\mathrm{0g}$")
 # By whether a modulus is on bone, what it is, its mark, and the mark's name; the page draws them alike.
 _MODULI: Final[dict[bool, tuple[str, Marker, str]]] = {
@@ -92,12 +92,7 @@ def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> I
         ),
     ):
         lines = [
-            LoadLine(
-                name=one.label,
-                colour=colours[one.label],
-                synthetic=one.of.synthetic,
-                **values(rows, one),
-            )
+            Series(name=one.label, colour=colours[one.label], synthetic=one.of.synthetic, **values(rows, one))
             for rows, one in pairs
         ]
         figure, (axes,) = new_panels(height_mm=78)
@@ -109,14 +104,13 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     """Draw one finger at one placement."""
     rows = shown_rows(summary)
     (last,) = records(rows[-1:])
-    name = group_name(summary.key)
-    label = "; synthetic" if summary.synthetic else ""
-    where = f"{summary.finger}, wedge {summary.wedge_angle_deg:g}°{label}"
+    name, at = group_name(summary.key), where(summary.finger, summary.wedge_angle_deg, summary.synthetic)
+    drawn = {"synthetic": rows["synthetic"], "left_out": ~rows["pooled"]}
     yield Plot(
         name=f"{name}_pad",
         figure=_pad(result, summary, last),
         caption=(
-            f"The pad seen through the platen ({where}; grey: not pad), and the contact "
+            f"The pad seen through the platen ({at}; grey: not pad), and the contact "
             f"{last['observation']} drawn flat. Hertz theory gives the shape only."
             + ("" if last["long_axis"] else " The measured ellipse has no direction and is not drawn.")
         ),
@@ -128,27 +122,63 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         level = f" Dashed: loading data{band}."
     yield Plot(
         name=f"{name}_corrected_radius",
-        figure=_corrected_radius(rows, loading),
+        figure=panel(
+            plot_corrected_radius,
+            rows["load_N"],
+            rows["radius_from_indentation_mm"],
+            corrected_radius_std=rows["radius_from_indentation_mm_total_std"],
+            fixed_geometry_std=rows["radius_from_indentation_mm_fixed_geometry_std"],
+            compliance_radius=rows["radius_from_compliance_mm"],
+            measured_radius=loading and loading.value,
+            measured_radius_std=loading and loading.std,
+            mean_curvature_radius=last["mean_curvature_radius_mm"],
+            **drawn,
+        ),
         caption=(
-            f"Corrected radius against load ({where}); thin bars: one standard uncertainty, of "
+            f"Corrected radius against load ({at}); thin bars: one standard uncertainty, of "
             "which contacts share the parts from the pad's geometry and the model; thick bars: without these "
             f"parts, as Dzidek et al. do. Dotted: undeformed pad.{level}"
         ),
     )
     if np.ptp(rows["load_N"].to_numpy()) > 0:
+        exponent = area_exponent(summary.areas)
         yield Plot(
             name=f"{name}_area",
-            figure=_area(rows, area_exponent(summary.areas)),
-            caption=f"Contact area against load, with the fitted exponent and that of Hertz ({where}). "
+            figure=panel(
+                plot_area_against_load,
+                rows["load_N"],
+                np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"],
+                area_std=_area_std(rows),
+                exponent=exponent.value,
+                exponent_std=exponent.std,
+                **drawn,
+            ),
+            caption=f"Contact area against load, with the fitted exponent and that of Hertz ({at}). "
             "± of the exponent is from the scatter about the line, over frames from its bends, and from the "
             "contact edge; the check of the model takes in the stated uncertainties of areas and loads.",
         )
     if rows["long_axis"].notna().any():
+        across = {"along": 0.0, "across": 90.0}
+        angle = rows["orientation_deg"].fillna(rows["long_axis"].map(across)).fillna(0.0)
         yield Plot(
             name=f"{name}_aspect_ratio",
-            figure=_aspect_ratio(rows),
-            caption=f"Aspect ratio and direction of the long axis, measured and predicted ({where}).",
+            figure=panel(
+                plot_aspect_ratio,
+                rows["load_N"],
+                rows["aspect_ratio"],
+                aspect_ratio_std=_aspect_ratio_std(rows),
+                long_axis_angle=np.radians(angle),
+                predicted_aspect_ratio=last["predicted_aspect_ratio"],
+                predicted_long_axis_angle=np.radians(across.get(last["predicted_long_axis"], 0.0)),
+                **drawn,
+            ),
+            caption=f"Aspect ratio and direction of the long axis, measured and predicted ({at}).",
         )
+
+
+def where(finger: str, wedge_angle_deg: float, synthetic: bool) -> str:
+    """Return what a figure is of, for its caption."""
+    return f"{finger}, wedge {wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}"
 
 
 def agreement_plots(result: StudyResult) -> Iterator[Plot]:
@@ -189,10 +219,10 @@ def wedge_plot(result: StudyResult) -> Iterator[Plot]:
     yield by_wedge_plot(
         "corrected_radius_by_wedge",
         [
-            FingerLine(
-                person=finger,
+            Series(
+                name=finger,
                 colour=colours[finger],
-                wedge_angle_deg=[angle for angle, _ in points],
+                x=[angle for angle, _ in points],
                 value=[radius.value for _, radius in points],
                 std=[radius.total_std for _, radius in points],
                 synthetic=synthetic,
@@ -204,7 +234,7 @@ def wedge_plot(result: StudyResult) -> Iterator[Plot]:
 
 
 def by_wedge_plot(
-    name: str, lines: Sequence[FingerLine], means: Sequence[tuple[float, MeanMark]] = (), *, label: str
+    name: str, lines: Sequence[Series], means: Sequence[tuple[float, MeanMark]] = (), *, label: str
 ) -> Plot:
     """Return corrected radii against wedge angle as a separate figure."""
     figure, (axes,) = new_panels(width_mm=140, height_mm=95)
@@ -247,7 +277,6 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
     for (finger, wedge, synthetic), found in groups.items():
         if len({velocity for velocity, _ in found}) < 2:
             continue
-        label = "; synthetic" if synthetic else ""
         yield Plot(
             name=f"{group_name((finger, wedge, 0.0, synthetic))}_initial_modulus",
             figure=panel(
@@ -257,7 +286,7 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
                 initial_modulus_std=[initial.std for _, initial in found],
                 synthetic=np.full(len(found), synthetic),
             ),
-            caption=f"Young's modulus at no load against velocity ({finger}, wedge {wedge:g}°{label}).",
+            caption=f"Young's modulus at no load against velocity ({where(finger, wedge, synthetic)}).",
         )
 
 
@@ -265,66 +294,58 @@ def budget_plot(summary: Summary, check: UncertaintyCheckRecord | None) -> Itera
     """Draw who contributes what to the uncertainty of the highest_load contact's corrected radius."""
     if check is None:
         return
+    seen = {name: share for name, share in check.shares.items() if abs(share) >= _LEAST_SHARE}
+    small = ", ".join(name for name in check.shares if name not in seen)
     yield Plot(
         name=f"{group_name(summary.key)}_budget",
-        figure=panel(plot_uncertainty_budget, check.shares, total=check.total, synthetic=summary.synthetic),
+        figure=panel(plot_uncertainty_budget, seen, total=check.total, synthetic=summary.synthetic),
         caption=f"Shares of the variance of the corrected radius of {check.observation}: of first order, and "
-        "Sobol's total index, which counts interactions.",
+        f"Sobol's total index, which counts interactions.{small and f' Below 0.1 %: {small}.'}",
     )
 
 
-def press_plot(sequence: SequenceResult, frames: pd.DataFrame) -> Iterator[Plot]:
-    """Draw one sequence."""
-    of = sequence.manifest
-    seen = frames[frames["semi_major_mm"].notna()]
-    if seen.empty:
+def sequence_plots(sequence: SequenceResult, frames: pd.DataFrame) -> Iterator[Plot]:
+    """Draw the contact in one sequence, and its area against displacement where that was recorded."""
+    of, measured = sequence.manifest, frames[frames["semi_major_mm"].notna()]
+    if measured.empty:
         return
-    rows = thinned(seen, _MOST_FRAMES)
+    synthetic = bool(frames["synthetic"].iloc[0])
+    name, label = f"sequence_{file_stem(of.name)}", "_synthetic" if synthetic else ""
+    at = f"{of.name}, {where(of.finger, of.wedge_angle_deg, synthetic)}"
+    rows = thinned(measured, _MOST_FRAMES)
     figure, axes = new_panels(width_mm=170, height_mm=110, rows=2, columns=2)
-    synthetic = bool(rows["synthetic"].iloc[0])
     plot_press(
         axes,
-        time=rows["time_s"].to_numpy(),
-        load=rows["load_N"].to_numpy(),
-        phase=rows["phase"].tolist(),
-        area=rows["gross_area_mm2"].to_numpy(),
-        semi_major=rows["semi_major_mm"].to_numpy(),
-        semi_minor=rows["semi_minor_mm"].to_numpy(),
+        time=rows["time_s"],
+        load=rows["load_N"],
+        phase=rows["phase"],
+        area=rows["gross_area_mm2"],
+        semi_major=rows["semi_major_mm"],
+        semi_minor=rows["semi_minor_mm"],
         synthetic=synthetic,
     )
     manual = " Phases were set manually." if sequence.phases else ""
-    some = "" if len(rows) == len(seen) else f" {len(rows)} of {len(seen)} frames are drawn."
+    some = "" if len(rows) == len(measured) else f" {len(rows)} of {len(measured)} frames are drawn."
     yield Plot(
-        name=f"sequence_{file_stem(of.name)}{'_synthetic' if synthetic else ''}",
+        name=f"{name}{label}",
         figure=figure,
-        caption=(
-            f"Contact area and semi-axes against time and against force ({of.name}, {of.finger}, wedge "
-            f"{of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}).{manual}{some}"
-        ),
+        caption=f"Contact area and semi-axes against time and against force ({at}).{manual}{some}",
     )
-
-
-def area_indentation_plot(sequence: SequenceResult, frames: pd.DataFrame) -> Iterator[Plot]:
-    """Draw area against measured indentation of one sequence, where a displacement was recorded."""
-    seen = frames[frames["gross_area_mm2"].notna() & frames["measured_indentation_mm"].notna()]
-    if seen.empty:
+    displaced = frames[frames["gross_area_mm2"].notna() & frames["measured_indentation_mm"].notna()]
+    if displaced.empty:
         return
-    of, rows = sequence.manifest, thinned(seen, _MOST_FRAMES)
-    synthetic = bool(rows["synthetic"].iloc[0])
+    rows = thinned(displaced, _MOST_FRAMES)
     yield Plot(
-        name=f"sequence_{file_stem(of.name)}_indentation{'_synthetic' if synthetic else ''}",
+        name=f"{name}_indentation{label}",
         figure=panel(
             plot_area_against_indentation,
-            rows["measured_indentation_mm"].to_numpy(),
-            rows["gross_area_mm2"].to_numpy(),
-            phase=rows["phase"].tolist(),
+            rows["measured_indentation_mm"],
+            rows["gross_area_mm2"],
+            phase=rows["phase"],
             synthetic=synthetic,
         ),
-        caption=(
-            f"Contact area against the platen's displacement from the place of contact ({of.name}, "
-            f"{of.finger}, wedge {of.wedge_angle_deg:g}°{'; synthetic' if synthetic else ''}); the stage is "
-            "taken as rigid."
-        ),
+        caption=f"Contact area against the platen's displacement from the place of contact ({at}); the stage "
+        "is taken as rigid.",
     )
 
 
@@ -334,39 +355,41 @@ def shown_rows(summary: Summary) -> pd.DataFrame:
     single, pooled = summary.column("frame").isna(), summary.column("pooled")
     shown = next((some for some in (places[single], places[pooled]) if some.size), places)
     # Of all columns only what is shown is copied.
-    return table.iloc[shown[_evenly(shown.size, MOST_POINTS)]]
+    return table.iloc[shown[evenly(shown.size, MOST_POINTS)]]
 
 
 def thinned(rows: pd.DataFrame, most: int) -> pd.DataFrame:
     """Return at most so many rows, evenly spaced, with the first and the last."""
-    return rows.iloc[_evenly(len(rows), most)]
+    return rows.iloc[evenly(len(rows), most)]
 
 
-def _evenly(count: int, most: int) -> Indices:
+def evenly(count: int, most: int) -> Indices:
+    """Return at most so many indices of a count, evenly spaced, with the first and the last."""
     return np.linspace(0, count - 1, min(count, most)).round().astype(np.intp)
 
 
-def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
-    pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)
+def placement_of(result: StudyResult, summary: Summary) -> Placement:
+    """Return the pad where it touches."""
     wedge, roll = np.radians([summary.wedge_angle_deg, summary.roll_angle_deg])
-    placement = Placement(pad, wedge_angle=wedge, roll_angle=roll)
+    pad = Ellipsoid(*result.fingers[summary.finger].semi_axes)
+    return Placement(pad, wedge_angle=wedge, roll_angle=roll)
+
+
+def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
+    placement = placement_of(result, summary)
     area = np.pi * row["semi_major_mm"] * row["semi_minor_mm"]
     contact = hertz_contact(placement, Tissue(youngs_modulus=1.0), area=area)
-    predicted = Ellipse(contact.semi_major, contact.semi_minor)
-    measured = Ellipse(row["semi_major_mm"], row["semi_minor_mm"]) if row["long_axis"] else None
-    angle = (
-        row["orientation_deg"]
-        if row["orientation_deg"] is not None
-        else 90.0 * (row["long_axis"] == "across")
-    )
+    angle = row["orientation_deg"]
+    if angle is None:
+        angle = 90.0 * (row["long_axis"] == "across")
     figure, (axes,) = new_panels(height_mm=95)
     plot_pad_with_contact(
         axes,
-        pad,
-        wedge_angle=float(wedge),
-        roll_angle=float(roll),
-        predicted=predicted,
-        measured=measured,
+        placement.ellipsoid,
+        wedge_angle=float(placement.wedge_angle),
+        roll_angle=float(placement.roll_angle),
+        predicted=Ellipse(contact.semi_major, contact.semi_minor),
+        measured=Ellipse(row["semi_major_mm"], row["semi_minor_mm"]) if row["long_axis"] else None,
         measured_long_axis_angle=float(np.radians(angle)),
         synthetic=summary.synthetic,
     )
@@ -374,7 +397,7 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
 
 
 def _areas(rows: pd.DataFrame, _: Answer) -> dict[str, Any]:
-    return _points(rows, np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"], rows["gross_area_mm2_std"])
+    return _points(rows, np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"], _area_std(rows))
 
 
 def _moduli(rows: pd.DataFrame, found: Answer) -> dict[str, Any]:
@@ -394,60 +417,24 @@ def _radii(rows: pd.DataFrame, found: Answer) -> dict[str, Any]:
 
 
 def _points(rows: pd.DataFrame, value: pd.Series, std: pd.Series) -> dict[str, FloatArray]:
-    """Return rows as a `LoadLine` has them, without those that have no value or no load."""
-    columns = {"load": rows["load_N"], "value": value, "std": std, "left_out": ~rows["pooled"]}
+    """Return rows as a `Series` has them, without those that have no value or no load."""
+    columns = {"x": rows["load_N"], "value": value, "std": std, "left_out": ~rows["pooled"]}
     known = value.notna() & (rows["load_N"] > 0)
     return {name: column[known].to_numpy() for name, column in columns.items()}
 
 
-def _corrected_radius(rows: pd.DataFrame, loading: LoadingRadius | None) -> Figure:
-    return panel(
-        plot_corrected_radius,
-        rows["load_N"].to_numpy(),
-        rows["radius_from_indentation_mm"].to_numpy(),
-        corrected_radius_std=rows["radius_from_indentation_mm_total_std"].to_numpy(),
-        fixed_geometry_std=rows["radius_from_indentation_mm_fixed_geometry_std"].to_numpy(),
-        compliance_radius=rows["radius_from_compliance_mm"].to_numpy(),
-        measured_radius=None if loading is None else loading.value,
-        measured_radius_std=None if loading is None else loading.std,
-        mean_curvature_radius=rows["mean_curvature_radius_mm"].iloc[0],
-        synthetic=rows["synthetic"].to_numpy(),
-        left_out=~rows["pooled"].to_numpy(),
-    )
+def _area_std(rows: pd.DataFrame) -> pd.Series:
+    """Return the standard uncertainty of areas: that of an image, or of an ellipse that was given."""
+    relative = [rows[f"{name}_std"] / rows[name] for name in ("semi_major_mm", "semi_minor_mm")]
+    given = np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"] * np.hypot(*relative)
+    return rows["gross_area_mm2_std"].fillna(given)
 
 
-def _area(rows: pd.DataFrame, exponent: Exponent) -> Figure:
-    major, minor = rows["semi_major_mm"].to_numpy(), rows["semi_minor_mm"].to_numpy()
-    return panel(
-        plot_area_against_load,
-        rows["load_N"].to_numpy(),
-        np.pi * major * minor,
-        area_std=rows["gross_area_mm2_std"].to_numpy(),
-        exponent=exponent.value,
-        exponent_std=exponent.std,
-        synthetic=rows["synthetic"].to_numpy(),
-        left_out=~rows["pooled"].to_numpy(),
+def _aspect_ratio_std(rows: pd.DataFrame) -> FloatArray:
+    """Return the standard uncertainty of the axes' ratio, from noise and from the place of the edge."""
+    major, minor = (
+        rows[[name, f"{name}_noise_std"]].to_numpy().T for name in ("semi_major_mm", "semi_minor_mm")
     )
-
-
-def _aspect_ratio(rows: pd.DataFrame) -> Figure:
-    ratio = rows["aspect_ratio"].to_numpy()
-    names = ("semi_major_mm", "semi_minor_mm")
-    noise = [rows[f"{name}_noise_std"].to_numpy() / rows[name].to_numpy() for name in names]
-    edge = rows["edge_offset_mm_std"].to_numpy() * (
-        1 / rows[names[1]].to_numpy() - 1 / rows[names[0]].to_numpy()
-    )
-    across = np.where(rows["long_axis"].to_numpy() == "across", 90.0, 0.0)
-    orientation = rows["orientation_deg"].to_numpy()
-    first = rows.iloc[0]
-    return panel(
-        plot_aspect_ratio,
-        rows["load_N"].to_numpy(),
-        ratio,
-        aspect_ratio_std=ratio * np.linalg.norm([*noise, edge], axis=0),
-        long_axis_angle=np.radians(np.where(np.isfinite(orientation), orientation, across)),
-        predicted_aspect_ratio=first["predicted_aspect_ratio"],
-        predicted_long_axis_angle=np.pi / 2 if first["predicted_long_axis"] == "across" else 0.0,
-        synthetic=rows["synthetic"].to_numpy(),
-        left_out=~rows["pooled"].to_numpy(),
-    )
+    edge = rows["edge_offset_mm_std"].to_numpy() * (1 / minor[0] - 1 / major[0])
+    parts = [major[1] / major[0], minor[1] / minor[0], edge]
+    return rows["aspect_ratio"].to_numpy() * np.linalg.norm(parts, axis=0)

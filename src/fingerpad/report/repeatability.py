@@ -4,13 +4,7 @@ import math
 from typing import Any, Final
 
 from fingerpad._rounding import two_digits
-from fingerpad.study.results.repeats import (
-    LEVELS,
-    SAME_LOAD,
-    SCATTER_OF,
-    ContactRepeatability,
-    StudyScatter,
-)
+from fingerpad.study.results.repeats import LEVELS, SAME_LOAD, SCATTER_OF, ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.uncertainty import ScatterComponent
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR, REPEAT
@@ -49,55 +43,47 @@ def percent(share: float) -> str:
 
 
 def _kind(result: StudyResult, synthetic: bool) -> dict[str, Any]:
-    scatter = [one for one in result.scatter if one.synthetic == synthetic]
-    known = [one for one in scatter if one.scatter.components[REPEAT].known]
     found = result.repeatability[synthetic]
+    known = [
+        one for one in result.scatter if one.synthetic == synthetic and one.scatter.components[REPEAT].known
+    ]
+    unknown = (
+        level
+        for level in _OUTWARDS
+        if level != REPEAT and not any(one.scatter.components[level].known for one in known)
+    )
     return {
         "synthetic": synthetic,
         "missing": found.missing,
         "borrowed": borrowed(found) if found.known else "",
         "levels": [LEVELS[level] for level in _OUTWARDS],
         "lines": [_line(one) for one in known],
-        "left_out": [LEVELS[level] for level in _unknown(known)],
+        "left_out": [LEVELS[level] for level in unknown],
     }
 
 
-def _unknown(known: list[StudyScatter]) -> list[str]:
-    """Return levels other than repeats of which nothing is known for any quantity."""
-    return [
-        level
-        for level in _OUTWARDS
-        if level != REPEAT and not any(one.scatter.components[level].known for one in known)
-    ]
-
-
 def _line(one: StudyScatter) -> dict[str, Any]:
-    components, icc = one.scatter.components, one.scatter
-    repeat = components[REPEAT]
+    scatter, repeat = one.scatter, one.scatter.components[REPEAT]
+    low, high = scatter.icc_interval
     return {
         "quantity": SCATTER_OF[one.quantity],
-        "cells": [_cell(components[level], one.missing.get(level, "")) for level in _OUTWARDS],
+        "cells": [_cell(scatter.components[level], one.missing.get(level, "")) for level in _OUTWARDS],
         "limit": percent(math.expm1(repeat.limit_of_agreement)),
         "limit_range": _range(*(math.expm1(LIMIT_FACTOR * end) for end in repeat.interval)),
-        "icc": _shares(icc.icc, icc.icc_interval) if math.isfinite(icc.icc) else "missing",
+        "icc": f"{scatter.icc:.2f} ({low:.2f} to {high:.2f})" if math.isfinite(scatter.icc) else "missing",
     }
 
 
 def _cell(one: ScatterComponent, missing: str) -> dict[str, str]:
     if not one.known:
         return {"text": "missing", "small": missing}
-    low, high = one.interval
+    groups = f"{one.groups} group{'s' if one.groups > 1 else ''}"
     with_those = f", with those {' and '.join(LEVELS[each] for each in one.includes)}" if one.includes else ""
     return {
         "text": percent(one.std),
-        "small": f"95 %: {_range(low, high)}; {one.count} in {one.groups} "
-        f"group{'s' if one.groups > 1 else ''}{with_those}",
+        "small": f"95 %: {_range(*one.interval)}; {one.count} in {groups}{with_those}",
     }
 
 
 def _range(low: float, high: float) -> str:
     return f"{percent(low).removesuffix(' %')} to {percent(high)}"
-
-
-def _shares(icc: float, interval: tuple[float, float]) -> str:
-    return f"{icc:.2f} ({interval[0]:.2f} to {interval[1]:.2f})"

@@ -7,7 +7,7 @@ import numpy as np
 
 from fingerpad.contact import Tissue
 from fingerpad.exceptions import GeometryError
-from fingerpad.figures.simulator import plot_simulated_load
+from fingerpad.figures.loading import plot_simulated_load
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.report.plot import Plot, panel
 from fingerpad.simulator import simulator_law

@@ -26,12 +26,7 @@ from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
 from fingerpad.study.results.validity.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
 
 # They differ in shades of grey too.
-VERDICT_SYMBOLS: Final[Mapping[str, str]] = {
-    HOLDS: "●",
-    STRAINED: "◐",
-    FAILS: "○",
-    NOT_TESTED: "–",
-}
+VERDICT_SYMBOLS: Final[Mapping[str, str]] = {HOLDS: "●", STRAINED: "◐", FAILS: "○", NOT_TESTED: "–"}
 
 # Name, unit and symbol of what has a verdict.
 HEADLINE_WORDS: Final[Mapping[str, str]] = {
@@ -232,12 +227,31 @@ def fingers_without_results(result: StudyResult) -> Iterator[str]:
                 )
 
 
-def doubtful_curves(result: StudyResult) -> Iterator[tuple[str, Flag]]:
-    """Yield for each loading curve and flag of its fit the curve's file and the flag."""
+def doubtful_results(result: StudyResult) -> Iterator[str]:
+    """Yield what is doubtful of fingers, contacts, sequences and loading curves, and what to do about it."""
+    for finger in result.fingers.values():
+        for words in _finger_doubts(finger):
+            yield f"doubtful: {finger.name}: {words}"
+    contacts = result.rows[result.rows["frame"].isna()]
+    for row in records(contacts, "observation", "flags"):
+        if row["flags"]:
+            words = ", ".join(flag.words for flag in contact_flags(row["flags"]))
+            yield f"doubtful: {row['observation']}: {words}"
+    for words in to_do(contacts):
+        yield f"to do: {words}"
+    for name, count, flag in doubtful_frames(result):
+        yield f"doubtful: {name}: {flag.words} in {count} of its frames; to do: {flag.to_do}"
+    for flag, names in doubtful_curves(result).items():
+        yield f"doubtful: {', '.join(names)}: {flag.words}; to do: {flag.to_do}"
+
+
+def doubtful_curves(result: StudyResult) -> dict[Flag, list[str]]:
+    """Return for each flag of the fits of loading curves the names of the curves."""
+    found: dict[Flag, list[str]] = {}
     for curve in result.curves:
-        if curve.fit is not None:
-            for flag in flags_in(curve.fit.flags, "curve", notes=curve.fit.notes):
-                yield curve.manifest.file or "", flag
+        for flag in flags_in(curve.fit.flags, "curve", notes=curve.fit.notes) if curve.fit else ():
+            found.setdefault(flag, []).append(curve.name)
+    return found
 
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
@@ -278,7 +292,7 @@ def outline_doubts(finger: FingerResult) -> list[str]:
     ]
 
 
-def finger_doubts(finger: FingerResult) -> list[str]:
+def _finger_doubts(finger: FingerResult) -> list[str]:
     """Return what makes the semi-axes of a finger doubtful, one text for each doubt."""
     outlines = finger.outlines
     if outlines is None:

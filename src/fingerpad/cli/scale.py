@@ -6,15 +6,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
+from typer import Option
 
-from fingerpad.cli.measure.flags import numbers_of
-from fingerpad.exceptions import CalibrationError
+from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.flags import flags_in
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
 
-WAYS = "either --ppi, --mm-per-px, --scale-line, --scale-circle, --coin or --grid"
+# No picture has so many rows or columns; NaN is not below it.
+_MOST_PX: Final = 1e9
+
+WAYS: Final = "either --ppi, --mm-per-px, --scale-line, --scale-circle, --coin or --grid"
 _STD, _POINT_STD = "Its standard uncertainty.", "Standard uncertainty of each point, px."
 
 # Each flag: its key in a scale of a manifest, its type or the numbers that its text consists of, what it is.
@@ -54,6 +57,17 @@ _WAYS: Final = {
 }
 
 
+def numbers_of(flag: str, text: str, count: int) -> list[float]:
+    """Return the numbers of a flag such as "250,200"."""
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not all(abs(number) < _MOST_PX for number in numbers):
+        raise ImageError(f"{flag} takes {count} numbers of pixels separated by commas, found {text!r}")
+    return numbers
+
+
 def scale_of_flags(**values: Any) -> "Scale | None":
     """Return the scale that the flags give, None for none."""
     given = {flag: value for flag, value in zip(_FLAGS, values.values(), strict=True) if value is not None}
@@ -70,7 +84,7 @@ def scale_of_flags(**values: Any) -> "Scale | None":
 
 def _parameter(flag: str, takes: type | str, words: str) -> Parameter:
     kind, metavar = (str, takes) if isinstance(takes, str) else (takes, None)
-    annotation = Annotated[kind | None, typer.Option(help=words, metavar=metavar)]  # type: ignore[valid-type]
+    annotation = Annotated[kind | None, Option(help=words, metavar=metavar)]  # type: ignore[valid-type]
     return Parameter(flag[2:].replace("-", "_"), Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
 
 

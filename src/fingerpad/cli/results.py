@@ -1,0 +1,177 @@
+"""Commands on the results of finished runs: compare them, draw their figures, write their tables."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+from typer import Argument, Option
+
+from fingerpad._rounding import positive_with_uncertainty
+from fingerpad.cli.shared import AsJson, Exit, print_error, print_result, print_rows
+from fingerpad.exceptions import FigureError, reason_of
+
+if TYPE_CHECKING:
+    from fingerpad.study.compare import Comparison, Mean, ValidityVerdict, Value
+
+
+def compare(
+    studies: Annotated[
+        list[Path],
+        Argument(
+            metavar="STUDY...", help="Output folders of finished runs, or a file in each.", show_default=False
+        ),
+    ],
+    out: Annotated[Path | None, Option(help="Folder for tables, figures and a page.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Compare fingers and people: semi-axes, radii, moduli and exponents, with means over people.
+
+    Means are over people at each placement: several fingers of one person (the manifest's key person) count
+    as one person. Synthetic and real fingers are never in one mean.
+    """
+    from fingerpad.study.compare import compare_studies, write_comparison
+
+    found = compare_studies(studies)
+    page = None
+    if out is not None:
+        from fingerpad.report.compare import write_comparison_page
+
+        write_comparison(found, out)
+        page = write_comparison_page(found, out)
+    print_result(found.as_record() if as_json else found, as_json, _print_comparison)
+    if page is not None and not as_json:
+        typer.echo(f"Page: {page}")
+
+
+def _print_comparison(found: "Comparison") -> None:
+    from fingerpad.study.compare import QUANTITIES
+
+    for name, kind in QUANTITIES.items():
+        values, means = found.of(name)
+        if not values:
+            continue
+        typer.echo(f"{name}: {kind.words}")
+        rows = [(_who(value), _place(value), _value_text(value)) for value in values]
+        rows += [(_mean_of(mean), _place(mean), _mean_text(mean)) for mean in means if len(mean.people) > 1]
+        print_rows(rows, "  ")
+    if found.verdicts:
+        typer.echo("validity: whether the model holds, and which checks say so")
+        verdicts = ((_who(v), _place(v), v.model, v.verdict, ", ".join(v.checks)) for v in found.verdicts)
+        print_rows(verdicts, "  ")
+    for note in found.notes:
+        typer.echo(f"note: {note}")
+
+
+def _who(value: "Value | ValidityVerdict") -> str:
+    return f"{value.person.name}, {value.finger}{'  (synthetic)' if value.synthetic else ''}"
+
+
+def _place(item: "Value | Mean | ValidityVerdict") -> str:
+    if item.wedge_angle_deg is None:
+        return ""
+    return f"{item.wedge_angle_deg:g}°" + (f", roll {item.roll_angle_deg:g}°" if item.roll_angle_deg else "")
+
+
+def _mean_of(mean: "Mean") -> str:
+    return f"mean of {len(mean.people)} people{'  (synthetic)' if mean.synthetic else ''}"
+
+
+def _value_text(value: "Value") -> str:
+    text = positive_with_uncertainty(value.value, value.std)
+    return f"{text} ({value.verdict})" if value.verdict else text
+
+
+def _mean_text(mean: "Mean") -> str:
+    low, high = mean.interval or (float("nan"), float("nan"))
+    return (
+        f"{positive_with_uncertainty(mean.value, mean.std)}  95 %: {low:.4g} to {high:.4g}, "
+        f"between people {mean.between_people_std:.2g}"
+    )
+
+
+def figure(
+    file: Annotated[
+        Path, Argument(help="A figure of a report as data, results/figures/NAME.json.", show_default=False)
+    ],
+    out: Annotated[
+        Path, Option(help="File to write: .svg, .pdf, .png, or .csv for its data.", show_default=False)
+    ],
+    width_mm: Annotated[float | None, Option(help="Width, mm: a journal's column.")] = None,
+    height_mm: Annotated[float | None, Option(help="Height, mm.")] = None,
+    font_pt: Annotated[float | None, Option(help="Size of labels, points.")] = None,
+    x_range: Annotated[str, Option(help="Ends of the x axis, as 0:2 or 0: or :2.", show_default=False)] = ":",
+    y_range: Annotated[str, Option(help="Ends of the y axis.", show_default=False)] = ":",
+    x_scale: Annotated[Literal["linear", "log"] | None, Option(help="Scale of the x axis.")] = None,
+    y_scale: Annotated[Literal["linear", "log"] | None, Option(help="Scale of the y axis.")] = None,
+    colours: Annotated[
+        str, Option(help="Colours of the data in their order, as black,#D55E00.", show_default=False)
+    ] = "",
+    dpi: Annotated[float, Option(help="Resolution of a PNG, dots per inch.")] = 300.0,
+) -> None:
+    """Draw a figure of a report for publication, or write the data behind it."""
+    from fingerpad.figures.marks import Figure
+    from fingerpad.figures.publish import FORMATS, FigureSettings, figure_file
+
+    kind = next((each for each in FORMATS if out.suffix.lower() == f".{each}"), None)
+    if kind is None:
+        raise FigureError(f"--out: a figure is written as .svg, .pdf, .png or .csv, found {out.name}")
+    ranges = {"x_range": _range("--x-range", x_range), "y_range": _range("--y-range", y_range)}
+    try:
+        settings = FigureSettings(
+            width_mm=width_mm,
+            height_mm=height_mm,
+            font_pt=font_pt,
+            **ranges,
+            x_scale=x_scale,
+            y_scale=y_scale,
+            colours=tuple(filter(None, colours.split(","))),
+            dpi=dpi,
+        )
+    except FigureError as error:
+        name, _, words = str(error).partition(":")
+        raise FigureError(f"--{name.replace('_', '-')}:{words}") from None
+    try:
+        drawn = Figure.of_json(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise FigureError(
+            f"{file}: not a figure of a report: name a file of results/figures that ends in .json"
+        ) from error
+    content = figure_file(drawn, kind, settings)
+    try:
+        out.write_bytes(content)
+    except OSError as error:
+        raise FigureError(f"{out}: cannot be written ({error.strerror}): choose another --out") from error
+    typer.echo(f"Wrote {out}")
+
+
+def _range(option: str, text: str) -> tuple[float | None, float | None]:
+    try:
+        low, high = (float(end) if end else None for end in text.split(":"))
+    except ValueError:
+        raise FigureError(f"{option}: takes two numbers separated by a colon, found {text!r}") from None
+    return low, high
+
+
+def export(
+    results: Annotated[Path, Argument(help="Output folder of a finished run.", show_default=False)],
+    files: Annotated[
+        list[Path], Argument(metavar="FILE...", help="Files to write: .parquet or .mat.", show_default=False)
+    ],
+) -> None:
+    """Write the table of a finished run as Parquet or for MATLAB, by the suffix of each file.
+
+    Every column keeps its type, unit and meaning. Parquet needs the package pyarrow.
+    """
+    from fingerpad.study.results.load import export_results
+
+    failed = 0
+    for file in files:
+        try:
+            export_results(results, file)
+        except Exception as error:  # one format may hold what another cannot
+            print_error(reason_of(error, f"{file}: cannot be written"))
+            failed += 1
+        else:
+            typer.echo(f"Wrote {file}")
+    if failed:
+        raise typer.Exit(Exit.SOME_FAILED if failed < len(files) else Exit.REFUSED)
