@@ -486,7 +486,7 @@ def test_layer_effect_marks_what_is_known(axes) -> None:
 def test_moduli_of_two_kinds_differ_in_mark_and_in_words(fingers: int) -> None:
     kinds = ("by Hertz theory", "o"), ("on the layer over bone", "s")
     lines = [
-        Series(name=f"f{k}", colour="red", load=[1, 2], value=[60, 70], std=[2, 3], kind=kind, marker=marker)
+        Series(name=f"f{k}", colour="red", x=[1, 2], value=[60, 70], std=[2, 3], kind=kind, marker=marker)
         for k, (kind, marker) in zip(range(fingers), cycle(kinds))
     ]
     figure, (panel,) = new_panels()
