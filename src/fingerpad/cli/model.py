@@ -289,9 +289,9 @@ def solve(
         abs(getattr(by_hertz, name) / getattr(solved, name) - 1) for name in ("load", "area", "indentation")
     )
     record = {**contact_record(solved), "relative_error_estimate": solved.relative_error}
-    for name, contact, error in (("fast", fast, error_of_laws), ("hertz", by_hertz, departure)):
+    for name, contact, off in (("fast", fast, error_of_laws), ("hertz", by_hertz, departure)):
         flag = str(contact.flags) or None
-        record[name] = {**contact_record(contact), "relative_error_estimate": error, "flag": flag}
+        record[name] = {**contact_record(contact), "relative_error_estimate": off, "flag": flag}
     print_result(record, as_json, _print_solved)
 
 

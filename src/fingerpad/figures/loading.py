@@ -234,8 +234,8 @@ def plot_secant_modulus(
     x, modulus = broadcast(abscissa, KPA_PER_MPA * as_float_array(secant_modulus))
     chosen: BoolArray = np.ones(x.shape, bool) if fitted_points is None else np.asarray(fitted_points, bool)
     if not chosen.all():
-        out = {"colour": GREY, "size": 2.5, "label": "not in the fit"}
-        axes.add(Points(x[~chosen], modulus[~chosen], marker=".", **out))
+        out = Points(x[~chosen], modulus[~chosen], marker=".", colour=GREY, size=2.5, label="not in the fit")
+        axes.add(out)
     axes.add(Points(x[chosen], modulus[chosen], marker=".", colour=BLUE, size=3.2, label=r"$E_\mathrm{g}$"))
     if fit is not None:
         line, std = KPA_PER_MPA * as_float_array(fit[1]), KPA_PER_MPA * as_float_array(fit_std)

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._files import file_stem
 from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.estimate import Estimate
@@ -105,7 +105,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     rows = shown_rows(summary)
     (last,) = records(rows[-1:])
     name, at = group_name(summary.key), where(summary.finger, summary.wedge_angle_deg, summary.synthetic)
-    drawn = {"synthetic": rows["synthetic"], "left_out": ~rows["pooled"]}
+    synthetic, left_out = rows["synthetic"], ~rows["pooled"]
     yield Plot(
         name=f"{name}_pad",
         figure=_pad(result, summary, last),
@@ -132,7 +132,8 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
             measured_radius=loading and loading.value,
             measured_radius_std=loading and loading.std,
             mean_curvature_radius=last["mean_curvature_radius_mm"],
-            **drawn,
+            synthetic=synthetic,
+            left_out=left_out,
         ),
         caption=(
             f"Corrected radius against load ({at}); thin bars: one standard uncertainty, of "
@@ -151,7 +152,8 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
                 area_std=_area_std(rows),
                 exponent=exponent.value,
                 exponent_std=exponent.std,
-                **drawn,
+                synthetic=synthetic,
+                left_out=left_out,
             ),
             caption=f"Contact area against load, with the fitted exponent and that of Hertz ({at}). "
             "± of the exponent is from the scatter about the line, over frames from its bends, and from the "
@@ -170,7 +172,8 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
                 long_axis_angle=np.radians(angle),
                 predicted_aspect_ratio=last["predicted_aspect_ratio"],
                 predicted_long_axis_angle=np.radians(across.get(last["predicted_long_axis"], 0.0)),
-                **drawn,
+                synthetic=synthetic,
+                left_out=left_out,
             ),
             caption=f"Aspect ratio and direction of the long axis, measured and predicted ({at}).",
         )
@@ -437,4 +440,4 @@ def _aspect_ratio_std(rows: pd.DataFrame) -> FloatArray:
     )
     edge = rows["edge_offset_mm_std"].to_numpy() * (1 / minor[0] - 1 / major[0])
     parts = [major[1] / major[0], minor[1] / minor[0], edge]
-    return rows["aspect_ratio"].to_numpy() * np.linalg.norm(parts, axis=0)
+    return as_float_array(rows["aspect_ratio"] * np.linalg.norm(parts, axis=0))
