@@ -247,11 +247,11 @@ def doubtful_results(result: StudyResult) -> Iterator[str]:
 
 def doubtful_curves(result: StudyResult) -> dict[Flag, list[str]]:
     """Return for each flag of the fits of loading curves the names of the curves."""
-    found: dict[Flag, list[str]] = {}
+    found: dict[Flag, dict[str, None]] = {}  # each curve once, in their order
     for curve in result.curves:
         for flag in flags_in(curve.fit.flags, "curve", notes=curve.fit.notes) if curve.fit else ():
-            found.setdefault(flag, []).append(curve.name)
-    return found
+            found.setdefault(flag, {})[curve.name] = None
+    return {flag: list(names) for flag, names in found.items()}
 
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
