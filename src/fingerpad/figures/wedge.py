@@ -25,7 +25,7 @@ from fingerpad.figures.style import (
     pair,
 )
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.published import dzidek2017
+from fingerpad.published.dzidek2017 import dzidek2017
 
 _SKIN: Final = "#f3d9c6"
 _STEEL: Final = "#c9ced4"
