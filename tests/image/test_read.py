@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import resource
 import zlib
 
@@ -132,7 +133,49 @@ def test_resolution_from_file(tmp_path, name):
     assert read_image(tmp_path / name).dots_per_inch == pytest.approx(500, abs=0.01)
 
 
-@pytest.mark.parametrize("dpi", [None, (500, 250), (0, 0), (1, 1)])
+def write_oblong_pixels(path, unit=True):
+    """Write a picture whose file states 500 by 400, per inch or as the shape of a pixel alone."""
+    if path.suffix == ".tif":
+        tifffile.imwrite(path, GREY, resolution=(500, 400), resolutionunit="INCH" if unit else "NONE")
+        return
+    Image.fromarray(GREY).save(path, dpi=(500, 400))
+    if not unit:  # one byte: of PNG behind pHYs and both numbers, of JPEG behind JFIF and the version
+        data = bytearray(path.read_bytes())
+        png = path.suffix == ".png"
+        at = data.index(b"pHYs") + 12 if png else data.index(b"JFIF") + 7
+        data[at] = 0
+        if png:
+            chunk = data.index(b"pHYs")
+            data[at + 1 : at + 5] = zlib.crc32(data[chunk : at + 1]).to_bytes(4, "big")
+        path.write_bytes(data)
+
+
+@pytest.mark.parametrize("unit", [True, False])
+@pytest.mark.parametrize("name", ["a.png", "a.tif", "a.jpg"])
+def test_pixels_that_are_not_square_are_refused(tmp_path, name, unit):
+    write_oblong_pixels(tmp_path / name, unit)
+    for read in (read_image, read_colour_image):
+        with pytest.raises(
+            ImageError, match=rf"{name}.* across and .* down: its pixels are not square"
+        ) as error:
+            read(tmp_path / name)
+        across, down = map(
+            float, re.findall(r"resolution of (\S+) across and (\S+) down", str(error.value))[0]
+        )
+        assert across / down == pytest.approx(1.25, abs=1e-4)
+        assert "resample it to square pixels" in str(error.value)
+
+
+def test_frames_of_pixels_that_are_not_square_are_refused(tmp_path):
+    tifffile.imwrite(tmp_path / "press.tif", np.stack([GREY, GREY]), photometric="minisblack")
+    assert all(frame.reason is None for frame in open_frames(tmp_path / "press.tif"))
+    with tifffile.TiffWriter(tmp_path / "press.tif") as file:
+        for _ in range(2):
+            file.write(GREY, resolution=(500, 400), resolutionunit="INCH", contiguous=False)
+    assert all("500 across and 400 down" in frame.reason for frame in open_frames(tmp_path / "press.tif"))
+
+
+@pytest.mark.parametrize("dpi", [None, (0, 0), (1, 1)])
 def test_implausible_resolution_is_none(tmp_path, dpi):
     Image.fromarray(GREY).save(tmp_path / "a.png", **({"dpi": dpi} if dpi else {}))
     assert read_image(tmp_path / "a.png").dots_per_inch is None

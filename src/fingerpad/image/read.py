@@ -38,6 +38,8 @@ _TIFF_STARTS: Final = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _ORIENTATION_TAG: Final = 274
 # Files without a true resolution carry 0 or 1 here.
 _MIN_PPI = 10.0
+# Resolutions across and down that differ by more are those of pixels that are not square.
+_SQUARE: Final = 0.01
 # ImageJ keeps its scale as pixels per unit, and the unit in the description.
 _IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "micron": 25400.0}
 
@@ -55,7 +57,7 @@ class Picture(Displayed):
     pixels : ndarray, shape (rows, columns)
         Grey levels, uint8, uint16 or float32 as the file had them.
     dots_per_inch : float or None
-        As the file states it, None where it does not or differs between the two directions.
+        As the file states it, None where it does not.
     """
 
     pixels: Pixels
@@ -102,7 +104,8 @@ def read_image(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) -
     Raises
     ------
     ImageError
-        If the file is missing, empty, cut short, too large, not a picture, or holds NaN or infinity.
+        If the file is missing, empty, cut short, too large, not a picture, holds NaN or infinity, or states a
+        resolution across that is not that down.
 
     Examples
     --------
@@ -237,7 +240,7 @@ def _tiff(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
                 f"holds {len(tiff.pages)} pictures: "
                 "save the one to measure in its own file, or measure them all as a sequence"
             )
-        return levels_of_page(path, 0, page, memory_limit), _tiff_resolution(page)
+        return levels_of_page(path, 0, page, memory_limit), resolution_of_page(page)
 
 
 def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
@@ -253,7 +256,11 @@ def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
                 f"holds {count} pictures: "
                 "save the one to measure in its own file, or measure them all as a sequence"
             )
-        resolution = _plausible_resolution(image.info.get("dpi"))
+        # Without a unit JPEG and PNG state the shape of a pixel alone.
+        shape = image.info.get("aspect") or image.info.get("jfif_density")
+        resolution = plausible_resolution(
+            image.info.get("dpi") or shape, 1.0 if "dpi" in image.info else None
+        )
         if not deep:
             return levels_of_image(ImageOps.exif_transpose(image)), resolution
         image.load()  # what is cut short or damaged is refused here
@@ -281,7 +288,31 @@ def _decode_by_opencv(path: Path) -> Pixels:
     return on_white(colour, array[..., 3]) if array.shape[2] == 4 else storable(np.ascontiguousarray(colour))
 
 
-def _tiff_resolution(page: Any) -> float | None:
+def plausible_resolution(pair: Any, per_inch: float | None = 1.0) -> float | None:
+    """Return the dots per inch of what a file states across and down, None where it cannot be that.
+
+    A file whose pixels are not square is refused, whatever its unit: no scale of it is right for both axes.
+    """
+    try:
+        across, down = (float(value) for value in pair)
+    except (TypeError, ValueError, ZeroDivisionError):
+        return None
+    if not (0 < across < math.inf and 0 < down < math.inf):
+        return None
+    if not math.isclose(across, down, rel_tol=_SQUARE):
+        raise ImageError(
+            f"states a resolution of {across:g} across and {down:g} down: its pixels are not square, and "
+            "lengths in it would be wrong: resample it to square pixels, or save it without a resolution if "
+            "what it states is wrong"
+        )
+    if per_inch is None or across * per_inch < _MIN_PPI:
+        return None
+    # PNG and BMP keep whole pixels per metre: 500 ppi comes back as 499.999.
+    ppi = across * per_inch
+    return round(ppi) if abs(ppi - round(ppi)) < 0.02 else ppi
+
+
+def resolution_of_page(page: Any) -> float | None:
     """Return the calibration of a TIFF: ImageJ writes pixels per unit, without TIFF's unit."""
     text = str(page.description)
     unit = re.search(r"^unit=(.+)$", text, re.MULTILINE) if text.startswith("ImageJ=") else None
@@ -294,16 +325,4 @@ def _tiff_resolution(page: Any) -> float | None:
         pair = [float(value[0]) / float(value[1]) for value in found]
     except (TypeError, ValueError, IndexError, ZeroDivisionError, OverflowError):
         return None
-    return None if per_inch is None else _plausible_resolution([value * per_inch for value in pair])
-
-
-def _plausible_resolution(pair: Any) -> float | None:
-    """Return a resolution that could be one: finite, not nearly zero, and the same in both directions."""
-    try:
-        across, down = (float(value) for value in pair)
-    except (TypeError, ValueError, ZeroDivisionError):
-        return None
-    if not (math.isfinite(across) and across >= _MIN_PPI) or not math.isclose(across, down, rel_tol=0.01):
-        return None
-    # PNG and BMP keep whole pixels per metre: 500 ppi comes back as 499.999.
-    return round(across) if abs(across - round(across)) < 0.02 else across
+    return plausible_resolution(pair, per_inch)

@@ -17,7 +17,7 @@ import tifffile
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_memory, luma
-from fingerpad.image.read import check_finite, check_regular, read_image
+from fingerpad.image.read import check_finite, check_regular, read_image, resolution_of_page
 from fingerpad.image.tiff import levels_of_page, tifffile_warnings
 
 FramesLike: TypeAlias = "Iterable[Frame] | str | PathLike[str]"
@@ -306,7 +306,9 @@ def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Iterat
 def _page(path: Path, tiff: tifffile.TiffFile, index: int, memory_limit: int) -> Pixels:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        pixels = luma(levels_of_page(path, index, tiff.pages[index], memory_limit))
+        page = tiff.pages[index]
+        resolution_of_page(page)
+        pixels = luma(levels_of_page(path, index, page, memory_limit))
     check_finite(pixels, f"page {index}")
     return pixels
 
