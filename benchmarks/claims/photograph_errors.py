@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from benchmarks.claims import finger_shapes, fingertips
 from benchmarks.tables import percent, table
-from fingerpad.image.photograph.arc_fit import fit_arc_ellipse
+from fingerpad.image.photograph.arc import fit_arc_ellipse
 from fingerpad.simulate._finger_shape import finger_shape, pad_arc
 
 Array = npt.NDArray[np.float64]

@@ -16,7 +16,7 @@ from benchmarks.derive.fit import Compared, Problem
 from benchmarks.truth import elastic_ridges, independent_images, pressure_images, stripe_images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale
-from fingerpad.image.contact_image import evaluate, ridges
+from fingerpad.image.contact_image import result, ridges
 from fingerpad.image.contact_image.calibration import RIDGE_AREA, RIDGE_LEVEL, RidgeAreaError, RidgeLevel
 from fingerpad.image.contact_image.edge import Edge, trace_edge
 from fingerpad.image.contact_image.region import Region, find_region
@@ -75,17 +75,17 @@ def _compare(
     level: RidgeLevel, stated: RidgeAreaError, images: Sequence[Seen], maps: dict[Seen, tuple[Any, float]]
 ) -> Compared:
     errors, stds = [], []
-    with patch.object(ridges, "RIDGE_LEVEL", level), patch.object(evaluate, "RIDGE_AREA", stated):
+    with patch.object(ridges, "RIDGE_LEVEL", level), patch.object(result, "RIDGE_AREA", stated):
         for one in images:
             if one not in maps:
                 fine = ridges.ridge_map(one.view, one.edge.points, None)
-                smeared = evaluate._blurred_ridges(one.ridges.amount, one.region.patch, one.view.period)
+                smeared = result._blurred_ridges(one.ridges.amount, one.region.patch, one.view.period)
                 area, unknown = fine.area(smeared, one.view)
                 maps[one] = fine, area - unknown / 2
             fine, known = maps[one]
             true = one.share * one.area
             errors.append(known / true - 1)
-            stds.append(evaluate._ridge_area_std(one.edge, fine, known, one.area) / true)
+            stds.append(result._ridge_area_std(one.edge, fine, known, one.area) / true)
     return Compared(np.array(errors), np.array(stds))
 
 

@@ -9,7 +9,7 @@ from skimage.measure import EllipseModel
 
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse_fit import distances
-from fingerpad.image.photograph.arc_fit import bend_covariance, fit_arc_ellipse
+from fingerpad.image.photograph.arc import bend_covariance, fit_arc_ellipse
 from fingerpad.simulate import outline_points
 
 

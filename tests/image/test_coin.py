@@ -8,7 +8,7 @@ from tests.image.coin_scenes import KINDS, NOT_ONE_COIN, scene
 
 from fingerpad.exceptions import CalibrationError, GeometryError
 from fingerpad.image import PlaneEllipse, measure_coin
-from fingerpad.image.circles import fit_edge
+from fingerpad.image.coin import fit_edge
 from fingerpad.simulate import render_coin
 
 

@@ -10,11 +10,15 @@ from benchmarks.claims import fingertips
 from benchmarks.claims.finger_shapes import SHAPES, SIDES, render, tip_outline
 
 from fingerpad.image import Scale, measure_photograph
-from fingerpad.image.photograph.arc_fit import fit_arc_ellipse
+from fingerpad.image.photograph.arc import fit_arc_ellipse
 from fingerpad.image.photograph.calibration import LENGTHS
 from fingerpad.image.photograph.face_arc import face_from_arc
-from fingerpad.image.photograph.outline import contradicted_by_lengths, radius_of_outline
-from fingerpad.image.photograph.shape import average_over_shapes, is_significant
+from fingerpad.image.photograph.shape import (
+    average_over_shapes,
+    contradicted_by_lengths,
+    is_significant,
+    radius_of_outline,
+)
 from fingerpad.simulate import render_finger
 
 ACROSS, ALONG = 180.0, 250.0

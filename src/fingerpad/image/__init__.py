@@ -8,16 +8,9 @@ from fingerpad.image.contact_image.measure import (
     prepare_contact_image,
 )
 from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
-from fingerpad.image.contact_image.result import (
-    ContactImageResult,
-)
+from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.view import ContactImageOptions
-from fingerpad.image.ellipse import (
-    ImageEllipse,
-    PlaneEllipse,
-    ellipse_of_polygon,
-    interpolated_ellipse,
-)
+from fingerpad.image.ellipse import ImageEllipse, PlaneEllipse, ellipse_of_polygon, interpolated_ellipse
 from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
 from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.levels import MEMORY_LIMIT
@@ -56,12 +49,7 @@ from fingerpad.image.sequence.frames import Frame, Frames, open_frames
 from fingerpad.image.sequence.measure import assign_times, measure_frames, measure_sequence
 from fingerpad.image.sequence.phases import PHASES, Phase, PhaseIntervals, phase_intervals, phases_of
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
-from fingerpad.image.sequence.settings import (
-    SequenceSettings,
-    TextureScan,
-    estimate_settings,
-    scan_texture,
-)
+from fingerpad.image.sequence.settings import SequenceSettings, TextureScan, estimate_settings, scan_texture
 from fingerpad.image.subject import SUBJECTS, Subject, SubjectGuess, guess_subject
 
 __all__ = [

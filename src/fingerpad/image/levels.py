@@ -31,12 +31,7 @@ _ORIENTATIONS: Final = {
 
 
 def check_memory(
-    path: str | PathLike[str],
-    size: tuple[int, int],
-    memory_limit: int,
-    *,
-    channels: int,
-    sample_bytes: int,
+    path: str | PathLike[str], size: tuple[int, int], memory_limit: int, *, channels: int, sample_bytes: int
 ) -> None:
     """Refuse a picture of (columns, rows) that is too large by its header."""
     columns, rows = size

@@ -40,10 +40,9 @@ _SURFACE_ROUNDS: Final = 3
 def without_added_border(
     pixels: npt.NDArray[np.uint8] | npt.NDArray[np.float32], shape: tuple[int, int]
 ) -> BoolArray:
-    """Return where the picture shows anything: all but the even border that a rotation or a crop has added.
+    """Return where the picture, at a shape, shows anything: all but an even border that was added.
 
     The border has one level, holds at least three corners, and leaves a convex polygon of long sides.
-    The answer has the given shape.
     """
     step = max(1, round(max(pixels.shape) / _BORDER_PX))
     small = pixels[::step, ::step].astype(np.float32)
@@ -127,32 +126,27 @@ def flattened(
         counted = whole
     limit = _otsu_threshold(deviations[counted])
     quiet, busy = counted & (deviations <= limit), counted & (deviations > limit)
-    rim = _border_blocks(quiet, values.shape[0] // side, values.shape[1] // side)
+    # A smooth contact is quiet too: ground for sure is what is quiet at the rim of the whole blocks.
+    rim = quiet.copy()
+    rim[1 : values.shape[0] // side - 1, 1 : values.shape[1] // side - 1] = False
+    rim = rim if rim.any() else quiet
     if dark_on_light is None:
-        dark_on_light = _is_dark_on_light(means, rim, busy)
+        # Ridges raise the texture, and their mean differs from the quiet ground's.
+        dark_on_light = not (busy.any() and rim.any())
+        dark_on_light = dark_on_light or float(means[busy].mean()) < quantile(means[rim], 0.5)
     sign = -1.0 if dark_on_light else 1.0
-    places = _sample_blocks(quiet)
+    places = np.flatnonzero(quiet)
+    places = places[:: max(1, places.size // _MAX_QUIET)]
     flat = sign * values - enlarge(_ground_surface(sign * means, places, rim), side, values.shape)
     noise = quantile(deviations.flat[places], 0.5) if places.size else 0.0
     if contrast is None:
-        contrast = _contrast(
-            flat, enlarge(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
-        )
+        # How far the contact in the busy places lies above what lies between.
+        contact = enlarge(as_float32(busy if busy.any() else counted), side, values.shape) > 0.5
+        sample = flat[::2, ::2][contact[::2, ::2]]
+        threshold = _otsu_threshold(sample)
+        above, below = sample[sample > threshold], sample[sample <= threshold]
+        contrast = float(above.mean() - below.mean()) if above.size and below.size else 0.0
     return Flattened(as_float32(flat), noise, contrast, dark_on_light)
-
-
-def _contrast(flat: Float32Array, busy: BoolArray) -> float:
-    """Return how far the contact in the busy places lies above what lies between."""
-    sample = flat[::2, ::2][busy[::2, ::2]]
-    threshold = _otsu_threshold(sample)
-    above, below = sample[sample > threshold], sample[sample <= threshold]
-    return float(above.mean() - below.mean()) if above.size and below.size else 0.0
-
-
-def _sample_blocks(quiet: BoolArray) -> npt.NDArray[np.intp]:
-    """Return where some hundred quiet blocks are, as indices of the flat array."""
-    places = np.flatnonzero(quiet)
-    return places[:: max(1, places.size // _MAX_QUIET)]
 
 
 def block_means(values: Float32Array | npt.NDArray[np.uint8], side: int) -> Float32Array:
@@ -169,23 +163,6 @@ def enlarge(
     """Return values given at every so many pixels at each pixel of an image of this shape."""
     size = (few.shape[1] * every, few.shape[0] * every)
     return as_float32(cv2.resize(few, size, interpolation=interpolation))[: shape[0], : shape[1]]
-
-
-def _border_blocks(quiet: BoolArray, rows: int, columns: int) -> BoolArray:
-    """Return the quiet blocks that are ground for sure: those at the rim of the picture's whole blocks.
-
-    A smooth contact is quiet too.
-    """
-    rim = quiet.copy()
-    rim[1 : rows - 1, 1 : columns - 1] = False
-    return rim if rim.any() else quiet
-
-
-def _is_dark_on_light(means: Float32Array, ground: BoolArray, busy: BoolArray) -> bool:
-    """Return the polarity: ridges raise the texture, and their mean differs from the quiet ground's."""
-    if not busy.any() or not ground.any():
-        return True
-    return float(means[busy].mean()) < quantile(means[ground], 0.5)
 
 
 def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolArray) -> Float32Array:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple, Self
 
 import cv2
 import numpy as np
@@ -59,6 +59,23 @@ class Edge:
     # Standard deviation along the outline of the contrast just outside it, in parts of the interior's
     unevenness: float = 0.0
 
+    @classmethod
+    def of(cls, points: FloatArray, view: View, **known: Any) -> Self:
+        """Return an edge (x, y) of the copy, found automatically and even unless known otherwise."""
+        none = np.zeros(len(points))
+        usual: dict[str, Any] = {
+            "normals": outward_normals(points, view.period),
+            "steps": point_spacings(points),
+            "along": none,
+            "period": view.period,
+            "noise": view.relative_noise,
+            "softness": 0.0,
+            "resolved": view.resolved,
+            "manual": none.astype(bool),
+            "differs": none,
+        }
+        return cls(points=points, **usual | known)
+
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
         return np.asarray(self.points + self.normals * np.asarray(outward)[..., None])
@@ -66,18 +83,7 @@ class Edge:
 
 def drawn_edge(points: FloatArray, view: View) -> Edge:
     """Return an edge (x, y) of the copy that was drawn manually all round."""
-    return Edge(
-        points=points,
-        normals=outward_normals(points, view.period),
-        steps=point_spacings(points),
-        along=np.zeros(len(points)),
-        period=view.period,
-        noise=view.relative_noise,
-        softness=0.0,
-        resolved=True,
-        manual=np.ones(len(points), dtype=bool),
-        differs=np.zeros(len(points)),
-    )
+    return Edge.of(points, view, resolved=True, manual=np.ones(len(points), dtype=bool))
 
 
 def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
@@ -110,25 +116,13 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
     normals = outward_normals(points, period)
     depths = np.array([_FIRST_RIDGE, _FIRST_VALLEY])[:, None, None] * period
     ridge, valley = _sample(as_float32(ridges.amount), points - normals * depths)
-    return Edge(
-        points=points,
-        normals=normals,
-        steps=point_spacings(points),
-        along=running_mean((ridge - valley) / 255, round(EDGE.followed * period)),
-        period=period,
-        noise=view.relative_noise,
-        softness=_softness(ridges.amount, patch),
-        resolved=view.resolved,
-        manual=np.zeros(len(points), dtype=bool),
-        differs=np.zeros(len(points)),
-    )
-
-
-def _softness(amount: UInt8, patch: BoolArray) -> float:
-    """Return by what share the ridges' area would change if their level moved by the whole rise."""
-    counts = cv2.calcHist([amount], [0], patch.astype(np.uint8), [256], [0, 256]).ravel().astype(np.float64)
-    near_half = counts[128 - _RAMP // 2 : 128 + _RAMP // 2].sum()
-    return float(near_half) * 255 / _RAMP / max(float(counts[128:].sum()), 1.0)
+    along = running_mean((ridge - valley) / 255, round(EDGE.followed * period))
+    # By what share the ridges' area would change if their level moved by the whole rise.
+    inside = patch.astype(np.uint8)
+    counts = cv2.calcHist([ridges.amount], [0], inside, [256], [0, 256]).ravel().astype(np.float64)
+    near_half = float(counts[128 - _RAMP // 2 : 128 + _RAMP // 2].sum())
+    softness = near_half * 255 / _RAMP / max(float(counts[128:].sum()), 1.0)
+    return Edge.of(points, view, normals=normals, along=along, softness=softness)
 
 
 class FadeSigns(NamedTuple):
@@ -179,10 +173,9 @@ def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArra
 def _with_fade(edge: Edge, signs: FadeSigns) -> Edge:
     """Return an outline with how far the edge of a fading contact lies beyond it, and how unevenly it fades.
 
-    Pressure falls to nothing at the edge, and with it the width of the ridges and, on many devices, their
-    contrast. The outline at half the local contrast then lies inside the edge. Two things show how far: there
-    is less ridge in the last period than in the one before, and outside something still varies along the
-    outline. Those are ridges; a halo, a dark rim or stray light is smooth.
+    Pressure falls to nothing at the edge, and with it the width of the ridges and often their contrast: less
+    ridge in the last period than in the one before, and what still varies along the outline outside, show how
+    far. Those are ridges; a halo, a dark rim or stray light is smooth.
     """
     fade = EDGE.sharp + EDGE.by_thinning * signs.thinning
     fade += EDGE.by_outside * signs.outside + EDGE.by_beyond * max(signs.beyond - EDGE.hardly, 0.0)
@@ -251,8 +244,8 @@ def _sample(field: Float32Array, points: FloatArray) -> FloatArray:
 def edge_shift(edge: Edge) -> float:
     """Return how far the true edge lies beyond the closed ridges on average, px.
 
-    The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
-    beyond a ridge that it follows: half of it without resolved ridges. A contact that fades reaches further.
+    The outline sags between the ends of ridges that it crosses, and beyond a ridge that it follows may lie a
+    valley: half of it without resolved ridges. A contact that fades reaches further.
     """
     return EDGE.ends * edge.period * (1.0 if edge.resolved else 0.5) + edge.fade
 
@@ -285,13 +278,9 @@ def edge_offset_std(edge: Edge) -> float:
 def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     """Return the covariance of (semi_major, semi_minor, area) from errors of one image's outline.
 
-    Each stretch of outline has an independent error: where it follows a ridge, that of an edge at random on
-    valleys of half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows
-    with the blur. The contribution of blur and the length of a stretch are fitted to the errors of rendered
-    contacts (`accuracy_and_coverage` in benchmarks/claims/contact_images.py). Besides, an edge that fades
-    does not fade alike all round, nor in all images of one device: less so where the contrast inside
-    differs as well. Where the edge was drawn manually, the error of drawing replaces these; half of its
-    variance is shared by all that was drawn.
+    Each stretch has an independent error: where it follows a ridge, that of an edge at random on valleys of
+    half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows with the blur.
+    An edge that fades does so unevenly, as the contrast inside shows. Drawn parts have the error of drawing.
     """
     along = edge.along.clip(0, 1)
     soft = EDGE.softness_std * edge.softness

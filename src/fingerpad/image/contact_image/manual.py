@@ -13,13 +13,7 @@ from fingerpad._arrays import FloatArray, as_float_array, positive_number, real_
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, to_fixed_point
-from fingerpad.image.contact_image.edge import (
-    Edge,
-    drawn_edge,
-    outward_normals,
-    point_spacings,
-    running_mean,
-)
+from fingerpad.image.contact_image.edge import Edge, drawn_edge, outward_normals, point_spacings, running_mean
 from fingerpad.image.contact_image.region import OTHER_REGION, Region
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import ImageEllipse, evenly_spaced

@@ -11,7 +11,7 @@ Five steps, each with its own type and module:
    `Region`.
 4. `trace_edge` (edge.py): its outline to a fraction of a pixel, moved out to where the contact ends: an
    `Edge`. What a person draws (manual.py) stands in for steps 3 and 4.
-5. `evaluate` (evaluate.py): ridges inside the edge at the picture's own resolution (ridges.py), areas, axes,
+5. `evaluate` (result.py): ridges inside the edge at the picture's own resolution (ridges.py), areas, axes,
    their uncertainty and doubts about them: a `ContactImageResult`.
 """
 
@@ -27,10 +27,9 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image.contact_image.edge import Edge, trace_edge
-from fingerpad.image.contact_image.evaluate import LOW_CONTRAST, evaluate
 from fingerpad.image.contact_image.manual import RegionEdit, region_after_strokes, region_of_ellipse
 from fingerpad.image.contact_image.region import Region, find_region
-from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.contact_image.result import LOW_CONTRAST, ContactImageResult, evaluate
 from fingerpad.image.contact_image.ridges import Ridges, find_ridges, smoothed
 from fingerpad.image.contact_image.smooth import evaluate_smooth, find_smooth
 from fingerpad.image.contact_image.view import ContactImageOptions, Surface, View, view_of
@@ -181,8 +180,12 @@ def prepare_contact_image(
         nearby = [(1 + way * _THRESHOLD_STD) * threshold for way in (-1, 1)]
         first, *others = (_prepared(view, level, seed, None) for level in (threshold, *nearby))
         return replace(first, _nearby=tuple(others))
-    reason = _contrast_problem(view)
-    if reason is not None:
+    reason = None
+    if not view.contrast > (_NO_CONTRAST if view.resolved else LOW_CONTRAST) * view.noise:
+        reason = (
+            f"no contact found: contrast {view.contrast:.3g} against noise {view.noise:.3g}: "
+            "check that the picture shows a print, or give dark_on_light"
+        )
         # A manual outline can still be measured: ridges are then those above noise.
         view = replace(view, contrast=max(view.contrast, view.noise, 1e-3))
     return _prepared(view, None, seed, reason)
@@ -201,16 +204,6 @@ def _prepared(
         else:
             found = region, trace_edge(view, ridges, region)
     return PreparedContactImage(scale=view.scale, reason=reason, _view=view, _ridges=ridges, _found=found)
-
-
-def _contrast_problem(view: View) -> str | None:
-    """Return the reason where nothing stands out of the noise, else None."""
-    if view.contrast > (_NO_CONTRAST if view.resolved else LOW_CONTRAST) * view.noise:
-        return None
-    return (
-        f"no contact found: contrast {view.contrast:.3g} against noise {view.noise:.3g}: "
-        "check that the picture shows a print, or give dark_on_light"
-    )
 
 
 def _with_shared_effect(result: ContactImageResult, effect: FloatArray) -> ContactImageResult:

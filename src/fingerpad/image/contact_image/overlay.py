@@ -85,7 +85,8 @@ def draw_overlay(
     zoom = min(max(1, math.ceil(_MIN_SIDE_PX / longest)), _MAX_SIDE_PX / longest)
     canvas = _tint_ridges(grey, contact_image, zoom, ridge_tint)
     width = max(2, round(max(canvas.shape) / 600))
-    _draw_region(canvas, contact_image, zoom, width)
+    outline = canvas_points(contact_image.outline, zoom)
+    draw_line(canvas, np.concatenate([outline, outline[:1]]), REGION_COLOUR, width)
     _draw_ellipse(canvas, contact_image, zoom, width)
     draw_scale_bar(canvas, contact_image.mm_per_px / zoom, width)
     if label:
@@ -161,25 +162,15 @@ def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float, s
     return np.asarray(cv2.cvtColor(found, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
 
 
-def _draw_region(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
-    outline = canvas_points(contact_image.outline, zoom)
-    draw_line(canvas, np.concatenate([outline, outline[:1]]), REGION_COLOUR, width)
-
-
 def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
-    mm_per_px = contact_image.mm_per_px
-    ellipse = ImageEllipse(
-        centre=contact_image.centroid,
-        semi_axes=(
-            float(contact_image.ellipse.semi_major) / mm_per_px,
-            float(contact_image.ellipse.semi_minor) / mm_per_px,
-        ),
-        orientation=contact_image.orientation,
-    )
+    lengths = contact_image.ellipse.semi_major, contact_image.ellipse.semi_minor
+    major, minor = (float(length) / contact_image.mm_per_px for length in lengths)
+    centre, orientation = contact_image.centroid, contact_image.orientation
+    ellipse = ImageEllipse(centre=centre, semi_axes=(major, minor), orientation=orientation)
     outline = canvas_points(ellipse.points(360), zoom)
     draw_line(canvas, np.concatenate([outline, outline[:1]]), ELLIPSE_COLOUR, width)
     for end in (0, 90):
         draw_line(canvas, outline[[end, end + 180]], ELLIPSE_COLOUR, max(1, width // 2))
-    centre = canvas_points(as_float_array(ellipse.centre), zoom)
-    draw_dot(canvas, centre, 3 * width, PAPER)
-    draw_dot(canvas, centre, 2 * width, ELLIPSE_COLOUR)
+    middle = canvas_points(as_float_array(centre), zoom)
+    draw_dot(canvas, middle, 3 * width, PAPER)
+    draw_dot(canvas, middle, 2 * width, ELLIPSE_COLOUR)

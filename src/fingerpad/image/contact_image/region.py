@@ -126,14 +126,6 @@ def _without_appendages(patch: BoolArray, period: float) -> BoolArray:
     return plain
 
 
-def _pieces(mask: BoolArray, share: float) -> list[BoolArray]:
-    """Return the connected pieces that are not much smaller than the largest."""
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
-    areas = stats[1:, cv2.CC_STAT_AREA]
-    least = share * areas.max(initial=0)
-    return [labels == k for k in range(1, count) if areas[k - 1] >= least]
-
-
 def _split_at_necks(patch: BoolArray, period: float, depth: int = _MOST_NECKS) -> list[BoolArray]:
     """Cut a patch where it narrows between two wider parts, as at the crease of a joint."""
     cut = _neck(patch, period) if depth else None
@@ -141,7 +133,10 @@ def _split_at_necks(patch: BoolArray, period: float, depth: int = _MOST_NECKS) -
         return [patch]
     canvas = patch.astype(np.uint8)
     cv2.line(canvas, cut[0], cut[1], 0, 1, cv2.LINE_4)
-    parts = _pieces(canvas > 0, share=_MIN_PART)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(canvas, connectivity=4)
+    areas = stats[:, cv2.CC_STAT_AREA]
+    least = _MIN_PART * areas[1:].max(initial=0)
+    parts = [labels == k for k in range(1, count) if areas[k] >= least]
     if len(parts) < 2:
         return [patch]
     return [piece for part in parts for piece in _split_at_necks(part, period, depth - 1)]

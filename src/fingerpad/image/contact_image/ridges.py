@@ -135,8 +135,8 @@ def _closed(amount: UInt8, period: float) -> UInt8:
 class RidgeMap:
     """Ridges in the box round a contact, at the resolution of the picture or a whole fraction of it."""
 
-    is_ridge: BoolArray  # (rows, columns); where ridges are, and what is inside the outline
-    inside: BoolArray  # (rows, columns); where ridges are, and what is inside the outline
+    is_ridge: BoolArray  # (rows, columns); where ridges are
+    inside: BoolArray  # (rows, columns); what is inside the outline
     corner: tuple[int, int]  # (row, column) of the box in the whole picture
     step: int  # pixels of the picture in one of the map
     softness: float  # relative change of the ridges' area for a change of their level, in parts of the rise
@@ -175,21 +175,19 @@ class RidgeMap:
         By Cauchy and Crofton's formula, from crossings along the rows, the columns and both diagonals.
         """
         ridges = self.is_ridge & self.inside
-        straight = np.count_nonzero(ridges[1:] != ridges[:-1]) + np.count_nonzero(
-            ridges[:, 1:] != ridges[:, :-1]
+        here = np.s_[1:], np.s_[:, 1:], np.s_[1:, 1:], np.s_[1:, :-1]
+        there = np.s_[:-1], np.s_[:, :-1], np.s_[:-1, :-1], np.s_[:-1, 1:]
+        down, across, *diagonal = (
+            np.count_nonzero(ridges[a] != ridges[b]) for a, b in zip(here, there, strict=True)
         )
-        diagonal = np.count_nonzero(ridges[1:, 1:] != ridges[:-1, :-1]) + np.count_nonzero(
-            ridges[1:, :-1] != ridges[:-1, 1:]
-        )
-        return float(math.pi / 8 * (straight + diagonal / math.sqrt(2)) * self.step)
+        return float(math.pi / 8 * (down + across + sum(diagonal) / math.sqrt(2)) * self.step)
 
 
 def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap:
-    """Find the ridges inside an outline (x, y) of the copy.
+    """Find the ridges inside an outline (x, y) of the copy, in the picture, where narrow ones are seen apart.
 
     Where no threshold is given, a ridge is what lies, in means along the ridges, about half-way between the
-    levels of the valleys and the ridges around. At the resolution of the copy, narrow ridges and narrow
-    valleys blur into one another.
+    levels of the valleys and the ridges around.
     """
     period = view.period * view.step
     step = max(1, int(period // _MOST_PER_PERIOD))

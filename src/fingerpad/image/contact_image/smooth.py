@@ -15,7 +15,6 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import filled_polygon
-from fingerpad.image.contact_image.background import without_added_border
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.edge import (
     MANUAL,
@@ -25,11 +24,10 @@ from fingerpad.image.contact_image.edge import (
     point_spacings,
     running_mean,
 )
-from fingerpad.image.contact_image.evaluate import contact_result
 from fingerpad.image.contact_image.region import Region
-from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.contact_image.result import ContactImageResult, contact_result
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps
-from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, crop
+from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, crop, reduced_shape
 from fingerpad.image.ellipse import polygon_moments
 from fingerpad.image.scale import Scale
 
@@ -114,11 +112,9 @@ def _parts(
     background = options.get("background")
     limits: ContactImageOptions = {**options, "background": None}
     crops = [crop(channel, **limits) for channel in _channels(pixels)]
-    grey = (
-        crops[0]
-        if len(crops) == 1
-        else crops[0]._replace(pixels=as_float32(np.mean([each.pixels for each in crops], axis=0)))
-    )
+    grey = crops[0]
+    if len(crops) > 1:
+        grey = grey._replace(pixels=as_float32(np.mean([each.pixels for each in crops], axis=0)))
     values = np.stack([as_float32(each.pixels) for each in crops], axis=-1)
     if np.ptp(values) < 1e-15:
         raise ImageError(f"no contact found: every pixel has the same level, {values.flat[0]:g}")
@@ -191,33 +187,26 @@ def _several(steps: list[Step]) -> bool:
 def _view(
     part: Crop, values: npt.NDArray[np.float32], inside: BoolArray, scale: Scale, step: Step | None
 ) -> View:
-    rows, columns = part.pixels.shape
-    reduction = max(1.0, max(rows, columns) / _COPY_SIDE)
-    shape = max(8, round(rows / reduction)), max(8, round(columns / reduction))
-    steps = rows / shape[0], columns / shape[1]
+    shape = reduced_shape(part.pixels.shape, max(part.pixels.shape) / _COPY_SIDE)
     size = shape[::-1]
     dark = step is not None and step.sign < 0
     copy = as_float32(cv2.resize(as_float32(values.mean(axis=2)), size, interpolation=cv2.INTER_AREA))
     turned = -copy if dark else copy
     ground = np.full_like(copy, np.median(turned))
-    (row, column), whole = part.corner, part.shape
     in_copy = cv2.resize(inside.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
-    return View(
-        picture=part.pixels,
-        corner=part.corner,
-        shape=whole,
-        scale=scale,
+    rows, columns = (whole / own for whole, own in zip(part.pixels.shape, shape, strict=True))
+    return View.of(
+        part,
+        scale,
+        shape,
         ridge_period=math.nan,
         contact=as_float32(turned - ground),
         ground=ground,
         noise=0.0 if step is None else step.noise,
         contrast=0.0 if step is None else step.height,
         dark_on_light=dark,
-        shown=without_added_border(part.pixels, shape),
         inside=np.asarray(in_copy),
-        cut=(row > 0, column > 0, row + rows < whole[0], column + columns < whole[1]),
-        period=max(_DRAWN_PX, _DRAWN_MM / scale.mm_per_px / math.sqrt(steps[0] * steps[1])),
-        steps=steps,
+        period=max(_DRAWN_PX, _DRAWN_MM / scale.mm_per_px / math.sqrt(rows * columns)),
     )
 
 
@@ -235,24 +224,16 @@ def _edge(step: Step, view: View) -> SmoothEdge:
     corner = np.array(view.corner[::-1])
     rows, columns = view.contact.shape
     points = view.to_copy(points + corner).clip(-0.5, [columns - 0.5, rows - 0.5])
-    steps = point_spacings(points)
     own, run = _scatter(step)
     hidden = SMOOTH.hidden * step.radius * (1 - step.seen) ** 1.5
     if step.cut:
         hidden = SMOOTH.cut * step.radius
-    return SmoothEdge(
-        points=points,
+    return SmoothEdge.of(
+        points,
+        view,
         normals=outward_normals(points, 1.0),
-        steps=steps,
-        along=np.zeros(len(points)),
-        period=view.period,
-        noise=view.relative_noise,
-        softness=0.0,
-        resolved=False,
-        manual=np.zeros(len(points), dtype=bool),
-        differs=np.zeros(len(points)),
         own=own / view.step,
-        stretch=run * float(steps.mean()),
+        stretch=run * float(point_spacings(points).mean()),
         hidden=hidden / view.step,
         shared=shared / view.step,
         doubts=frozenset(doubts),
@@ -262,25 +243,20 @@ def _edge(step: Step, view: View) -> SmoothEdge:
 def _beyond(step: Step) -> tuple[float, float, bool]:
     """Return how far out from a step the contact ends, its standard uncertainty, and whether that is unclear.
 
-    Light passes gaps thinner than its wavelength and water fills those at the edge: the visible edge lies
-    outside the contact.
+    Light passes gaps thinner than its wavelength, water fills them: the edge seen lies outside the contact.
     """
     terms = [SMOOTH.pixel, SMOOTH.by_width * step.width, SMOOTH.by_scatter * step.scatter]
-    shift, unclear = 0.0, False
+    shift, more, second = 0.0, 0.0, max(step.outer_edge, step.inner_edge)
     if step.ring:
         # The slope of a gel is steepest at the edge, and its skin rounds that.
-        shift = (-1 if step.narrow else 1) * SMOOTH.crest * step.width
-        terms.append(SMOOTH.crest_std * step.width)
-        unclear = True
+        shift, more = (-1 if step.narrow else 1) * SMOOTH.crest * step.width, SMOOTH.crest_std * step.width
     elif step.overshoot > SMOOTH.least_overshoot:
         # Fringes tell the gap: a quarter of a wavelength at the first, a twelfth at half level.
-        shift = -SMOOTH.fringe * step.fringe
-        terms.append(SMOOTH.fringe_std * step.fringe)
-        unclear = True
-    elif (second := max(step.outer_edge, step.inner_edge)) > 0:
-        terms.append(SMOOTH.second * second)
-        unclear = True
-    return shift, math.hypot(*terms), unclear
+        shift, more = -SMOOTH.fringe * step.fringe, SMOOTH.fringe_std * step.fringe
+    elif second > 0:
+        more = SMOOTH.second * second
+    unclear = step.ring or step.overshoot > SMOOTH.least_overshoot or second > 0
+    return shift, math.hypot(*terms, more), unclear
 
 
 def _scatter(step: Step) -> tuple[float, float]:

@@ -14,9 +14,11 @@ from typing import Final
 import cv2
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import gaussian_filter1d
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import disk, distance_to, fill_holes, filled_polygon, longest_contour
+from fingerpad.image.contact_image.view import reduced_shape
 from fingerpad.image.ellipse import evenly_spaced, polygon_moments, signed_area
 
 # Longer side of the copy in which patches are found, px, and the blur before.
@@ -56,8 +58,8 @@ class Step:
     sign: int
     ring: bool  # whether the edge is a crest, not a step
     narrow: bool  # whether that crest is a narrow ring round a level floor
-    outer_edge: float  # how far outside or inside a second edge lies, 0 for none
-    inner_edge: float  # how far outside or inside a second edge lies, 0 for none
+    outer_edge: float  # how far outside a second edge lies, 0 for none
+    inner_edge: float  # how far inside, 0 for none
     # How far the first fringe outside rises beyond the ground, in parts of the height; 0 for none
     overshoot: float
     fringe: float  # how far outside the edge it lies
@@ -174,8 +176,7 @@ def _even_ground(values: Float32Array, inside: BoolArray) -> Float32Array:
 def _patches(signal: Float32Array, inside: BoolArray) -> Iterator[tuple[BoolArray, FloatArray]]:
     """Yield compact patches of a reduced copy above several levels, and the picture's pixels in one of it."""
     rows, columns = signal.shape
-    reduction = max(1.0, max(rows, columns) / _ROUGH_SIDE)
-    shape = max(8, round(rows / reduction)), max(8, round(columns / reduction))
+    shape = reduced_shape(signal.shape, max(rows, columns) / _ROUGH_SIDE)
     small = cv2.resize(signal, shape[::-1], interpolation=cv2.INTER_AREA)
     small = cv2.GaussianBlur(small, (0, 0), _ROUGH_BLUR)
     counts = cv2.resize(inside.astype(np.uint8), shape[::-1], interpolation=cv2.INTER_NEAREST) > 0
@@ -293,7 +294,8 @@ def _step_across(
         return None
     with np.errstate(all="ignore"):
         typical = _nanmedian(profiles, axis=0)
-    smooth = _smoothed(typical, max(0.7, 0.6 / spacing))
+    sigma = max(0.7, 0.6 / spacing)
+    smooth = gaussian_filter1d(typical, sigma, mode="nearest", radius=math.ceil(3 * sigma))
     place, width, others, ring = _edge_of(smooth, across, sign)
     if place is None or (sign == 0 and not ring):
         return None
@@ -302,7 +304,9 @@ def _step_across(
     outer = (across > place + near) & (across < place + near + max(4.0, 0.12 * radius))
     if (inner.sum() < 3 and not ring) or outer.sum() < 3:
         return None
-    high, low = (_running_median(_nanmedian(profiles[:, band], axis=1)) for band in (inner, outer))
+    # Medians over nine neighbours.
+    medians = (_nanmedian(profiles[:, band], axis=1) for band in (inner, outer))
+    high, low = (_nanmedian(np.stack([np.roll(m, k) for k in range(-4, 5)]), axis=0) for m in medians)
     # Along each profile only.
     blur = max(0.5, 0.25 * width / spacing)
     blurred = as_float32(cv2.GaussianBlur(as_float32(np.nan_to_num(profiles)), (0, 0), blur, sigmaY=1e-3))
@@ -310,11 +314,9 @@ def _step_across(
     if ring:
         search = min(max(search, 0.1 * radius), 0.5 * far)
         off, height = _crests(blurred, across, place, search, low)
-        typical_height = float(np.nanmedian(height))
     else:
-        height = high - low
-        off = _crossings(blurred, across, place, search, (high + low) / 2)
-        typical_height = float(np.nanmedian(height))
+        off, height = _crossings(blurred, across, place, search, (high + low) / 2), high - low
+    typical_height = float(np.nanmedian(height))
     if not typical_height > 0:
         return None
     off = np.where(np.isfinite(profiles).mean(axis=1) > 0.7, off, np.nan)
@@ -373,17 +375,6 @@ def _nanmedian(values: FloatArray, axis: int) -> FloatArray:
         return np.asarray(np.nanmedian(values, axis=axis))
 
 
-def _running_median(values: FloatArray, reach: int = 4) -> FloatArray:
-    stack = np.stack([np.roll(values, k) for k in range(-reach, reach + 1)])
-    return _nanmedian(stack, axis=0)
-
-
-def _smoothed(values: FloatArray, sigma: float) -> FloatArray:
-    reach = math.ceil(3 * sigma)
-    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / sigma) ** 2)
-    return np.convolve(np.pad(values, reach, mode="edge"), kernel / kernel.sum(), mode="valid")
-
-
 def _edge_of(
     profile: FloatArray, across: FloatArray, sign: int
 ) -> tuple[float | None, float, list[float], bool]:
@@ -402,16 +393,13 @@ def _edge_of(
     strong = [k for k in peaks if slope[k] > 0.3 * slope[best]]
     width = _width_at(slope, best) * spacing
     least = _LEAST_SECOND * _drop(profile, slope, best)
-    others = []
+    edges = [best]
     for k in strong:
-        if k == best:
-            continue
         low, high = sorted((k, best))
         # Between two edges lies a level stretch.
         level = slope[low : high + 1].min() < 0.4 * slope[k]
         if level and across[high] - across[low] > 1.2 * width and _drop(profile, slope, k) > least:
-            others.append(k)
-    edges = [*others, best]
+            edges.append(k)
     chosen = min(edges)
     rest = [float(across[k]) for k in edges if k != chosen]
     return float(across[chosen]), _width_at(slope, chosen) * spacing, rest, False

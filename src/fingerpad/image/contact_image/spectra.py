@@ -197,9 +197,9 @@ def _weighted_median(values: FloatArray, weights: FloatArray) -> float:
 def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step: float) -> bool:
     """Return whether ridges as far apart as a finger's fill at least a quarter of an outline, (x, y).
 
-    A window of the copy, of `step` pixels of the picture, has ridges where its strongest wave is 0.28 to 0.75
-    mm, holds a quarter of the power and turns into those of half of the windows next to it; evenly spaced
-    straight lines are none. A picture too coarse to show ridges is given the benefit of the doubt.
+    There a window's strongest wave holds a quarter of the power and turns into those of half of the windows
+    next to it; evenly spaced straight lines are none. `step` is the picture's pixels in one of the copy. A
+    picture too coarse to show ridges is given the benefit of the doubt.
     """
     if mm_per_px > _COARSEST_MM:
         return True
@@ -214,7 +214,8 @@ def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step
     ridged = (share > _MIN_SHARE) & _flows_on(waves, share, inside, _STEP // apart)
     if ridged.mean() < _MIN_RIDGED:
         return False
-    return not _is_grating(waves[ridged])
+    parallel, spread = _alike(waves[ridged])
+    return not (parallel > _PARALLEL and spread < _EVEN)
 
 
 class LineTexture(NamedTuple):
@@ -248,10 +249,7 @@ def _lines_of_copy(copy: Float32Array) -> LineTexture:
     lined = (share > _MIN_SHARE) & _flows_on(waves, share, busy, _STEP // step)
     if np.count_nonzero(lined) < _FEWEST:
         return LineTexture(0.0, 0.0, 0.0)
-    lengths = np.abs(waves[lined])
-    parallel = abs(((waves[lined] / lengths) ** 2).mean())
-    filled = float(np.count_nonzero(lined) / busy.size)
-    return LineTexture(filled, float(parallel), float(lengths.std() / lengths.mean()))
+    return LineTexture(float(np.count_nonzero(lined) / busy.size), *_alike(waves[lined]))
 
 
 def _centres(places: FloatArray) -> tuple[FloatArray, int]:
@@ -308,8 +306,7 @@ def _flows_on(waves: FloatArray, share: FloatArray, inside: BoolArray, reach: in
     return np.asarray((like >= count / 2)[inside])
 
 
-def _is_grating(waves: FloatArray) -> bool:
-    """Return whether all waves have one direction and one length."""
+def _alike(waves: FloatArray) -> tuple[float, float]:
+    """Return how alike waves are: 1 where all have one direction, and the spread of their lengths."""
     lengths = np.abs(waves)
-    parallel = abs(((waves / lengths) ** 2).mean())
-    return bool(parallel > _PARALLEL and lengths.std() < _EVEN * lengths.mean())
+    return float(abs(((waves / lengths) ** 2).mean())), float(lengths.std() / lengths.mean())

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Literal, NamedTuple, TypeAlias, TypedDict, Unpack
+from typing import Any, Final, Literal, NamedTuple, Self, TypeAlias, TypedDict, Unpack
 
 import cv2
 import numpy as np
@@ -117,6 +117,21 @@ class View:
     period: float  # ridge period, px of the copy; where it is not resolved, that of usual fingers
     steps: tuple[float, float]  # pixels of the picture in one of the copy, along rows and columns
 
+    @classmethod
+    def of(cls, part: Crop, scale: Scale, shape: tuple[int, int], **seen: Any) -> Self:
+        """Return the view of a part of a picture, with a copy of some shape and what is seen there."""
+        (row, column), (rows, columns) = part.corner, part.pixels.shape
+        return cls(
+            picture=part.pixels,
+            corner=part.corner,
+            shape=part.shape,
+            scale=scale,
+            steps=(rows / shape[0], columns / shape[1]),
+            shown=without_added_border(part.pixels, shape),
+            cut=(row > 0, column > 0, row + rows < part.shape[0], column + columns < part.shape[1]),
+            **seen,
+        )
+
     @property
     def resolved(self) -> bool:
         """Whether the ridge period was seen in the picture or given."""
@@ -188,9 +203,14 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
     given = options.get("ridge_period")
     levels = {"threshold": options.get("threshold"), "contrast": options.get("contrast")}
     for name, value in {**levels, "ridge_period": given}.items():
-        _check_positive(name, value)
+        if value is not None:
+            number = real_array(value, name, ImageError)
+            if number.ndim or not 1e-15 < number < 1e15:
+                raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
     part = crop(pixels, **options)
-    _check_not_blank(part.pixels)
+    low, high, _, _ = cv2.minMaxLoc(part.pixels)
+    if not high - low > _MIN_RANGE:
+        raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
     expected = (given or _USUAL_PERIOD_MM) / scale.mm_per_px
     found = expected if given else ridge_period_px(part.pixels, part.inside, expected)
     period = found if math.isfinite(found) else expected
@@ -200,15 +220,13 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
             f"no contact found: a ridge period of {period:.3g} px is more than half a side of what is "
             f"measured, {rows} × {columns} px: check scale and ridge_period"
         )
-    reduction = max(1.0, period / _COPY_PERIOD_PX)
-    shape = max(8, round(rows / reduction)), max(8, round(columns / reduction))
-    steps = rows / shape[0], columns / shape[1]
+    shape = reduced_shape((rows, columns), period / _COPY_PERIOD_PX)
     inside = np.ones(shape, dtype=bool)
     if part.inside is not None:
         share = cv2.resize(part.inside.astype(np.float32), shape[::-1], interpolation=cv2.INTER_AREA)
         inside = share > 0.5
     copy = as_float32(_reduced(part.pixels, shape))
-    period_of_copy = period / float(np.sqrt(steps[0] * steps[1]))
+    period_of_copy = period / float(np.sqrt(rows / shape[0] * (columns / shape[1])))
     flat = flattened(
         copy,
         inside,
@@ -216,26 +234,30 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
         dark_on_light=options.get("dark_on_light"),
         contrast=options.get("contrast"),
     )
-    (row, column), whole = part.corner, part.shape
-    view = View(
-        picture=part.pixels,
-        corner=part.corner,
-        shape=whole,
-        scale=scale,
+    view = View.of(
+        part,
+        scale,
+        shape,
         ridge_period=found,
         contact=flat.values,
         ground=as_float32((-copy if flat.dark_on_light else copy) - flat.values),
         noise=flat.noise,
         contrast=flat.contrast,
         dark_on_light=flat.dark_on_light,
-        shown=without_added_border(part.pixels, shape),
         inside=inside,
-        cut=(row > 0, column > 0, row + rows < whole[0], column + columns < whole[1]),
         period=period_of_copy,
-        steps=steps,
     )
-    _check_seed(options.get("seed"), whole)
+    if (seed := options.get("seed")) is not None:
+        place = real_array(seed, "seed", ImageError)
+        if place.shape != (2,) or not ((place >= 0) & (place < part.shape)).all():
+            raise ImageError(f"seed {seed} lies outside the picture of {part.shape} pixels")
     return view
+
+
+def reduced_shape(shape: tuple[int, ...], reduction: float) -> tuple[int, int]:
+    """Return the shape of a copy reduced by a factor, where that is above 1, to no less than 8 px a side."""
+    rows, columns = (max(8, round(n / max(1.0, reduction))) for n in shape[:2])
+    return rows, columns
 
 
 def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
@@ -255,29 +277,14 @@ def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
         ground = _grey(background, "background")
         if ground.shape != shape:
             raise ImageError(f"background must have the picture's shape {shape}, found {ground.shape}")
-        part = _divided(part, _finite(ground[box], "background"))
+        light = _finite(ground[box], "background").astype(np.float32)
+        middle = np.float32(np.median(light))
+        if not (light > _MIN_RANGE * middle).all() or middle < _MIN_RANGE:
+            raise ImageError(
+                "background must be positive everywhere, found zero: it cannot divide the picture"
+            )
+        part = as_float32(part.astype(np.float32) / light * middle)
     return Crop(part, inside, (box[0].start, box[1].start), shape)
-
-
-def _check_positive(name: str, value: float | None) -> None:
-    if value is not None:
-        number = real_array(value, name, ImageError)
-        if number.ndim or not 1e-15 < number < 1e15:
-            raise ImageError(f"{name} must be one number, positive and finite, found {value!r:.100}")
-
-
-def _check_not_blank(pixels: Pixels) -> None:
-    low, high, _, _ = cv2.minMaxLoc(pixels)
-    if not high - low > _MIN_RANGE:
-        raise ImageError(f"no contact found: every pixel has the same level, {low:g}")
-
-
-def _check_seed(seed: tuple[float, float] | None, shape: tuple[int, int]) -> None:
-    if seed is None:
-        return
-    place = real_array(seed, "seed", ImageError)
-    if place.shape != (2,) or not ((place >= 0) & (place < shape)).all():
-        raise ImageError(f"seed {seed} lies outside the picture of {shape} pixels")
 
 
 def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
@@ -302,14 +309,6 @@ def _finite(values: npt.NDArray[np.number], name: str) -> Pixels:
     if max(abs(float(single.min())), abs(float(single.max()))) > _MAX_LEVEL:
         raise ImageError(f"{name} holds levels beyond ±{_MAX_LEVEL:g}: divide them by a constant")
     return single
-
-
-def _divided(part: Pixels, ground: Pixels) -> npt.NDArray[np.float32]:
-    light = ground.astype(np.float32)
-    middle = np.float32(np.median(light))
-    if not (light > _MIN_RANGE * middle).all() or middle < _MIN_RANGE:
-        raise ImageError("background must be positive everywhere, found zero: it cannot divide the picture")
-    return np.asarray(part.astype(np.float32) / light * middle, dtype=np.float32)
 
 
 def _inside(mask: npt.ArrayLike, shape: tuple[int, int]) -> BoolArray:

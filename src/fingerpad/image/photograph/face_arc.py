@@ -13,19 +13,28 @@ import numpy as np
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image.ellipse import PlaneEllipse, rotation
-from fingerpad.image.photograph.arc import MAX_RELATIVE_STD, PAD_MIDDLE, SURELY_PAD, initial_ellipse
-from fingerpad.image.photograph.arc_fit import (
+from fingerpad.image.photograph.arc import (
+    MAX_RELATIVE_STD,
+    PAD_MIDDLE,
+    SURELY_PAD,
     ArcFit,
     extend_arc,
     fit_arc_ellipse,
+    initial_ellipse,
     outline_places,
     turns_from,
 )
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS
 from fingerpad.image.photograph.faces import Face
-from fingerpad.image.photograph.outline import beyond_chance, contradicted_by_lengths, half_width
 from fingerpad.image.photograph.result import PhotographFit, scale_term, size_flags
-from fingerpad.image.photograph.shape import ShapeAverage, average_over_shapes, is_significant
+from fingerpad.image.photograph.shape import (
+    ShapeAverage,
+    average_over_shapes,
+    beyond_chance,
+    contradicted_by_lengths,
+    half_width,
+    is_significant,
+)
 from fingerpad.image.scale import Scale
 
 # So many points left out at an end of the arc say that the pad ends there.

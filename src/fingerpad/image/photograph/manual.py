@@ -122,10 +122,7 @@ def photograph_from_handles(
 
 
 def with_marked_points(
-    found: PhotographFit,
-    *,
-    added: ArrayLike = (),
-    erased: Sequence[tuple[ArrayLike, float]] = (),
+    found: PhotographFit, *, added: ArrayLike = (), erased: Sequence[tuple[ArrayLike, float]] = ()
 ) -> PhotographFit:
     """Fit the ellipse again with points added to the outline or erased from it, (row, column), px.
 

@@ -23,11 +23,17 @@ from fingerpad.image.photograph.arc import (
     longest_arc,
     rough_start,
 )
-from fingerpad.image.photograph.edges import SubpixelOutline, Window, locate_edges
 from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
 from fingerpad.image.photograph.faces import Direction, Face, face_axes, opposite, palmar_directions
 from fingerpad.image.photograph.result import PhotographFit
-from fingerpad.image.photograph.silhouette import Silhouette, find_silhouette, opponent_light
+from fingerpad.image.photograph.silhouette import (
+    Silhouette,
+    SubpixelOutline,
+    Window,
+    find_silhouette,
+    locate_edges,
+    opponent_light,
+)
 from fingerpad.image.read import ImageLike, colour_levels
 from fingerpad.image.scale import Scale, ScaleLike, as_scale
 

@@ -11,8 +11,7 @@ from fingerpad._columns import columns_named_by, read_columns
 from fingerpad.exceptions import FitError, ImageError, LoadingError
 from fingerpad.image.ellipse import PlaneEllipse
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
-from fingerpad.image.photograph.arc import PAD_MIDDLE
-from fingerpad.image.photograph.arc_fit import turns_from
+from fingerpad.image.photograph.arc import PAD_MIDDLE, turns_from
 from fingerpad.image.photograph.calibration import DOUBT
 from fingerpad.image.photograph.face_arc import FaceArc, face_from_arc
 from fingerpad.image.photograph.faces import Face, FaceSemiAxes

@@ -12,7 +12,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad._records import record_text
 from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
-from fingerpad.image.photograph.outline import radius_of_outline
+from fingerpad.image.photograph.shape import radius_of_outline
 from fingerpad.image.scale import Scale
 
 
