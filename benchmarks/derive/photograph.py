@@ -18,7 +18,7 @@ from benchmarks.derive.fit import Compared, Problem
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError
 from fingerpad.image import PhotographFit
-from fingerpad.image.photograph import face_arc, outline, shape
+from fingerpad.image.photograph import face_arc, shape
 from fingerpad.image.photograph.calibration import DOUBT, LENGTHS, RADIUS
 from fingerpad.image.photograph.face_arc import FaceArc
 
@@ -72,7 +72,7 @@ def compare_shapes(model: Any, seen: Sequence[SeenFace]) -> Compared:
 def compare_lengths(model: Any, seen: Sequence[SeenFace]) -> Compared:
     """Compare lengths with ellipses under other numbers; the average over shapes stays."""
     with patch.object(face_arc, "_average_over_shapes", _shapes_averaged):
-        return _compared(seen, "LENGTHS", model, face_arc, outline)
+        return _compared(seen, "LENGTHS", model, face_arc, shape)
 
 
 class SeenRadius(NamedTuple):
@@ -96,7 +96,7 @@ def radii(count: int, seed: int) -> list[SeenRadius]:
 
 def compare_radii(model: Any, seen: Sequence[SeenRadius]) -> Compared:
     """Fit radii under other numbers."""
-    with patch.object(outline, "RADIUS", model):
+    with patch.object(shape, "RADIUS", model):
         found = np.array([one.found.outline_radius(one.angle) for one in seen])
     errors, stds = (found / [[one.radius] for one in seen] - [1, 0]).T
     return Compared(np.nan_to_num(errors, nan=_UNSEEN).clip(-_MOST, _MOST), np.nan_to_num(stds, nan=_UNSEEN))

@@ -118,8 +118,8 @@ def test_frames_anchored_by_trigger_and_contact():
     time = np.arange(0, 1, 0.001)
     load = np.maximum(0, time - 0.4)
     signal = ForceSignal(time, load, np.where(time >= 0.2505, 5.0, 0.02))
-    assert FrameRate.of_trigger(100, signal).time_of(10, None) == pytest.approx(0.3505, abs=6e-4)
-    assert FrameRate.of_contact(100, signal, 0.05).time_of(7, 7) == pytest.approx(0.45, abs=1e-6)
+    assert frame_clock(100, signal).time_of(10, None) == pytest.approx(0.3505, abs=6e-4)
+    assert frame_clock(100, signal, contact_load=0.05).time_of(7, 7) == pytest.approx(0.45, abs=1e-6)
 
 
 def test_spike_is_no_contact():

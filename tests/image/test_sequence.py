@@ -17,6 +17,7 @@ from fingerpad.image import (
     FrameStamps,
     Scale,
     estimate_settings,
+    frame_clock,
     measure_contact_image,
     measure_sequence,
     open_frames,
@@ -62,7 +63,7 @@ def settings(frames):
 
 @pytest.fixture(scope="module")
 def results(frames, signal, settings):
-    clock = FrameRate.of_trigger(FPS, signal)
+    clock = frame_clock(FPS, signal)
     return list(measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings))
 
 
@@ -113,7 +114,7 @@ def test_first_contact_and_summary(results, signal):
 
 
 def test_clock_from_first_contact(frames, settings, signal):
-    clock = FrameRate.of_contact(FPS, signal, 0.1)
+    clock = frame_clock(FPS, signal, contact_load=0.1)
     times = [r.time for r in measure_sequence(frames, SCALE, clock=clock, force=signal, settings=settings)]
     # Late by the ridges needed to see a contact, and by up to a frame.
     np.testing.assert_allclose(times, TIME, atol=1.5 / FPS)

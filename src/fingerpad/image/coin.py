@@ -9,7 +9,6 @@ from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array
 from fingerpad._display import Displayed
@@ -98,22 +97,13 @@ class Coin(Displayed):
 
     Examples
     --------
-    A coin tilted by 25°: the major axis keeps its length.
+    The major axis of a tilted coin keeps its length.
 
-    >>> coin = Coin(
-    ...     centre=(240.0, 320.0),
-    ...     semi_major=120.0,
-    ...     semi_major_std=0.1,
-    ...     semi_minor=108.8,
-    ...     semi_minor_std=0.1,
-    ...     orientation=0.0,
-    ...     residual_std=0.3,
-    ...     support=1.0,
-    ...     shadow=0.0,
-    ...     flags=(),
-    ... )
-    >>> round(math.degrees(coin.tilt)), coin.scale(23.25).mm_per_px
-    (25, 0.096875)
+    >>> from fingerpad.image import measure_coin
+    >>> from fingerpad.simulate import render_coin
+    >>> coin = measure_coin(render_coin(radius=80.0, tilt=0.4, shape=(240, 240)).pixels)
+    >>> round(coin.tilt, 1), round(coin.scale(23.25).mm_per_px, 3)
+    (0.4, 0.145)
     """
 
     centre: tuple[float, float]
@@ -198,7 +188,13 @@ def measure_coin(image: ImageLike) -> Coin:
     >>> abs(scale.mm_per_px / (23.25 / 160) - 1) < 0.002
     True
     """
-    values = _grey_levels(grey_levels(image))
+    levels = picture_levels(grey_levels(image), "pixels", CalibrationError)
+    if levels.ndim != 2 or min(levels.shape) < _MIN_SIDE_PX:
+        raise CalibrationError(
+            f"pixels must be a grey (rows, columns) image of {_MIN_SIDE_PX} px or more, "
+            f"found shape {levels.shape}"
+        )
+    values = levels.astype(np.float32)
     step = max(1.0, max(values.shape) / _WORKING_SIDE)
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
     chosen, shadowed = _coin_outline(np.asarray(small, dtype=np.float32))
@@ -218,16 +214,6 @@ def measure_coin(image: ImageLike) -> Coin:
             "light it evenly, or draw a line instead"
         )
     return _coin(outline, shadow, band, shadowed)
-
-
-def _grey_levels(pixels: npt.ArrayLike) -> Float32Array:
-    levels = picture_levels(pixels, "pixels", CalibrationError)
-    if levels.ndim != 2 or min(levels.shape) < _MIN_SIDE_PX:
-        raise CalibrationError(
-            f"pixels must be a grey (rows, columns) image of {_MIN_SIDE_PX} px or more, "
-            f"found shape {levels.shape}"
-        )
-    return levels.astype(np.float32)
 
 
 def _smooth(image: Float32Array) -> Float32Array:
@@ -252,8 +238,10 @@ def _coin_outline(image: Float32Array) -> tuple[Outline, bool]:
         raise CalibrationError(
             f"{len(apart)} coins found where one is expected, at {places}: crop the image to one"
         )
-    own = [o for o in outlines if not any(_is_shadow(o, inner) for inner in outlines)]
-    coin = own[0]
+    # A shadow's outline follows the coin on its lit side.
+    coin = next(
+        o for o in outlines if not any(i.ellipse.size < o.ellipse.size and _touch(o, i) for i in outlines)
+    )
     rows, columns = image.shape
     x, y = coin.ellipse.points(72)[0].T
     if x.min() < 1 or y.min() < 1 or x.max() > columns - 2 or y.max() > rows - 2:
@@ -311,11 +299,6 @@ def _touch(one: Outline, other: Outline) -> bool:
     return float(np.mean(gap < _TOUCHING)) > _MIN_TOUCHING and gap.max() > 2 * _TOUCHING
 
 
-def _is_shadow(outer: Outline, inner: Outline) -> bool:
-    """Return whether an outline follows a coin on its lit side and the coin's shadow on the other."""
-    return inner.ellipse.size < outer.ellipse.size and _touch(outer, inner)
-
-
 def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
     try:
         fit = fit_ellipse(outline.points[outline.kept])
@@ -342,10 +325,9 @@ def _coin(outline: Outline, shadow: float, band: float, shadowed: bool) -> Coin:
 
 
 def _beside_edge(image: Float32Array, ellipse: PlaneEllipse) -> tuple[float, float]:
-    """Return how much less, and how else, the coin differs from what lies beside it than from the background.
+    """Return the share of the coin's contrast that a shadow beside it takes, which pulls the edge outward.
 
-    The first is the share of the coin's contrast that a shadow takes: the edge is then pulled outward. The
-    second is how far a band beside the edge, shadow or rounded metal, departs from the background.
+    With it comes how far a band beside the edge, shadow or rounded metal, departs from the background.
     """
     levels = []
     for factor in (0.97, 1.03, 1.05, 1.3):

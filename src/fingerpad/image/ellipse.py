@@ -89,8 +89,8 @@ class ImageEllipse:
 def interpolated_ellipse(first: ImageEllipse, second: ImageEllipse, share: float) -> ImageEllipse:
     """Return the ellipse at a share of the way from one to another.
 
-    The centre moves along a line, and the symmetric matrix that stretches the unit circle into the ellipse
-    changes linearly: semi-axes do where the orientation stays, and what is nearly a circle does not turn.
+    Its centre, and the symmetric matrix that stretches the unit circle into it, change linearly: so do the
+    semi-axes where the orientation stays, and what is nearly a circle does not turn.
     """
     stretch = sum(
         weight * rotation(one.orientation) @ np.diag(one.semi_axes) @ rotation(one.orientation).T
@@ -181,16 +181,12 @@ def orientation_of(direction: tuple[float, float]) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AreaMoments:
-    """Area, centroid (x, y) and second moments of a region.
-
-    `axes` holds the directions of the major and the minor axis as rows; `spread` the second moments of the
-    area along them, about the centroid.
-    """
+    """Area, centroid (x, y) and second moments of a region."""
 
     area: float
     centroid: FloatArray
-    axes: FloatArray
-    spread: FloatArray
+    axes: FloatArray  # (2, 2); directions of the major and the minor axis as rows
+    spread: FloatArray  # (2,); second moments of the area along them, about the centroid
 
     @property
     def semi_axes(self) -> FloatArray:
@@ -208,12 +204,6 @@ class AreaMoments:
         """Ellipse of the same area and centroid, with the axis ratio and direction of the second moments."""
         (x, y), (major, minor) = map(float, self.centroid), map(float, self.semi_axes)
         return ImageEllipse(centre=(y, x), semi_axes=(major, minor), orientation=self.orientation)
-
-
-def _area_moments(area: float, centroid: FloatArray, second: FloatArray) -> AreaMoments:
-    """Return the moments of a region whose second moments per unit area are a matrix, (2, 2)."""
-    spread, axes = np.linalg.eigh(second)
-    return AreaMoments(area=area, centroid=centroid, axes=axes.T[::-1], spread=spread[::-1] * area)
 
 
 def evenly_spaced(
@@ -245,7 +235,9 @@ def polygon_moments(points: FloatArray) -> AreaMoments:
     products = p[:, 0] * (2 * p[:, 1] + q[:, 1]) + q[:, 0] * (p[:, 1] + 2 * q[:, 1])
     mixed = (products * cross).sum() / 24
     second = np.array([[squares[0], mixed], [mixed, squares[1]]]) / area - np.outer(centroid, centroid)
-    return _area_moments(abs(float(area)), centroid + origin, second)
+    spread, axes = np.linalg.eigh(second)
+    size = abs(float(area))
+    return AreaMoments(area=size, centroid=centroid + origin, axes=axes.T[::-1], spread=spread[::-1] * size)
 
 
 def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:

@@ -5,6 +5,7 @@ orthogonal distance from there, with the covariance of its parameters.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
@@ -39,35 +40,35 @@ class EllipseFit(Displayed):
 
 def fit_ellipse(points: ArrayLike) -> EllipseFit:
     """Fit the ellipse of least orthogonal distance to five points or more; `semi_x` is the major one."""
-    points = _check_points(points, min_count=5)
-    local, shift, size = normalise(points)
-    values, covariance, residual_std = refine(local, _direct_ellipse(local))
-    to_units = np.array([size, size, size, size, 1.0])
-    values, covariance = values * to_units, covariance * np.outer(to_units, to_units)
+    values, covariance, residual_std = _fitted(points, 5, _direct_ellipse)
     if values[2] < values[3]:
         order = [0, 1, 3, 2, 4]
         values, covariance = values[order], covariance[np.ix_(order, order)]
         values[4] += math.pi / 2
     covariance[4, 4] = min(covariance[4, 4], _ANGLE_VARIANCE_LIMIT)
-    values[:2] += shift
     values[4] = half_turn(values[4])
-    return EllipseFit(
-        ellipse=PlaneEllipse(*values.tolist()), covariance=covariance, residual_std=residual_std * size
-    )
+    ellipse = PlaneEllipse(*values.tolist())
+    return EllipseFit(ellipse=ellipse, covariance=covariance, residual_std=residual_std)
 
 
 def fit_aligned_ellipse(points: ArrayLike) -> EllipseFit:
     """Fit the ellipse of least orthogonal distance whose axes lie along x and y to four or more points."""
-    points = _check_points(points, min_count=4)
+    values, covariance, residual_std = _fitted(points, 4, _direct_aligned)
+    ellipse = PlaneEllipse(*values.tolist())
+    return EllipseFit(ellipse=ellipse, covariance=np.pad(covariance, (0, 1)), residual_std=residual_std)
+
+
+def _fitted(
+    points: ArrayLike, min_count: int, direct: Callable[[FloatArray], Parameters]
+) -> tuple[Parameters, FloatArray, float]:
+    """Return what `refine` does from a direct fit, in the unit of the points."""
+    points = _check_points(points, min_count)
     local, shift, size = normalise(points)
-    values, covariance, residual_std = refine(local, _direct_aligned(local))
-    values = values * size
+    values, covariance, residual_std = refine(local, direct(local))
+    units = np.array([size, size, size, size, 1.0])[: values.size]
+    values *= units
     values[:2] += shift
-    return EllipseFit(
-        ellipse=PlaneEllipse(*values.tolist()),
-        covariance=np.pad(covariance * size**2, (0, 1)),
-        residual_std=residual_std * size,
-    )
+    return values, covariance * np.outer(units, units), residual_std * size
 
 
 def _check_points(points: ArrayLike, min_count: int) -> FloatArray:
@@ -183,8 +184,7 @@ def refine(points: FloatArray, start: Parameters) -> tuple[Parameters, FloatArra
 def correlation_length(residuals: FloatArray, places: npt.NDArray[np.integer]) -> float:
     """Return how many neighbouring residuals, at rising places along the outline, count as one.
 
-    The integrated autocorrelation 1 + 2 Σ ρ_k over a window of five correlation lengths, at most an eighth of
-    the number of residuals.
+    The integrated autocorrelation 1 + 2 Σ ρ_k over five correlation lengths, at most an eighth of the number.
     """
     span = int(places[-1] - places[0]) + 1
     values, present = np.zeros(span), np.zeros(span)

@@ -36,10 +36,8 @@ IndexArray: TypeAlias = npt.NDArray[np.intp]
 
 # Middle of the pad's arc as parametric angle from x (across) towards y (along), radians.
 PAD_MIDDLE: Mapping[Face, float] = {
-    "palmar": math.pi / 2,
-    "distal": math.pi / 2,
-    "radial": math.pi / 6,
-    "ulnar": math.pi / 6,
+    **dict.fromkeys(("palmar", "distal"), math.pi / 2),
+    **dict.fromkeys(("radial", "ulnar"), math.pi / 6),
 }
 # Widest arc that can be pad, on either side of its middle.
 PAD_REACH: Mapping[Face, float] = {
@@ -97,10 +95,9 @@ def fit_arc_ellipse(
 ) -> ArcFit:
     """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points (x, y) of an outline.
 
-    `tilt` is the turn of the finger's axis from x towards y as known beforehand, and its std, radians.
-    `places` are those of the points in the outline, where some are left out. `start` is (x, y, semi_x,
-    semi_y, tilt). `beyond` is how far each point lies past an end of the arc: negative before the first,
-    positive after the last.
+    `tilt` is the finger's axis as known beforehand, and its std. `places` are the points' in the outline,
+    where some are left out; `start` is (x, y, semi_x, semi_y, tilt); `beyond` how far each point lies past an
+    end of the arc, negative before the first.
     """
     points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():
@@ -187,16 +184,11 @@ def _whitening(on_arc: BoolArray, density: float, bends: FloatArray) -> Callable
 
 
 def bend_covariance(beyond: FloatArray, radii: tuple[float, ...]) -> FloatArray:
-    """Return the covariance of an outline's distance from the ellipse beyond the ends of its arc.
+    """Return the covariance of an outline's distance from the ellipse at places beyond the ends of its arc.
 
-    The outline has no corner. Its curvature, in units of the ellipse's at the end, jumps there by a normal
-    deviate and then follows a random walk, both of standard deviation one (the walk's after one radian).
-    Integrated twice along the outline, with s and t the lesser and greater of two distances in radii of
-    curvature R, the covariance is
+    Curvature, in units of the ellipse's, jumps at the end by a normal deviate and then follows a random walk,
+    both of standard deviation one. Integrated twice, with distances s < t in radii R of the ends, that is
     R² [s² t² / 4 + (s⁵/5 + (t − s) s⁴/2 + (t − s)² s³/3) / 4]; the two ends are independent.
-
-    `beyond` is the distance beyond the arc, negative before its first end; `radii` are those of the ellipse
-    at the first and the last end, in the same unit.
     """
     radius = np.where(beyond < 0, *radii)
     angle = np.abs(beyond) / radius
@@ -320,8 +312,7 @@ def initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
 def finger_tilt(points: FloatArray, face: Face) -> tuple[float, float]:
     """Return the tilt of the finger from x towards y, and its standard uncertainty, radians.
 
-    The middle line between the two sides below the pad, where they show; upright within 5 degrees where
-    they do not, as when the finger is seen end on.
+    That of the middle line between the sides below the pad; where none show, upright within 5 degrees.
     """
     if face == "distal":
         return 0.0, _UPRIGHT_STD
@@ -350,9 +341,8 @@ def longest_arc(
 ) -> PadArc:
     """Find the longest arc through the middle of the candidates that one ellipse fits, and fit it.
 
-    `points` of the outline are in the face's frame, px; `order` has the indices of the candidates along it;
-    `middle` is the pad's as a parametric angle, `tilt` that of the finger's axis and its std, radians;
-    `rough` is an ellipse (x, y, semi_x, semi_y, tilt).
+    `order` has the candidates' indices along the outline; `middle` is a parametric angle, `tilt` the finger's
+    axis and its std, radians; `rough` an ellipse (x, y, semi_x, semi_y, tilt).
     """
     track = points[order]
     sure = np.abs(turns_from(middle, track, rough)) < SURELY_PAD

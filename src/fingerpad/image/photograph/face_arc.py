@@ -47,11 +47,7 @@ _LOW_CONTRAST = 30.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FaceArc:
-    """The arc of a face's outline, in the outline, and what is known beside it.
-
-    Lengths are px of the picture. The outline's n points are in the face's frame, in order; the arc is one
-    piece of them.
-    """
+    """The arc, one piece of a face's outline, in the face's frame, px, and what is known beside it."""
 
     face: Face
     scale: Scale
@@ -197,7 +193,6 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         correlation_px=fit.correlation * outline_places(arc.points)[1],
         residual_px_std=fit.residual_std,
         blur_px=arc.blur,
-        flags=frozenset(),
         exponent=math.nan if average is None else average.exponent,
         exponent_std=math.nan if average is None else average.exponent_std,
         outline=arc.in_picture(arc.points[arc.pad & ~arc.marked]),
@@ -240,8 +235,8 @@ def _contradicted(
 ) -> tuple[FloatArray, float]:
     """Return by how much the outline's lengths and the finger's axis differ from an ellipse beyond chance.
 
-    Where the ellipse is tilted otherwise than the finger, another curve was taken for a turned ellipse: its
-    axis is uncertain by that turn, and its semi-axes by about as many radians.
+    An ellipse tilted otherwise than the finger is another curve: its axis is uncertain by that turn, and its
+    semi-axes by about as many radians.
     """
     outline, pad = arc.about(ellipse, ellipse.angle)
     lengths = contradicted_by_lengths(

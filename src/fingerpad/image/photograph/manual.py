@@ -34,8 +34,7 @@ def photograph_from_ellipse(
 ) -> PhotographFit:
     """Return a face's semi-axes from an ellipse placed manually, px; it needs no picture.
 
-    `semi_axes` are across and along, `centre` is (row, column), `tilt` the turn from across towards along,
-    radians.
+    `semi_axes` are across and along, `centre` is (row, column), `tilt` goes from across to along, radians.
     """
     if not (np.isfinite([*centre, *semi_axes, tilt]).all() and min(semi_axes) > 0):
         raise ImageError(
@@ -61,11 +60,6 @@ def photograph_from_ellipse(
         tilt=tilt,
         tilt_std=own_std / float(semi_px.max()),
         arc=(PAD_MIDDLE[face] - math.pi, PAD_MIDDLE[face] + math.pi),
-        points=np.empty((0, 2)),
-        outliers=np.empty((0, 2)),
-        correlation_px=math.nan,
-        residual_px_std=math.nan,
-        blur_px=math.nan,
         flags=size_flags(semi_mm) | {"fitted_manually"},
     )
 
@@ -126,9 +120,8 @@ def with_marked_points(
 ) -> PhotographFit:
     """Fit the ellipse again with points added to the outline or erased from it, (row, column), px.
 
-    Fit, uncertainty and flags are those of `measure_photograph` for the arc as it is then, however many steps
-    led there. `erased` are strokes of an eraser, each with its radius, px; at an end of the arc the pad ends
-    there.
+    All is that of `measure_photograph` for the arc as it is then, however many steps led there. `erased` are
+    strokes of an eraser, each with its radius, px; where one takes the end of the arc, the pad ends there.
     """
     marks = _check_points("added points", added)
     arc: FaceArc = found._arc

@@ -72,12 +72,12 @@ class PhotographFit(Displayed):
     tilt: float
     tilt_std: float
     arc: tuple[float, float]
-    points: FloatArray
-    outliers: FloatArray
-    correlation_px: float
-    residual_px_std: float
-    blur_px: float
-    flags: frozenset[str]
+    points: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    outliers: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    correlation_px: float = math.nan
+    residual_px_std: float = math.nan
+    blur_px: float = math.nan
+    flags: frozenset[str] = frozenset()
     exponent: float = math.nan
     exponent_std: float = math.nan
     outline: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
@@ -217,17 +217,12 @@ class PhotographFit(Displayed):
         """
         if self.face not in ("radial", "ulnar"):
             return []
-        seen = [(wedge, *self.outline_radius(math.radians(wedge))) for wedge in wedges_deg]
-        return [
-            {
-                "wedge_angle_deg": wedge,
-                "outline_mm": radius,
-                "outline_mm_std": std,
-                "ellipse_mm": self.ellipse_radius(math.radians(wedge)),
-            }
-            for wedge, radius, std in seen
-            if math.isfinite(radius)
+        names = "wedge_angle_deg", "outline_mm", "outline_mm_std", "ellipse_mm"
+        seen = [
+            (wedge, *self.outline_radius(math.radians(wedge)), self.ellipse_radius(math.radians(wedge)))
+            for wedge in wedges_deg
         ]
+        return [dict(zip(names, one, strict=True)) for one in seen if math.isfinite(one[1])]
 
     def without_picture(self) -> Self:
         """Return the same without the picture that was measured, to save memory."""

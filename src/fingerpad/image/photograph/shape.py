@@ -40,14 +40,11 @@ def contradicted_by_lengths(
     tilt_std: float,
     ellipse: float = 1.0,
 ) -> FloatArray:
-    """Return by how much, relatively, an outline's lengths differ from semi-axes beyond chance.
+    """Return by how much, relatively, an outline's lengths differ from semi-axes beyond chance, or 0.
 
-    The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse, or less far,
-    nothing tells which of the two is the pad. Zero where the outline does not show a length.
-
-    Points (x, y) are about the ellipse's centre, in order, along its axes: of a palmar face with the shaft,
-    in `pad` those that can be pad. The ellipse's axis has the standard uncertainty `tilt_std`, radians; it
-    describes the pad's arc with the probability `ellipse`.
+    Where the outline reaches farther than the ellipse of an arc, or less far, nothing tells which is the pad.
+    Points (x, y) are about the ellipse's centre, along its axes, whose std is `tilt_std`; of a palmar face
+    with the shaft, in `pad` without. `ellipse` is the probability that the pad is one.
     """
     if len(points) < _MIN_POINTS_OF_LENGTHS:
         return np.zeros(2)
@@ -83,8 +80,7 @@ class HalfWidth(NamedTuple):
 def half_width(points: FloatArray, pad: FloatArray, across: float, along: float, face: Face) -> HalfWidth:
     """Return half of an outline's width; arguments are those of `contradicted_by_lengths`.
 
-    Of a palmar face the widest place lies at the ellipse's centre or above: below, the shaft may be wider
-    than the pad. How much wider it is beyond what is common, is the pad's.
+    Below the ellipse's centre a shaft may be wider than the pad: what is not common of that is the pad's.
     """
     top = int(points[:, 1].argmax())
     way = math.copysign(1, points[-1, 0] - points[0, 0])
@@ -172,10 +168,9 @@ class _Ellipse:
 def radius_of_outline(
     points: FloatArray, semi_axes: tuple[float, float], angle: float, angle_std: float
 ) -> tuple[float, float]:
-    """Return the radius of curvature where the outward normal has an angle, and its standard uncertainty.
+    """Return the radius of curvature where the outward normal has an angle, and its std; NaN where unseen.
 
-    In the frame of the normal, a cubic is fitted to the outline's distance from the ellipse about the place
-    where its slope vanishes; NaN where that is not shown. Points (x, y) are in order, in the ellipse's frame.
+    There a cubic is fitted to the distance of the points (x, y), in the ellipse's frame, from the ellipse.
     """
     if len(points) < _MIN_POINTS_OF_RADIUS:
         return _UNSEEN[:2]
@@ -251,14 +246,9 @@ def average_over_shapes(
 ) -> ShapeAverage | None:
     """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse by odds.
 
-    |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, one for all quadrants together and one
-    for each. The semi-axes of both curves are the extents to which they continue the arc.
-
-    Points of the pad, in order, may have been fitted along an arc only by the ellipse, whose semi-axes have
-    the covariance given. `half_width` is half of the finger's width, NaN where this face does not show the
-    pad's, of which the outline does not show the part `hidden`. `noise` is the standard deviation of the
-    points on the ellipse's arc; `alike` neighbouring points share an error. Lengths are px. None where the
-    points are too few to tell.
+    |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, one for all quadrants and one for each.
+    `covariance` is that of the ellipse's semi-axes; `half_width` half of the finger's, of which `hidden` is
+    not seen; `noise` the points' std; `alike` neighbours share an error. Lengths are px.
     """
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
     blocks, counts = _blocks(points / size, alike)

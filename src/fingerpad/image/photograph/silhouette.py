@@ -269,17 +269,18 @@ class SubpixelOutline(NamedTuple):
 def locate_edges(
     light: npt.NDArray[np.float32], contour: FloatArray, *, reach: float, spacing: float = 1.0
 ) -> SubpixelOutline:
-    """Locate the edge near each point of a rough contour.
+    """Locate the edge within `reach` of each point of a rough contour, (row, column), px.
 
-    The profile along each normal is, in each channel, a blurred edge between a backdrop that changes evenly
-    and a rounded body that brightens as the square root of the depth from its limb. Position by least squares
-    over all channels, the blur common to all points.
-
-    `light` is that of `opponent_light`; the contour, (row, column), is closed if its ends meet, and can be
-    off by `reach`; points lie `spacing` apart, px.
+    The profile along each normal is, in each channel of `opponent_light`, a blurred edge between a backdrop
+    that changes evenly and a rounded body that brightens as the square root of the depth from its limb; the
+    position is that of least squares over all channels, with one blur.
     """
     closed = bool(np.linalg.norm(contour[0] - contour[-1]) < 3 * np.linalg.norm(contour[1] - contour[0]) + 2)
-    points, normals = _resample(contour, spacing, closed=closed)
+    points = evenly_spaced(contour, spacing, closed=closed, min_count=8)
+    turned = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    tangent = turned if closed else np.gradient(points, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
+    normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
     offsets = _even(reach + _BEYOND_PX, 1 / _DENSITY)
     profiles = _profiles(light, points, normals, offsets, spacing, closed=closed)
     blurs, weights = _sharpness(profiles[:: max(1, len(profiles) // 150)], offsets, reach)
@@ -287,16 +288,6 @@ def locate_edges(
     found = np.isfinite(places) & (ratio > _MIN_STEP_RATIO)
     moved = points + np.where(found, places, 0.0)[:, None] * normals
     return SubpixelOutline(moved, found, float(blurs[0]), ratio, closed)
-
-
-def _resample(contour: FloatArray, spacing: float, *, closed: bool) -> tuple[FloatArray, FloatArray]:
-    """Return evenly spaced points of a contour and its outward unit normals."""
-    points = evenly_spaced(contour, spacing, closed=closed, min_count=8)
-    turned = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    tangent = turned if closed else np.gradient(points, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
-    normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
-    return points, normals
 
 
 def _profiles(

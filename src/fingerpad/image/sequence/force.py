@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import Final, Self, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -229,47 +229,6 @@ class FrameRate:
             anchor_frame=frame,
         )
 
-    @classmethod
-    def of_trigger(cls, frames_per_second: float, signal: ForceSignal, *, frame: int = 0) -> Self:
-        """Return a clock whose anchor is the rise of the trigger.
-
-        Parameters
-        ----------
-        frames_per_second : float
-            Rate at which the frames were taken.
-        signal : ForceSignal
-            With a trigger.
-        frame : int
-            The frame that the trigger starts.
-
-        Returns
-        -------
-        FrameRate
-        """
-        return cls(frames_per_second, anchor_time=signal.trigger_time(), anchor_frame=frame)
-
-    @classmethod
-    def of_contact(cls, frames_per_second: float, signal: ForceSignal, threshold: float) -> Self:
-        """Return a clock whose anchor is the first-contact frame, where the load rises through a threshold.
-
-        Contact is visible in the pictures from some ridges on: the frame is late by that and by up to one
-        frame, and so are all times.
-
-        Parameters
-        ----------
-        frames_per_second : float
-            Rate at which the frames were taken.
-        signal : ForceSignal
-            The force.
-        threshold : float
-            N.
-
-        Returns
-        -------
-        FrameRate
-        """
-        return cls(frames_per_second, anchor_time=signal.contact_time(threshold), anchor_frame=None)
-
     def time_of(self, index: int, first_contact: int | None) -> float:
         """Return the time of a frame.
 
@@ -324,12 +283,10 @@ def frame_clock(
     """
     if start_time is not None and contact_load is not None:
         raise LoadingError("give either the time of the first frame or the load of first contact, not both")
-    if force is not None and contact_load is not None:
-        return FrameRate.of_contact(frames_per_second, force, contact_load)
+    if force is not None and contact_load is not None:  # a frame late, and by what shows in the pictures
+        return FrameRate(frames_per_second, anchor_time=force.contact_time(contact_load), anchor_frame=None)
     if force is not None and start_time is None:
-        if force.trigger is not None:
-            return FrameRate.of_trigger(frames_per_second, force)
-        start_time = force.span[0]
+        start_time = force.span[0] if force.trigger is None else force.trigger_time()
     return FrameRate(frames_per_second, anchor_time=start_time or 0.0)
 
 
@@ -338,9 +295,8 @@ def alignment_scatter(
 ) -> FloatArray:
     """Return the scatter of ln(area) about a power law of the load, for frames displaced by each shift, s.
 
-    Late frames have an area of a smaller load while it grows and of a greater one while it falls. A pad that
-    creeps does the same in part: the least scatter is where frames and force agree best, which is no proof
-    that they do.
+    Frames that are late have an area of a smaller load while it grows, of a greater one while it falls. So in
+    part has a pad that creeps: the least scatter is where frames and force agree best, but no proof.
     """
     time, area = as_float_array(time), as_float_array(area)
     if time.ndim != 1 or time.shape != area.shape:

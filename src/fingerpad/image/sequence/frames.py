@@ -117,7 +117,10 @@ class Frames(Displayed):
         Frame
             In order.
         """
-        shape = None if start == 0 else self._first_shape()
+        shape = None
+        if start:
+            readable = (frame.pixels for frame in self._decode(0, self.count) if frame.pixels is not None)
+            shape = next((pixels.shape for pixels in readable), None)
         for frame in _decoded_ahead(self._decode(start, min(stop, self.count))):
             if frame.pixels is not None and shape is None:
                 shape = frame.pixels.shape
@@ -148,10 +151,6 @@ class Frames(Displayed):
         if not 0 <= index < self.count:
             raise ImageError(f"{self.path}: has no frame {index}: there are {self.count}, counted from 0")
         return next(self._decode(index, index + 1))
-
-    def _first_shape(self) -> tuple[int, ...] | None:
-        readable = (frame.pixels for frame in self._decode(0, self.count) if frame.pixels is not None)
-        return next((pixels.shape for pixels in readable), None)
 
     def _decode(self, start: int, stop: int) -> Iterator[Frame]:
         if self.kind == "folder":
@@ -207,7 +206,10 @@ def open_frames(path: str | PathLike[str], *, memory_limit: int = MEMORY_LIMIT) 
         if not count:
             raise ImageError(f"{path}: holds no picture (PNG, TIFF, JPEG, BMP or PGM)")
     elif path.suffix.lower() in TIFF_SUFFIXES:
-        kind, count = "tiff", _count_pages(path)
+        with _open_tiff(path) as tiff:
+            pages, broken = _count_readable_pages(tiff)
+        # Where the chain of pages is broken, one more stands for what is lost.
+        kind, count = "tiff", pages + (broken is not None)
     elif path.suffix.lower() in PICTURE_SUFFIXES:
         raise ImageError(f"{path}: is one picture: name the folder that holds the sequence")
     else:
@@ -240,36 +242,28 @@ def frame_files(folder: Path) -> list[Path]:
         raise ImageError(
             f"{folder}: cannot be listed ({error}): check the folder and its permissions"
         ) from error
+
+    def natural(path: Path) -> list[tuple[int, int, str]]:
+        parts = re.split(r"(\d+)", path.name.lower())
+        return [(0, int(part), part) if part.isdecimal() else (1, 0, part) for part in parts]
+
     pictures = (p for p in files if p.suffix.lower() in PICTURE_SUFFIXES and p.name[0] != ".")
-    return sorted(pictures, key=_natural)
-
-
-def _natural(path: Path) -> list[tuple[int, int, str]]:
-    parts = re.split(r"(\d+)", path.name.lower())
-    return [(0, int(part), part) if part.isdecimal() else (1, 0, part) for part in parts]
+    return sorted(pictures, key=natural)
 
 
 def _folder_frames(pictures: list[Path], start: int, stop: int, memory_limit: int) -> Iterator[Frame]:
     for index, picture in enumerate(pictures[start:stop], start):
         try:
-            pixels = read_image(picture, memory_limit=memory_limit).pixels
+            frame = Frame(index=index, pixels=read_image(picture, memory_limit=memory_limit).pixels)
         except ImageError as error:
-            yield Frame(index=index, pixels=None, reason=str(error))
-        else:
-            yield Frame(index=index, pixels=pixels)
+            frame = Frame(index=index, pixels=None, reason=str(error))
+        yield frame
 
 
 def _count_readable_pages(tiff: tifffile.TiffFile) -> tuple[int, str | None]:
     """Return the number of pages that can be reached, and what breaks their chain, if anything does."""
     with tifffile_warnings() as heard:
         return len(tiff.pages), heard[0].getMessage() if heard else None
-
-
-def _count_pages(path: Path) -> int:
-    """Return the number of frames; where the chain of pages is broken, one more stands for what is lost."""
-    with _open_tiff(path) as tiff:
-        count, broken = _count_readable_pages(tiff)
-    return count + (broken is not None)
 
 
 def _open_tiff(path: Path) -> tifffile.TiffFile:
@@ -291,13 +285,12 @@ def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Iterat
         for index in range(start, min(stop, count)):
             try:
                 with tifffile_warnings():
-                    pixels = _page(path, tiff, index, memory_limit)
+                    frame = Frame(index=index, pixels=_page(path, tiff, index, memory_limit))
             # tifffile lets errors of any kind out of a damaged page.
             except Exception as error:
                 reason = f"{path}: page {index} cannot be decoded ({error})"
-                yield Frame(index=index, pixels=None, reason=reason)
-            else:
-                yield Frame(index=index, pixels=pixels)
+                frame = Frame(index=index, pixels=None, reason=reason)
+            yield frame
         if broken is not None and stop > count:
             reason = f"{path}: damaged after {count} pages, those that follow are lost ({broken})"
             yield Frame(index=count, pixels=None, reason=reason)
@@ -355,7 +348,6 @@ def _video_frames(path: Path, start: int, stop: int, count: int, memory_limit: i
             index += 1
     finally:
         capture.release()
+    reason = f"{path}: the video ends after {index} of {count} frames"
     for missing in range(max(index, start), stop):
-        yield Frame(
-            index=missing, pixels=None, reason=f"{path}: the video ends after {index} of {count} frames"
-        )
+        yield Frame(index=missing, pixels=None, reason=reason)
