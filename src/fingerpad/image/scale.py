@@ -263,8 +263,7 @@ class Scale(Displayed):
 def circle_through(points: Sequence[tuple[float, float]]) -> tuple[FloatArray, float, FloatArray]:
     """Return the centre and the radius of the circle through three points, px.
 
-    With them comes by how much the radius changes for each point that moves outward by one px: they sum to
-    one, and are large where the points lie close together.
+    With them comes by how much the radius changes for each point that moves outward by one px.
     """
     places = as_float_array(points)
     if places.shape != (3, 2) or not np.isfinite(places).all():

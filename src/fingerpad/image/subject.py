@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final, Literal, TypeAlias, get_args
 
@@ -13,7 +14,7 @@ from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, ImageError
 from fingerpad.image.coin import measure_coin
-from fingerpad.image.contact_image.spectra import LineTexture, line_texture
+from fingerpad.image.contact_image.spectra import line_texture
 from fingerpad.image.levels import eight_bit, picture_levels
 from fingerpad.image.photograph.faces import Direction, Face, opposite
 from fingerpad.image.photograph.silhouette import Silhouette, find_silhouette, opponent_light
@@ -46,9 +47,8 @@ class SubjectGuess(Displayed):
 def guess_subject(image: ImageLike) -> SubjectGuess:
     """Guess what a picture shows; no scale is needed.
 
-    Lines of one spacing that turn are ridges of a contact; straight ones are marks of a ruler; one circular
-    edge is a coin. Skin colour, or one smooth body before a plain backdrop, is a finger, whose outline is
-    closed end-on, has a straight middle line from the front, a bent one from the side.
+    Lines of one spacing that turn are ridges, straight ones marks of a ruler; a circular edge is a coin. Skin
+    colour, or a smooth body before a plain backdrop, is a finger, whose middle line is bent from the side.
     """
     levels = picture_levels(colour_levels(image), "image")
     if levels.ndim not in {2, 3} or min(levels.shape[:2]) < 2 or (levels.ndim == 3 and levels.shape[2] < 3):
@@ -58,9 +58,15 @@ def guess_subject(image: ImageLike) -> SubjectGuess:
     lines = line_texture(as_float32(grey))
     silhouette, tip = _silhouette(_reduced(pixels, _FINGER_PX))
     scores = dict.fromkeys(SUBJECTS, 0.0)
-    scores["contact"], scores["ruler"] = _line_scores(lines)
+    if lines.parallel > _PARALLEL and lines.spread < _EVEN:
+        scores["ruler"] = 6.0 * min(1.0, lines.share / _MARKS)
+    else:
+        turning = min(1.0, (1 - lines.parallel) / (1 - _PARALLEL) / 2)
+        scores["contact"] = 6.0 * min(1.0, lines.share / _RIDGED) * turning
     if scores["contact"] < 4 or lines.parallel > _STRAIGHT:
-        scores["coin"] = _coin_score(_reduced(grey, _COIN_PX))
+        with suppress(CalibrationError):
+            coin = measure_coin(_reduced(grey, _COIN_PX))
+            scores["coin"] = 5.5 if coin.semi_minor > 0.9 * coin.semi_major else 1.5
     scores["finger"] = _finger_score(pixels, silhouette)
     scores["other"] = 1.5
     faces = _faces(silhouette, tip) if silhouette is not None else {}
@@ -80,22 +86,6 @@ def _shares(scores: Mapping[Any, float]) -> dict[Any, float]:
     weights = {name: math.exp(score) for name, score in scores.items()}
     whole = sum(weights.values())
     return {name: weights[name] / whole for name in sorted(weights, key=lambda name: -weights[name])}
-
-
-def _line_scores(lines: LineTexture) -> tuple[float, float]:
-    """Return the scores of a contact's ridges and of a ruler's marks."""
-    if lines.parallel > _PARALLEL and lines.spread < _EVEN:
-        return 0.0, 6.0 * min(1.0, lines.share / _MARKS)
-    turning = min(1.0, (1 - lines.parallel) / (1 - _PARALLEL) / 2)
-    return 6.0 * min(1.0, lines.share / _RIDGED) * turning, 0.0
-
-
-def _coin_score(grey: npt.NDArray[np.uint8]) -> float:
-    try:
-        coin = measure_coin(grey)
-    except CalibrationError:
-        return 0.0
-    return 5.5 if coin.semi_minor > 0.9 * coin.semi_major else 1.5
 
 
 def _finger_score(pixels: npt.NDArray[np.uint8], silhouette: Silhouette | None) -> float:

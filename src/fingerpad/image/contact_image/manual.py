@@ -71,8 +71,7 @@ def region_after_strokes(
 ) -> tuple[Region, Edge]:
     """Return the region and the edge after strokes over the automatic ones, if there are any.
 
-    Strokes and polygons are literal: their rim becomes the edge. Elsewhere the automatic edge is kept, unless
-    a polygon replaces the region.
+    Their rim becomes the edge; elsewhere the automatic edge is kept, unless a polygon replaces the region.
     """
     shape = view.contact.shape
     replaced = max((k for k, edit in enumerate(strokes) if edit.action == "replace"), default=None)

@@ -60,8 +60,8 @@ class Ridges:
 def find_ridges(view: View, threshold: float | None) -> Ridges:
     """Tell ridges from valleys in the copy.
 
-    The two levels are means over windows of three periods (Ridler & Calvard's two means, made local), or
-    those of the whole picture where a window lacks one; with a `threshold` zero and twice that everywhere.
+    The two levels are Ridler & Calvard's means over windows of three periods, or the whole picture's where a
+    window lacks one; with a `threshold` zero and twice that everywhere.
     """
     values = smoothed(view)
     if threshold is not None:
@@ -175,11 +175,13 @@ class RidgeMap:
         By Cauchy and Crofton's formula, from crossings along the rows, the columns and both diagonals.
         """
         ridges = self.is_ridge & self.inside
-        here = np.s_[1:], np.s_[:, 1:], np.s_[1:, 1:], np.s_[1:, :-1]
-        there = np.s_[:-1], np.s_[:, :-1], np.s_[:-1, :-1], np.s_[:-1, 1:]
-        down, across, *diagonal = (
-            np.count_nonzero(ridges[a] != ridges[b]) for a, b in zip(here, there, strict=True)
+        pairs = (
+            (ridges[1:], ridges[:-1]),
+            (ridges[:, 1:], ridges[:, :-1]),
+            (ridges[1:, 1:], ridges[:-1, :-1]),
+            (ridges[1:, :-1], ridges[:-1, 1:]),
         )
+        down, across, *diagonal = (np.count_nonzero(one != other) for one, other in pairs)
         return float(math.pi / 8 * (down + across + sum(diagonal) / math.sqrt(2)) * self.step)
 
 
@@ -341,8 +343,7 @@ def _steps_along_ridges(values: Float32Array, period: float) -> tuple[Float32Arr
 def _local_levels(values: Float32Array, contrast: float, period: float) -> tuple[Float32Array, Float32Array]:
     """Return the level of the valleys and the rise from it to the ridges around each pixel.
 
-    They are the extremes within a disk of about a period, which depend little on mottle and on how wide the
-    ridges are, while means of all that is above and below half move with both.
+    The extremes within a disk of about a period depend little on mottle and the ridges' width; means do.
     """
     every = max(1, round(period / _FEWER_PER_PERIOD))
     few = np.ascontiguousarray(values[::every, ::every])

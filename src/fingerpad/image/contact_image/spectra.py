@@ -96,8 +96,8 @@ _TURNED = np.where(np.take_along_axis(_NEAR, _MEMBERS, axis=1), _BINS[_MEMBERS],
 def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -> float:
     """Return the median ridge period, px, NaN where no ridges are found.
 
-    Local spectra of textured 64 px windows, on copies that show the `expected` period (px) and half and twice
-    as much, or else on all; each window votes for its strongest ring with the share of its power there.
+    Windows of 64 px, on copies that show the `expected` period, half or twice that, or else on all, vote
+    for the strongest ring of their spectrum with the share of power there.
     """
     copies = [(pixels, inside)]
     while min(copies[-1][0].shape) >= _WINDOW:

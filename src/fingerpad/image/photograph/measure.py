@@ -176,12 +176,11 @@ def _pad_arc(
     every = every[edges.found[every]]
     points, candidates = local[every], np.flatnonzero(np.isin(every, order))
     rough = np.append(initial_ellipse(local, face)[:4], tilt[0])
-    ends_known = marks is not None or window is not None
+    ends_known, numbers = marks is not None or window is not None, np.arange(len(every))
     if ends_known:
         arc = fit_arc(points, candidates, tilt, rough_start(points[candidates], tilt, rough))
     else:
         arc = longest_arc(points, candidates, PAD_MIDDLE[face], tilt, rough)
-    numbers = np.arange(len(every))
     return FaceArc(
         face=face,
         scale=scale,

@@ -34,7 +34,7 @@ _SIDE_PX = 1100
 _WIDTH = 3
 _LINE_PX, _LETTER_PX = 40, 14
 # Before OpenCV 5, its fonts had ASCII only.
-_ASCII = {} if int(cv2.__version__.partition(".")[0]) >= 5 else {"±": "+/-", "°": " deg"}
+_ASCII = str.maketrans({} if int(cv2.__version__.partition(".")[0]) >= 5 else {"±": "+/-", "°": " deg"})
 _AXIS_LABELS = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}
 
 
@@ -92,7 +92,7 @@ def draw_photograph_overlay(
     _draw_axes(canvas, found, zoom)
     draw_scale_bar(canvas, found.scale.mm_per_px / zoom, _WIDTH)
     for k, (text, text_colour) in enumerate(_legend(found, label)):
-        write_text(canvas, _drawable(text), (14, _LINE_PX * (k + 1)), _WIDTH, text_colour)
+        write_text(canvas, text.translate(_ASCII), (14, _LINE_PX * (k + 1)), _WIDTH, text_colour)
     return canvas
 
 
@@ -121,8 +121,8 @@ def write_photograph_overlay(
     Examples
     --------
     >>> import tempfile
-    >>> from fingerpad.image import Scale, photograph_from_ellipse
-    >>> fit = photograph_from_ellipse("palmar", Scale(0.1), centre=(200, 160), semi_axes=(118, 138))
+    >>> from fingerpad.image import photograph_from_ellipse
+    >>> fit = photograph_from_ellipse("palmar", 0.1, centre=(200, 160), semi_axes=(118, 138))
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write_photograph_overlay(f"{folder}/palmar.png", np.full((400, 320), 128, np.uint8), fit).name
     'palmar.png'
@@ -163,20 +163,13 @@ def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
     draw_dot(canvas, middle, 5, ELLIPSE_COLOUR)
     stds = found.semi_axes_mm_std
     for end, (name, length) in zip(ends, found.semi_axes_mm.items(), strict=True):
-        text = _drawable(f"{_AXIS_LABELS[name]} {length:.2f} ± {stds[name]:.2f} mm")
+        text = f"{_AXIS_LABELS[name]} {length:.2f} ± {stds[name]:.2f} mm".translate(_ASCII)
         x, y = middle + 0.45 * (end - middle)
         level = abs(end[1] - middle[1]) < abs(end[0] - middle[0])
         # Across an upright axis, so that the outline stays free; beside a level one, away from the other.
         below = 44 if ends[:, 1].sum() < 2 * middle[1] else -20
         corner = round(x) - _LETTER_PX * len(text) // 2, round(y) + (below if level else 0)
         write_text(canvas, text, corner, _WIDTH)
-
-
-def _drawable(text: str) -> str:
-    """Return text in the letters that OpenCV's font has."""
-    for sign, words in _ASCII.items():
-        text = text.replace(sign, words)
-    return text
 
 
 def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Final, TypeAlias, Unpack
 
@@ -166,42 +166,25 @@ def _measure_frame(
     return FrameResult(index=frame.index, measures=contact_image.as_record(), flags=contact_image.flags)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _PhaseRecord:
-    """Phases by time, or by the frames' own numbers; found, or given."""
+def _phase(
+    result: FrameResult, first_contact: int | None, found: PhaseIntervals, count: int, *, given: bool
+) -> Phase | None:
+    """Return the phase of a frame whose time is known, None outside the record.
 
-    intervals: PhaseIntervals
-    by_number: bool = False
-    count: int = 0
-    given: bool = False
-
-    @classmethod
-    def of(
-        cls, texture: FloatArray, force: ForceSignal | None, phases: PhaseIntervals | None
-    ) -> "_PhaseRecord":
-        if phases is not None:
-            return cls(intervals=phases, given=True)
-        if force is not None:
-            return cls(intervals=phase_intervals(force.time, force.load))
-        index = np.arange(texture.size, dtype=np.float64)
-        seen = np.isfinite(texture)
-        texture = np.interp(index, index[seen], texture[seen])
-        return cls(intervals=phase_intervals(index, texture), by_number=True, count=texture.size)
-
-    def at(self, result: FrameResult, first_contact: int | None) -> Phase | None:
-        """Return the phase of a frame whose time is known, None outside the record."""
-        if self.by_number:
-            if result.index >= self.count:
-                return None
-            phase = self.intervals.at(result.index)
-        elif math.isnan(result.time) or "no_force" in result.flags:
+    Phases found in the texture are by the numbers of its `count` frames, all others by time.
+    """
+    if count:
+        if result.index >= count:
             return None
-        else:
-            phase = self.intervals.at(result.time)
-        seen = result.measures is not None and first_contact is not None and result.index >= first_contact
-        if self.given or not seen:
-            return phase
-        return "loading" if phase == "before" else "unloading" if phase == "after" else phase
+        phase = found.at(result.index)
+    elif math.isnan(result.time) or "no_force" in result.flags:
+        return None
+    else:
+        phase = found.at(result.time)
+    seen = result.measures is not None and first_contact is not None and result.index >= first_contact
+    if given or not seen:
+        return phase
+    return "loading" if phase == "before" else "unloading" if phase == "after" else phase
 
 
 def assign_times(
@@ -217,40 +200,37 @@ def assign_times(
     `texture` (`SequenceSettings.texture`) gives the phases where there is neither force nor `phases` on its
     clock.
     """
-    record = _PhaseRecord.of(texture, force, phases)
+    count = 0
+    if phases is not None:
+        found = phases
+    elif force is not None:
+        found = phase_intervals(force.time, force.load)
+    else:
+        count = texture.size
+        seen = np.flatnonzero(np.isfinite(texture))
+        index = np.arange(count, dtype=np.float64)
+        found = phase_intervals(index, np.interp(index, seen, texture[seen]))
+
+    def placed(result: FrameResult) -> FrameResult:
+        time = math.nan if clock is None else clock.time_of(result.index, first_contact)
+        load = math.nan if force is None else float(force.load_at(time))
+        no_time, no_force = clock is not None and math.isnan(time), force is not None and math.isnan(load)
+        flags = (*result.flags, *["no_time"] * no_time, *["no_force"] * no_force)
+        timed = replace(result, time=time, load=load, flags=flags)
+        phase = _phase(timed, first_contact, found, count, given=phases is not None)
+        return replace(timed, phase=phase, is_first_contact=result.index == first_contact)
+
     waiting: list[FrameResult] = []
     run = 0
     first_contact: int | None = None
     for result in results:
         if first_contact is not None:
-            yield _assign_time(result, first_contact, clock, force, record)
+            yield placed(result)
             continue
         waiting.append(result)
         run = run + 1 if result.measures is not None else 0
         if run == PERSISTENCE:
             first_contact = waiting[-PERSISTENCE].index
-            yield from (_assign_time(held, first_contact, clock, force, record) for held in waiting)
+            yield from map(placed, waiting)
             waiting.clear()
-    yield from (_assign_time(held, None, clock, force, record) for held in waiting)
-
-
-def _assign_time(
-    result: FrameResult,
-    first_contact: int | None,
-    clock: FrameClock | None,
-    force: ForceSignal | None,
-    record: _PhaseRecord,
-) -> FrameResult:
-    time = math.nan if clock is None else clock.time_of(result.index, first_contact)
-    load = math.nan if force is None else float(force.load_at(time))
-    doubts = {
-        "no_time": clock is not None and math.isnan(time),
-        "no_force": force is not None and math.isnan(load),
-    }
-    flags = (*result.flags, *(flag for flag, doubted in doubts.items() if doubted))
-    placed = replace(result, time=time, load=load, flags=flags)
-    return replace(
-        placed,
-        phase=record.at(placed, first_contact),
-        is_first_contact=first_contact is not None and result.index == first_contact,
-    )
+    yield from map(placed, waiting)

@@ -162,11 +162,12 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
         phases[result.phase or "none"] += 1
         if result.is_first_contact:
             first_contact = result.index
-        if result.measures is not None and result.measures["gross_area_mm2"] > largest_area:
-            largest, largest_area = result.index, result.measures["gross_area_mm2"]
+        area = 0.0 if result.measures is None else result.measures["gross_area_mm2"]
+        if area > largest_area:
+            largest, largest_area = result.index, area
         if result.measures is not None and math.isfinite(result.load):
             loads.append(result.load)
-            areas.append(result.measures["gross_area_mm2"])
+            areas.append(area)
         if not result.readable and reason is None:
             reason = f"frame {result.index}: {result.reason}"
         if math.isfinite(result.time):

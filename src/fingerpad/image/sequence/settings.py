@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Unpack
 
@@ -125,34 +125,26 @@ def estimate_settings(
         raise ImageError(f"no frame can be read: {scan.reason or 'there is none'}")
     seen: list[tuple[int, ContactImageResult]] = []
     reason: str | None = None
-    for frame in _frames_at(frames, scan.busiest):
+    chosen: Iterable[Frame] = (frame for frame in frames if frame.index in scan.busiest)
+    if isinstance(frames, Frames) and frames.kind != "video":  # a video is decoded up to each frame
+        chosen = map(frames.at, scan.busiest)
+    for frame in chosen:
         if frame.pixels is None:
             continue  # it could be read when it was surveyed
         try:
-            contact_image = measure_contact_image(frame.pixels, scale, **options)
+            seen.append((frame.index, measure_contact_image(frame.pixels, scale, **options)))
         except ImageError as error:
             reason = str(error)
-            continue
-        seen.append((frame.index, contact_image))
     if not seen:
         raise ImageError(f"no contact found in any frame: {reason}")
-    polarity, _ = Counter(contact_image.dark_on_light for _, contact_image in seen).most_common(1)[0]
-    alike = sorted(
-        ((index, contact_image) for index, contact_image in seen if contact_image.dark_on_light == polarity),
-        key=lambda entry: entry[1].contrast,
-    )
+    polarity, _ = Counter(contact.dark_on_light for _, contact in seen).most_common(1)[0]
+    alike = [(index, contact) for index, contact in seen if contact.dark_on_light == polarity]
+    alike.sort(key=lambda entry: entry[1].contrast)
     return SequenceSettings(
         settings=alike[len(alike) // 2][1].settings,
         learnt_from=tuple(sorted(index for index, _ in alike)),
         texture=scan.texture,
     )
-
-
-def _frames_at(frames: Iterable[Frame], indices: Collection[int]) -> Iterator[Frame]:
-    """Return some of the frames, in the sequence's order."""
-    if isinstance(frames, Frames) and frames.kind != "video":  # a video is decoded up to each frame
-        return map(frames.at, indices)
-    return (frame for frame in frames if frame.index in indices)
 
 
 def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> float:
