@@ -166,7 +166,7 @@ def _fill(manifest: Path, out: Path) -> None:
         records: dict[str, str] = {}
         for sequence in study.sequences:
             header = header_task(sequence, context)
-            stages = SequenceItem(context=context, name=sequence.name, sequence=sequence).stages()
+            stages = SequenceItem(context=context, name=sequence.name, table=sequence).stages()
             for task in chain([header], chain.from_iterable(stages)):
                 like = task.name.replace(sequence.name, first, 1)
                 if like not in records:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Final
+from typing import Any, Final
 
 from fingerpad._files import digest_of
 from fingerpad._tables import TABLE_SUFFIXES
@@ -101,7 +101,7 @@ def item_states(items: StudyItems) -> dict[str, str]:
     store = items.context.store
     statuses = {} if store is None else store.statuses()
 
-    def state(item: Item) -> str:
+    def state(item: Item[Any]) -> str:
         status = statuses.get(item.name)
         return "left" if status is None else status.status if status.key == item.key else "stale"
 

@@ -1,6 +1,5 @@
 """One contact: from its picture, or the ellipse given, to a measurement, and whether that counts."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -21,9 +20,9 @@ from fingerpad.study.corrections.apply import (
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import ActiveCorrection
 from fingerpad.study.engine.store import from_record, to_record
-from fingerpad.study.engine.task import Record, Task, in_study
+from fingerpad.study.engine.task import Record, Work, in_study
 from fingerpad.study.manifest import Contact, Direction, Observation
-from fingerpad.study.measuring.context import Item
+from fingerpad.study.measuring.context import OneTaskItem
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 
 # What a measurement takes from the record of a contact image as it is.
@@ -95,31 +94,18 @@ class Measurement:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ObservationItem(Item):
+class ObservationItem(OneTaskItem[Observation]):
     """One contact at one load."""
 
-    observation: Observation
-
-    @property
-    def file(self) -> str:
-        """The contact image, where there is one."""
-        return self.observation.file or ""
-
-    def _key(self) -> str:
-        return self.context.key(self.observation, self.context.edits(self.name))
-
-    def stages(self) -> Iterator[list[Task]]:
-        """Yield its one task."""
-        one, context = self.observation, self.context
-        scale = None if one.scale is None else context.scale(one.scale)
-        work = partial(_observed, one, scale, contact_correction(context.active_corrections.get(self.name)))
-        yield [self.task(work, context.inputs_of(one))]
+    def work(self) -> Work:
+        """Return what measures it."""
+        return partial(_observed, self.table, self.scale, contact_correction(self.correction))
 
     def result(self) -> Measurement:
         """Return what was measured, as a person reviewed it."""
         # The load may have changed since.
-        record = {"observation": self.name, **self.record, "load_N": self.observation.load_N}
-        return reviewed(from_record(Measurement, record), self.context.active_corrections.get(self.name))
+        record = {"observation": self.name, **self.record, "load_N": self.table.load_N}
+        return reviewed(from_record(Measurement, record), self.correction)
 
 
 def _observed(

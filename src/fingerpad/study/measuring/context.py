@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Any, Final, Generic, Self, TypeVar
 
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import Store
@@ -91,17 +91,33 @@ class RunContext:
         return tuple(file for loc, file in (*table.files(), *shared) if loc[0] not in leave_out)
 
 
+TableOf = TypeVar("TableOf", bound=ManifestModel)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Item(ABC):
+class Item(ABC, Generic[TableOf]):
     """Something of a study that is measured on its own and counts as one."""
 
     context: RunContext
     name: str  # in the store, in corrections, and in the progress of a run
 
+    table: TableOf  # what the manifest says of it
+
     @property
-    @abstractmethod
     def file(self) -> str:
         """The file that it shows, empty without any."""
+        return getattr(self.table, "file", None) or ""
+
+    @property
+    def correction(self) -> ActiveCorrection | None:
+        """What a person corrected of it, None without any."""
+        return self.context.active_corrections.get(self.name)
+
+    @property
+    def scale(self) -> FoundScale | str | None:
+        """Its scale, or why there is none; None where none is stated."""
+        key = getattr(self.table, "scale", None)
+        return None if key is None else self.context.scale(key)
 
     @property
     def pictures(self) -> int:
@@ -113,8 +129,8 @@ class Item(ABC):
         """Digest of all that its result depends on, found once."""
         return self._key()
 
-    @abstractmethod
-    def _key(self) -> str: ...
+    def _key(self) -> str:
+        return self.context.key(self.table, self.context.edits(self.name))
 
     @abstractmethod
     def stages(self) -> Iterator[list[Task]]:
@@ -125,7 +141,7 @@ class Item(ABC):
         """What the store holds of it, or the reason why there is nothing."""
         return self.context.record(self.name, self.key) or {"reason": CHANGED.format(self.file)}
 
-    def task(self, work: Work, inputs: tuple[str, ...]) -> Task:
+    def task(self, work: Work) -> Task:
         """Return the task whose result is the item's own."""
         return Task(
             name=self.name,
@@ -133,9 +149,21 @@ class Item(ABC):
             file=self.file,
             key=self.key,
             work=work,
-            inputs=inputs,
+            inputs=self.context.inputs_of(self.table),
             pictures=self.pictures,
         )
+
+
+class OneTaskItem(Item[TableOf]):
+    """An item that is measured by one task."""
+
+    @abstractmethod
+    def work(self) -> Work:
+        """Return what measures it."""
+
+    def stages(self) -> Iterator[list[Task]]:
+        """Yield its one task."""
+        yield [self.task(self.work())]
 
 
 def cache_key(*parts: object) -> str:

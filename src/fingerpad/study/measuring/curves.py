@@ -2,8 +2,8 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -29,9 +29,9 @@ from fingerpad.loading import (
     sphere_ratio,
 )
 from fingerpad.study.engine.store import fields_from, to_record
-from fingerpad.study.engine.task import Record, Task, in_study, versions_of
+from fingerpad.study.engine.task import Record, Work, in_study, versions_of
 from fingerpad.study.manifest import Curve, Finger, Study, Uncertainty
-from fingerpad.study.measuring.context import Item, cache_key
+from fingerpad.study.measuring.context import OneTaskItem, cache_key
 from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_item
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 from fingerpad.uncertainty import Inputs, placement_model, pool, propagate, proportional_stds
@@ -39,18 +39,6 @@ from fingerpad.uncertainty import Inputs, placement_model, pool, propagate, prop
 # A curve can be damaged in unforeseen ways, which cost it alone.
 _RECOVERABLE_ERRORS: Final = (ArithmeticError, MemoryError, OSError, ValueError)
 _SHAPE_LOADS, _SHAPE_POINTS = 4, 80
-# What the store keeps of a curve.
-_FOUND: Final = (
-    "loading_radius",
-    "loading_radius_std",
-    "area_relative_std",
-    "curve",
-    "fit",
-    "velocity",
-    "shape",
-    "layer",
-    "reason",
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,18 +84,11 @@ class CurveResult:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class CurveItem(Item):
+class CurveItem(OneTaskItem[Curve]):
     """A loading curve that has a file."""
 
-    curve: Curve  # what the manifest says of it
     finger: Finger
     photographs: Sequence[PhotographItem]  # needed before the curve is compared with the pad
-
-    @property
-    def file(self) -> str:
-        """The file of the curve."""
-        assert self.curve.file is not None  # as the item was made
-        return self.curve.file
 
     def _key(self) -> str:
         context, pad = self.context, self.finger
@@ -122,30 +103,29 @@ class CurveItem(Item):
             name for name in ("jig_angle_deg_std", "load_gain_relative_std") if not getattr(given, name)
         }
         stds = given.model_dump(mode="json", exclude={"method", *unstated})
-        fitted = context.key(self.curve, self.curve.wedge_angle_deg, context.study.poisson_ratio)
+        fitted = context.key(self.table, self.table.wedge_angle_deg, context.study.poisson_ratio)
         return cache_key(fitted, stds, axes, faces, versions_of("loading"))
 
-    def stages(self) -> Iterator[list[Task]]:
-        """Yield its one task."""
+    def work(self) -> Work:
+        """Return what fits it."""
         pad, given = pad_of(self.finger, self.photographs, self.context), self.context.study.uncertainty
         known = pad.reason is None
-        work = partial(
+        return partial(
             _record,
-            curve=self.curve,
+            curve=self.table,
             pad=Ellipsoid(*pad.semi_axes) if known else None,
             poisson_ratio=self.context.study.poisson_ratio,
-            placed=placed_pad(pad, self.curve.wedge_angle_deg, given) if known else None,
+            placed=placed_pad(pad, self.table.wedge_angle_deg, given) if known else None,
             given=given,
-            scale=None if self.curve.scale is None else self.context.scale(self.curve.scale),
+            scale=self.scale,
         )
-        yield [self.task(work, self.context.inputs_of(self.curve))]
 
     def result(self) -> CurveResult:
         """Return what was found."""
         record = self.record
         if "curve" not in record:
-            return CurveResult(manifest=self.curve, reason=record["reason"])
-        return CurveResult(manifest=self.curve, **fields_from(CurveResult, record["curve"]))
+            return CurveResult(manifest=self.table, reason=record["reason"])
+        return CurveResult(manifest=self.table, **fields_from(CurveResult, record["curve"]))
 
 
 def curve_names(study: Study) -> list[str | None]:
@@ -227,7 +207,9 @@ def _record(
         if isinstance(scale, FoundScale) and scale.name is not None and scale.name == placed.scale:
             known["shared_scale_std"] = scale.scale.relative_std
         found = replace(found, layer=_layer(found.curve, placed, given, known))
-    values = {name: to_record(getattr(found, name)) for name in _FOUND}
+    values = {
+        one.name: to_record(getattr(found, one.name)) for one in fields(found) if one.name != "manifest"
+    }
     return {"curve": values, "reason": found.reason if found.failed else None}
 
 

@@ -3,7 +3,7 @@
 import hashlib
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path, PurePosixPath
@@ -29,9 +29,9 @@ from fingerpad.study.corrections.apply import corrected_photograph, photograph_c
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import fields_from, from_record, to_record
-from fingerpad.study.engine.task import Task, in_study
+from fingerpad.study.engine.task import Work, in_study
 from fingerpad.study.manifest import Finger, Photograph
-from fingerpad.study.measuring.context import Item, RunContext
+from fingerpad.study.measuring.context import OneTaskItem, RunContext
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
 
 # Relative standard deviation of a finger's radius of curvature at one place from that of the ellipsoid that
@@ -218,39 +218,28 @@ def photograph_item(finger: Finger, photograph: Photograph) -> str:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PhotographItem(Item):
+class PhotographItem(OneTaskItem[Photograph]):
     """A photograph of a finger's face."""
 
     finger: Finger
-    photograph: Photograph
 
-    @property
-    def file(self) -> str:
-        """The photograph."""
-        assert self.photograph.file is not None  # as the item was made
-        return self.photograph.file
-
-    def _key(self) -> str:
-        return self.context.key(self.photograph, self.context.edits(self.name))
-
-    def stages(self) -> Iterator[list[Task]]:
-        """Yield its one task."""
-        assert self.photograph.scale is not None  # the manifest's own rule
-        work = partial(
+    def work(self) -> Work:
+        """Return what measures it."""
+        assert self.scale is not None  # the manifest's own rule
+        return partial(
             face_record,
-            photograph=self.photograph,
-            correction=photograph_correction(self.context.active_corrections.get(self.name)),
-            overlay=_overlay(self.finger.name, self.photograph.face, self.file),
-            scale=self.context.scale(self.photograph.scale),
+            photograph=self.table,
+            correction=photograph_correction(self.correction),
+            overlay=_overlay(self.finger.name, self.table.face, self.file),
+            scale=self.scale,
         )
-        yield [self.task(work, self.context.inputs_of(self.photograph))]
 
 
 def photograph_items(finger: Finger, context: RunContext) -> list[PhotographItem]:
     """Return the photographs of a finger that are pictures and not rejected."""
     named = ((photograph_item(finger, one), one) for one in finger.photographs if one.file is not None)
     return [
-        PhotographItem(context=context, name=name, finger=finger, photograph=one)
+        PhotographItem(context=context, name=name, finger=finger, table=one)
         for name, one in named
         if not context.is_rejected(name)
     ]

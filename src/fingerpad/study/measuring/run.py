@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 from fingerpad.study.engine.runner import Executor, Plan, Progress, put_unless_changed, records_of, run_plans
 from fingerpad.study.engine.store import Store, TaskStatus
@@ -45,7 +45,7 @@ class StudyItems:
             else CurveItem(
                 context=context,
                 name=name,
-                curve=curve,
+                table=curve,
                 finger=fingers[curve.finger],
                 photographs=photographs[curve.finger],
             )
@@ -55,11 +55,11 @@ class StudyItems:
             context,
             photographs,
             curves,
-            [ObservationItem(context=context, name=one.name, observation=one) for one in study.observations],
-            [SequenceItem(context=context, name=one.name, sequence=one) for one in study.sequences],
+            [ObservationItem(context=context, name=one.name, table=one) for one in study.observations],
+            [SequenceItem(context=context, name=one.name, table=one) for one in study.sequences],
         )
 
-    def __iter__(self) -> Iterator[Item]:
+    def __iter__(self) -> Iterator[Item[Any]]:
         for photographs in self.photographs.values():
             yield from photographs
         yield from filter(None, self.curves)
@@ -72,7 +72,7 @@ class StudyItems:
             yield sequence.stages()
         for finger, photographs in self.photographs.items():
             # Curves are compared with the shape of the pad.
-            curves = [one for one in self.curves if one is not None and one.curve.finger == finger]
+            curves = [one for one in self.curves if one is not None and one.table.finger == finger]
             yield (_tasks(stage) for stage in (photographs, curves))
         for observation in self.observations:
             yield observation.stages()
@@ -90,7 +90,7 @@ class StudyItems:
         return [given_curve(curve) if item is None else item.result() for item, curve in pairs]
 
 
-def _tasks(items: Iterable[Item]) -> list[Task]:
+def _tasks(items: Iterable[Item[Any]]) -> list[Task]:
     """Return the tasks of items of one stage each."""
     return [task for item in items for stage in item.stages() for task in stage]
 
@@ -191,7 +191,7 @@ class _Contacts:
 
     def __iter__(self) -> Iterator[tuple[Contact, Measurement]]:
         for one in self.items.observations:
-            yield one.observation, one.result()
+            yield one.table, one.result()
         for sequence in self.sequences:
             for measured in sequence_measurements(sequence, self.items.context):
                 yield sequence.manifest, measured

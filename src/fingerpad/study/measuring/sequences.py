@@ -7,7 +7,7 @@ by it.
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -180,25 +180,22 @@ class OpenedSequence:
 
         One stage's results must be in the store before the next is asked for.
         """
-        scan = [
-            self._task("survey", partial(self.sequence_images.scan, piece), piece) for piece in self.pieces
-        ]
-        yield scan
+        images = self.sequence_images
+        yield [self._task("survey", partial(images.scan, piece), piece) for piece in self.pieces]
         surveyed = TextureScan.joined(
-            from_record(TextureScan, _good(self.context, task.name, task.key)["scan"]) for task in scan
+            from_record(TextureScan, self._stored("survey", piece)["scan"]) for piece in self.pieces
         )
-        learn = self._task("reading", partial(self.sequence_images.learn, surveyed))
-        yield [learn]
-        learnt = _good(self.context, learn.name, learn.key)
+        yield [self._task("reading", partial(images.learn, surveyed))]
+        learnt = self._stored("reading")
         settings = SequenceSettings(
             settings=learnt["settings"], learnt_from=tuple(learnt["learnt_from"]), texture=surveyed.texture
         )
-        measure = partial(self.sequence_images.measure, settings)
+        measure = partial(images.measure, settings)
         yield [
             replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
             for piece in self.pieces
         ]
-        draw = partial(self.sequence_images.draw, settings, _overview_of(self.placed(), self.force))
+        draw = partial(images.draw, settings, _overview_of(self.placed(), self.force))
         yield [replace(self._task("", draw), name=self.sequence.name, key=key)]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
@@ -212,6 +209,9 @@ class OpenedSequence:
             pictures=0,
             reads=1 if piece is None else piece[1] - piece[0],
         )
+
+    def _stored(self, stage: str, piece: tuple[int, int] | None = None) -> Record:
+        return _good(self.context, self._name(stage, piece), self._key(stage, piece))
 
     def _name(self, stage: str, piece: tuple[int, int] | None) -> str:
         # No name of the manifest holds a blank.
@@ -233,64 +233,50 @@ class OpenedSequence:
         A frame in contact, by the force, gives a measurement; one that cannot be decoded gives its reason;
         one without a contact to be seen, or beyond the force, gives none.
         """
-        contact = self._contact_displacement()
-        for result, measured in self.placed():
-            row = self._row(result, measured, contact)
+        contact = math.nan
+        with suppress(LoadingError):
+            contact = first_contact_displacement(self.force)
+        for result in self.placed():
+            row = self._row(result, contact)
             if row is not None:
                 yield reviewed(row, self.active.get(result.index))
 
     def digests(self, frames: Iterable[int]) -> dict[int, str]:
         """Return the digests of some frames as they were measured, from what the store holds."""
-        found: dict[int, str] = {}
-        for start, stop in self.pieces:
-            if any(start <= frame < stop for frame in frames):
-                piece = _good(
-                    self.context, self._name(_FRAMES, (start, stop)), self._key(_FRAMES, (start, stop))
-                )
-                found |= {frame["index"]: frame["digest"] for frame in piece["frames"]}
-        return found
+        corrected = set(frames)
+        return {
+            frame["index"]: frame["digest"]
+            for piece in self.pieces
+            if not corrected.isdisjoint(range(*piece))
+            for frame in self._stored(_FRAMES, piece)["frames"]
+        }
 
-    def placed(self) -> Iterator[tuple[FrameResult, Record | None]]:
-        """Yield each frame with its time, load and phase, and what was measured of it, from the store."""
-        waiting: dict[int, Record] = {}
-
-        def results() -> Iterator[FrameResult]:
-            for piece in self.pieces:
-                record = _good(self.context, self._name(_FRAMES, piece), self._key(_FRAMES, piece))
-                for frame in record["frames"]:
-                    measured = frame["measured"]
-                    if measured is not None:
-                        waiting[frame["index"]] = measured
-                    yield FrameResult(
-                        index=frame["index"],
-                        readable=frame["readable"],
-                        reason=frame["reason"],
-                        measures=measured,
-                        flags=() if measured is None else tuple(measured["flags"]),
-                    )
-
-        timed = assign_times(
-            results(),
+    def placed(self) -> Iterator[FrameResult]:
+        """Yield each frame with its time, load and phase, and its measurement as the store has it."""
+        results = (
+            FrameResult(
+                index=frame["index"],
+                readable=frame["readable"],
+                reason=frame["reason"],
+                measures=frame["measured"],
+                flags=tuple(frame["measured"]["flags"]) if frame["measured"] else (),
+            )
+            for piece in self.pieces
+            for frame in self._stored(_FRAMES, piece)["frames"]
+        )
+        return assign_times(
+            results,
             np.empty(0),
             clock=self.clock,
             force=self.force,
             phases=self.phases and self.phases.correction.intervals,
         )
-        for result in timed:
-            yield result, waiting.pop(result.index, None)
 
-    def _contact_displacement(self) -> float:
-        """Return the displacement of first contact, mm, NaN where it is unknown."""
-        try:
-            return first_contact_displacement(self.force)
-        except LoadingError:
-            return math.nan
-
-    def _row(self, result: FrameResult, measured: Record | None, contact: float) -> Measurement | None:
+    def _row(self, result: FrameResult, contact: float) -> Measurement | None:
         if not result.readable:
             seen = Measurement(reason=result.reason)
-        elif measured is not None and result.phase in IN_CONTACT:
-            seen = from_record(Measurement, measured)
+        elif result.measures is not None and result.phase in IN_CONTACT:
+            seen = from_record(Measurement, result.measures)
         else:
             return None
         return replace(
@@ -303,7 +289,7 @@ class OpenedSequence:
             phase=result.phase,
             measured_indentation_mm=float(self.force.displacement_at(result.time)) - contact,
             phase_corrected_by=self.phases and self.phases.who,
-            counts=measured is not None and self._counts(result, seen),
+            counts=result.measures is not None and self._counts(result, seen),
         )
 
     def _counts(self, result: FrameResult, measured: Measurement) -> bool:
@@ -317,24 +303,17 @@ class OpenedSequence:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SequenceItem(Item):
+class SequenceItem(Item[ContactSequence]):
     """An image sequence of one press."""
-
-    sequence: ContactSequence
-
-    @property
-    def file(self) -> str:
-        """The folder, stack or video."""
-        return self.sequence.file
 
     @property
     def pictures(self) -> int:
         """Number of its frames; 1 if it has not been opened, or cannot be."""
-        return frame_count(self.sequence, self.context)
+        return frame_count(self.table, self.context)
 
     def _key(self) -> str:
         return self.context.key(
-            self.sequence,
+            self.table,
             frame_edits(self.context.active_corrections, self.name),
             self.context.edits(phases_item(self.name)),
         )
@@ -343,7 +322,7 @@ class SequenceItem(Item):
         """Yield its tasks, stage by stage; whatever goes wrong costs this sequence only."""
         key, left = self.key, self.pictures
         try:
-            for stage in OpenedSequence.open(self.sequence, self.context).stages(self.key):
+            for stage in OpenedSequence.open(self.table, self.context).stages(self.key):
                 left -= sum(task.pictures for task in stage)
                 yield stage
         except ChangedError:
@@ -354,13 +333,12 @@ class SequenceItem(Item):
             reason = in_study(reason_of(error, f"{self.file}: cannot be measured"), self.context.folder)
         else:
             return
-        task = self.task(partial(_failed, reason), self.context.inputs_of(self.sequence))
-        yield [replace(task, key=key, pictures=left)]
+        yield [replace(self.task(partial(_failed, reason)), key=key, pictures=left)]
 
     def result(self) -> SequenceResult:
         """Return what it came to."""
         return SequenceResult(
-            manifest=self.sequence,
+            manifest=self.table,
             **fields_from(SequenceResult, self.record),
             phases=manual_phases(self.context.active_corrections, self.name),
         )
@@ -413,15 +391,15 @@ def _good(context: RunContext, task: str, key: str) -> Record:
     return record
 
 
-def _overview_of(placed: Iterator[tuple[FrameResult, Record | None]], force: ForceSignal) -> SequenceOverview:
+def _overview_of(placed: Iterator[FrameResult], force: ForceSignal) -> SequenceOverview:
     """Return what the frames come to, and the few that are worth drawing."""
     chosen: dict[str, int] = {}
     largest_load = -math.inf
 
     def followed() -> Iterator[FrameResult]:
         nonlocal largest_load
-        for result, measured in placed:
-            if measured is not None and result.phase in IN_CONTACT:
+        for result in placed:
+            if result.measures is not None and result.phase in IN_CONTACT:
                 chosen.setdefault("first contact", result.index)
                 if result.load > largest_load:
                     largest_load, chosen["largest load"] = result.load, result.index
