@@ -1,8 +1,9 @@
 """How far a study is, what it still lacks, and whether all that is kept of it is what was written."""
 
 import re
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -57,31 +58,24 @@ def study_status(manifest: Path, out: Path) -> Status:
     manifest = manifest_in(manifest)
     study, folder = read_study(manifest), manifest.absolute().parent
     active_corrections = CorrectionLog(folder).active_corrections()
-    if not (out / STORE_NAME).is_file():
-        context = RunContext.of(study, folder, active_corrections, None)
-        counts = {**dict.fromkeys(_STATES, 0), "left": len(list(StudyItems.of(context)))}
-        return Status(
-            **counts,
-            seconds=dict.fromkeys(_STATES),
-            failed_items=(),
-            faults=tuple(result_set_faults(out)),
-        )
+    has_store = (out / STORE_NAME).is_file()
     counts, pictures = dict.fromkeys(_STATES, 0), dict.fromkeys(_STATES, 0)
     spent: dict[str, float] = dict.fromkeys(_STATES, 0.0)
-    with Store.reading(out / STORE_NAME) as store:
-        context = RunContext.of(study, folder, active_corrections, store)
-        statuses = store.statuses()
-        of_item = _by_item(statuses)
-        items = StudyItems.of(context)
+    parts_of: dict[str, list[TaskStatus]] = defaultdict(list)  # of a sequence its pieces', too
+    with Store.reading(out / STORE_NAME) if has_store else nullcontext() as store:
+        statuses = {} if store is None else store.statuses()
+        for task, status in statuses.items():
+            parts_of[item_of(task)].append(status)
+        items = StudyItems.of(RunContext.of(study, folder, active_corrections, store))
         states = item_states(items)
         for item in items:
-            state, parts = states[item.name], of_item.get(item.name, ())
+            state, parts = states[item.name], parts_of[item.name]
             counts[state] += 1
             spent[state] += sum(part.seconds for part in parts)
             pictures[state] += item.pictures
             if state == "left":
                 pictures[state] -= sum(part.count for part in parts)
-        faults = tuple(result_set_faults(out, store.digest))
+        faults = tuple(result_set_faults(out, digest_of if store is None else store.digest))
     seen = sum(status.count for status in statuses.values())
     usual = sum(status.seconds for status in statuses.values()) / seen if seen else None
     coming = {name: None if usual is None else usual * pictures[name] for name in ("stale", "left")}
@@ -127,14 +121,6 @@ def semi_axes_state(finger: Finger, states: Mapping[str, str], record: FingerRec
     return "done" if sorted(now) == measured else "stale"
 
 
-def _by_item(statuses: Mapping[str, TaskStatus]) -> dict[str, list[TaskStatus]]:
-    """Return the statuses of each item: of a sequence its own and its pieces'."""
-    found: dict[str, list[TaskStatus]] = {}
-    for task, status in statuses.items():
-        found.setdefault(item_of(task), []).append(status)
-    return found
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Verification:
     """What a look at all files of a study found."""
@@ -166,11 +152,14 @@ def verify_study(manifest: Path, out: Path) -> Verification:
         except FingerpadError as error:
             faults.append(str(error))
     if (out / STORE_NAME).is_file():
-        found = list(_store_faults(out / STORE_NAME))
-        if not found:
+        try:
             with Store.reading(out / STORE_NAME) as store:
-                intact[STORE_NAME] = counted(len(store.statuses()), "result")
-        faults += found
+                found = list(_store_faults(store))
+                if not found:
+                    intact[STORE_NAME] = counted(len(store.statuses()), "result")
+                faults += found
+        except FingerpadError as error:
+            faults.append(str(error))
     listed = result_files(out)
     found = result_set_faults(out, digest_of)
     if listed and not found:
@@ -181,18 +170,14 @@ def verify_study(manifest: Path, out: Path) -> Verification:
     )
 
 
-def _store_faults(path: Path) -> Iterator[str]:
-    try:
-        with Store.reading(path) as store:
-            for task in store.damaged():
-                yield f"{STORE_NAME}: the stored result of {task} is damaged"
-            for task, status in store.statuses().items():
-                for name, digest in status.drawn.items():
-                    drawn = store.drawn_file(name, digest)
-                    if drawn is None or digest_of(drawn) != digest:
-                        yield f"{name}: is missing or was changed; {task} will be measured again"
-    except FingerpadError as error:
-        yield str(error)
+def _store_faults(store: Store) -> Iterator[str]:
+    for task in store.damaged():
+        yield f"{STORE_NAME}: the stored result of {task} is damaged"
+    for task, status in store.statuses().items():
+        for name, digest in status.drawn.items():
+            drawn = store.drawn_file(name, digest)
+            if drawn is None or digest_of(drawn) != digest:
+                yield f"{name}: is missing or was changed; {task} will be measured again"
 
 
 def _changed_inputs(folder: Path, out: Path) -> Iterator[str]:

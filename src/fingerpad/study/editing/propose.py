@@ -178,12 +178,9 @@ def with_guess(new: NewFile, guess: Guess) -> NewFile:
 
 
 def stated_values(new: NewFile, values: FileValues, scales: Collection[str]) -> tuple[dict[str, Any], str]:
-    """Return what a spreadsheet or a name states of a file, and what of that is not."""
-    taken: dict[str, Any] = {
-        key: value
-        for key, value in values.items()
-        if key in {"person", "finger", "face", "wedge_angle_deg", "load_N", "session"}
-    }
+    """Return values of a `NewFile` as a spreadsheet or a name states them, and which cannot be taken."""
+    same = {"person", "finger", "face", "wedge_angle_deg", "load_N", "session"}
+    taken: dict[str, Any] = {key: value for key, value in values.items() if key in same}
     problem, finger, person = "", values.get("finger", new.finger), values.get("person")
     if "role" in values:
         taken["use"] = values["role"]
