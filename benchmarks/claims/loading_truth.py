@@ -59,6 +59,8 @@ class Condition:
     points: int = 200
     # Whether compliance (within a tenth) and lag are given to the fit.
     given: bool = False
+    # Whether the record begins before contact, or where the platen is at a tenth of its way in contact.
+    baseline: bool = True
     # Whether there are areas; without them the radius is given within 3 %.
     areas: bool = True
 
@@ -77,6 +79,7 @@ CONDITIONS: Mapping[str, Condition] = MappingProxyType(
         "exact sphere": Condition(contact=exact_sphere),
         "layer of 8 mm on bone": Condition(contact=layer(8.0)),
         "layer of 5 mm on bone": Condition(contact=layer(5.0)),
+        "layer of 2 mm on bone": Condition(contact=layer(2.0)),
         "A ∝ W^0.42": Condition(contact=free_area(0.42), area_exponent=0.42),
         "A ∝ W^0.55, growing modulus": Condition(contact=free_area(0.55), slope=0.5, area_exponent=0.55),
         "stage yields 0.06 mm/N": Condition(compliance=0.06, area_exponent=2 / 3),
@@ -86,6 +89,9 @@ CONDITIONS: Mapping[str, Condition] = MappingProxyType(
         "area 100 ms late": Condition(lag=0.1, area_exponent=2 / 3),
         "force warms up by 40 mN": Condition(warm_up=0.04, area_exponent=2 / 3),
         "friction steps of 10 mN": Condition(friction=0.01, area_exponent=2 / 3),
+        "Hertz, no baseline": Condition(area_exponent=2 / 3, baseline=False),
+        "growing modulus, no baseline": Condition(slope=0.5, baseline=False),
+        "Hertz, no baseline, no areas": Condition(baseline=False, areas=False),
         "Hertz, no areas": Condition(areas=False),
         "growing modulus, no areas": Condition(slope=0.5, areas=False),
         "layer of 8 mm on bone, no areas": Condition(contact=layer(8.0), areas=False),
@@ -125,12 +131,10 @@ def make_curve(condition: Condition, pad: Pad, place: float, rng: np.random.Gene
     else:
         force += 0.005 * coloured_noise(rng, len(clock), step, condition.spectrum)
         force += rng.normal(0, 0.001, len(clock))
-    return LoadingCurve(
-        load=force,
-        indentation=travel + place + rng.normal(0, 0.005, len(clock)),
-        area=np.interp(travel - condition.lag * SPEED, platen, area) + rng.normal(0, 1, len(clock)),
-        time=clock,
-    )
+    indentation = travel + place + rng.normal(0, 0.005, len(clock))
+    areas = np.interp(travel - condition.lag * SPEED, platen, area) + rng.normal(0, 1, len(clock))
+    kept = travel > (-np.inf if condition.baseline else 0.1 * travel[-1])
+    return LoadingCurve(load=force[kept], indentation=indentation[kept], area=areas[kept], time=clock[kept])
 
 
 def fit_errors(condition: Condition, seed: int) -> dict[str, Found]:

@@ -194,7 +194,7 @@ _PHOTOGRAPH: Final = (
 _CURVE: Final = (
     Flag(
         "no_baseline",
-        "fewer than two rows before contact: the force's zero is not corrected, or depends on the model",
+        "fewer than two rows before contact: the force's zero and drift are the model's, and less certain",
         "record from before the contact",
     ),
     Flag(
@@ -252,8 +252,8 @@ _CURVE: Final = (
     Flag(
         "modulus_depends_on_load",
         "a modulus that grows with load fits better than one modulus",
-        "state the modulus with the load that it holds at; the fit of a layer, which takes the pad's "
-        "semi-axes, tells whether bone explains it",
+        "state the modulus with the load that it holds at; give the pad's semi-axes (--semi-axes-mm; "
+        "photographs or semi_axes_mm of the finger in study.toml) to fit a layer, which may explain it",
     ),
     Flag(
         "modulus_partly_decreases",
@@ -279,7 +279,8 @@ _CURVE: Final = (
     Flag(
         "untested_without_area",
         "without areas a layer on bone or a yielding stage looks like a changing modulus",
-        "record areas too, or state thickness and compliance of the stage",
+        "record areas too, and give the pad's semi-axes (--semi-axes-mm; photographs or semi_axes_mm of the "
+        "finger in study.toml); or state thickness and compliance of the stage",
     ),
     Flag(
         "constraint_assumed",

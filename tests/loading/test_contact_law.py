@@ -221,7 +221,7 @@ def test_parameter_at_its_bound_is_no_result() -> None:
     fit = fp.fit_loading_curve(curve, law="only_growing").law
     assert fit is not None
     assert "lies at its bound 0" in fit.parameters["growth"].reason
-    assert fit.flags == ("law_at_bound",)
+    assert fit.flags == ("law_at_bound", "law_misfit")
 
 
 def test_drawn_and_reported(tmp_path) -> None:

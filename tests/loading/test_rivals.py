@@ -10,7 +10,7 @@ from benchmarks.truth.loading_physics import Pad, exact_sphere, layer
 
 from fingerpad import Estimate
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import fit_loading_curve
+from fingerpad.loading import LoadingCurve, fit_loading_curve
 from fingerpad.loading.laws import shape_factors
 from fingerpad.loading.rivals import runs_deviation
 
@@ -36,6 +36,45 @@ def test_a_wrong_model_is_named_and_its_intervals_hold_the_truth(name, explanati
     assert fit.initial_modulus.lower < PAD.modulus < fit.initial_modulus.upper
     assert fit.loading_radius.lower < PAD.radius < fit.loading_radius.upper
     assert 0 < fit.misfit_std["loading_radius"] < fit.loading_radius.std
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("areas", [True, False])
+def test_thin_tissue_is_held_by_the_uncertainty(seed, areas) -> None:
+    curve, given = curve_of("layer of 2 mm on bone", seed), None
+    if not areas:
+        curve, given = replace(curve, area=None), Estimate.symmetric(15.0, 0.3)
+    fit = fit_loading_curve(curve, loading_radius=given)
+    assert fit.load_exponent.lower > 1.6
+    assert fit.initial_modulus.lower < PAD.modulus < fit.initial_modulus.upper
+    assert "--semi-axes-mm" in fit.report()
+
+
+def test_a_modulus_is_not_stated_where_tissue_is_thinner_than_any() -> None:
+    pad, rng = Pad(radius=14.5, modulus=0.086), np.random.default_rng(1)
+    xi, load, area = layer(0.8)(pad, 2.0)
+    travel = np.linspace(-0.3, np.interp(2.0, load, xi), 200)
+    fit = fit_loading_curve(
+        LoadingCurve(
+            load=np.interp(travel, xi, load) + rng.normal(0, 0.005, 200),
+            indentation=travel,
+            area=np.interp(travel, xi, area) + rng.normal(0, 1, 200),
+        )
+    )
+    assert fit.loading_radius.known
+    for estimate in (fit.initial_modulus, fit.youngs_modulus, fit.reduced_modulus, fit.load_coefficient):
+        assert "--semi-axes-mm" in estimate.reason
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("name", ["Hertz, no baseline", "growing modulus, no baseline"])
+def test_without_a_baseline_the_zero_of_the_force_is_in_the_uncertainty(name, seed) -> None:
+    pad = replace(PAD, slope=CONDITIONS[name].slope * PAD.modulus)
+    fit = fit_loading_curve(make_curve(CONDITIONS[name], pad, 0.3, np.random.default_rng(seed)))
+    assert "no_baseline" in fit.flags
+    assert fit.initial_modulus.lower < pad.modulus < fit.initial_modulus.upper
+    assert abs(fit.initial_modulus.value / pad.modulus - 1) < 0.1
+    assert fit.contact_offset.lower < 0.3 < fit.contact_offset.upper
 
 
 def test_a_right_model_has_no_doubts() -> None:

@@ -230,13 +230,7 @@ class Contact(Displayed):
 
 
 def only_given(**given: ArrayLike | None) -> tuple[str, FloatArray]:
-    """Return the name and the value of the one quantity that is given.
-
-    Raises
-    ------
-    GeometryError
-        If there is none, or more than one.
-    """
+    """Return the name and the value of the one quantity that is given."""
     wanted = [(name, value) for name, value in given.items() if value is not None]
     if len(wanted) != 1:
         raise GeometryError(f"give exactly one of {', '.join(given)}, found {len(wanted)}")
@@ -247,13 +241,7 @@ def only_given(**given: ArrayLike | None) -> tuple[str, FloatArray]:
 def check_pressed(
     placement: AnyPlacement, tissue: Tissue, **given: ArrayLike | None
 ) -> tuple[str, FloatArray]:
-    """Return the name and the value of the one quantity that is given, which broadcasts with what is pressed.
-
-    Raises
-    ------
-    GeometryError
-        If not exactly one is given, an argument is of another type, or the shapes do not broadcast.
-    """
+    """Return the name and value of the one quantity that is given, which broadcasts with what is pressed."""
     check_placement(placement)
     if not isinstance(tissue, Tissue):
         raise GeometryError(
@@ -265,13 +253,7 @@ def check_pressed(
 
 
 def check_placement(placement: object) -> None:
-    """Refuse what is no placement, such as a radius alone.
-
-    Raises
-    ------
-    GeometryError
-        If it is none.
-    """
+    """Refuse what is no placement, such as a radius alone."""
     if not isinstance(placement, Placement | Paraboloid):
         raise GeometryError(
             f"the first argument must be a Placement, or a Paraboloid(first_radius, second_radius), "

@@ -126,49 +126,18 @@ def contact_ellipse_kernel(
 def solve_contact_ellipse(
     first_radius: ArrayLike, second_radius: ArrayLike
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    r"""Return the axis ratio of the contact ellipse and the integrals K and D that give its size.
+    r"""Return the axis ratio k = ℓe/ℓd ≤ 1 of the contact ellipse and the integrals K and D of its size.
 
-    Solves :math:`R'/R'' = B/(k^2 D)` (Johnson 1985, Eq. 4.28, in the form that does not cancel).
-
-    Parameters
-    ----------
-    first_radius, second_radius : array_like
-        Relative principal radii, in either order of size; R' is the larger.
-
-    Returns
-    -------
-    axis_ratio, K, D : ndarray
-        k = ℓe/ℓd ≤ 1, and the complete elliptic integrals of modulus e = √(1 − k²). NaN where the radii
-        are not positive and finite.
-
-    Examples
-    --------
-    >>> [float(value) for value in solve_contact_ellipse(10.0, 10.0)]
-    [1.0, 1.5707963267948966, 0.7853981633974483]
+    Solves R'/R'' = B/(k² D) (Johnson 1985, Eq. 4.28, in the form that does not cancel) for relative principal
+    radii in either order of size. NaN where they are not positive and finite.
     """
     return apply_blockwise(contact_ellipse_kernel, 3, first_radius, second_radius)  # type: ignore[return-value]
 
 
 def complete_integrals(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the complete elliptic integrals K, B and D of modulus e = √(1 − k²).
+    """Return the complete elliptic integrals K, B and D of modulus e = √(1 − k²), for k = ℓe/ℓd in (0, 1].
 
-    Parameters
-    ----------
-    axis_ratio : array_like
-        k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
-
-    Returns
-    -------
-    K, B, D : ndarray
-        With K = B + D and the integral of the second kind E = B + k²D.
-
-    Examples
-    --------
-    The ellipse of 7.4 × 5.0 mm (Dzidek et al. 2017, Table 3):
-
-    >>> K, B, D = complete_integrals(5.0 / 7.4)
-    >>> print(f"K = {K:.9f}, E = {B + (5.0 / 7.4) ** 2 * D:.9f}")
-    K = 1.892759475, E = 1.328427072
+    K = B + D, and the integral of the second kind is E = B + k²D.
     """
 
     def kernel(k: FloatArray) -> tuple[FloatArray, ...]:
@@ -202,22 +171,7 @@ def factor_products(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray]:
 def size_factor(axis_ratio: ArrayLike) -> FloatArray:
     r"""Return Johnson's F1: the mean contact radius √(ℓd ℓe) over that of the sphere of radius √(R'R'').
 
-    :math:`F_1^3 = \frac{4}{\pi}\sqrt{k}\sqrt{BD} \le 1` (Johnson 1985, Eq. 4.29; "F2" in Dzidek et al. 2017).
-
-    Parameters
-    ----------
-    axis_ratio : array_like
-        k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
-
-    Returns
-    -------
-    ndarray
-        F1.
-
-    Examples
-    --------
-    >>> round(float(size_factor(5.0 / 7.4)), 9)
-    0.995238751
+    F1³ = (4/π) √k √(BD) ≤ 1 (Johnson 1985, Eq. 4.29; "F2" in Dzidek et al. 2017).
     """
     return np.cbrt(factor_products(axis_ratio)[0])
 
@@ -225,23 +179,8 @@ def size_factor(axis_ratio: ArrayLike) -> FloatArray:
 def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
     r"""Return Johnson's F2: the indentation over that of the sphere of radius √(R'R'') at the same load.
 
-    :math:`F_2 = \frac{2}{\pi}\sqrt{k}\,K/F_1 \le 1` (Johnson 1985, Eq. 4.26c). The "F1" of Dzidek et al.
-    (2017) lacks the factor :math:`\frac{2}{\pi}\sqrt{k}`.
-
-    Parameters
-    ----------
-    axis_ratio : array_like
-        k = ℓe/ℓd, in (0, 1]; NaN is returned elsewhere.
-
-    Returns
-    -------
-    ndarray
-        F2.
-
-    Examples
-    --------
-    >>> round(float(indentation_factor(5.0 / 7.4)), 9)
-    0.995216154
+    F2 = (2/π) √k K/F1 ≤ 1 (Johnson 1985, Eq. 4.26c). The "F1" of Dzidek et al. (2017) lacks the factor (2/π)
+    √k.
     """
     cube, product = factor_products(axis_ratio)
     factor: FloatArray = product / np.cbrt(cube)

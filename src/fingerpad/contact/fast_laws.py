@@ -149,13 +149,7 @@ def youngs_modulus(
 
 
 def plate_gap(placement: AnyPlacement) -> Gap:
-    """Return the gap of placements where pads touch a flat plate.
-
-    Raises
-    ------
-    GeometryError
-        If it is no placement, or they touch a curved body.
-    """
+    """Return the gap of placements where pads touch a flat plate; refuse a curved body."""
     check_placement(placement)
     gap = placement.gap
     if not isinstance(gap, Gap):

@@ -30,38 +30,13 @@ Stress: TypeAlias = Callable[[ArrayLike, ArrayLike, ArrayLike], StressField]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ContactSection(Displayed):
-    """The section through the place of first contact, along the finger and normal to the surface.
+    """The section through the place of first contact, along the finger and normal to the surface."""
 
-    Attributes
-    ----------
-    along : ndarray, shape (n,)
-        Coordinates along the finger, from the place of first contact.
-    depth : ndarray, shape (m,)
-        Depths below the surface.
-    pressure : ndarray, shape (n,)
-        Contact pressure.
-    maximum_shear : ndarray, shape (m, n)
-        Maximum shear stress.
-    thickness : float
-        Of the layer; infinite on a half-space.
-
-    Examples
-    --------
-    >>> from fingerpad.geometry import Ellipsoid, Placement
-    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
-    >>> field = ContactField.of_hertz(place, Tissue(youngs_modulus=0.1024), load=2.0)
-    >>> section = field.section(points=41, levels=11)
-    >>> section.maximum_shear.shape
-    (11, 41)
-    >>> print(f"{1000 * section.pressure.max():.1f} kPa")
-    33.9 kPa
-    """
-
-    along: FloatArray
-    depth: FloatArray
-    pressure: FloatArray
-    maximum_shear: FloatArray
-    thickness: float
+    along: FloatArray  # (n,), from the place of first contact
+    depth: FloatArray  # (m,), below the surface
+    pressure: FloatArray  # (n,)
+    maximum_shear: FloatArray  # (m, n)
+    thickness: float  # of the layer; infinite on a half-space
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

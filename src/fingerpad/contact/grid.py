@@ -27,50 +27,24 @@ _ANGLES = 256
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ContactOutline:
-    """The edge of a contact.
+    """The edge of a contact."""
 
-    Attributes
-    ----------
-    points : ndarray, shape (n, 2)
-        Closed polygon, first point not repeated.
-    area : float
-        Area inside the edge.
-    centre : ndarray, shape (2,)
-        Centroid of the area.
-    semi_major, semi_minor : float
-        Semi-axes of the ellipse with this area, and the ratio of its second moments.
-    long_axis_angle : float
-        Direction of its long axis from the first coordinate, in (−π/2, π/2].
-    """
-
-    points: FloatArray
+    points: FloatArray  # closed polygon (n, 2), first point not repeated
     area: float
-    centre: FloatArray
-    semi_major: float
+    centre: FloatArray  # of the area, (2,)
+    semi_major: float  # of the ellipse with this area, and the ratio of its second moments
     semi_minor: float
-    long_axis_angle: float
+    long_axis_angle: float  # from the first coordinate, in (−π/2, π/2]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ContactGrid(Displayed):
-    """A rectangular grid of cells in the tangent plane.
+    """A rectangular grid of cells in the tangent plane."""
 
-    Attributes
-    ----------
-    centre : ndarray, shape (2,)
-        Centre of the grid, in its own axes.
-    half_widths : ndarray, shape (2,)
-        Half of its sides.
-    angle : float
-        From the plane's first coordinate to the grid's first side, radians.
-    points : int
-        Cells along each side.
-    """
-
-    centre: FloatArray
-    half_widths: FloatArray
-    angle: float
-    points: int
+    centre: FloatArray  # in the grid's own axes, (2,)
+    half_widths: FloatArray  # of its sides, (2,)
+    angle: float  # from the plane's first coordinate to the grid's first side, rad
+    points: int  # cells along each side
 
     @property
     def spacing(self) -> tuple[float, float]:
@@ -127,26 +101,10 @@ class ContactGrid(Displayed):
 def contact_outline(
     along: FloatArray, across: FloatArray, pressure: FloatArray, *, decay_length: float = np.inf
 ) -> ContactOutline:
-    """Return the edge of the region under pressure.
+    """Return the edge of the region under pressure (n, m), at cell centres `along` (n,) and `across` (m,).
 
-    Parameters
-    ----------
-    along, across : ndarray, shape (n,), (m,)
-        Cell centres of the grid, evenly spaced.
-    pressure : ndarray, shape (n, m)
-        Contact pressure, zero outside.
-    decay_length : float
-        Distance from the edge over which the square of the pressure is smooth: a layer's thickness.
-
-    Examples
-    --------
-    A Hertzian pressure over an ellipse of semi-axes 2 and 1:
-
-    >>> x = np.linspace(-2.2, 2.2, 100)
-    >>> square = 1 - (x[:, None] / 2) ** 2 - x[None, :] ** 2
-    >>> outline = contact_outline(x, x, np.sqrt(np.maximum(square, 0)))
-    >>> round(outline.semi_major, 6), round(outline.semi_minor, 6)
-    (2.0, 1.0)
+    `decay_length` is the distance from the edge over which the square of the pressure is smooth: a layer's
+    thickness.
     """
     touching = pressure > 0
     place = np.stack(np.meshgrid(along, across, indexing="ij"), axis=-1)

@@ -148,25 +148,10 @@ def _polynomials() -> tuple[FloatArray, ...]:
 
 @np.errstate(all="ignore")
 def equivalent_radius_ratios(axis_ratio: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-    r"""Return R_δ/R, R_A/R and R_Aξ/R, the three equivalent radii over their base radius, in one pass.
+    r"""Return R_δ/R ≥ 1, R_A/R ≤ 1 and R_Aξ/R ≤ 1, the three equivalent radii over their base radius.
 
-    In Johnson's factors they are :math:`F_2^{-3}`, :math:`F_1^3` and :math:`F_1^2/F_2`, computed without a
-    cube root: :math:`F_1^3 = \frac{4}{\pi}\sqrt{kBD}` and :math:`F_1 F_2 = \frac{2}{\pi}\sqrt{k}K`.
-
-    Parameters
-    ----------
-    axis_ratio : array_like
-        k = ℓe/ℓd of the contact ellipse, in (0, 1]; NaN is returned elsewhere.
-
-    Returns
-    -------
-    from_indentation, from_area, from_compliance : ndarray
-        R_δ/R ≥ 1, R_A/R ≤ 1 and R_Aξ/R ≤ 1.
-
-    Examples
-    --------
-    >>> [round(float(ratio), 4) for ratio in equivalent_radius_ratios(5.0 / 7.4)]
-    [1.0145, 0.9858, 0.9953]
+    In Johnson's factors they are F2⁻³, F1³ and F1²/F2, computed without a cube root: F1³ = (4/π) √(kBD) and
+    F1 F2 = (2/π) √k K.
     """
     area, product = factor_products(axis_ratio)
     return area / product**3, area, area / product

@@ -28,39 +28,13 @@ _SAMPLES = 4  # along each side of a cell
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class HertzPressure(Displayed):
-    """A semi-ellipsoidal pressure over an ellipse that lies anywhere in the plane of contact.
-
-    Attributes
-    ----------
-    peak_pressure : float
-        p0.
-    semi_major, semi_minor : float
-        Semi-axes of the ellipse.
-    long_axis_angle : float
-        From the plane's first coordinate, along the finger, to the long axis, radians.
-    centre : ndarray, shape (2,)
-        Centre of the ellipse in the plane.
-
-    Raises
-    ------
-    GeometryError
-        If pressure or semi-axes are not positive and finite, the minor semi-axis is the longer, the centre
-        is no point, or the angle is beyond a full turn, as degrees are.
-
-    Examples
-    --------
-    >>> pressure = HertzPressure(
-    ...     peak_pressure=1.0, semi_major=2.0, semi_minor=1.0, long_axis_angle=np.pi / 2, centre=np.zeros(2)
-    ... )
-    >>> pressure.at([0.0, 0.6, 1.0], [0.0, 0.0, 0.0]).round(12)
-    array([1. , 0.8, 0. ])
-    """
+    """A semi-ellipsoidal pressure over an ellipse that lies anywhere in the plane of contact."""
 
     peak_pressure: float
     semi_major: float
     semi_minor: float
-    long_axis_angle: float
-    centre: FloatArray
+    long_axis_angle: float  # from the plane's first coordinate, along the finger, rad
+    centre: FloatArray  # in the plane, (2,)
 
     def __post_init__(self) -> None:
         peak = positive_number(self.peak_pressure, "peak_pressure", GeometryError)
@@ -79,20 +53,7 @@ class HertzPressure(Displayed):
 
     @classmethod
     def of_contact(cls, contact: Contact, long_axis_angle: float) -> Self:
-        """Return the pressure of one Hertz contact, whose long axis lies at an angle to the finger.
-
-        Parameters
-        ----------
-        contact : Contact
-            One contact.
-        long_axis_angle : float
-            From the finger's axis to the long axis, radians.
-
-        Returns
-        -------
-        HertzPressure
-            Centred at zero.
-        """
+        """Return the pressure of one Hertz contact, whose long axis lies at an angle (rad) to the finger."""
         return cls(
             peak_pressure=float(contact.peak_pressure),
             semi_major=float(contact.semi_major),
@@ -106,18 +67,6 @@ class HertzPressure(Displayed):
         """Return the pressure that has the load, centre and second moments of one given on a grid.
 
         Its variance along a semi-axis a is a²/5.
-
-        Parameters
-        ----------
-        grid : ContactGrid
-            Grid of the pressure.
-        pressure : ndarray, shape (points, points)
-            Pressure of each cell.
-
-        Returns
-        -------
-        HertzPressure
-            In the coordinates of the plane.
         """
         place = grid.cells
         load = pressure.sum()
@@ -135,36 +84,14 @@ class HertzPressure(Displayed):
         )
 
     def at(self, along: ArrayLike, across: ArrayLike) -> FloatArray:
-        """Return the pressure at points of the plane.
-
-        Parameters
-        ----------
-        along, across : array_like
-            Coordinates along the finger and across, of any shapes that broadcast.
-
-        Returns
-        -------
-        ndarray
-            Pressure, zero outside the ellipse.
-        """
+        """Return the pressure at points of the plane, zero outside the ellipse."""
         x, y = self._own(*broadcast(along, across))
         inside = 1 - (x / self.semi_major) ** 2 - (y / self.semi_minor) ** 2
         pressure: FloatArray = self.peak_pressure * np.sqrt(np.maximum(inside, 0))
         return pressure
 
     def over_cells(self, grid: ContactGrid) -> FloatArray:
-        """Return the mean pressure over each cell of a grid that holds all of it.
-
-        Parameters
-        ----------
-        grid : ContactGrid
-            A grid wider than the ellipse.
-
-        Returns
-        -------
-        ndarray, shape (points, points)
-            Mean pressures; their sum times the area of a cell is the load.
-        """
+        """Return the mean pressure over each cell of a grid that holds all of the ellipse."""
         shifts = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
         mean = np.zeros((grid.points, grid.points))
         for shift in product(shifts, shifts):
@@ -177,20 +104,7 @@ class HertzPressure(Displayed):
     def stress(
         self, along: ArrayLike, across: ArrayLike, depth: ArrayLike, *, poisson_ratio: float
     ) -> StressField:
-        """Return the stress in a half-space, as `hertz_stress`, on axes along, across and down.
-
-        Parameters
-        ----------
-        along, across, depth : array_like
-            Points, of any shapes that broadcast; NaN is returned where depth < 0.
-        poisson_ratio : float
-            ν.
-
-        Returns
-        -------
-        StressField
-            Tensor of shape (..., 3, 3).
-        """
+        """Return the stress in a half-space, as `hertz_stress`, on axes along, across and down."""
         along, across, depth = broadcast(along, across, depth)
         x, y = self._own(along, across)
         field = hertz_stress(

@@ -57,20 +57,7 @@ def _green_difference(poisson_ratio: float) -> "CubicSpline":
 
 
 def half_space_influence(spacing: tuple[float, float], shape: tuple[int, int]) -> FloatArray:
-    """Return the displacement at the centres of cells under unit pressure on the first, for E* = 1.
-
-    Parameters
-    ----------
-    spacing : tuple of float
-        Sides of a cell.
-    shape : tuple of int
-        Number of cells along each side.
-
-    Examples
-    --------
-    >>> float(half_space_influence((1.0, 1.0), (2, 2))[0, 0].round(4))  # 4 ln(1 + √2)/π
-    1.1222
-    """
+    """Return the displacement at the centres of cells under unit pressure on the first, for E* = 1."""
     x, y = (step * (np.arange(count + 1) - 0.5) for step, count in zip(spacing, shape, strict=True))
     x, y = x[:, None], y[None, :]
     corner = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
@@ -81,15 +68,7 @@ def half_space_influence(spacing: tuple[float, float], shape: tuple[int, int]) -
 def layer_influence(
     spacing: tuple[float, float], shape: tuple[int, int], thickness: float, poisson_ratio: float
 ) -> FloatArray:
-    """Return what `half_space_influence` does, for a layer bonded to a rigid base.
-
-    Parameters
-    ----------
-    spacing, shape : tuple
-        Grid.
-    thickness, poisson_ratio : float
-        Of the layer.
-    """
+    """Return what `half_space_influence` does, for a layer bonded to a rigid base."""
     difference = np.zeros(shape)
     table = _green_difference(poisson_ratio)
     x, y = (step * np.arange(count) for step, count in zip(spacing, shape, strict=True))
@@ -108,21 +87,7 @@ def influence(
 ) -> FloatArray:
     """Return the displacement of each cell under unit pressure on the first, times E*.
 
-    Parameters
-    ----------
-    spacing : tuple of float
-        Sides of a cell.
-    shape : tuple of int
-        Number of cells along each side.
-    thickness : float
-        Of a layer; infinite for a half-space.
-    poisson_ratio : float
-        ν, which matters to a layer alone.
-
-    Returns
-    -------
-    ndarray
-        Of the given shape, in the unit of length.
+    `spacing` are the sides of a cell; an infinite thickness is a half-space, to which ν does not matter.
     """
     if math.isinf(thickness):
         return half_space_influence(spacing, shape)
@@ -130,12 +95,9 @@ def influence(
 
 
 class Convolution:
-    """Zero-padded convolution of a grid with an even kernel, and its approximate inverse.
+    """Zero-padded convolution with an even kernel, the influence of the first cell on each, and its inverse.
 
-    Parameters
-    ----------
-    kernel : ndarray
-        Influence of the first cell on each.
+    The inverse is approximate.
     """
 
     def __init__(self, kernel: FloatArray) -> None:

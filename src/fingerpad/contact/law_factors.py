@@ -45,18 +45,11 @@ def layer_basis(poisson_ratio: FloatArray, slenderness: FloatArray) -> FloatArra
 
 
 def thin_layer(size: FloatArray, poisson_ratio: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    r"""Return the thin layer's W/W_H at equal area, its slope over ln x, and ξ/ξ_H, for a sphere.
+    r"""Return the thin layer's W/W_H at equal area, its slope over ln x, and ξ/ξ_H, for a sphere; x = a/t.
 
     A thin layer is an elastic foundation whose pressure diffuses over the length λ, as the tissue is squeezed
     aside: u = A(p − λ²∇²p). Its exact answer for a paraboloid, Bessel functions of a/λ, is replaced by a root
-    that has both limits, compressible and not: ξ/ξ_H = ½ − ¼(1 + (a/λ)²/12)^{−1/2}.
-
-    Parameters
-    ----------
-    size : ndarray
-        x = a/t.
-    poisson_ratio : ndarray
-        ν.
+    that has both limits, compressible and not: ξ/ξ_H = ½ − ¼(1 + (a/λ)²/12)^(−1/2).
     """
     w = 1 / (1 - poisson_ratio)
     stiff = (1 - 2 * poisson_ratio) * w * w
@@ -79,12 +72,8 @@ def polynomial_slope(coefficients: Sequence[float] | FloatArray, at: FloatArray)
 class LayerFactors:
     """Those of a layer, for contacts of mean radius a.
 
-    Parameters
-    ----------
-    thickness, poisson_ratio : ndarray
-        Of the layer; one number ν for all contacts takes less time.
-    slenderness : ndarray
-        (1 − k)²/k, k being the axis ratio in Hertz theory.
+    `slenderness` is (1 − k)²/k, with the axis ratio k of Hertz theory; one ν for all contacts takes less
+    time.
     """
 
     def __init__(self, thickness: FloatArray, poisson_ratio: FloatArray, slenderness: FloatArray) -> None:
@@ -179,19 +168,8 @@ class LayerFactors:
 class PadFactors:
     """Those of the ellipsoid, and of both together, for contacts of mean radius a.
 
-    Parameters
-    ----------
-    first_radius, second_radius, first_skewness, second_skewness, flatness : ndarray
-        Of the gap.
-    stretch : ndarray
-        a1/a2 in Hertz theory.
-    elongation : ndarray
-        (a1/a2 − a2/a1)/2.
-
-    Attributes
-    ----------
-    whole : ndarray
-        Whether each is a whole ellipsoid; the others are paraboloids, whose factors are 1.
+    Radii, skewnesses and flatness are the gap's; `stretch` is a1/a2 in Hertz theory, `elongation` is (a1/a2 −
+    a2/a1)/2. `whole` tells ellipsoids from paraboloids, whose factors are 1.
     """
 
     def __init__(
@@ -230,17 +208,7 @@ class PadFactors:
         return skewness
 
     def value(self, of: str, radius: FloatArray, u: FloatArray | None) -> FloatArray:
-        """Return the logarithm of the factor on load or indentation.
-
-        Parameters
-        ----------
-        of : str
-            load or indentation.
-        radius : ndarray
-            Mean radius of the contact.
-        u : ndarray, optional
-            Its size beside a layer's thickness.
-        """
+        """Return the logarithm of the factor on ``load`` or ``indentation``; u is a beside a thickness."""
         square = radius * radius
         value = polynomial(self._coefficients(of), square)
         if u is not None:
@@ -283,12 +251,7 @@ class PadFactors:
     ) -> tuple[FloatArray, FloatArray]:
         """Return (a/b − b/a)/2 of the contact along the principal directions, and between them.
 
-        Parameters
-        ----------
-        radius, u : ndarray
-            As for `factor`.
-        along : ndarray
-            What it is without the factors of the ellipsoid.
+        `along` is what it is without the factors of the ellipsoid.
         """
         q = radius * radius
         w, p, m, e, s = self._w * q, self._p * q, self._m * q, self._e, self._s

@@ -23,23 +23,9 @@ def solve_pressure(
     total: float | None = None,
     indentation: float | None = None,
 ) -> tuple[FloatArray, float]:
-    """Return the pressure over E* and the indentation.
+    """Return the pressure over E* and the indentation, of which one, or the sum of the pressures, is given.
 
-    Parameters
-    ----------
-    convolution : Convolution
-        Gives the displacement under a pressure.
-    gap : ndarray
-        Gap of the undeformed surfaces.
-    start : ndarray
-        A first guess of the pressure, in any unit; positive somewhere.
-    total, indentation : float
-        Exactly one of the sum of the pressures and the mutual approach.
-
-    Raises
-    ------
-    ConvergenceError
-        If the residual stays above the tolerance, or the gap exceeds the indentation everywhere.
+    `gap` is that of the undeformed surfaces, `start` a guess of the pressure in any unit, positive somewhere.
     """
     pressure = _scaled(start, convolution, gap, total, indentation)
     search: FloatArray | None = None

@@ -133,27 +133,13 @@ class SolvedStress(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Waves:
-    """A pressure as a sum of waves over a rectangle, in the grid's own axes.
+    """A pressure as a sum of waves over a rectangle, in the grid's own axes."""
 
-    Attributes
-    ----------
-    shape : tuple of int
-        Cells of the rectangle.
-    sides : ndarray, shape (2,)
-        Its lengths.
-    first : ndarray, shape (2,)
-        Centre of its first cell.
-    spectrum : ndarray
-        What `rfft2` gives.
-    constants : ndarray, shape (..., 4)
-        Of Airy's function, for each wave.
-    """
-
-    shape: tuple[int, int]
-    sides: FloatArray
-    first: FloatArray
-    spectrum: ComplexArray
-    constants: FloatArray
+    shape: tuple[int, int]  # cells of the rectangle
+    sides: FloatArray  # its lengths, (2,)
+    first: FloatArray  # centre of its first cell, (2,)
+    spectrum: ComplexArray  # what `rfft2` gives
+    constants: FloatArray  # of Airy's function, for each wave, (..., 4)
 
     @classmethod
     def of(cls, pressure: FloatArray, grid: ContactGrid, margin: FloatArray, tissue: Tissue) -> Self:

@@ -10,22 +10,7 @@ from fingerpad._display import Displayed
 
 
 class PrincipalRadii(NamedTuple):
-    """Two principal radii of curvature, each a number or an array over points.
-
-    Attributes
-    ----------
-    first, second : ndarray or float
-        In the order of the principal directions, not sorted.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from fingerpad.geometry import Ellipsoid, Placement
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> first, second = Placement(pad, wedge_angle=np.radians([30, 45])).curvature.principal_radii
-    >>> first.round(2), second.round(2)
-    (array([12.95,  8.36]), array([14.33, 12.38]))
-    """
+    """Two principal radii of curvature, in the order of the principal directions, not sorted."""
 
     first: FloatArray
     second: FloatArray
@@ -39,27 +24,10 @@ def inverse_of(curvatures: FloatArray) -> PrincipalRadii:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SurfaceCurvature(Displayed):
-    """Principal radii and directions of a surface at points of it.
+    """Principal radii and directions (..., 2, 3) of a surface at points of it, positive where it is convex.
 
-    Attributes
-    ----------
-    principal_radii : PrincipalRadii
-        Radii of curvature, positive where the surface is convex. They keep their identity and are not
-        sorted: on a finger pad the first is the one whose direction lies nearer to the finger's long axis
-        (in-plane), the second the one across it (transverse).
-    principal_directions : ndarray, shape (..., 2, 3)
-        Unit tangent vectors, in the order of the radii.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from fingerpad.geometry import Ellipsoid
-    >>> pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
-    >>> curvature = pad.curvature(u=np.pi / 4, v=np.pi / 2)
-    >>> np.round(curvature.principal_radii, 2)
-    array([13.04, 14.36])
-    >>> round(float(curvature.mean_curvature_radius), 2)
-    13.67
+    The radii keep their identity: on a finger pad the first is the one whose direction lies nearer to the
+    finger's long axis (in-plane), the second the one across it (transverse).
     """
 
     principal_radii: PrincipalRadii

@@ -305,18 +305,10 @@ class Counterface(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class CounterfaceGap(Displayed):
-    """The gap between a pad and a curved rigid body, with the relative radii of the two.
+    """The gap between a pad and a curved rigid body.
 
-    Attributes
-    ----------
-    first_radius, second_radius : ndarray
-        Relative principal radii of curvature.
-    angle : ndarray
-        From the finger's axis to the first relative principal direction, radians.
-    pad : Gap
-        The pad's gap to the tangent plane.
-    counterface : Counterface
-        The rigid body.
+    `first_radius` and `second_radius` are relative radii of the two; `angle` (rad) is that from the finger's
+    axis to the first relative principal direction, and `pad` the pad's gap to the tangent plane.
     """
 
     first_radius: FloatArray

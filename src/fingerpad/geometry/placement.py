@@ -33,13 +33,7 @@ def platen_normal(wedge_angle: ArrayLike, roll_angle: ArrayLike) -> FloatArray:
 def checked_placement(
     wedge_angle: ArrayLike, roll_angle: ArrayLike, *, margin: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
-    """Return both angles of a placement, and refuse those that no finger on a wedge has. NaN passes.
-
-    Raises
-    ------
-    GeometryError
-        If a wedge angle lies outside [0, π/2], or a roll outside [−π/2, π/2], by more than the margin.
-    """
+    """Return both angles of a placement, and refuse those that no finger on a wedge has. NaN passes."""
     wedge, roll = broadcast_named(wedge_angle=wedge_angle, roll_angle=roll_angle)
     for name, angle, lowest, limits in (
         ("wedge_angle", wedge, 0.0, "0 and π/2"),

@@ -87,10 +87,7 @@ def both_reversed(clock: FloatArray, load: FloatArray, displacement: FloatArray)
 def contact_by_threshold(displacement: FloatArray, load: FloatArray) -> float:
     """Return where the force leaves the baseline by four of its deviations, three rows in a row.
 
-    Raises
-    ------
-    FitError
-        If it never does. So do all estimators here.
+    Raises FitError if it never does; so do all estimators here.
     """
     free = _free_rows(load)
     level, spread = float(np.mean(load[:free])), float(np.std(load[:free], ddof=1))

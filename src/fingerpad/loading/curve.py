@@ -186,13 +186,7 @@ def unread_curve_columns(path: Path, columns: Mapping[str, str] | None = None) -
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Segment(Displayed):
-    """A range of rows.
-
-    Attributes
-    ----------
-    start, stop : int
-        First row, and the row after the last.
-    """
+    """The rows from `start` to `stop`, the latter left out."""
 
     start: int
     stop: int

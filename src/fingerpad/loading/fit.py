@@ -100,7 +100,7 @@ def fit_loading_curve(
         By how much the areas are late, s; the curve needs its times.
     thickness : float or Estimate, optional
         Of the layer on a rigid base that is pressed, mm; infinite for a half-space. R_g and the moduli are
-        then those on this layer. Without it tissue of a finger on bone, 3 to 25 mm thick and at least twice
+        then those on this layer. Without it tissue of a finger on bone, 1 to 25 mm thick and at least twice
         as thick as it is indented, is one of the explanations.
     area_relative_std : float
         Relative standard uncertainty of the areas that is common to all of them, as of their scale.
@@ -197,38 +197,10 @@ def fit_loading_curve(
 
 
 def fit_contact_compliance(curve: LoadingCurve, *, cycle: int = 0) -> Estimate:
-    """Fit R_g, the slope of contact area against πξ ("contact compliance"), by least squares.
+    """Fit R_g (mm), the slope of contact area against πξ ("contact compliance"), to one loading.
 
-    The rows are those of one loading, from where the area is well above zero. A smooth sphere or ellipse
-    gives R = A/(πξ) at every load, whatever its modulus and however it varies with load. The zero of
-    displacement is free.
-
-    Parameters
-    ----------
-    curve : LoadingCurve
-        With an area.
-    cycle : int
-        Which press of the record to fit.
-
-    Returns
-    -------
-    Estimate
-        R_g, mm, with its uncertainty from the residuals.
-
-    Raises
-    ------
-    LoadingError
-        If there is no such press in the record (`find_cycles`).
-    FitError
-        If the curve has no area or fewer than three rows in contact, or if area does not grow with
-        indentation.
-
-    Examples
-    --------
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> curve = simulate_loading_curve(points=200, force_std=0.005, area_std=0.5, seed=1)
-    >>> print(f"{fit_contact_compliance(curve)} mm (truth: 15)")
-    15.003 ± 0.020 mm (truth: 15)
+    The zero of displacement is free. A smooth sphere or ellipse gives R = A/(πξ) at every load, whatever its
+    modulus and however it varies with load.
     """
     if curve.area is None:
         raise FitError("the loading curve has no contact area; R_g needs a column area_mm2")
@@ -343,7 +315,8 @@ def _quantities(
 ) -> tuple[dict[str, Estimate], dict[str, float]]:
     """Return all quantities by name, and what better explanations of the curve add to their uncertainty.
 
-    Those that need a radius are unknown where it is not `known`.
+    Those that need a radius are unknown where it is not `known`, and moduli where only a layer that is
+    thinner than tissue can be has the curve's shape.
     """
     main = compared.main
     top = main.top_load
@@ -357,10 +330,13 @@ def _quantities(
         own = value if name == "youngs_modulus" else main.values[name]
         spread = _spread_of_laws(name, own, models, compared.unexplained)
         found[name], added[name] = compared.widened(name, found[name], gradient, spread)
+    unknown, why = set[str](), compared.too_thin
     if not known:
-        unknown = set(found) - {"contact_offset"}
-        found |= dict.fromkeys(unknown, Estimate.unknown(NO_RADIUS))
-        added |= dict.fromkeys(unknown, 0.0)
+        unknown, why = found.keys() - {"contact_offset"}, NO_RADIUS
+    elif why:
+        unknown = {"youngs_modulus", "initial_modulus", "load_coefficient"}
+    found |= dict.fromkeys(unknown, Estimate.unknown(why))
+    added |= dict.fromkeys(unknown, 0.0)
     reduction = 1 / (1 - main.record.poisson_ratio**2)
     found |= {
         "reduced_modulus": found["youngs_modulus"].times(reduction),
@@ -421,13 +397,8 @@ def _modulus_range(
 ) -> tuple[tuple[float, float], FitData]:
     """Return the loads (N) between which E_g increases, and the record's rows before contact and in between.
 
-    E_g is averaged in up to twelve bins along the curve. The range ends at its last maximum and
-    starts at the last minimum before, within noise.
-
-    Raises
-    ------
-    LoadingError
-        If `given` is not two rising loads with at least five rows between.
+    E_g is averaged in up to twelve bins along the curve. The range ends at its last maximum and starts at the
+    last minimum before, within noise.
     """
     record = fit.record
     load = fit.load(record.smooth_displacement)
@@ -559,11 +530,6 @@ def contact_by(name: str, fit: JointFit) -> Estimate:
 
     Its root mean square error, bias included, on twenty records that are simulated from the fit with its
     noise is the standard uncertainty. The value itself is not corrected.
-
-    Raises
-    ------
-    FitError
-        If it finds none, or fails on half of the simulated records.
     """
     estimator, rng, errors = ESTIMATORS[name], np.random.default_rng(0), []
     try:

@@ -6,12 +6,13 @@ uncertainty is in every result.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from scipy import linalg
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad._display import Displayed
@@ -47,8 +48,10 @@ from fingerpad.loading.least_squares import (
 )
 from fingerpad.loading.noise import KINDS, Noise, NoiseUncertainty, estimate_noise, noise_uncertainty
 
-# Rows before contact from which a drift, or a zero, can be estimated.
-_TILT_ROWS, _ZERO_ROWS = 4, 2
+# Rows before contact from which a zero, and a drift, can be estimated: with fewer the model says them.
+_ZERO_ROWS, _TILT_ROWS = 2, 4
+# Standard deviation of a drift that no baseline shows, as a share of the load over the record.
+_DRIFT = 0.03
 _CONTACT_DEVIATIONS = 5.0
 _MIN_LOADING = 5
 NO_AREA = "no contact area in the curve"
@@ -57,30 +60,17 @@ NO_RADIUS = f"{NO_AREA}, so its radius is not known: give a column area_mm2, or 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FitData(Displayed):
-    """The rows of one press that a fit uses: baseline and loading.
-
-    Attributes
-    ----------
-    clock, load, displacement, smooth_displacement : ndarray, (n,)
-        Time, force, and displacement as measured and without most of its noise, for slopes.
-    area : ndarray, (m,)
-        Areas, mm².
-    with_area : ndarray of bool, (n,)
-        Rows that have one, m in all.
-    poisson_ratio : float
-        ν.
-    attached : ndarray of bool, (n,), or None
-        Rows in which an adhesive contact has not torn off yet; None where the law says it.
-    """
+    """The n rows of one press that a fit uses, baseline and loading; m of them have an area."""
 
     clock: FloatArray
     load: FloatArray
     displacement: FloatArray
-    smooth_displacement: FloatArray
-    area: FloatArray
-    with_area: BoolArray
+    smooth_displacement: FloatArray  # without most of its noise, for slopes
+    area: FloatArray  # (m,), mm²
+    with_area: BoolArray  # (n,)
     poisson_ratio: float
-    attached: BoolArray | None = None
+    attached: BoolArray | None = None  # rows before an adhesive contact tears off; None where the law says it
+    tilt_std: float = math.inf  # N/s, of a drift of the force's zero as far as it is known beforehand
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -102,42 +92,29 @@ class Prior:
         found[np.ix_(places, places)] = np.linalg.inv(self.covariance)
         return found
 
+    def with_tilt(self, std: float, names: Collection[str]) -> "Prior":
+        """Return what else is known where the drift of the force's zero is one of the parameters."""
+        if "force_tilt" not in names or std == math.inf:
+            return self
+        covariance = linalg.block_diag(self.covariance, std**2)
+        return Prior(values={**self.values, "force_tilt": 0.0}, covariance=covariance)
+
 
 NO_PRIOR: Final = Prior(values={}, covariance=np.empty((0, 0)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class JointFit(Displayed):
-    """A law fitted to a record, with all that its uncertainty follows from.
-
-    Attributes
-    ----------
-    law : str
-        Key of `LAWS`.
-    fit : LeastSquaresFit
-        The free parameters.
-    held : mapping of str to Estimate
-        Parameters given from elsewhere, whose uncertainty is carried on.
-    prior : Prior
-        What else is known of the free parameters.
-    noise, noise_uncertainty : Noise, NoiseUncertainty
-        Of the record.
-    covariance : ndarray, (p, p)
-        Of the free parameters, with drifting noise and with the uncertainty of the noise itself.
-    record : FitData
-        What was fitted.
-    response : mapping of str to ndarray
-        Derivative of the free parameters by each held one that is uncertain.
-    """
+    """A law of `LAWS` fitted to a record, with all that its uncertainty follows from."""
 
     law: str
-    fit: LeastSquaresFit
-    held: Mapping[str, Estimate]
+    fit: LeastSquaresFit  # of the p free parameters
+    held: Mapping[str, Estimate]  # given from elsewhere; their uncertainty is carried on
     noise: Noise
     noise_uncertainty: NoiseUncertainty
-    covariance: FloatArray
+    covariance: FloatArray  # (p, p), with drifting noise and with the uncertainty of the noise itself
     record: FitData
-    response: Mapping[str, FloatArray]
+    response: Mapping[str, FloatArray]  # derivatives (p,) by each held parameter that is uncertain
     prior: Prior
 
     @property
@@ -244,6 +221,7 @@ def fit_joint(
     """
     if noise is None:
         noise, start = find_noise(record, law, start, held, prior=prior)
+    prior = prior.with_tilt(record.tilt_std, start.keys() - held.keys())
     return _fit(record, law, start, held, noise, prior=prior)
 
 
@@ -257,6 +235,7 @@ def find_noise(
 ) -> tuple[Noise, dict[str, float]]:
     """Return the noise of a record about a law, and the parameters that fit it nearly."""
     names = [name for name in start if name not in held]
+    prior = prior.with_tilt(record.tilt_std, names)
     whole = {**start, **{name: given.value for name, given in held.items()}}
     noise = _first_noise(record, law, whole)
     for kinds in (("white",), KINDS, None):
@@ -477,6 +456,7 @@ def prepare(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
         area=np.zeros(0) if curve.area is None else np.asarray(curve.area, dtype=np.float64)[rows][with_area],
         with_area=with_area,
         poisson_ratio=poisson_ratio,
+        tilt_std=_DRIFT * float(np.ptp(curve.load[rows]) / np.ptp(curve.clock[rows])),
     )
     _require_contact(record)
     if rows.size - before < _MIN_LOADING:
@@ -512,17 +492,14 @@ def start_values(press: Press, radius: float | None) -> dict[str, float]:
         if not radius > 0:
             raise LoadingError("contact area falls as the pad is pressed: is the sign of a column reversed?")
     stiffness = hertz_stiffness(radius, record.poisson_ratio)
-    start = {
+    return {
         "contact_offset": place,
         "initial_modulus": float(linear) / stiffness,
         "load_coefficient": growth / stiffness,
         "loading_radius": radius,
+        "force_zero": float(parts[0]),
+        "force_tilt": float(parts[1]) if tilt else 0.0,
     }
-    if press.baseline_rows >= _ZERO_ROWS:
-        start["force_zero"] = float(parts[0])
-    if tilt:
-        start["force_tilt"] = float(parts[1])
-    return start
 
 
 def fixed_quantities(press: Press, loading_radius: float | Estimate | None) -> dict[str, Estimate]:

@@ -303,13 +303,7 @@ def _derived(fit: JointFit, function: Law, law: ContactLaw) -> Estimate:
 
 
 def prepare_retraction(curve: LoadingCurve, poisson_ratio: float, cycle: int) -> Press:
-    """Choose the rows on the way out, up to the pull-off, and those without contact before and after it.
-
-    Raises
-    ------
-    FitError
-        If the record has no way out, no pull-off, or ends before the contact is lost.
-    """
+    """Choose the rows on the way out, up to the pull-off, and those without contact before and after it."""
     cycles, chosen = choose_cycle(curve, cycle)
     if chosen.unloading is None:
         raise FitError("the record has no way out, and adhesion is seen where the contact tears off")

@@ -248,13 +248,7 @@ def contact_law(
 
 
 def find_law(law: str | ContactLaw) -> ContactLaw:
-    """Return a law by its name, or import it from ``file.py:name`` or ``module:name``.
-
-    Raises
-    ------
-    LoadingError
-        If there is none, or what is imported fails.
-    """
+    """Return a law by its name, or import it from ``file.py:name`` or ``module:name``."""
     if isinstance(law, ContactLaw):
         return law
     if law in LAWS:

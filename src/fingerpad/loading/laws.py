@@ -451,25 +451,9 @@ def jkr(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class FittedForceModel(Displayed):
-    """A force model with the values that fit a record.
+    """A law of `LAWS` with the values that fit a record: mm, N, s, MPa.
 
-    Attributes
-    ----------
-    law : str
-        Key of `LAWS`.
-    values : dict of str to float
-        All parameters: mm, N, s, MPa.
-    poisson_ratio : float
-        ν of the pad.
-    aicc : float
-        Corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare models under one noise.
-
-    Examples
-    --------
-    >>> values = {"contact_offset": 1.0, "loading_radius": 20.5, "youngs_modulus": 0.1024}
-    >>> model = FittedForceModel(law="hertz", values=values, poisson_ratio=0.5, aicc=0.0)
-    >>> model.load(np.array([1.0, 2.806])).round(2)
-    array([0., 2.])
+    `aicc` is the corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare models under one noise.
     """
 
     law: str
@@ -478,36 +462,12 @@ class FittedForceModel(Displayed):
     aicc: float
 
     def load(self, displacement: FloatArray) -> FloatArray:
-        """Return the fitted load at readings of the displacement.
-
-        Parameters
-        ----------
-        displacement : ndarray
-            Readings, mm, from the instrument's zero.
-
-        Returns
-        -------
-        ndarray
-            W, N.
-        """
+        """Return the fitted load W (N) at readings of the displacement (mm), from the instrument's zero."""
         xi = indentation_of(self.values, self.law, displacement, self.poisson_ratio)
         return load_on(self.values, self.law, xi, self.poisson_ratio)
 
     def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
-        """Return measured forces with zero and tilt removed.
-
-        Parameters
-        ----------
-        clock : ndarray
-            Times of the readings, s, from the start of the record.
-        load : ndarray
-            Readings, N.
-
-        Returns
-        -------
-        ndarray
-            N.
-        """
+        """Return measured forces (N) at times from the start of the record (s) with zero and tilt removed."""
         return load - force_zero(self.values, clock)
 
 

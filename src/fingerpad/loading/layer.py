@@ -198,13 +198,7 @@ class LayerThicknessFit(Recorded):
         )
 
     def as_record(self) -> dict[str, Any]:
-        """Return the numbers by names that end in units.
-
-        Returns
-        -------
-        dict
-            Each with ``_std`` and ``_ci95``; None where unknown, and for an end that is infinite.
-        """
+        """Return the numbers by names that end in units; None where unknown, or infinite."""
         record = estimates_record(
             {
                 "thickness_mm": self.thickness,

@@ -27,27 +27,13 @@ _FARTHEST = 50.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class LeastSquaresFit(Displayed):
-    """Parameters that minimise a sum of squares.
-
-    Attributes
-    ----------
-    names : tuple of str
-        Names of the p parameters.
-    values : ndarray, shape (p,)
-        Estimates.
-    residuals : ndarray, shape (n,)
-        At the estimates.
-    jacobian : ndarray, shape (n, p)
-        Derivative of the residuals by the parameters.
-    effective_count : float
-        Number of independent residuals that carry as much information: n where they are not correlated.
-    """
+    """Parameters that minimise a sum of squares."""
 
     names: tuple[str, ...]
-    values: FloatArray
-    residuals: FloatArray
-    jacobian: FloatArray
-    effective_count: float
+    values: FloatArray  # (p,)
+    residuals: FloatArray  # (n,)
+    jacobian: FloatArray  # (n, p)
+    effective_count: float  # of independent residuals that carry as much information
     _function: Residuals
 
     @property
@@ -125,21 +111,6 @@ def fit_least_squares(
 
     `residuals` takes parameters (p,) and returns residuals (n,), each divided by its relative standard
     deviation. A trust region keeps the parameters within `bounds`, where they are given.
-
-    Raises
-    ------
-    FitError
-        If there are no more residuals than parameters, the residuals at the start are not finite, the
-        search does not end, or the parameters are indistinguishable.
-
-    Examples
-    --------
-    >>> x = np.linspace(0, 2, 9)
-    >>> y = 3 * np.exp(-x) + 0.01 * np.cos(9 * x)
-    >>> fit = fit_least_squares(lambda p: p[0] * np.exp(-p[1] * x) - y, [1, 2], ["size", "rate"])
-    >>> rate = fit.estimate("rate")
-    >>> print(f"{rate.value:.3f} in {rate.lower:.3f} to {rate.upper:.3f}")
-    1.002 in 0.992 to 1.011
     """
     values, names = as_float_array(start), tuple(names)
     first = residuals(values)
@@ -163,9 +134,8 @@ def fit_least_squares(
 def effective_count(residuals: ArrayLike) -> float:
     """Return the number of independent values that carry as much information as correlated residuals.
 
-    An autoregression, of an order up to three found by AICc, gives the spectral density at zero frequency
-    over the variance, 1 + 2 Σ ρ_k, by which the count is divided. The count is never raised, so that apparent
-    anticorrelation does not make an interval narrower.
+    An autoregression, of an order up to three by AICc, gives the spectral density at zero frequency over the
+    variance, by which the count is divided. It is never raised: apparent anticorrelation narrows nothing.
     """
     values = as_float_array(residuals) - float(np.mean(as_float_array(residuals)))
     n = values.size

@@ -40,15 +40,7 @@ _FORGOTTEN = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Drift(Displayed):
-    """Slow noise of n rows.
-
-    Attributes
-    ----------
-    stds, times : ndarray, (k,)
-        Standard deviation (N) and correlation time of each process.
-    steps : ndarray, (n − 1,)
-        Time from each row to the next.
-    """
+    """Slow noise of n rows: k processes of standard deviations `stds` (N) and correlation times `times`."""
 
     stds: FloatArray
     times: FloatArray
@@ -122,36 +114,18 @@ class Drift(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Noise(Displayed):
-    """Noise of a record of n rows, m of them with an area.
+    """Noise of a record of n rows, m of them with an area: white in all columns, and a drift of the force."""
 
-    Attributes
-    ----------
-    force_std, displacement_std, area_std : float
-        White noise of one row, N, mm, mm².
-    drift_std, drift_time : float
-        Standard deviation (N) and correlation time (s, or rows) of the force's drift.
-    kind : str
-        ``exponential``, or a drift without a time of its own: ``long_range`` (1/f) or ``random_walk``.
-    slope : ndarray, (n,)
-        dW/dξ, N/mm.
-    radius : float
-        R_g, mm.
-    steps : ndarray, (n − 1,)
-        Time from each row to the next.
-    with_area : ndarray of bool, (n,)
-        Rows that have an area.
-    """
-
-    force_std: float
-    displacement_std: float
-    area_std: float
-    drift_std: float
-    drift_time: float
-    slope: FloatArray
-    radius: float
-    steps: FloatArray
-    with_area: BoolArray
-    kind: str = "exponential"
+    force_std: float  # N
+    displacement_std: float  # mm
+    area_std: float  # mm²
+    drift_std: float  # N
+    drift_time: float  # correlation time, s, or rows
+    slope: FloatArray  # dW/dξ, (n,), N/mm
+    radius: float  # R_g, mm
+    steps: FloatArray  # time from each row to the next, (n − 1,)
+    with_area: BoolArray  # (n,)
+    kind: str = "exponential"  # or without a time of its own: long_range (1/f), random_walk
 
     @property
     def drift(self) -> Drift | None:
@@ -343,11 +317,10 @@ def _maximise_likelihood(
 
 
 def _penalised_negative_log_likelihood(noise: Noise, *columns: FloatArray) -> float:
-    """Return the negative log-likelihood less log σ of the displacement.
+    """Return the negative log-likelihood less log σ of the displacement, which keeps that σ off zero.
 
-    The second term keeps that σ off zero (Chung et al. 2013).
-
-    Few rows do not determine it, and its weights and their uncertainty would then be those of none.
+    Few rows do not determine it, and its weights and their uncertainty would be those of none (Chung et al.
+    2013).
     """
     return noise.negative_log_likelihood(*columns) - math.log(noise.displacement_std)
 

@@ -27,15 +27,7 @@ _PATIENCE = 150
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PronyTerm:
-    """One term of a Prony series.
-
-    Attributes
-    ----------
-    share : Estimate
-        Part of an instantaneous load that decays.
-    time : Estimate
-        Its time constant, s; not known where the record is too slow or too short for it.
-    """
+    """A term of a Prony series: the share of an instantaneous load that decays, and its time (s)."""
 
     share: Estimate
     time: Estimate

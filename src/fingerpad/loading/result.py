@@ -31,15 +31,7 @@ _SHOWN: Final = {"MPa": ("kPa", 1e3), "MPa/N": ("kPa/N", 1e3), "mJ/mm²": ("mJ/m
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Secant(Displayed):
-    """The secant modulus of rows in contact.
-
-    Attributes
-    ----------
-    load, indentation : ndarray
-        W (N) and ξ (mm).
-    modulus : ndarray
-        E_g, MPa.
-    """
+    """The secant modulus E_g (MPa) of rows in contact, with their W (N) and ξ (mm)."""
 
     load: FloatArray
     indentation: FloatArray
@@ -48,24 +40,12 @@ class Secant(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class LawUncertainty(Displayed):
-    """How well the parameters of a fitted law are known on which its load depends.
-
-    Attributes
-    ----------
-    names : tuple of str
-        The parameters.
-    covariance : ndarray, (p, p)
-        Theirs, with drifting noise, the uncertainty of the noise, and what was given from elsewhere.
-    coverage_factor : float
-        Half of a 95 % interval over the standard uncertainty, of the load at the largest indentation.
-    weight : float
-        Akaike weight of the law.
-    """
+    """How well the parameters of a fitted law are known on which its load depends."""
 
     names: tuple[str, ...]
-    covariance: FloatArray
-    coverage_factor: float
-    weight: float
+    covariance: FloatArray  # with drifting noise, the uncertainty of the noise, and what was given
+    coverage_factor: float  # half of a 95 % interval over the std, of the load at the largest indentation
+    weight: float  # of Akaike
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -325,32 +305,11 @@ class LoadingFit(Recorded):
         return Secant(load=load, indentation=depth, modulus=modulus)
 
     def predict(self, indentation: ArrayLike) -> Estimate:
-        """Return the load at indentations, with its uncertainty and 95 % interval.
+        """Return the load W (N) at indentations ξ (mm) from first contact on, with its uncertainty.
 
-        The value is that of the law with a growing modulus, on which all quantities here rest. Its
-        uncertainty is that of the law's parameters, and of what else could have made the curve: the
-        `alternatives` by their Akaike weights, and where there is no area the laws that depart from each
-        other. Indentation counts from first contact, wherever that was: that the place of contact is
-        uncertain makes the moduli uncertain, and the load with them. Neither the scale of the force nor the
-        noise of a single reading is in it.
-
-        Parameters
-        ----------
-        indentation : array_like
-            ξ, mm, from first contact on; before it, the load is zero.
-
-        Returns
-        -------
-        Estimate
-            W, N: arrays of the shape of `indentation`. NaN where the law has no finite load.
-
-        Examples
-        --------
-        >>> from fingerpad.loading import fit_loading_curve
-        >>> from fingerpad.simulate import simulate_loading_curve
-        >>> fit = fit_loading_curve(simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1))
-        >>> print(f"{fit.predict(1.0)} N (truth: 0.317 N)")
-        0.3195 ± 0.0028 N (truth: 0.317 N)
+        It is that of a growing modulus, with the uncertainty of its parameters and of the `alternatives` by
+        their Akaike weights; the scale of the force and the noise of one reading are not in it. NaN at the
+        law's pole.
         """
         shape = np.shape(indentation)
         xi = np.maximum(as_float_array(indentation).ravel(), 0.0)
@@ -379,26 +338,10 @@ class LoadingFit(Recorded):
         return np.asarray(np.sqrt(np.array(weights) @ apart**2))
 
     def divide_by_constraint(self, coefficient: Estimate) -> Self:
-        """Return the fit with all moduli divided by a constraint coefficient.
+        """Return the fit with all moduli divided by a constraint coefficient, flagged ``constraint_assumed``.
 
-        Bone and nail make a thin pad stiffer than a half-space of the same tissue, by this factor. It is
-        poorly known for fingers: its uncertainty goes into the moduli, and the result is flagged
-        ``constraint_assumed``. The load that is predicted stays.
-
-        Parameters
-        ----------
-        coefficient : Estimate
-            The factor, independent of the fit.
-
-        Returns
-        -------
-        LoadingFit
-            With moduli and β divided.
-
-        Raises
-        ------
-        LoadingError
-            If the coefficient is not positive and finite.
+        Bone and nail make a thin pad stiffer than a half-space of the same tissue by this factor, which is
+        poorly known for fingers. The load that is predicted stays.
         """
         if not (coefficient.value > 0 and math.isfinite(coefficient.value) and coefficient.std >= 0):
             raise LoadingError(
@@ -453,13 +396,7 @@ class LoadingFit(Recorded):
         return self.report()
 
     def report(self) -> str:
-        """Return the fit as text: law, quantities, other laws and explanations, and flags in words.
-
-        Returns
-        -------
-        str
-            Each quantity with its unit, standard uncertainty and 95 % interval, or why it is not known.
-        """
+        """Return the fit as text: law, quantities, other laws and explanations, and flags in words."""
         return "\n".join(self._lines())
 
     def _lines(self) -> Iterator[str]:

@@ -32,6 +32,11 @@ _CORRELATED: Final = 2.0
 _MIN_AREAS = 20
 FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
 
+# How to have the layer that a curve shows fitted, on the command line and in a study.
+GIVE_SEMI_AXES: Final = (
+    "give the pad's semi-axes (--semi-axes-mm; photographs or semi_axes_mm of the finger in study.toml), and "
+    "thickness and modulus of the layer are fitted"
+)
 # What each says of the curve; all but the sphere add the parameter of that name.
 EXPLANATIONS: Final = {
     "area_offset": "areas with an offset at contact, as from a late camera",
@@ -50,7 +55,7 @@ _WITHOUT_AREAS: Final = tuple(
     if name.removeprefix(_ONE_MODULUS) in {"stage_compliance", "inverse_thickness"}
 )
 # Tissue of a finger, mm; beyond that it is as good as a half-space. A press goes no deeper than half of it.
-_THINNEST_TISSUE, THICKEST_TISSUE, _DEEPEST = 3.0, 25.0, 0.5
+_THINNEST_TISSUE, THICKEST_TISSUE, _DEEPEST = 1.0, 25.0, 0.5
 # A zero of the force that drifts does so in no straight line: standard deviation of its bend over the press,
 # as a share of the drift.
 _BENT: Final = 0.4
@@ -65,20 +70,7 @@ _FAR, _HALVINGS = 8.0, 60
 def akaike_weights(criteria: Sequence[float]) -> list[float]:
     """Return the weights exp(−Δ/2) of models, with sum 1, from their AICc (Burnham and Anderson 2002, 2.9).
 
-    Parameters
-    ----------
-    criteria : sequence of float
-        AICc of each model, under one noise; infinite for one without weight, but not for all.
-
-    Returns
-    -------
-    list of float
-        In the same order.
-
-    Examples
-    --------
-    >>> [round(weight, 3) for weight in akaike_weights([100.0, 102.0, 110.0])]
-    [0.727, 0.268, 0.005]
+    All are under one noise; a model with an infinite AICc has no weight.
     """
     likelihood = np.exp((min(criteria) - np.asarray(criteria)) / 2)
     return [float(weight) for weight in likelihood / likelihood.sum()]
@@ -89,33 +81,9 @@ def average_models(
 ) -> Estimate:
     """Return a quantity with the uncertainty of all its models (Burnham and Anderson 2002, 4.3).
 
-    Together the models give a mixture of their distributions, each with its weight w. Its mean is Σ w θ,
-    its variance Σ w (u² + (θ − value)²), and its interval lies between its 2.5 and 97.5 % points.
-
-    Parameters
-    ----------
-    models : sequence of Estimate
-        The quantity θ ± u by each model.
-    weights : sequence of float
-        Of the models, as `akaike_weights`; their sum is 1.
-    value : float, optional
-        What the uncertainty is stated of, as the value of one chosen model; the mean without it. Variance and
-        interval are then those about it: the interval holds it.
-
-    Returns
-    -------
-    Estimate
-        Where a model of considerable weight leaves an end of its interval open, this one is open too.
-
-    Examples
-    --------
-    >>> models = [Estimate.symmetric(40.0, 1.0), Estimate.symmetric(44.0, 1.0)]
-    >>> both = average_models(models, [0.75, 0.25])
-    >>> print(f"{both}, {both.lower:.1f} to {both.upper:.1f}")
-    41.0 ± 2.0, 38.2 to 45.3
-    >>> chosen = average_models(models, [0.75, 0.25], value=40.0)
-    >>> print(f"{chosen}, {chosen.lower:.1f} to {chosen.upper:.1f}")
-    40.0 ± 2.2, 38.2 to 45.3
+    They are a mixture of distributions with weights w: its mean is Σ w θ, its variance Σ w (u² + (θ −
+    value)²), and its interval lies between its 2.5 and 97.5 % points. `value` is that of a chosen model, and
+    in the interval; the mean without it. An end that a model of considerable weight leaves open is open.
     """
     parts = [(one.value, one.std, one.lower, one.upper) for one in models]
     theta, std, lower, upper = np.array(parts).T
@@ -158,47 +126,37 @@ def mixture_point(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Comparison(Displayed):
-    """The model of a curve beside other explanations of it.
+    """The model of a curve beside other explanations of it, by key of `EXPLANATIONS`."""
 
-    Attributes
-    ----------
-    main : JointFit
-        The model, with an offset of the areas where they have one.
-    rivals : mapping of str to JointFit
-        Other explanations under the same noise, by key of `EXPLANATIONS`.
-    best, best_name : JointFit, str
-        That of the least AICc, with noise of its own where it is far ahead, and its key; empty for the model.
-    weights : mapping of str to float
-        Akaike weights of the rivals; what is left to one is the model's.
-    unexplained : float
-        Share of the force's residuals under load that noise does not explain; 0 where areas show it.
-    doubts : mapping of str to str
-        Flags, and what they mean here in plain words.
-    """
+    main: JointFit  # with an offset of the areas where they have one
+    rivals: Mapping[str, JointFit]  # under the same noise
+    best: JointFit  # of the least AICc, with noise of its own where it is far ahead
+    best_name: str  # empty for the model
+    weights: Mapping[str, float]  # of Akaike, of the rivals; what is left to one is the model's
+    unexplained: float  # share of the force's residuals under load beyond noise; 0 where areas show it
+    doubts: Mapping[str, str]  # flags, and what they mean here in plain words
 
-    main: JointFit
-    rivals: Mapping[str, JointFit]
-    best: JointFit
-    best_name: str
-    weights: Mapping[str, float]
-    unexplained: float
-    doubts: Mapping[str, str]
+    @property
+    def too_thin(self) -> str:
+        """Why no modulus is known: a layer thinner than tissue can be is far ahead; empty where none is."""
+        name = "inverse_thickness"
+        for rival in self.rivals.values():
+            at_bound = name in rival.held and name not in self.main.held
+            if at_bound and self.main.aicc - rival.aicc > FLAGGED:
+                thinnest = 1 / rival.values[name]
+                return (
+                    f"the curve has the shape of a layer on bone thinner than {thinnest:.2g} mm and does not "
+                    f"tell its modulus: {GIVE_SEMI_AXES}"
+                )
+        return ""
 
     def widened(
         self, name: str, estimate: Estimate, gradient: Mapping[str, float], spread: float = 0.0
     ) -> tuple[Estimate, float]:
         """Return a quantity with the uncertainty of all explanations, and what they add to the model's.
 
-        Parameters
-        ----------
-        name : str
-            A parameter, for the residuals' own test.
-        estimate : Estimate
-            From the main fit.
-        gradient : mapping of str to float
-            Weights of the parameters whose sum it is.
-        spread : float
-            By how much laws of the force differ in it, as a standard deviation.
+        It is the sum of parameters by the weights `gradient`; `spread` is by how much laws of the force
+        differ in it, as a standard deviation.
         """
         if not estimate.known:
             return estimate, 0.0
@@ -261,6 +219,10 @@ def compare(main: JointFit) -> Comparison:
     plain = [rival.aicc for _, rival in _rivals(main, (_ONE_MODULUS,))]
     reference = min([main.aicc, *plain])
     gains = {name: reference - rival.aicc for name, rival in rivals.items()}
+    if max(gains.get("inverse_thickness", 0.0), gains.get("hertz_inverse_thickness", 0.0)) > FLAGGED:
+        # An area of any growth only describes what a layer does to it, and leaves the modulus wrong.
+        for found in (rivals, gains):
+            found.pop("area_growth", None)
     doubts = {}
     if gains.get("area_offset", 0.0) > FLAGGED:
         doubts["area_offset"] = _offset_note(main, rivals["area_offset"])
@@ -279,6 +241,8 @@ def compare(main: JointFit) -> Comparison:
             f"the curve fits {EXPLANATIONS[name]} better, by {gains[name]:.0f} in AICc: the "
             "uncertainty holds what follows from it"
         )
+        if name.endswith("inverse_thickness"):
+            doubts["misfit"] += f"; {GIVE_SEMI_AXES}"
         best, best_name = _refitted(rivals[name]), name
     if smoothed := smoothed_note(best.residuals()[1]):
         doubts["correlated_area"] = smoothed
@@ -442,21 +406,7 @@ def _offset_note(main: JointFit, wider: JointFit) -> str:
 def runs_deviation(residuals: FloatArray) -> float:
     """Return how far the number of runs of one sign is from chance (Wald and Wolfowitz 1940).
 
-    Parameters
-    ----------
-    residuals : ndarray, (n,)
-        In order.
-
-    Returns
-    -------
-    float
-        In standard deviations, negative where neighbours are alike; 0 for fewer than twenty residuals.
-
-    Examples
-    --------
-    >>> x = np.linspace(0, 3, 100)
-    >>> runs_deviation(np.sin(x) - 0.5) < -9
-    True
+    In standard deviations, negative where neighbours are alike, and 0 for fewer than twenty residuals.
     """
     signs = residuals > 0
     more, less = int(signs.sum()), int((~signs).sum())

@@ -170,19 +170,6 @@ def layer_items() -> list[AuditItem]:
 
     This goes beyond the equations of Dzidek et al. (2017), see `fit_tissue_thickness`. E* gives the printed
     contact area. Nothing is fitted to the contact's axes.
-
-    Returns
-    -------
-    list of AuditItem
-        The thickness with its 95 % interval; R_g, E* and the ratio of the contact's axes at either angle.
-
-    Examples
-    --------
-    >>> for item in layer_items()[:3]:
-    ...     print(item.item, item.printed, round(item.computed, 1))
-    One layer, effective thickness t None 7.9
-    One layer, θ = 30°, R_g 20.5 20.5
-    One layer, θ = 30°, E* None 65.7
     """
     fit, article = fit_tissue_thickness(), dzidek2017()
     fitted = partial(AuditItem, verdict=Verdict.FITTED, formula=_LAYER)

@@ -129,13 +129,7 @@ def height_of(placement: AnyPlacement) -> FloatArray:
 
 
 def solved_curve(placement: AnyPlacement, tissue: Tissue, gap: Gap, loads: FloatArray) -> SolvedCurve:
-    """Solve contacts over a range of loads.
-
-    Raises
-    ------
-    GeometryError
-        If the solver cannot take one of them.
-    """
+    """Solve contacts over a range of loads."""
     asked = np.geomspace(_BELOW * loads[0], loads[-1], _SOLVED)
     solved = []
     for load in asked[::-1]:  # the highest, which is refused, comes first

@@ -29,18 +29,8 @@ _SETTLED: Final = 1e-5  # change of the load
 class TissueElements:
     """Flexibility of a layer's skin along the plate's normal, for E = 1, where a plate may touch it.
 
-    Parameters
-    ----------
-    mesh : LayerMesh
-        Its bone is held, all else is free.
-    stiffness : sparse array, shape (3n, 3n)
-        Of the mesh, E = 1, three rows for each point.
-    normal : ndarray, shape (3,)
-        Of the plate, outwards.
-    gap : ndarray, shape (n,)
-        Between each point and the plate at touch, mm.
-    deepest : float
-        Largest indentation, mm.
+    The mesh's bone is held, all else is free; `stiffness` (3n, 3n) has three rows for each point. `gap` (n,)
+    lies between point and plate at touch, mm, as is the largest indentation `deepest`.
     """
 
     def __init__(

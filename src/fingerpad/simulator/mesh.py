@@ -200,21 +200,9 @@ class LayerMesh:
 
 
 def layer_mesh(placement: Placement, thickness: float, *, rings: int = 12, layers: int = 4) -> LayerMesh:
-    """Return the layer of tissue over bone around the place of contact.
+    """Return the layer of tissue (thickness in mm) over bone around the place of contact of one pad.
 
-    Parameters
-    ----------
-    placement : Placement
-        One pad.
-    thickness : float
-        Of the tissue, mm.
-    rings, layers : int
-        Of elements around the place of contact, and from skin to bone.
-
-    Raises
-    ------
-    GeometryError
-        If elements would be too flat.
+    `rings` of elements lie around that place, `layers` from skin to bone.
     """
     axes, normal = placement.ellipsoid.semi_axes, placement.normal
     polar = _WIDEST

@@ -20,13 +20,7 @@ class Target(Displayed):
     assumes: str
 
     def as_record(self) -> dict[str, Any]:
-        """Return the numbers by names that end in units.
-
-        Returns
-        -------
-        dict of str to Any
-            Numbers, text, and None for what there is not.
-        """
+        """Return the numbers by names that end in units; None for what there is not."""
         return {
             **self._numbers(),
             "worst_relative_error": self.worst_relative_error,

@@ -297,24 +297,10 @@ def _possible(poisson_ratio: ArrayLike) -> FloatArray:
 
 
 def pad_inputs(measured: Inputs) -> Inputs:
-    """Return the inputs of `pad_model`, or of `layer_model`, that follow from measured quantities.
+    """Return the inputs of `pad_model`, or of `layer_model`, that follow from those of `pad_uncertainty`.
 
     The semi-axes of the contact ellipse become its radius and elongation, to first order; all else is kept.
-
-    Parameters
-    ----------
-    measured : Inputs
-        The quantities of `pad_uncertainty`, all but the thickness.
-
-    Returns
-    -------
-    Inputs
-        With `PAD_SOURCES` as groups, with a thickness `LAYER_SOURCES`.
-
-    Raises
-    ------
-    UncertaintyError
-        If a quantity is missing, or the semi-axes correlate by more than one.
+    Groups are `PAD_SOURCES`, with a thickness `LAYER_SOURCES`.
     """
     sources = LAYER_SOURCES if "thickness" in measured.names else PAD_SOURCES
     names = tuple(name for inputs in sources.values() for name in inputs)

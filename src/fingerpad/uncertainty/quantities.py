@@ -224,28 +224,9 @@ class Inputs(Displayed):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Outputs(Displayed):
-    """Named outputs of a model with their joint covariance; ``outputs[name]`` is one `Estimate`.
+    """Named outputs of a model (..., m) with their joint covariance; ``outputs[name]`` is one `Estimate`.
 
-    Attributes
-    ----------
-    names : tuple of str
-        Names of the m outputs.
-    value : ndarray, shape (..., m)
-        Their values.
-    covariance : ndarray, shape (..., m, m)
-        Their covariance.
-    interval : ndarray, shape (..., m, 2)
-        Lower and upper ends of the 95 % interval of each.
-
-    Examples
-    --------
-    >>> from fingerpad.uncertainty import Inputs, propagate
-    >>> outputs = propagate(lambda x: {"double": 2 * x, "square": x**2}, Inputs.of(x=(3.0, 0.1)))
-    >>> outputs.names, outputs.covariance.round(3)
-    (('double', 'square'), array([[0.04, 0.12],
-           [0.12, 0.36]]))
-    >>> print(f"{outputs['square']:.1f}")
-    9.0 ± 0.6
+    `interval` (..., m, 2) are the ends of the 95 % interval of each.
     """
 
     names: tuple[str, ...]
@@ -254,13 +235,7 @@ class Outputs(Displayed):
     interval: FloatArray
 
     def summary(self) -> str:
-        """Return each output with its standard uncertainty.
-
-        Returns
-        -------
-        str
-            One line each.
-        """
+        """Return each output with its standard uncertainty, one line each."""
         return "\n".join([type(self).__name__, *aligned([(name, str(self[name])) for name in self.names])])
 
     def __str__(self) -> str:
@@ -272,28 +247,7 @@ class Outputs(Displayed):
         return np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
 
     def place(self, name: str) -> int:
-        """Return the place of an output along the last axis.
-
-        Parameters
-        ----------
-        name : str
-            Its name.
-
-        Returns
-        -------
-        int
-
-        Raises
-        ------
-        UncertaintyError
-            If there is no output of that name.
-
-        Examples
-        --------
-        >>> from fingerpad.uncertainty import Inputs, propagate
-        >>> propagate(lambda x: {"double": 2 * x, "square": x**2}, Inputs.of(x=3.0)).place("square")
-        1
-        """
+        """Return the index of an output along the last axis."""
         if name not in self.names:
             raise UncertaintyError(f"no output {name!r}; there are {', '.join(self.names)}")
         return self.names.index(name)
@@ -309,28 +263,7 @@ class Outputs(Displayed):
 
 
 def covariance_of(value: ArrayLike) -> FloatArray:
-    """Return `value` as covariance matrices, validated.
-
-    Parameters
-    ----------
-    value : array_like, shape (..., n, n)
-        One matrix or several.
-
-    Returns
-    -------
-    ndarray, shape (..., n, n)
-
-    Raises
-    ------
-    UncertaintyError
-        If a matrix is not square, finite or symmetric, has a negative variance, a correlation outside
-        [−1, 1], or is not positive semidefinite.
-
-    Examples
-    --------
-    >>> covariance_of([[1.0, 0.5], [0.5, 1.0]]).shape
-    (2, 2)
-    """
+    """Return `value` as covariance matrices (..., n, n), validated."""
     covariance = as_float_array(value)
     if covariance.ndim < 2 or covariance.shape[-1] != covariance.shape[-2]:
         raise UncertaintyError(f"a covariance must be square, found the shape {covariance.shape}")
@@ -358,26 +291,10 @@ def covariance_of(value: ArrayLike) -> FloatArray:
 
 
 def covariance_root(covariance: FloatArray) -> FloatArray:
-    """Return F with F Fᵀ = `covariance`, which may be singular.
+    """Return F with F Fᵀ = `covariance` (..., n, n), which may be singular; NaN where a matrix is not finite.
 
     In units of the standard deviations F is the symmetric root, which does not depend on the order of the
     inputs. Negative eigenvalues are taken to be zero, as those that rounding leaves.
-
-    Parameters
-    ----------
-    covariance : ndarray, shape (..., n, n)
-        One matrix or several.
-
-    Returns
-    -------
-    ndarray, shape (..., n, n)
-        NaN where a matrix is not finite.
-
-    Examples
-    --------
-    >>> covariance_root(np.array([[4.0, 0.0], [0.0, 9.0]]))
-    array([[2., 0.],
-           [0., 3.]])
     """
     finite = np.isfinite(covariance).all(axis=(-2, -1), keepdims=True)
     clean = np.where(finite, covariance, 0.0)
@@ -408,15 +325,7 @@ def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[
 
 
 def check_inputs(model: Model, inputs: Inputs) -> None:
-    """Refuse inputs that a model does not take, and angles in degrees.
-
-    Raises
-    ------
-    UncertaintyError
-        If an input of the model is missing, or it takes none of such a name.
-    GeometryError
-        If an input whose name ends in ``_angle`` cannot be one in radians.
-    """
+    """Refuse inputs that a model does not take, and angles in degrees."""
     try:
         inspect.signature(model).bind(**dict.fromkeys(inputs.names))
     except ValueError:  # some compiled functions have no signature
