@@ -30,12 +30,7 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
 # Force (N), force [N]; Force / N; force, N: these state a unit. force_N, force N, force in N: perhaps.
 _IN_BRACKETS, _AFTER_MARK, _AFTER_LOW_LINE, _AFTER_SPACE = map(
     re.compile,
-    (
-        r"(.+?)[ _]*[(\[](.+?)[)\]]",
-        r"(.+?)(?: */ *| *, *)(\S+)",
-        r"(.+)_([^_]+)",
-        r"(.+?)(?: in)? +(\S+)",
-    ),
+    (r"(.+?)[ _]*[(\[](.+?)[)\]]", r"(.+?)(?: */ *| *, *)(\S+)", r"(.+)_([^_]+)", r"(.+?)(?: in)? +(\S+)"),
 )
 _UNIT_SPELLINGS: Final = {"µ": "u", "μ": "u", "²": "2", "^2": "2", "sec": "s"}
 # Of these, a unit tells what was not read; anything can be in volts or millimetres.

@@ -52,10 +52,7 @@ _CONTACT: Final = (
         "pooling unless reviewed",
     ),
     Flag(
-        "poor_ellipse",
-        "the contact is not well described by an ellipse",
-        _REVIEW,
-        "pooling unless reviewed",
+        "poor_ellipse", "the contact is not well described by an ellipse", _REVIEW, "pooling unless reviewed"
     ),
     Flag(
         "scale_doubtful",
@@ -180,11 +177,7 @@ _PHOTOGRAPH: Final = (
         "the finger is tilted by more than 10 degrees",
         "photograph the finger upright in the picture, square to the face",
     ),
-    Flag(
-        "implausible_size",
-        "a semi-axis lies outside 2–40 mm",
-        "check the scale",
-    ),
+    Flag("implausible_size", "a semi-axis lies outside 2–40 mm", "check the scale"),
     Flag(
         "fitted_manually",
         "the ellipse was placed manually, or points were added or left out",
@@ -331,9 +324,7 @@ _LAYER: Final = (
         "take lower loads, or check the thickness",
     ),
     Flag(
-        "poisson_ratio_out_of_range",
-        "Poisson's ratio is below 0.3",
-        "state a Poisson's ratio of 0.3 to 0.5",
+        "poisson_ratio_out_of_range", "Poisson's ratio is below 0.3", "state a Poisson's ratio of 0.3 to 0.5"
     ),
     Flag(
         "thickness_ignored",

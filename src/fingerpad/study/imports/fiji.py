@@ -213,10 +213,7 @@ def _rotated(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
     """Return a rotated ellipse, kept as the ends of its major axis and minor over major axis."""
     # The ratio is a float in the place of three small fields of other ROIs.
     packed = struct.pack(
-        f"{roi.byteorder}BBh",
-        roi.arrow_style_or_aspect_ratio,
-        roi.arrow_head_size,
-        roi.rounded_rect_arc_size,
+        f"{roi.byteorder}BBh", roi.arrow_style_or_aspect_ratio, roi.arrow_head_size, roi.rounded_rect_arc_size
     )
     (ratio,) = struct.unpack(f"{roi.byteorder}f", packed)
     across, down = roi.x2 - roi.x1, roi.y2 - roi.y1

@@ -195,9 +195,7 @@ def measured_pad(
         raise FingerpadError(f"{folder}: the semi-axes of {found.finger} are not known there")
     pad = Ellipsoid(palmar=axes.palmar_mm, distal=axes.distal_mm, radial_ulnar=axes.radial_ulnar_mm)
     placement = Placement(
-        pad,
-        wedge_angle=math.radians(found.wedge_angle_deg),
-        roll_angle=math.radians(found.roll_angle_deg),
+        pad, wedge_angle=math.radians(found.wedge_angle_deg), roll_angle=math.radians(found.roll_angle_deg)
     )
     stds = dict(
         zip(

@@ -92,10 +92,7 @@ def _write_records(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
 
 def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: Path) -> None:
     """Write some columns of rows as a CSV table and as a JSON array of objects, batch by batch."""
-    with (
-        table.open("w", newline="", encoding="utf-8") as file,
-        records.open("w", encoding="utf-8") as array,
-    ):
+    with table.open("w", newline="", encoding="utf-8") as file, records.open("w", encoding="utf-8") as array:
         lines = csv.writer(file)
         lines.writerow(names)
         array.write("[")
@@ -213,19 +210,12 @@ def _faces(outlines: PadSemiAxes) -> list[FaceRecord]:
 def _photograph(one: PhotographResult) -> PhotographRecord:
     exponent, exponent_std = one.exponent or (None, None)
     return PhotographRecord.of(
-        one,
-        one.manifest,
-        uncertainty_mm_std=one.uncertainty,
-        exponent=exponent,
-        exponent_std=exponent_std,
+        one, one.manifest, uncertainty_mm_std=one.uncertainty, exponent=exponent, exponent_std=exponent_std
     )
 
 
 def _placement(
-    summary: Summary,
-    check: UncertaintyCheckRecord | None,
-    validity: Validity,
-    loading: LoadingRadius | None,
+    summary: Summary, check: UncertaintyCheckRecord | None, validity: Validity, loading: LoadingRadius | None
 ) -> PlacementRecord:
     first, framed = summary.first, summary.column("frame").notna()
     radius = validity.headlines[RADIUS]

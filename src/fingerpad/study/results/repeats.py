@@ -16,17 +16,8 @@ from fingerpad.study.measuring.contacts import RIDGES_MERGE, Measurement, exclud
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import contact_inputs
 from fingerpad.study.results.table import GrowingArray, Indices, groups, items, numbered
-from fingerpad.uncertainty import (
-    NestedScatter,
-    ScatterComponent,
-    covariance_root,
-    nested_scatter,
-)
-from fingerpad.uncertainty.scatter import (
-    MIN_LEVEL_FREEDOM,
-    MIN_REPEAT_FREEDOM,
-    REPEAT,
-)
+from fingerpad.uncertainty import NestedScatter, ScatterComponent, covariance_root, nested_scatter
+from fingerpad.uncertainty.scatter import MIN_LEVEL_FREEDOM, MIN_REPEAT_FREEDOM, REPEAT
 
 # Loads within this share of the middle of them are one nominal load.
 SAME_LOAD: Final = 0.05
@@ -134,9 +125,7 @@ class ContactRepeatability:
 
 
 def contact_repeatability(
-    study: Study,
-    fingers: Mapping[str, FingerResult],
-    seen: Iterable[tuple[Contact, Measurement]],
+    study: Study, fingers: Mapping[str, FingerResult], seen: Iterable[tuple[Contact, Measurement]]
 ) -> dict[bool, ContactRepeatability]:
     """Return how the pooled repeats of a study scatter: real contacts (False), and synthetic (True)."""
     known = {False: _Repeats(), True: _Repeats()}

@@ -148,9 +148,7 @@ def result_set_stamp(out: Path) -> tuple[object, ...]:
 
 
 def result_set_faults(
-    out: Path,
-    digest: Callable[[Path], str] = digest_of,
-    is_checked: Callable[[str], bool] = lambda _: True,
+    out: Path, digest: Callable[[Path], str] = digest_of, is_checked: Callable[[str], bool] = lambda _: True
 ) -> list[str]:
     """Return what is wrong with a result set, each fault naming its file; empty where nothing is."""
     if (out / _COMPLETE).is_dir():

@@ -162,13 +162,7 @@ class _Batch:
             for name, answer in answers.items():
                 columns[name] = COLUMNS[name].unknown(len(seen))
                 columns[name][good] = answer
-        return cls(
-            columns=columns,
-            good=good,
-            inputs=inputs,
-            modelled=modelled,
-            layer_parts=layer_parts,
-        )
+        return cls(columns=columns, good=good, inputs=inputs, modelled=modelled, layer_parts=layer_parts)
 
     @property
     def on_layer(self) -> BoolArray:

@@ -115,10 +115,7 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
         Column("frame", "int", "1", "number of the frame, from 0"),
         _number("time_s", "s", "time of the frame on the clock of its force"),
         _text("phase", "loading, hold or unloading, by the force or as a person set it"),
-        _text(
-            "phase_corrected_by",
-            "who set the phases of the sequence; empty where the force gives them",
-        ),
+        _text("phase_corrected_by", "who set the phases of the sequence; empty where the force gives them"),
         _number(
             "measured_indentation_mm",
             "mm",
