@@ -17,8 +17,7 @@ from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.contact import equivalent_radius_from_compliance, equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, SEMI_AXES, Face, FaceSemiAxes, combine_faces
-from fingerpad.study.compare import Person, Value
-from fingerpad.study.compare.comparison import means_of
+from fingerpad.study.compare import Person, Value, means_of
 from fingerpad.study.manifest import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts

@@ -21,9 +21,16 @@ from fingerpad.cli import app
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.marks import Figure
 from fingerpad.report.compare import forest_plot, write_comparison_page
-from fingerpad.study.compare import FinishedStudy, Person, Value, compare_studies, write_comparison
-from fingerpad.study.compare.comparison import means_of
-from fingerpad.study.compare.values import values_of, verdicts_of
+from fingerpad.study.compare import (
+    FinishedStudy,
+    Person,
+    Value,
+    compare_studies,
+    means_of,
+    values_of,
+    verdicts_of,
+    write_comparison,
+)
 from fingerpad.study.results.summary_file import (
     CheckRecord,
     FingerRecord,

@@ -8,8 +8,7 @@ import pytest
 from tests.studies import contact, finger, run
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.compare import compare_studies
-from fingerpad.study.compare.comparison import means_of
+from fingerpad.study.compare import compare_studies, means_of
 from fingerpad.study.results.study_result import StudyResult
 
 AXES = 7.9, 13.8, 11.8

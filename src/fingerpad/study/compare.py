@@ -1,0 +1,581 @@
+"""Finished studies side by side: each finger's values, and means with the scatter between people."""
+
+import math
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from fingerpad._csv import write_csv
+from fingerpad._display import Displayed
+from fingerpad._files import make_folder
+from fingerpad._json import dumps
+from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
+from fingerpad.exceptions import FingerpadError
+from fingerpad.study.results.result_set import require_result_set
+from fingerpad.study.results.summary_file import (
+    CurveRecord,
+    FingerRecord,
+    LayerValidityRecord,
+    PlacementRecord,
+    SummaryFile,
+    ValidityRecord,
+)
+from fingerpad.uncertainty import RandomEffects, pool_random_effects, proportional_stds
+
+
+class FinishedStudy(NamedTuple):
+    """The results of one run."""
+
+    folder: Path
+    summary: SummaryFile
+
+    @property
+    def title(self) -> str:
+        """The study's title."""
+        return self.summary.title
+
+    def __repr__(self) -> str:
+        made = self.summary.provenance.made
+        return f"FinishedStudy(folder={str(self.folder)!r}, title={self.title!r}, made={made!r})"
+
+
+def read_finished(paths: Sequence[Path]) -> list[FinishedStudy]:
+    """Read finished runs, each named by its output folder or a file in it."""
+    studies: list[FinishedStudy] = []
+    for path in paths:
+        folder = path.parent if path.is_file() else path
+        require_result_set(folder)
+        study = FinishedStudy(folder, SummaryFile.read(folder))
+        inputs = study.summary.provenance.inputs_sha256
+        for other in studies:
+            same = inputs and inputs == other.summary.provenance.inputs_sha256
+            if same or folder.resolve() == other.folder.resolve():
+                raise FingerpadError(
+                    f"{folder}: is the same study as {other.folder}: its fingers would count twice; "
+                    "name it once"
+                )
+            if study.title.casefold() == other.title.casefold():
+                raise FingerpadError(
+                    f"{folder} and {other.folder} are both titled {study.title!r}; give one another "
+                    "title in its study.toml and run it again: nothing is measured again"
+                )
+        studies.append(study)
+    if not studies:
+        raise FingerpadError("no study is named; name output folders of `fingerpad run`")
+    return studies
+
+
+class Quantity(NamedTuple):
+    """A quantity that fingers are compared by."""
+
+    symbol: str  # as Matplotlib's mathtext
+    unit: str  # its unit, empty for a pure number
+    words: str
+    positive: bool = True  # and known in proportion to its size
+
+
+QUANTITIES: Final[Mapping[str, Quantity]] = {
+    "palmar_mm": Quantity(r"$\ell_\mathrm{a}$", "mm", "palmar semi-axis"),
+    "distal_mm": Quantity(r"$\ell_\mathrm{b}$", "mm", "distal semi-axis"),
+    "radial_ulnar_mm": Quantity(r"$\ell_\mathrm{c}$", "mm", "radial–ulnar semi-axis"),
+    "mean_curvature_radius_mm": Quantity(r"$R_\mathrm{0g}$", "mm", "radius of the undeformed pad, 1/H"),
+    "radius_from_indentation_mm": Quantity(
+        r"$R_\mathrm{g}^\mathrm{corr}$", "mm", "corrected radius, pooled over contacts"
+    ),
+    "youngs_modulus_kpa": Quantity("$E$", "kPa", "Young's modulus by Hertz theory, at the highest load"),
+    "youngs_modulus_on_layer_kpa": Quantity(
+        r"$E_\mathrm{layer}$",
+        "kPa",
+        "Young's modulus on tissue of the stated thickness over bone, from the same contact",
+    ),
+    "initial_modulus_kpa": Quantity(
+        r"$E_\mathrm{0g}$", "kPa", "Young's modulus at small load, from loading curves"
+    ),
+    "load_exponent": Quantity("$m$", "", "exponent of W ∝ ξᵐ, from loading curves"),
+    "curve_area_exponent": Quantity("$n$", "", "exponent of A ∝ Wⁿ, from loading curves", positive=False),
+    "area_exponent": Quantity("$n$", "", "exponent of A ∝ Wⁿ, from contacts", positive=False),
+}
+_FROM_CURVES: Final = {
+    "initial_modulus_kpa": "initial_modulus_kpa",
+    "load_exponent": "load_exponent",
+    "curve_area_exponent": "area_exponent",
+}
+_ON_LAYER: Final = "youngs_modulus_on_layer_kpa"
+
+
+class Person(NamedTuple):
+    """Whose a finger is."""
+
+    name: str  # the person, or the study's title where the manifest names none
+    named: bool  # whether the manifest names the person, who is then the same in all studies
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class OfFinger(Displayed):
+    """What is known of a finger of a study, at a placement where that matters."""
+
+    study: str  # its title
+    finger: str
+    person: Person
+    synthetic: bool  # whether anything of it was rendered or simulated
+    wedge_angle_deg: float | None = None
+    roll_angle_deg: float | None = None
+
+    def as_record(self) -> dict[str, Any]:
+        """Return one row of a table."""
+        return {
+            "study": self.study,
+            "person": self.person.name if self.person.named else None,
+            "finger": self.finger,
+            "wedge_angle_deg": self.wedge_angle_deg,
+            "roll_angle_deg": self.roll_angle_deg,
+            "synthetic": self.synthetic,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Value(OfFinger):
+    """One value of one of `QUANTITIES`, in the unit that its name says."""
+
+    quantity: str
+    value: float
+    std: float  # with the model's part; NaN where not known
+    shared_std: float = 0.0  # what the wedge's angle, which fingers of a study share, does to it
+    gain_std: float = 0.0  # what the gain of the force does to it, which a study's moduli from contacts share
+    model_std: float = 0.0  # of the model's discrepancy, which all values from that model share; zero without
+    source: str = ""  # loading curve that it comes from, if one
+    velocity_mm_per_s: float = math.nan  # how fast that was; NaN where not known
+    verdict: str = ""  # whether the model that it comes from holds there; empty where it comes from none
+
+    @property
+    def mean_key(self) -> tuple[str, float | None, float | None, bool]:
+        """What values of one mean have in common: quantity, wedge, roll, and whether synthetic."""
+        return self.quantity, self.wedge_angle_deg, self.roll_angle_deg, self.synthetic
+
+    def as_record(self) -> dict[str, Any]:
+        """Return one row of a table."""
+        return {
+            "quantity": self.quantity,
+            "unit": QUANTITIES[self.quantity].unit or "1",
+            **OfFinger.as_record(self),
+            "value": self.value,
+            "std": self.std,
+            "model_std": self.model_std,
+            "curve": self.source or None,
+            "velocity_mm_per_s": self.velocity_mm_per_s,
+            "verdict": self.verdict or None,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class ValidityVerdict(OfFinger):
+    """Whether a model holds for a finger at one placement, and which checks say so."""
+
+    model: str  # ``Hertz theory``, or the layer with its thickness
+    verdict: str  # ``holds``, ``strained``, ``fails`` or ``not tested``
+    checks: tuple[str, ...]  # names of the checks with that verdict
+    compared: tuple[str, ...]  # what each of them compared
+
+    def as_record(self) -> dict[str, Any]:
+        """Return one row of a table."""
+        record = OfFinger.as_record(self)
+        return {**record, "model": self.model, "verdict": self.verdict, "checks": " ".join(self.checks)}
+
+
+def _owners(
+    study: FinishedStudy,
+) -> Callable[[FingerRecord | PlacementRecord | CurveRecord], dict[str, Any]]:
+    """Return what tells of a part of a summary whose it is."""
+    persons = {
+        one.finger: Person(one.person or study.title, bool(one.person)) for one in study.summary.fingers
+    }
+    return lambda of: {
+        "study": study.title,
+        "finger": of.finger,
+        "person": persons[of.finger],
+        "synthetic": of.synthetic,
+    }
+
+
+def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
+    """Return the verdicts of a study on Hertz theory and on its layers, in its own order."""
+    whose = _owners(study)
+    verdicts = []
+    for one in study.summary.summaries:
+        for model, found in _models(one):
+            telling = [check for check in found.checks if check.verdict == found.verdict]
+            verdicts.append(
+                ValidityVerdict(
+                    **whose(one),
+                    wedge_angle_deg=one.wedge_angle_deg,
+                    roll_angle_deg=one.roll_angle_deg,
+                    model=model,
+                    verdict=found.verdict,
+                    checks=tuple(check.check for check in telling),
+                    compared=tuple(check.compared for check in telling),
+                )
+            )
+    return verdicts
+
+
+def _models(one: PlacementRecord) -> Iterator[tuple[str, ValidityRecord | LayerValidityRecord]]:
+    yield "Hertz theory", one.validity
+    if one.validity.on_layer and one.on_layer:
+        yield f"{one.on_layer.effective_thickness_mm:g} mm of tissue over bone", one.validity.on_layer
+
+
+def values_of(study: FinishedStudy) -> list[Value]:
+    """Return all values that a study tells, in its own order; what it does not know is left out."""
+    found = (*_of_fingers(study), *_of_placements(study), *_of_curves(study))
+    return [value for value in found if math.isfinite(value.value)]
+
+
+def _of_fingers(study: FinishedStudy) -> Iterator[Value]:
+    whose = _owners(study)
+    for finger in study.summary.fingers:
+        for place, quantity in enumerate(("palmar_mm", "distal_mm", "radial_ulnar_mm")):
+            yield Value(
+                quantity=quantity,
+                **whose(finger),
+                value=getattr(finger, quantity),
+                std=math.sqrt(finger.covariance_mm2[place][place]),
+            )
+
+
+def _of_placements(study: FinishedStudy) -> Iterator[Value]:
+    whose = _owners(study)
+    gain = study.summary.load_gain_relative_std
+    for summary in study.summary.summaries:
+        shares = summary.radius_from_indentation_variance_shares or {}
+        angles = sum(shares.get(f"{name} angle", 0.0) for name in ("wedge", "jig", "roll"))
+        pad = shares.get("semi-axes", 0.0) + shares.get("pad shape", 0.0) + angles
+        # Of what is uncertain in the place of contact the angles have one share in both radii: they reach
+        # the corrected radius through R_0g alone.
+        shared = {
+            "mean_curvature_radius_mm": angles / pad if pad > 0 else 0.0,
+            "radius_from_indentation_mm": angles,
+        }
+        headlines, layer = summary.validity.headlines, summary.on_layer
+        found = {
+            name: (getattr(summary, name), getattr(summary, f"{name}_std"))
+            for name in (*shared, "area_exponent")
+        }
+        if modulus := headlines.get("youngs_modulus_kpa"):
+            found["youngs_modulus_kpa"] = modulus.value, modulus.value_std
+        if layer:
+            one = layer.highest_load
+            found[_ON_LAYER] = one.youngs_modulus_on_layer_kpa, one.youngs_modulus_on_layer_kpa_std
+        verdicts = {name: one.verdict for name, one in headlines.items()}
+        verdicts[_ON_LAYER] = summary.validity.on_layer.verdict if summary.validity.on_layer else ""
+        for quantity, (value, std) in found.items():
+            model_std = headlines[quantity].model_std if quantity in headlines else 0.0
+            model_std = 0.0 if math.isnan(model_std) else model_std
+            yield Value(
+                quantity=quantity,
+                **whose(summary),
+                wedge_angle_deg=summary.wedge_angle_deg,
+                roll_angle_deg=summary.roll_angle_deg,
+                value=value,
+                std=math.hypot(std, model_std),
+                shared_std=std * math.sqrt(shared.get(quantity, 0.0)),
+                # A modulus from load and area goes with the load, on deep tissue and on a layer.
+                gain_std=gain * value if quantity in {"youngs_modulus_kpa", _ON_LAYER} else 0.0,
+                model_std=model_std,
+                verdict=verdicts.get(quantity, ""),
+            )
+
+
+def _of_curves(study: FinishedStudy) -> Iterator[Value]:
+    whose = _owners(study)
+    for curve in study.summary.curves:
+        for quantity, key in _FROM_CURVES.items() if curve.fit else ():
+            yield Value(
+                quantity=quantity,
+                **whose(curve),
+                wedge_angle_deg=curve.wedge_angle_deg,
+                roll_angle_deg=0.0,
+                value=getattr(curve.fit, key),
+                std=getattr(curve.fit, f"{key}_std"),
+                source=curve.file or "",
+                velocity_mm_per_s=curve.velocity_mm_per_s,
+            )
+
+
+class PersonMean(NamedTuple):
+    """The mean over one person's fingers."""
+
+    person: Person
+    fingers: int
+    value: float
+    std: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Mean(Displayed):
+    """The mean of a quantity over people, real ones or synthetic ones."""
+
+    quantity: str  # one of `QUANTITIES`
+    wedge_angle_deg: float | None  # None for what belongs to the finger alone, as the roll
+    roll_angle_deg: float | None
+    synthetic: bool  # whether it is over rendered or simulated fingers; the two never mix
+    people: tuple[PersonMean, ...]
+    value: float
+    std: float  # with what fingers of a study share, and values from a model
+    interval: tuple[float, float] | None  # 95 % interval of the mean; None for one person
+    # standard deviation between people beyond what uncertainties explain; NaN for one person
+    between_people_std: float
+    # the same between fingers of a person, over all who have several; NaN where no person has
+    between_fingers_std: float
+
+    @property
+    def fingers(self) -> int:
+        """Number of fingers."""
+        return sum(person.fingers for person in self.people)
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the mean with units in its keys."""
+        return {
+            "quantity": self.quantity,
+            "unit": QUANTITIES[self.quantity].unit or "1",
+            "wedge_angle_deg": self.wedge_angle_deg,
+            "roll_angle_deg": self.roll_angle_deg,
+            "synthetic": self.synthetic,
+            "people": len(self.people),
+            "fingers": self.fingers,
+            "value": self.value,
+            "std": self.std,
+            "ci95_low": self.interval and self.interval[0],
+            "ci95_high": self.interval and self.interval[1],
+            "between_people_std": self.between_people_std,
+            "between_fingers_std": self.between_fingers_std,
+        }
+
+
+class _Level(NamedTuple):
+    """A value with its own standard uncertainty, and what each study's wedge and force, and the model add."""
+
+    value: float
+    own_std: float
+    shared: dict[Hashable, float]
+
+    @property
+    def std(self) -> float:
+        return math.hypot(self.own_std, *self.shared.values())
+
+
+def means_of(values: Iterable[Value]) -> list[Mean]:
+    """Return the mean of each quantity at each placement; values without uncertainty have no weight.
+
+    Three levels of random effects (Paule–Mandel, Hartung–Knapp): a finger's values, as from several curves or
+    studies, then a person's fingers, then people. Several fingers of one person are not independent
+    people: they make one person better known, and no more people.
+    """
+    groups: dict[Hashable, list[Value]] = {}
+    for value in values:
+        if value.std > 0:
+            groups.setdefault(value.mean_key, []).append(value)
+    return [_mean(members) for members in groups.values()]
+
+
+def _mean(values: Sequence[Value]) -> Mean:
+    quantity, wedge, roll, synthetic = values[0].mean_key
+    positive = QUANTITIES[quantity].positive
+    people: dict[Person, dict[str, list[_Level]]] = {}
+    for value in values:
+        shared: dict[Hashable, float] = {
+            (value.study, value.wedge_angle_deg): value.shared_std,
+            (value.study, "force"): value.gain_std,
+            "model": value.model_std,
+        }
+        own = math.sqrt(max(0.0, value.std**2 - sum(std**2 for std in shared.values())))
+        level = _Level(value.value, own, shared)
+        people.setdefault(value.person, {}).setdefault(value.finger, []).append(level)
+    persons, scatters = [], []
+    for fingers in people.values():
+        members = [_pooled(levels, positive)[0] for levels in fingers.values()]
+        level, pooled = _pooled(members, positive)
+        persons.append((level, len(fingers)))
+        if len(fingers) > 1:
+            scatters += (len(fingers) - 1) * [pooled.between_std]
+    _, pooled = _pooled([level for level, _ in persons], positive)
+    several = len(persons) > 1
+    return Mean(
+        quantity=quantity,
+        wedge_angle_deg=wedge,
+        roll_angle_deg=roll,
+        synthetic=synthetic,
+        people=tuple(
+            PersonMean(person=person, fingers=count, value=level.value, std=level.std)
+            for person, (level, count) in zip(people, persons, strict=True)
+        ),
+        value=pooled.value,
+        std=pooled.total_std,
+        interval=_interval(pooled, positive) if several else None,
+        between_people_std=pooled.between_std if several else math.nan,
+        between_fingers_std=float(np.sqrt(np.mean(np.square(scatters)))) if scatters else math.nan,
+    )
+
+
+def _interval(pooled: RandomEffects, positive: bool) -> tuple[float, float]:
+    """Return the 95 % interval of a mean, that of a positive quantity on its logarithm.
+
+    Student's t of one or two degrees of freedom would reach below zero otherwise; and the means of few values
+    that scatter widely are skewed, as their logarithms are not.
+    """
+    if not (positive and pooled.value > 0):
+        return pooled.interval
+    factor = float(np.exp((pooled.interval[1] - pooled.value) / pooled.value))
+    return pooled.value / factor, pooled.value * factor
+
+
+def _pooled(levels: Sequence[_Level], positive: bool) -> tuple[_Level, RandomEffects]:
+    """Pool one level, and return it as a member of the next with its scatter."""
+    value = np.array([level.value for level in levels])
+    own = np.maximum([level.own_std for level in levels], np.spacing(np.abs(value)))
+    sources = list(dict.fromkeys(source for level in levels for source in level.shared))
+    parts = np.array([[level.shared.get(source, 0.0) for source in sources] for level in levels])
+    stds = proportional_stds(value, own) if positive else own
+    pooled = pool_random_effects(value, stds, parts @ parts.T)
+    shared = dict(zip(sources, map(float, pooled.weights @ parts), strict=True))
+    return _Level(pooled.value, pooled.std, shared), pooled
+
+
+# Curves whose velocities differ by more are not of one kind: moduli grow with velocity.
+_SAME_VELOCITY: Final = 1.5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Comparison(Displayed):
+    """Several finished studies side by side."""
+
+    studies: tuple[FinishedStudy, ...]
+    values: tuple[Value, ...]
+    means: tuple[Mean, ...]  # over people, for each quantity and placement, real and synthetic apart
+    # whether Hertz theory, and the layer where there is one, hold for each finger at each placement
+    verdicts: tuple[ValidityVerdict, ...]
+    notes: tuple[str, ...]  # what a reader must know
+
+    def of(self, quantity: str) -> tuple[list[Value], list[Mean]]:
+        """Return values and means of one quantity, by angle, real before synthetic."""
+        values = [value for value in self.values if value.quantity == quantity]
+        means = [mean for mean in self.means if mean.quantity == quantity]
+        return sorted(values, key=_order), sorted(means, key=_order)
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the comparison as plain data."""
+        return {
+            "studies": [
+                {
+                    "study": study.title,
+                    "folder": str(study.folder),
+                    "fingerpad": study.summary.provenance.fingerpad,
+                    "made": study.summary.provenance.made,
+                    "failures": len(study.summary.failures),
+                }
+                for study in self.studies
+            ],
+            "values": [value.as_record() for value in self.values],
+            "means": [
+                {
+                    **mean.as_record(),
+                    "by_person": [
+                        {
+                            "person": each.person.name,
+                            "named": each.person.named,
+                            "fingers": each.fingers,
+                            "value": each.value,
+                            "std": each.std,
+                        }
+                        for each in mean.people
+                    ],
+                }
+                for mean in self.means
+            ],
+            "verdicts": [{**verdict.as_record(), "compared": verdict.compared} for verdict in self.verdicts],
+            "notes": self.notes,
+        }
+
+
+def _order(one: Value | Mean) -> tuple[float, float, bool]:
+    return one.wedge_angle_deg or 0.0, one.roll_angle_deg or 0.0, one.synthetic
+
+
+def compare_studies(paths: Sequence[Path]) -> Comparison:
+    """Compare finished studies, each named by its output folder or a file in it."""
+    studies = read_finished(paths)
+    values = [value for study in studies for value in values_of(study)]
+    if not values:
+        raise FingerpadError("there is nothing to compare: no finger of these studies could be measured")
+    order = list(QUANTITIES)
+    plausible = (value for value in values if not _implausible(value))
+    means = sorted(means_of(plausible), key=lambda mean: (order.index(mean.quantity), *_order(mean)))
+    return Comparison(
+        studies=tuple(studies),
+        values=tuple(values),
+        means=tuple(means),
+        verdicts=tuple(verdict for study in studies for verdict in verdicts_of(study)),
+        notes=tuple(_notes(studies, values)),
+    )
+
+
+def _implausible(value: Value) -> bool:
+    """Return whether a value is a modulus that no finger has, as of loads in another unit."""
+    least, most = PLAUSIBLE_MODULUS_KPA
+    return QUANTITIES[value.quantity].unit == "kPa" and not least <= value.value <= most
+
+
+def _notes(studies: Sequence[FinishedStudy], values: Sequence[Value]) -> Iterator[str]:
+    versions = {study.summary.provenance.fingerpad for study in studies}
+    if len(versions) > 1:
+        each = ", ".join(f"{study.title} by {study.summary.provenance.fingerpad}" for study in studies)
+        yield f"made by different versions of fingerpad ({each}): run them again with one before you conclude"
+    for study in studies:
+        unnamed = {value.finger for value in values if value.study == study.title and not value.person.named}
+        if unnamed:
+            yield (
+                f"{study.title}: the manifest names no person for {', '.join(sorted(unnamed))}: taken as "
+                "fingers of one person, who is in no other study; "
+                'write person = "…" at each finger to say whose it is'
+            )
+        if failures := len(study.summary.failures):
+            yield f"{study.title}: {failures} could not be measured, see its own report"
+    if any(value.synthetic for value in values):
+        yield "synthetic fingers were rendered or simulated: their means are their own, never with real ones"
+    for quantity in QUANTITIES:
+        alike = [value for value in values if value.quantity == quantity]
+        if alike and not all(value.std > 0 for value in alike):
+            lacking = sum(not value.std > 0 for value in alike)
+            yield f"{quantity}: {lacking} of {len(alike)} values have no uncertainty and stand in no mean"
+    for value in filter(_implausible, values):
+        yield (
+            f"{value.study}, {value.finger}: {value.quantity} {value.value:.3g} lies outside "
+            "1–5000 kPa and stands in no mean: check load and scale"
+        )
+    speeds = [value.velocity_mm_per_s for value in values if value.velocity_mm_per_s > 0]
+    if speeds and max(speeds) > _SAME_VELOCITY * min(speeds):
+        yield (
+            f"loading curves were taken at {min(speeds):.2g} to {max(speeds):.2g} mm/s; skin is the stiffer "
+            "the faster it is pressed, and means of E_0g mix what differs for that reason"
+        )
+
+
+def write_comparison(comparison: Comparison, out: Path) -> None:
+    """Write ``compare*.csv`` (values, means, verdicts) and ``compare.json`` into a folder."""
+    make_folder(out)
+    try:
+        for name, rows in (
+            ("compare", comparison.values),
+            ("compare_means", comparison.means),
+            ("compare_validity", comparison.verdicts),
+        ):
+            records = [row.as_record() for row in rows]
+            if records:
+                write_csv(out / f"{name}.csv", [records[0], *(record.values() for record in records)])
+        (out / "compare.json").write_text(dumps(comparison.as_record(), indent=1) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise FingerpadError(
+            f"{error.filename or out}: cannot be written ({error.strerror}): make room, or choose another"
+        ) from error
