@@ -64,14 +64,13 @@ MOST_DRAWS: Final = 200_000
 class Modelled:
     """Outputs of the model for some contacts, NaN where it has none."""
 
-    # value, std: model outputs and their standard uncertainties, by name
-    value: dict[str, FloatArray]
+    value: dict[str, FloatArray]  # by output, shape (contacts,)
     std: dict[str, FloatArray]
-    # their standard uncertainties from one of `STATED_APART` alone
-    std_from: dict[str, dict[str, FloatArray]]
-    # signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`; their
-    # squares add up to the variance
+    std_from: dict[str, dict[str, FloatArray]]  # the same from one of `STATED_APART` alone
+    # Signed contributions to the uncertainty of `POOLED_OUTPUTS`, of the sources `PART_SOURCES`, of shape
+    # (contacts, pooled outputs, parts); their squares add up to the variance.
     parts: FloatArray
+    answered: BoolArray  # whether there are outputs, shape (contacts,)
 
     @classmethod
     def of(cls, inputs: Inputs, given: Uncertainty) -> Self:
@@ -79,50 +78,39 @@ class Modelled:
 
         `given` states the method, and which errors the study shares.
         """
-        finite = np.asarray(
-            np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
-        )
+        finite = np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
         covariance = np.where(finite[:, None, None], inputs.covariance, 0.0)
         with np.errstate(all="ignore"):
             propagated = propagate(pad_model, replace(inputs, covariance=covariance))
             parts = parts_of(propagated, POOLED_OUTPUTS, given)
-        has_output = np.isfinite(propagated.value).all(axis=-1) & np.isfinite(propagated.std).all(axis=-1)
-        answered = np.asarray(finite & has_output)
-        std = _monte_carlo(propagated, answered) if given.method == "monte_carlo" else propagated.std
-        names = propagated.names
-        return cls(
-            value=dict(zip(names, np.where(answered, propagated.value.T, np.nan), strict=True)),
-            std=dict(zip(names, np.where(answered, std.T, np.nan), strict=True)),
-            std_from={
-                part: dict(
-                    zip(names, np.where(answered, _std_from(propagated, of, given), np.nan), strict=True)
-                )
-                for part, of in STATED_APART.items()
-            },
-            parts=np.where(np.reshape(answered, (-1, 1, 1)), parts, np.nan),
-        )
+        known = finite & np.isfinite([propagated.value, propagated.std]).all(axis=(0, -1))
+        std = _monte_carlo(propagated, known) if given.method == "monte_carlo" else propagated.std
 
-    @property
-    def answered(self) -> BoolArray:
-        """Whether the model has finite outputs, shape (contacts,)."""
-        return np.asarray(np.isfinite(list(self.std.values())).all(axis=0))
+        def by_output(outputs: FloatArray) -> dict[str, FloatArray]:
+            return dict(zip(propagated.names, np.where(known, outputs.T, np.nan), strict=True))
+
+        return cls(
+            value=by_output(propagated.value),
+            std=by_output(std),
+            std_from={part: by_output(_std_from(propagated, of, given)) for part, of in STATED_APART.items()},
+            parts=np.where(known[:, None, None], parts, np.nan),
+            answered=known & np.isfinite(std).all(axis=-1),
+        )
 
     def only(self, chosen: BoolArray) -> Self:
         """Return some of the contacts."""
+
+        def some(outputs: dict[str, FloatArray]) -> dict[str, FloatArray]:
+            return {name: of[chosen] for name, of in outputs.items()}
+
         return replace(
             self,
-            value={name: value[chosen] for name, value in self.value.items()},
-            std={name: std[chosen] for name, std in self.std.items()},
-            std_from={
-                part: {name: std[chosen] for name, std in of.items()} for part, of in self.std_from.items()
-            },
+            value=some(self.value),
+            std=some(self.std),
+            std_from={part: some(of) for part, of in self.std_from.items()},
             parts=self.parts[chosen],
+            answered=self.answered[chosen],
         )
-
-    def std_of(self, output: str, sources: Sequence[str]) -> FloatArray:
-        """Return the standard uncertainty of a pooled output from some sources alone, shape (contacts,)."""
-        parts = self.parts[:, POOLED_OUTPUTS.index(output), np.isin(PART_SOURCES, sources)]
-        return np.asarray(np.sqrt(np.sum(parts**2, axis=-1)))
 
 
 def contact_inputs(
@@ -204,16 +192,13 @@ def _common_shares(given: Uncertainty) -> dict[str, float]:
 
 
 def _std_from(propagated: Propagated, sources: Sequence[str], given: Uncertainty) -> FloatArray:
-    """Return first-order standard uncertainties from what is a contact's own of some sources.
-
-    Of shape (outputs, contacts).
-    """
+    """Return first-order standard uncertainties from what is a contact's own of some sources."""
     names = [name for source in sources for name in PAD_SOURCES[source]]
     places = propagated.inputs.places(names)
     common = _common_shares(given)
     slopes = propagated.jacobian[..., places] * [math.sqrt(1 - common.get(name, 0.0) ** 2) for name in names]
     covariance = propagated.inputs.covariance[..., np.array(places)[:, None], places]
-    variance = np.einsum("...oi,...ij,...oj->o...", slopes, covariance, slopes)
+    variance = np.einsum("...oi,...ij,...oj->...o", slopes, covariance, slopes)
     return as_float_array(np.sqrt(np.maximum(variance, 0)))
 
 

@@ -20,38 +20,13 @@ from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.operators import OperatorAgreement
 from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results import summary_file as file
 from fingerpad.study.results.by_load import AtLoad, LoadMean
 from fingerpad.study.results.layer import CurveOnLayer, LayerQuantity, unit_of
 from fingerpad.study.results.methods import methods_section
 from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary, area_exponent
 from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
-from fingerpad.study.results.summary_file import (
-    AtLoadRecord,
-    CheckRecord,
-    ContactRepeatabilityRecord,
-    CurveOnLayerRecord,
-    CurveRecord,
-    FaceRecord,
-    FingerRecord,
-    HeadlineRecord,
-    HighestLoadOnLayer,
-    LayerValidityRecord,
-    OnLayerRecord,
-    OperatorAgreementRecord,
-    PhotographRecord,
-    PlacementRecord,
-    PooledOnLayerRecord,
-    ProvenanceRecord,
-    RepeatabilityRecord,
-    ScaleRecord,
-    ScatterLevelRecord,
-    ScatterRecord,
-    SequenceRecord,
-    SummaryFile,
-    UncertaintyCheckRecord,
-    ValidityRecord,
-)
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, items
 from fingerpad.study.results.validity import MODULUS, RADIUS, Validity
 from fingerpad.study.results.validity.model_checks import FAILS, STRAINED, ValidityCheck
@@ -92,8 +67,11 @@ def _write_records(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
 
 def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: Path) -> None:
     """Write some columns of rows as a CSV table and as a JSON array of objects, batch by batch."""
-    with table.open("w", newline="", encoding="utf-8") as file, records.open("w", encoding="utf-8") as array:
-        lines = csv.writer(file)
+    with (
+        table.open("w", newline="", encoding="utf-8") as stream,
+        records.open("w", encoding="utf-8") as array,
+    ):
+        lines = csv.writer(csv_file)
         lines.writerow(names)
         array.write("[")
         between = "\n"
@@ -128,15 +106,15 @@ def _literals(rows: pd.DataFrame, name: str, cells: Sequence[str]) -> list[str]:
     return [cell or "null" for cell in cells]
 
 
-def summary_of(result: StudyResult) -> SummaryFile:
+def summary_of(result: StudyResult) -> file.SummaryFile:
     """Return the content of ``summary.json``."""
     gain = result.study.uncertainty.load_gain_relative_std
-    return SummaryFile(
+    return file.SummaryFile(
         **({"load_gain_relative_std": gain} if gain else {}),
         title=result.study.title,
         fingers=[_finger(finger) for finger in result.fingers.values()],
         summaries=_placements(result),
-        repeatability=RepeatabilityRecord(
+        repeatability=file.RepeatabilityRecord(
             contact=[
                 _contact_repeatability(one, synthetic=synthetic)
                 for synthetic, one in result.repeatability.items()
@@ -151,9 +129,9 @@ def summary_of(result: StudyResult) -> SummaryFile:
             for sequence, frames in zip(result.sequences, result.frames(), strict=True)
         ],
         scales={
-            name: ScaleRecord(reason=scale)
+            name: file.ScaleRecord(reason=scale)
             if isinstance(scale, str)
-            else ScaleRecord(
+            else file.ScaleRecord(
                 mm_per_px=scale.scale.mm_per_px,
                 mm_per_px_std=scale.scale.mm_per_px_std,
                 flags=list(scale.flags),
@@ -166,21 +144,21 @@ def summary_of(result: StudyResult) -> SummaryFile:
         ],
         failures=result.failures,
         methods=methods_section(result),
-        provenance=ProvenanceRecord.model_validate(result.provenance),
+        provenance=file.ProvenanceRecord.model_validate(result.provenance),
     )
 
 
-def _placements(result: StudyResult) -> list[PlacementRecord]:
+def _placements(result: StudyResult) -> list[file.PlacementRecord]:
     return [
         _placement(summary, check, validity, loading_radius(result.curves, summary.finger_and_wedge))
         for summary, check, validity in zip(result.summaries, result.checks, result.validities, strict=True)
     ]
 
 
-def _finger(finger: FingerResult) -> FingerRecord:
+def _finger(finger: FingerResult) -> file.FingerRecord:
     outlines = finger.outlines
     palmar, distal, radial_ulnar = finger.semi_axes.tolist()
-    return FingerRecord.of(
+    return file.FingerRecord.of(
         finger,
         outlines,
         finger=finger.name,
@@ -194,10 +172,10 @@ def _finger(finger: FingerResult) -> FingerRecord:
     )
 
 
-def _faces(outlines: PadSemiAxes) -> list[FaceRecord]:
+def _faces(outlines: PadSemiAxes) -> list[file.FaceRecord]:
     """Return the semi-axes of each face, and by how much they exceed the joint ones, relative to them."""
     return [
-        FaceRecord(
+        file.FaceRecord(
             face=one.face,
             **{f"{axis}_mm": length for axis, length in zip(off, one.semi_axes.tolist(), strict=True)},
             **{f"{axis}_relative_difference": value for axis, value in off.items()},
@@ -207,19 +185,22 @@ def _faces(outlines: PadSemiAxes) -> list[FaceRecord]:
     ]
 
 
-def _photograph(one: PhotographResult) -> PhotographRecord:
+def _photograph(one: PhotographResult) -> file.PhotographRecord:
     exponent, exponent_std = one.exponent or (None, None)
-    return PhotographRecord.of(
+    return file.PhotographRecord.of(
         one, one.manifest, uncertainty_mm_std=one.uncertainty, exponent=exponent, exponent_std=exponent_std
     )
 
 
 def _placement(
-    summary: Summary, check: UncertaintyCheckRecord | None, validity: Validity, loading: LoadingRadius | None
-) -> PlacementRecord:
+    summary: Summary,
+    check: file.UncertaintyCheckRecord | None,
+    validity: Validity,
+    loading: LoadingRadius | None,
+) -> file.PlacementRecord:
     first, framed = summary.first, summary.column("frame").notna()
     radius = validity.headlines[RADIUS]
-    return PlacementRecord.of(
+    return file.PlacementRecord.of(
         summary,
         count=int((~framed).sum()),
         frames=int(framed.sum()),
@@ -262,19 +243,19 @@ def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
     }
 
 
-def _on_layer(layer: LayerSummary) -> OnLayerRecord:
+def _on_layer(layer: LayerSummary) -> file.OnLayerRecord:
     means: dict[str, Any] = {}
     for name, pooled in layer.pooled.items():
         means |= _on_layer_quantity(name, pooled)
         means[f"{name}_birge_ratio"] = pooled and pooled.birge_ratio
         means[f"{name}_count"] = pooled.count if pooled else 0
-    return OnLayerRecord(
+    return file.OnLayerRecord(
         effective_thickness_mm=layer.thickness,
         effective_thickness_mm_std=layer.thickness_std,
-        highest_load=HighestLoadOnLayer.of(
+        highest_load=file.HighestLoadOnLayer.of(
             layer, layer_flag=layer.flag, **_on_layer_quantities(layer.at_highest_load)
         ),
-        pooled=PooledOnLayerRecord(**means),
+        pooled=file.PooledOnLayerRecord(**means),
     )
 
 
@@ -291,26 +272,28 @@ def _on_layer_quantity(name: str, quantity: LayerQuantity | None) -> dict[str, A
     }
 
 
-def _validity(validity: Validity) -> ValidityRecord:
+def _validity(validity: Validity) -> file.ValidityRecord:
     layer = [_check(one) for one in validity.layer_checks]
-    return ValidityRecord.of(
+    return file.ValidityRecord.of(
         validity,
         model="Hertz theory",
         headlines={
-            name: HeadlineRecord.of(one, value_std=one.std, model_relative_std=validity.relative_stds[name])
+            name: file.HeadlineRecord.of(
+                one, value_std=one.std, model_relative_std=validity.relative_stds[name]
+            )
             for name, one in validity.headlines.items()
         },
         checks=[_check(one) for one in validity.checks],
-        on_layer=LayerValidityRecord(verdict=validity.layer_verdict, checks=layer) if layer else None,
+        on_layer=file.LayerValidityRecord(verdict=validity.layer_verdict, checks=layer) if layer else None,
     )
 
 
-def _check(one: ValidityCheck) -> CheckRecord:
-    return CheckRecord.of(one, check=one.name, headlines=one.quantities)
+def _check(one: ValidityCheck) -> file.CheckRecord:
+    return file.CheckRecord.of(one, check=one.name, headlines=one.quantities)
 
 
-def _contact_repeatability(one: ContactRepeatability, *, synthetic: bool) -> ContactRepeatabilityRecord:
-    return ContactRepeatabilityRecord.of(
+def _contact_repeatability(one: ContactRepeatability, *, synthetic: bool) -> file.ContactRepeatabilityRecord:
+    return file.ContactRepeatabilityRecord.of(
         one,
         synthetic=synthetic,
         contact_area_log_std=one.area_std if one.known else None,
@@ -320,7 +303,7 @@ def _contact_repeatability(one: ContactRepeatability, *, synthetic: bool) -> Con
     )
 
 
-def scatter_record(one: StudyScatter) -> ScatterRecord:
+def scatter_record(one: StudyScatter) -> file.ScatterRecord:
     """Return how a quantity scatters, by level.
 
     The limit of agreement is that of two contacts in different groups of the level: of two repeats in one
@@ -329,12 +312,12 @@ def scatter_record(one: StudyScatter) -> ScatterRecord:
     components = one.scatter.components
     outwards = np.array([level.std for level in reversed(components.values())])
     limits = LIMIT_FACTOR * np.sqrt(np.nancumsum(outwards**2))[::-1]
-    return ScatterRecord.of(
+    return file.ScatterRecord.of(
         one,
         icc=one.scatter.icc,
         icc_ci95=one.scatter.icc_interval,
         levels=[
-            ScatterLevelRecord.of(
+            file.ScatterLevelRecord.of(
                 one,
                 found,
                 level=level,
@@ -351,15 +334,15 @@ def scatter_record(one: StudyScatter) -> ScatterRecord:
     )
 
 
-def _agreement(one: OperatorAgreement) -> OperatorAgreementRecord:
+def _agreement(one: OperatorAgreement) -> file.OperatorAgreementRecord:
     first, second = one.operators
-    return OperatorAgreementRecord.of(
+    return file.OperatorAgreementRecord.of(
         one, first_operators=first, second_operators=second, count=len(one.pairs), **one.quantities
     )
 
 
-def _at_load(one: AtLoad) -> AtLoadRecord:
-    return AtLoadRecord.of(
+def _at_load(one: AtLoad) -> file.AtLoadRecord:
+    return file.AtLoadRecord.of(
         one,
         contacts=one.count,
         **_mean("contact_area_mm2", one.area),
@@ -384,7 +367,7 @@ def _mean(name: str, mean: LoadMean | None) -> dict[str, Any]:
     }
 
 
-def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> SequenceRecord:
+def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> file.SequenceRecord:
     of, summary, phases = sequence.manifest, sequence.summary, sequence.phases
     counts: dict[str, Any] = {"notes": []}  # the manifest has notes of its own
     if summary is not None:
@@ -397,7 +380,7 @@ def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> SequenceRecord:
             "first_contact_frame": summary.first_contact,
             "notes": list(summary.notes),
         }
-    return SequenceRecord.of(
+    return file.SequenceRecord.of(
         of,
         sequence=of.name,
         **counts,
@@ -418,12 +401,12 @@ def _exponent(rows: pd.DataFrame) -> dict[str, Any]:
     return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
 
 
-def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> CurveRecord:
+def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> file.CurveRecord:
     on_layer = None
     if layered is not None:
         quantities = _on_layer_quantities(layered.quantities)
-        on_layer = CurveOnLayerRecord.of(layered, layer_flag=layered.flag, **quantities)
-    return CurveRecord.of(
+        on_layer = file.CurveOnLayerRecord.of(layered, layer_flag=layered.flag, **quantities)
+    return file.CurveRecord.of(
         curve,
         curve.manifest,
         fit=curve.fit and curve.fit.as_record(),
@@ -448,7 +431,7 @@ _COMPARED: Final = {
 class Answer:
     """What was found of a finger at a placement."""
 
-    of: PlacementRecord  # the placement, its corrected radius, R_g and checks
+    of: file.PlacementRecord  # the placement, its corrected radius, R_g and checks
     load: float  # its highest load, N; NaN where no contact counts
     # area, area_std: contact area there, mm², with its standard uncertainty; NaN where single contacts have
     # none
@@ -502,13 +485,13 @@ class Answer:
         return f"{self.label}{' (synthetic)' if self.of.synthetic else ''}: {self.text}."
 
 
-def answers(placements: Iterable[PlacementRecord], by_load: Iterable[AtLoadRecord]) -> list[Answer]:
+def answers(placements: Iterable[file.PlacementRecord], by_load: Iterable[file.AtLoadRecord]) -> list[Answer]:
     """Return what was found at each placement."""
     highest = {one.key: one for one in sorted(by_load, key=lambda one: one.load_N)}
     return [_answer(one, highest.get(one.key)) for one in placements]
 
 
-def _answer(of: PlacementRecord, highest: AtLoadRecord | None) -> Answer:
+def _answer(of: file.PlacementRecord, highest: file.AtLoadRecord | None) -> Answer:
     if highest is None:  # frames alone: of the one at the highest load
         modulus = of.validity.headlines[MODULUS]
         return Answer(
@@ -539,7 +522,7 @@ def _quantity(words: str, value: float, std: float, unit: str) -> str:
     return f"{words} {positive_with_uncertainty(value, std)} {unit}"
 
 
-def _largest(verdict: str, checks: Sequence[CheckRecord]) -> str:
+def _largest(verdict: str, checks: Sequence[file.CheckRecord]) -> str:
     """Return the largest difference that a verdict rests on; empty where it rests on none."""
     concerned = [one for one in checks if one.verdict == verdict and math.isfinite(one.relative_difference)]
     if verdict not in {STRAINED, FAILS} or not concerned:

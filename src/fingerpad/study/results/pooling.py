@@ -480,13 +480,16 @@ def pool_contacts(rows: Rows) -> list[Summary]:
 
 
 def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
-    table = rows.table
+    table, layer = rows.table, None
     pooled = table[[*_POOLED]].iloc[places[table["pooled"].to_numpy()[places]]]
     by_load = table["load_N"].iloc[places].sort_values(kind="stable")
     estimate = items_of(pooled)
     corrected, compliance = (
         PooledRadius.of(rows, pooled, estimate, name) if len(pooled) else None for name in POOLED_OUTPUTS
     )
+    if len(pooled):  # of the contacts in the range of the layer's laws, if any is
+        highest = rows.highest_on_layer.get(key) or rows.highest_load[key]
+        layer = LayerSummary.of(rows, pooled, estimate, highest)
     finger, wedge, roll, synthetic = key
     return Summary(
         finger=finger,
@@ -497,10 +500,5 @@ def _summary(key: PlacementKey, rows: Rows, places: Indices) -> Summary:
         places=by_load.index.to_numpy(),
         corrected_radius=corrected,
         compliance_radius=compliance,
-        layer=LayerSummary.of(rows, pooled, estimate, _highest(rows, key)) if len(pooled) else None,
+        layer=layer,
     )
-
-
-def _highest(rows: Rows, key: PlacementKey) -> HighestLoad:
-    """Return the contact at the highest load that is in the range of the layer's laws, if any is."""
-    return rows.highest_on_layer.get(key) or rows.highest_load[key]

@@ -34,7 +34,7 @@ IMPLAUSIBLE: Final = ("implausible_size", "implausible_modulus", "deeper_than_pa
 # Columns that a measurement has as they are.
 _MEASURED: Final = tuple(field.name for field in fields(Measurement) if field.name in COLUMNS)
 _NO_ANSWER: Final = "the model has no finite answer for these values; check their units"
-_OF_THE_CONTACT: Final = tuple(source for source in PAD_SOURCES if source not in GEOMETRY)
+_OF_THE_CONTACT: Final = np.isin(PART_SOURCES, [source for source in PAD_SOURCES if source not in GEOMETRY])
 # The model's derivatives at so many contacts take tens of megabytes.
 _AT_ONCE: Final = 500
 
@@ -265,6 +265,7 @@ def _modelled(
     )
     elongation = value["predicted_elongation"]
     sides = COLUMNS["predicted_long_axis"].array((None, "along", "across"))
+    of_contact = modelled.parts[:, POOLED_OUTPUTS.index("radius_from_indentation"), _OF_THE_CONTACT]
     deviation_std = inputs.std[:, inputs.places(["radius_deviation"])[0]]
     thickness = COLUMNS["indentation_over_thickness"].array([pad.pad_thickness for pad in pads])
     columns: dict[str, ColumnArray] = {
@@ -276,28 +277,18 @@ def _modelled(
         "contact_radius_ratio": value["contact_radius_ratio"],
         "predicted_aspect_ratio": np.exp(np.abs(elongation)),
         "predicted_long_axis": sides[np.sign(elongation).astype(int)],
-        "radius_from_indentation_mm_fixed_geometry_std": modelled.std_of(
-            "radius_from_indentation", _OF_THE_CONTACT
-        ),
+        "radius_from_indentation_mm_fixed_geometry_std": np.sqrt(np.sum(of_contact**2, axis=-1)),
         "gross_area_mm2_repeatability_std": 2 * seen["gross_area_mm2"] * deviation_std,
-        **_stated_apart(modelled),
         "indentation_over_thickness": value["indentation"] / thickness,
     }
     for name, unit, factor in _with_columns(value):
         columns[f"{name}_{unit}"] = factor * value[name]
         columns[f"{name}_{unit}_std"] = factor * std[name]
+        for part, by_output in modelled.std_from.items():
+            if f"{name}_{unit}_{part}_std" in COLUMNS:
+                columns[f"{name}_{unit}_{part}_std"] = factor * by_output[name]
     columns["range_notes"] = _range_notes({**seen, **columns}, pads, semi_axes)
     return columns
-
-
-def _stated_apart(modelled: Modelled) -> dict[str, ColumnArray]:
-    """Return the columns of uncertainty from one part alone."""
-    found: dict[str, ColumnArray] = {}
-    for part, by_output in modelled.std_from.items():
-        for name, unit, factor in _with_columns(by_output):
-            if f"{name}_{unit}_{part}_std" in COLUMNS:
-                found[f"{name}_{unit}_{part}_std"] = factor * by_output[name]
-    return found
 
 
 def _with_columns(outputs: Iterable[str]) -> Iterator[tuple[str, str, float]]:
