@@ -14,8 +14,7 @@ import pytest
 from PIL import Image
 
 import fingerpad as fp
-from fingerpad._display import Displayed
-from fingerpad._records import record_text
+from fingerpad._display import Displayed, record_text
 from fingerpad.contact import ContactField, HertzPressure
 from fingerpad.geometry import Counterface
 from fingerpad.image import (
@@ -78,7 +77,6 @@ PLAIN = {
     "FinishedStudy",
     "FrameRate",
     "ImageEllipse",
-    "Person",
     "PlaneEllipse",
     "PrincipalRadii",
     "PronyTerm",
@@ -91,7 +89,6 @@ PACKAGES = (
     "published",
     "simulate",
     "uncertainty",
-    "study.compare",
     "study.manifest",
 )
 

@@ -1,13 +1,14 @@
-"""Representation of results: a short ``repr``, a text summary, and HTML in notebooks."""
+"""Representation of results: a short ``repr``, a summary or record as text, and HTML in notebooks."""
 
 import base64
 import html
 from collections.abc import Mapping
 from dataclasses import fields
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 
 _MAX_ITEMS, _MAX_TEXT, _MAX_NESTED = 4, 60, 75
@@ -33,7 +34,7 @@ class Displayed:
     def summary(self) -> str:
         """Return the contents in words, one line each, and those of long results in them below."""
         values = self._shown()
-        own = "\n".join([type(self).__name__, *aligned(values)])
+        own = titled_lines(type(self).__name__, {name: short_text(value) for name, value in values})
         long = (value for _, value in values if isinstance(value, Displayed) and _is_long(value))
         return "\n\n".join([own, *(value.summary() for value in long)])
 
@@ -49,10 +50,10 @@ class Displayed:
         return f'<img src="data:image/png;base64,{image}" style="max-width: 560px" alt="">{text}'
 
 
-def aligned(values: list[tuple[str, Any]]) -> list[str]:
-    """Return names and values as lines, the values below each other."""
-    width = max((len(name) for name, _ in values), default=0)
-    return [f"  {name:<{width}}  {short_text(value)}" for name, value in values]
+def titled_lines(title: str, texts: Mapping[str, str]) -> str:
+    """Return a title with names and texts below it, the texts under each other."""
+    width = max(map(len, texts), default=0)
+    return "\n".join([title, *(f"  {name:<{width}}  {text}" for name, text in texts.items())])
 
 
 def short_text(value: Any) -> str:
@@ -89,3 +90,40 @@ def _few_items(values: Mapping[Any, Any] | list[Any] | tuple[Any, ...] | frozens
     if isinstance(values, frozenset):
         items.sort()
     return f"[{', '.join(items)}]" if isinstance(values, list) else f"({', '.join(items)})"
+
+
+class Recorded(Displayed):
+    """Base of results whose summary is their record of plain values."""
+
+    __slots__ = ()
+    _title: ClassVar[str]
+
+    def as_record(self) -> dict[str, Any]:
+        """Return the numbers by names that end in units."""
+        raise NotImplementedError
+
+    def summary(self) -> str:
+        """Return the numbers as text, one line each.
+
+        Returns
+        -------
+        str
+            With units and uncertainties.
+        """
+        return record_text(self._title, self.as_record())
+
+
+def record_text(title: str, record: Mapping[str, Any]) -> str:
+    """Return a record as lines: numbers with their standard uncertainty, what is unknown left out."""
+    shown = {
+        name: value_with_uncertainty(value, record.get(f"{name}_std"))
+        if isinstance(value, float)
+        else short_text(value)
+        for name, value in record.items()
+        if not (_is_empty(value) or name.endswith(("_std", "_ci95")))
+    }
+    return titled_lines(title, shown)
+
+
+def _is_empty(value: Any) -> bool:
+    return value is None or (isinstance(value, tuple | list | dict | frozenset) and not value)

@@ -8,8 +8,8 @@ from typing import Any, ClassVar, Final, Self
 
 import numpy as np
 
+from fingerpad._display import Recorded
 from fingerpad._json import plain
-from fingerpad._records import Recorded
 from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.estimate import Estimate, estimates_record

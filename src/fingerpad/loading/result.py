@@ -8,8 +8,7 @@ from typing import Any, ClassVar, Final, Self
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
-from fingerpad._display import Displayed
-from fingerpad._records import Recorded
+from fingerpad._display import Displayed, Recorded
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.estimate import Estimate, estimates_record
 from fingerpad.exceptions import LoadingError

@@ -17,7 +17,7 @@ from fingerpad._arrays import (
     check_radians,
     set_fields,
 )
-from fingerpad._display import Displayed, aligned
+from fingerpad._display import Displayed, titled_lines
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import UncertaintyError
 
@@ -236,7 +236,7 @@ class Outputs(Displayed):
 
     def summary(self) -> str:
         """Return each output with its standard uncertainty, one line each."""
-        return "\n".join([type(self).__name__, *aligned([(name, str(self[name])) for name in self.names])])
+        return titled_lines(type(self).__name__, {name: str(self[name]) for name in self.names})
 
     def __str__(self) -> str:
         return self.summary()

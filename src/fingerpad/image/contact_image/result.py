@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray
-from fingerpad._records import Recorded
+from fingerpad._display import Recorded
 from fingerpad.flags import FLAGS
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image._masks import UInt8, centres_inside, filled_polygon

@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import FloatArray
-from fingerpad._display import Displayed
-from fingerpad._records import record_text
+from fingerpad._display import Displayed, record_text
 from fingerpad.image.photograph.faces import FACE_AXES, Face, FaceSemiAxes, implausible_size
 from fingerpad.image.photograph.shape import radius_of_outline
 from fingerpad.image.scale import Scale

@@ -68,7 +68,7 @@ def _write_records(path: Path, records: Sequence[Mapping[str, Any]]) -> None:
 def write_rows(rows: pd.DataFrame, names: Sequence[str], table: Path, records: Path) -> None:
     """Write some columns of rows as a CSV table and as a JSON array of objects, batch by batch."""
     with (
-        table.open("w", newline="", encoding="utf-8") as stream,
+        table.open("w", newline="", encoding="utf-8") as csv_file,
         records.open("w", encoding="utf-8") as array,
     ):
         lines = csv.writer(csv_file)
