@@ -74,7 +74,6 @@ def test_reprs_are_short(results: dict[str, object]) -> None:
 
 # Small inputs of a few numbers keep the representation of a dataclass or tuple.
 PLAIN = {
-    "FinishedStudy",
     "FrameRate",
     "ImageEllipse",
     "PlaneEllipse",
