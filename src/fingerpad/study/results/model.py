@@ -78,12 +78,14 @@ class Modelled:
 
         `given` states the method, and which errors the study shares.
         """
-        finite = np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
+        finite: BoolArray = np.asarray(
+            np.isfinite(inputs.mean).all(axis=-1) & np.isfinite(inputs.covariance).all(axis=(-2, -1))
+        )
         covariance = np.where(finite[:, None, None], inputs.covariance, 0.0)
         with np.errstate(all="ignore"):
             propagated = propagate(pad_model, replace(inputs, covariance=covariance))
             parts = parts_of(propagated, POOLED_OUTPUTS, given)
-        known = finite & np.isfinite([propagated.value, propagated.std]).all(axis=(0, -1))
+        known: BoolArray = finite & np.isfinite([propagated.value, propagated.std]).all(axis=(0, -1))
         std = _monte_carlo(propagated, known) if given.method == "monte_carlo" else propagated.std
 
         def by_output(outputs: FloatArray) -> dict[str, FloatArray]:
