@@ -6,7 +6,7 @@
 ``derive``
     Constants of the library fitted again: ``python -m benchmarks.derive NAME``.
 ``robustness``
-    Damaged files, kills, full disks, and mutants of the code.
+    Damaged files, with which tests try the commands and the page, and mutants of the code.
 ``truth``
     Simulators that share no model with the library. Tests use them too.
 """
@@ -20,10 +20,5 @@ RESULTS = Path(__file__).parent / "results"
 
 def modules() -> dict[str, str]:
     """Return the names of what can be measured, each with its module."""
-    folders = {part: str(Path(__file__).parent / part) for part in ("claims", "robustness")}
-    return {
-        found.name: f"benchmarks.{part}.{found.name}"
-        for part, folder in folders.items()
-        for found in pkgutil.iter_modules([folder])
-        if found.name != "mutation_testing"
-    }
+    claims = pkgutil.iter_modules([str(Path(__file__).parent / "claims")])
+    return {found.name: f"benchmarks.claims.{found.name}" for found in claims}

@@ -8,14 +8,12 @@ import csv
 import random
 import shutil
 import signal
-import time
 import traceback
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Final
 
 from typer.testing import CliRunner
@@ -67,11 +65,9 @@ class Outcomes:
 
     counts: Counter[tuple[str, str]] = field(default_factory=Counter)
     faults: list[str] = field(default_factory=list)
-    slowest_s: float = 0.0
 
     def add(self, label: str, *arguments: object) -> str:
         """Run a command in this process and count what became of it."""
-        began = time.perf_counter()
         before = signal.signal(signal.SIGALRM, _too_late)
         signal.setitimer(signal.ITIMER_REAL, PATIENCE_S)
         try:
@@ -93,7 +89,6 @@ class Outcomes:
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0)
             signal.signal(signal.SIGALRM, before)
-        self.slowest_s = max(self.slowest_s, time.perf_counter() - began)
         self.counts[str(arguments[0]), outcome] += 1
         return outcome
 
@@ -151,20 +146,4 @@ def try_commands(folder: Path, count: int) -> Outcomes:
             shutil.rmtree(folder / "out", ignore_errors=True)
         if not seed % FIT_EVERY:
             found.add(label, "fit", folder / "curve.csv")
-    return found
-
-
-def report(count: int = 5000) -> Outcomes:
-    """Print and return what commands did with many damaged studies."""
-    began = time.perf_counter()
-    with TemporaryDirectory() as folder:
-        found = try_commands(Path(folder), count)
-    print(f"\n{count:,} damaged studies through the commands, {time.perf_counter() - began:.0f} s")
-    for command in dict.fromkeys(name for name, _ in found.counts):
-        kinds = ("accepted", "refused", "traceback", "hang")
-        outcomes = (f"{kind} {found.counts[command, kind]:,}" for kind in kinds)
-        print(f"    {command:<8} {', '.join(outcomes)}")
-    print(f"    slowest {found.slowest_s:.1f} s; faults {len(found.faults)}")
-    for fault in found.faults[:20]:
-        print(f"    {fault}")
     return found

@@ -9,26 +9,21 @@ import csv
 import io
 import json
 import random
-import shutil
-import time
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Final
 from urllib.parse import urlencode
 
 import tomlkit
 
 from fingerpad.exceptions import FingerpadError
-from fingerpad.report import write_report
 from fingerpad.study.corrections.items import CORRECTIONS_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest import read_study
-from fingerpad.study.pipeline import run_study
 from fingerpad.web.app import make_api, make_app
 from fingerpad.web.security import Access
 from fingerpad.web.workspace import Workspace
@@ -67,17 +62,6 @@ QUERIES: Final[dict[str, tuple[dict[str, Any], ...]]] = {
 }
 # They cost much, whatever the study says: asked of some studies only.
 SLOW: Final = frozenset(("/api/published", f"/api/studies/{NAME}/download/study.zip"))
-
-
-def make_study(folder: Path) -> None:
-    """Write the demo study with the results of a run, corrections and incomplete tables."""
-    shutil.copytree(DEMO, folder)
-    manifest = folder / "study.toml"
-    head, *curves = manifest.read_text(encoding="utf-8").split("[[curves]]")
-    kept = [curve for curve in curves if "file =" not in curve]  # they take long to fit
-    manifest.write_text("[[curves]]".join([head, *kept]), encoding="utf-8")
-    run_study(manifest, folder / "results", write_report=write_report)
-    add_corrections(folder)
 
 
 def add_corrections(folder: Path) -> None:
@@ -211,24 +195,10 @@ def mutated(originals: dict[str, bytes], seed: int) -> dict[str, bytes | None]:
 
 @dataclass(slots=True, kw_only=True)
 class Answers:
-    """What the routes answered.
-
-    Attributes
-    ----------
-    by_status : Counter
-        Number of answers by status.
-    faults : list of str
-        Answers that are faults of the server, and routes that did not answer in time.
-    slowest_s : float
-        The longest that an answer took.
-    refused : int
-        Studies that were not opened, with the reason in words.
-    """
+    """How many answers had each status, and what the server is to blame for, late answers too."""
 
     by_status: Counter[int] = field(default_factory=Counter)
     faults: list[str] = field(default_factory=list)
-    slowest_s: float = 0.0
-    refused: int = 0
 
 
 async def ask(app: Any, path: str, query: dict[str, Any]) -> tuple[int, bytes]:
@@ -298,38 +268,25 @@ async def ask_all(workspace: Workspace, answers: Answers, label: str, *, slow: b
     for path, query in routes():
         if path in SLOW and not slow:
             continue
-        began = time.perf_counter()
         try:
             status, body = await asyncio.wait_for(ask(app, path, query), PATIENCE_S)
         except TimeoutError:
             status, body = 0, f"no answer within {PATIENCE_S:g} s".encode()
         except Exception as error:  # what the server would answer with status 500
             status, body = 500, repr(error).encode()
-        answers.slowest_s = max(answers.slowest_s, time.perf_counter() - began)
         answers.by_status[status] += 1
         if not 200 <= status < 500:
             answers.faults.append(f"{label}: {path} {query}: {status} {body[:300].decode(errors='replace')}")
 
 
-def ask_mutated(folder: Path, count: int, *, slow_every: int = 50, first_seed: int = 0) -> Answers:
+def ask_mutated(folder: Path, count: int) -> Answers:
     """Change a study `count` times, and ask every GET route each time; the folder is as before in the end.
 
-    Every other study is opened before it is changed.
-
-    Parameters
-    ----------
-    folder : Path
-        The study folder, with results, not used by anything else.
-    count : int
-        Number of mutated studies.
-    slow_every : int
-        Routes that draw are asked of each so many.
-    first_seed : int
-        Seed of the first mutation; the next ones follow.
+    Every other study is opened before it is changed. Routes that cost much are asked of the first.
     """
     originals = {target.name: (folder / target.name).read_bytes() for target in TARGETS}
     answers = Answers()
-    for seed in range(first_seed, first_seed + count):
+    for seed in range(count):
         new = mutated(originals, seed)
         workspace = Workspace(folder.parent)
         if open_before := seed % 2 == 0:
@@ -340,11 +297,11 @@ def ask_mutated(folder: Path, count: int, *, slow_every: int = 50, first_seed: i
             if not open_before:
                 workspace.open_folder(folder)
             label = f"seed {seed} ({', '.join(new)})"
-            asking = ask_all(workspace, answers, label, slow=seed % slow_every == 0)
+            asking = ask_all(workspace, answers, label, slow=seed == 0)
             with ThreadPoolExecutor(1) as thread:  # this one may have an event loop already
                 thread.submit(asyncio.run, asking).result()
         except FingerpadError:
-            answers.refused += 1
+            pass  # refused in words
         finally:
             workspace.close()
             for name in new:
@@ -356,21 +313,3 @@ def _put(path: Path, content: bytes | None) -> None:
     path.unlink(missing_ok=True)
     if content is not None:
         path.write_bytes(content)
-
-
-def report(count: int = 5000) -> Answers:
-    """Print and return the answers about many mutated studies."""
-    with TemporaryDirectory() as folder:
-        study = Path(folder) / NAME
-        make_study(study)
-        began = time.perf_counter()
-        answers = ask_mutated(study, count)
-        took = time.perf_counter() - began
-    print(f"\nThe page on {count:,} mutated studies, {took:.0f} s: every GET route, no fault, no wait")
-    for status, number in sorted(answers.by_status.items()):
-        print(f"    status {status}: {number:,} answers")
-    print(f"    refused when opened: {answers.refused:,} studies")
-    print(f"    slowest answer {answers.slowest_s:.1f} s; faults {len(answers.faults)}")
-    for fault in answers.faults[:20]:
-        print(f"    {fault}")
-    return answers
