@@ -245,13 +245,6 @@ def test_region_of_interest_equals_crop():
     assert "touches_border" not in cut.flags
 
 
-def test_shared_scale_uncertainty():
-    truth = render_contact_image(seed=1)
-    vague = measure_contact_image(truth.pixels, Scale.of_ppi(500, 25))
-    assert vague.gross_area_std / vague.gross_area == pytest.approx(0.10, rel=0.1)
-    assert vague.semi_major_std / float(vague.ellipse.semi_major) == pytest.approx(0.05, rel=0.1)
-
-
 def test_ellipse_agrees_with_a_second_implementation():
     found = measure_contact_image(render_contact_image(seed=2, orientation=-0.7).pixels, PPI_500)
     props = regionprops(label(found.region))[0]
@@ -660,26 +653,14 @@ def test_unmeasurable_images_refused(pixels, words):
         ({"background": np.ones((5, 5))}, "too small"),
         ({"background": np.ones((50, 50))}, "shape"),
         ({"background": 0}, "shape"),
-        ({"threshold": 0}, "threshold"),
-        ({"threshold": math.nan}, "threshold"),
-        ({"contrast": -1.0}, "contrast"),
-        ({"ridge_period": -1}, "ridge_period"),
         ({"mask": np.ones((5, 5), dtype=bool)}, "mask"),
         ({"mask": [(0, 0), (1, 1)]}, "mask"),
-        ({"mask": [(0, 0), (math.nan, 1), (5, 5)]}, "mask"),
         ({"region_of_interest": (0, 0, 5, 5)}, "region_of_interest"),
-        ({"region_of_interest": (0, 0, 500)}, "region_of_interest"),
     ],
 )
 def test_invalid_options(options, words):
     with pytest.raises(ImageError, match=words):
         measure_contact_image(render_contact_image(seed=1).pixels, PPI_500, **options)
-
-
-def test_background_with_holes_refused():
-    pixels = render_contact_image(seed=1).pixels
-    with pytest.raises(ImageError, match="positive"):
-        measure_contact_image(pixels, PPI_500, background=np.zeros(pixels.shape))
 
 
 @real

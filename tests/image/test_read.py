@@ -41,12 +41,6 @@ def test_sixteen_bits(tmp_path, name):
     np.testing.assert_array_equal(picture.pixels, deep)
 
 
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_float_tiff(tmp_path, dtype):
-    tifffile.imwrite(tmp_path / "a.tif", GREY.astype(dtype) / 7)
-    np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, GREY / 7, rtol=1e-6)
-
-
 def write_deep(path, colour):
     """Write 16-bit RGB or RGBA in the way that the name asks for."""
     if path.name == "planar.tif":
@@ -94,12 +88,6 @@ def test_colour_tiff_orientations(tmp_path, orientation, depth):
         8: [[80, 200], [40, 160], [0, 120]],
     }
     np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, turned[orientation], atol=1)
-
-
-def test_float_colour_tiff(tmp_path):
-    colour = np.repeat(GREY.astype(np.float32)[..., None] / 255, 3, axis=2)
-    tifffile.imwrite(tmp_path / "a.tif", colour, photometric="rgb")
-    np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, GREY / 255, atol=1e-5)
 
 
 def test_luma_weights(tmp_path):
@@ -209,13 +197,6 @@ def test_tiff_resolution_in_centimetres(tmp_path):
     values = GREY.astype(np.float64)
     tifffile.imwrite(tmp_path / "a.tif", values, resolution=(200, 200), resolutionunit="CENTIMETER")
     assert read_image(tmp_path / "a.tif").dots_per_inch == pytest.approx(508)
-
-
-def test_thumbnails_ignored(tmp_path):
-    with tifffile.TiffWriter(tmp_path / "a.tif") as tiff:
-        tiff.write(GREY, photometric="minisblack")
-        tiff.write(GREY[::4, ::4], photometric="minisblack", subfiletype=1)
-    np.testing.assert_array_equal(read_image(tmp_path / "a.tif").pixels, GREY)
 
 
 def test_animation_refused(tmp_path):
@@ -354,147 +335,6 @@ def test_truncated_png_errors(tmp_path, cut):
     path.write_bytes(whole.read_bytes()[:cut])
     with pytest.raises(ImageError):
         read_image(path)
-
-
-@pytest.mark.parametrize(
-    ("dtype", "gain", "offset"), [(np.uint32, 100_000, 0), (np.int32, 1000, 0), (np.int16, 1, -100)]
-)
-def test_wide_and_signed_levels(tmp_path, dtype, gain, offset):
-    levels = np.arange(64, dtype=np.int64).reshape(8, 8)
-    tifffile.imwrite(tmp_path / "wide.tif", (gain * levels + offset).astype(dtype), photometric="minisblack")
-    pixels = read_image(tmp_path / "wide.tif").pixels.astype(float)
-    np.testing.assert_allclose(pixels - pixels[0, 0], gain * levels, rtol=1e-6)
-
-
-def test_pages_of_doubles_refused(tmp_path):
-    tifffile.imwrite(tmp_path / "stack.tif", np.zeros((3, 40, 40)), photometric="minisblack")
-    with pytest.raises(ImageError, match="holds 3 pictures"):
-        read_image(tmp_path / "stack.tif")
-
-
-def as_levels(dtype):
-    """Return the test picture stretched over the range of a type."""
-    top = 3.0 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max
-    return (GREY / 255 * top).astype(dtype)
-
-
-def as_colour(dtype):
-    share = np.random.default_rng(3).random((40, 60, 3))
-    return (share * (1.0 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max)).astype(dtype)
-
-
-def assert_levels(path, expected, tolerance):
-    np.testing.assert_allclose(read_image(path).pixels.astype(float), expected, rtol=1e-6, atol=tolerance)
-
-
-LAYOUTS = [
-    {"compression": compression, "tile": tile, "byteorder": order}
-    for compression in (None, "zlib")
-    for tile in (None, (16, 32))
-    for order in "<>"
-]
-
-
-@pytest.mark.parametrize("layout", LAYOUTS, ids=str)
-@pytest.mark.parametrize("dtype", ["u1", "u2", "u4", "u8", "i1", "i2", "i4", "f2", "f4", "f8"])
-def test_grey_types_and_layouts(tmp_path, layout, dtype):
-    path, levels = tmp_path / "a.tif", as_levels(dtype)
-    tifffile.imwrite(path, levels, photometric="minisblack", **layout)
-    assert_levels(path, levels.astype(float), 0)
-    tifffile.imwrite(path, levels, photometric="miniswhite", **layout)
-    if dtype.startswith("u"):
-        assert_levels(path, np.iinfo(dtype).max - levels.astype(float), 1e-6 * np.iinfo(dtype).max)
-    else:
-        with pytest.raises(ImageError, match="least as white"):
-            read_image(path)
-
-
-@pytest.mark.parametrize("layout", LAYOUTS, ids=str)
-@pytest.mark.parametrize("planar", ["contig", "separate"])
-@pytest.mark.parametrize("dtype", ["u1", "u2", "f4", "f8"])
-def test_colour_types_and_layouts(tmp_path, layout, planar, dtype):
-    path, colour = tmp_path / "a.tif", as_colour(dtype)
-    planes = colour if planar == "contig" else np.moveaxis(colour, 2, 0)
-    tifffile.imwrite(path, planes, photometric="rgb", planarconfig=planar, **layout)
-    tolerance = 1e-6 if dtype.startswith("f") else 0.51
-    assert_levels(path, colour @ np.array([0.299, 0.587, 0.114]), tolerance)
-
-
-@pytest.mark.parametrize("kind", ["assocalpha", "unassalpha", "unspecified"])
-@pytest.mark.parametrize("planar", ["contig", "separate"])
-@pytest.mark.parametrize("channels", [1, 3])
-@pytest.mark.parametrize("dtype", ["u1", "u2"])
-def test_alpha_kinds_on_white(tmp_path, kind, planar, channels, dtype):
-    colour, top = as_colour(dtype)[..., :channels], np.iinfo(dtype).max
-    share = np.repeat([1.0, 0.5], 20)[:, None, None]
-    stored = (colour * share).astype(dtype) if kind == "assocalpha" else colour
-    alpha = np.broadcast_to((share * top).round().astype(dtype), (40, 60, 1))
-    samples = np.concatenate([stored, alpha], axis=2)
-    tifffile.imwrite(
-        tmp_path / "a.tif",
-        samples if planar == "contig" else np.moveaxis(samples, 2, 0),
-        photometric="rgb" if channels == 3 else "minisblack",
-        planarconfig=planar,
-        extrasamples=[kind],
-    )
-    grey = colour @ np.array([0.299, 0.587, 0.114]) if channels == 3 else colour[..., 0].astype(float)
-    seen = grey if kind == "unspecified" else share[..., 0] * grey + (1 - share[..., 0]) * top
-    assert_levels(tmp_path / "a.tif", seen, 2)
-
-
-@pytest.mark.parametrize("compression", ["raw", "tiff_lzw", "tiff_adobe_deflate", "packbits"])
-@pytest.mark.parametrize("mode", ["1", "L", "P", "I;16", "F", "RGB", "RGBA", "CMYK", "YCbCr"])
-def test_pillow_lossless_modes(tmp_path, compression, mode):
-    if mode in {"I;16", "F"}:
-        image = Image.fromarray(as_levels("u2" if mode == "I;16" else "f4"))
-        expected = np.asarray(image).astype(float)
-    else:
-        image = Image.fromarray(as_colour("u1")).convert(mode)
-        expected = np.asarray(image.convert("L")).astype(float)
-    image.save(tmp_path / "a.tif", compression=compression)
-    assert_levels(tmp_path / "a.tif", expected, 1)
-
-
-@pytest.mark.parametrize("compression", ["group3", "group4", "tiff_ccitt"])
-def test_fax_compressions(tmp_path, compression):
-    Image.fromarray(GREY > 100).save(tmp_path / "a.tif", compression=compression)
-    assert_levels(tmp_path / "a.tif", 255.0 * (GREY > 100), 0)
-
-
-@pytest.mark.parametrize("mode", ["L", "RGB", "YCbCr", "CMYK"])
-def test_jpeg_in_tiff(tmp_path, mode):
-    smooth = np.tile(np.linspace(0, 255, 64).astype(np.uint8), (64, 1))
-    Image.fromarray(smooth).convert("RGB").convert(mode).save(
-        tmp_path / "a.tif", compression="jpeg", quality=95
-    )
-    assert_levels(tmp_path / "a.tif", smooth, 8)
-
-
-@pytest.mark.parametrize("predictor", [1, 2, 3])
-@pytest.mark.parametrize("compression", [cv2.IMWRITE_TIFF_COMPRESSION_LZW, 8])
-@pytest.mark.parametrize("dtype", ["u1", "u2", "f4"])
-@pytest.mark.parametrize("channels", [1, 3])
-def test_predictors(tmp_path, predictor, compression, dtype, channels):
-    if predictor == 3 and dtype != "f4":
-        predictor = 2
-    colour = as_colour(dtype)[..., ::-1] if channels == 3 else as_levels(dtype)
-    options = [cv2.IMWRITE_TIFF_COMPRESSION, compression, cv2.IMWRITE_TIFF_PREDICTOR, predictor]
-    assert cv2.imwrite(str(tmp_path / "a.tif"), colour, options)
-    expected = colour[..., ::-1] @ np.array([0.299, 0.587, 0.114]) if channels == 3 else colour.astype(float)
-    assert_levels(tmp_path / "a.tif", expected, 1e-6 if dtype == "f4" else 0.51)
-
-
-@pytest.mark.parametrize("bits", [2, 4])
-def test_few_bits(tmp_path, bits):
-    levels = GREY[:, :59] >> (8 - bits)
-    rows = np.pad(levels, ((0, 0), (0, -59 % (8 // bits)))).reshape(40, -1, 8 // bits)
-    shifts = np.arange(8 - bits, -1, -bits, dtype=np.uint8)
-    packed = (rows << shifts).sum(axis=2, dtype=np.uint8)
-    tifffile.imwrite(tmp_path / "a.tif", packed, photometric="minisblack", metadata=None)
-    with tifffile.TiffFile(tmp_path / "a.tif", mode="r+b") as tiff:
-        tiff.pages[0].tags["BitsPerSample"].overwrite(bits)
-        tiff.pages[0].tags["ImageWidth"].overwrite(59)
-    assert_levels(tmp_path / "a.tif", levels * (255.0 / (2**bits - 1)), 0)
 
 
 def encoded(form, **options):

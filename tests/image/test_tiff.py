@@ -169,9 +169,12 @@ VARIANTS = {
         GREY16,
     ),
     "16 bits PackBits big-endian": (written(GREY16, compression="packbits", byteorder=">"), GREY16),
+    "8 bits signed": (written(GREY8.view(np.int8)), GREY8.view(np.int8).astype(np.float32)),
     "16 bits signed": (written(GREY16.view(np.int16)), GREY16.view(np.int16).astype(np.float32)),
     "16 bits float": (written(FLOATS.astype("f2")), FLOATS.astype("f2").astype(np.float32)),
     "32 bits": (written(GREY32), GREY32.astype(np.float32)),
+    "32 bits signed": (written(GREY32.view(np.int32)), GREY32.view(np.int32).astype(np.float32)),
+    "64 bits": (written(GREY32.astype("u8")), GREY32.astype(np.float32)),
     "32 bits min-is-white": (
         written(GREY32, photometric="miniswhite"),
         (np.uint32(2**32 - 1) - GREY32).astype(np.float32),
@@ -254,6 +257,28 @@ def test_every_variant_exactly(tmp_path, name):
     if name != "8 bits reduced copy":
         (frame,) = open_frames(path)
         np.testing.assert_array_equal(frame.pixels, read_image(path).pixels)
+
+
+@pytest.mark.parametrize("levels", [GREY16.view(np.int16), FLOATS], ids=["signed", "float"])
+def test_the_least_as_white_is_refused_where_it_may_be_any(tmp_path, levels):
+    written(levels, photometric="miniswhite")(tmp_path / "a.tif")
+    with pytest.raises(ImageError, match="least as white"):
+        read_image(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_premultiplied_alpha_on_white(tmp_path, channels):
+    share = np.repeat([255, 128], [20, COLUMNS - 20]).astype(np.uint8)[None, :, None] * np.ones(
+        (ROWS, 1, 1), np.uint8
+    )
+    seen = RGB8[..., :channels]
+    stored = np.rint(seen * (share / 255)).astype(np.uint8)
+    photometric = "rgb" if channels == 3 else "minisblack"
+    options = {"photometric": photometric, "planarconfig": "contig", "extrasamples": ["assocalpha"]}
+    written(np.concatenate([stored, share], axis=2), **options)(tmp_path / "a.tif")
+    expected = on_white(seen, share[..., 0], 255)
+    levels = read_levels(tmp_path / "a.tif", MEMORY_LIMIT)[0]
+    assert np.abs(levels.astype(int) - (expected if channels == 3 else expected[..., 0])).max() <= 2
 
 
 @pytest.mark.parametrize("mode", ["L", "RGB", "YCbCr", "CMYK"])
