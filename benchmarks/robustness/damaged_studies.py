@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import urlencode
@@ -253,13 +254,16 @@ async def ask(app: Any, path: str, query: dict[str, Any]) -> tuple[int, bytes]:
     return status, body
 
 
-def routes() -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the path and query of each question."""
+@cache
+def routes() -> list[tuple[str, dict[str, Any]]]:
+    """Return the path and query of each question; to describe the API takes longer than to ask all."""
+    found = []
     for path, operations in make_api().openapi()["paths"].items():
         if "get" in operations:
             for query in QUERIES.get(path, ({},)):
                 rest = dict(query)
-                yield path.format(study=NAME, path=rest.pop("path", "")), rest
+                found.append((path.format(study=NAME, path=rest.pop("path", "")), rest))
+    return found
 
 
 async def ask_all(workspace: Workspace, answers: Answers, label: str, *, slow: bool) -> None:

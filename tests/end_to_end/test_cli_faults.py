@@ -51,15 +51,12 @@ FULL = "fingerpad: cannot write (No space left on device)"
 @pytest.mark.parametrize(
     ("redirection", "message", "arguments"),
     [
-        *(
-            (redirection, message, arguments)
-            for redirection, message in ((">&-", CLOSED), (">/dev/full", FULL))
-            for arguments in (HERTZ, ("--help",), ("--version",), (*HERTZ, "--json"))
-        ),
-        (">/dev/full 2>/dev/full", "", HERTZ),
+        (">&-", CLOSED, HERTZ),
+        (">&-", CLOSED, ("--help",)),
+        (">/dev/full", FULL, ("--version",)),
+        (">/dev/full", FULL, (*HERTZ, "--json")),
         (">/dev/full 2>/dev/full", "", ("--help",)),
         (">&- 2>&-", "", HERTZ),
-        (">&- 2>&-", "", ("--help",)),
     ],
 )
 def test_unwritable_output(redirection: str, message: str, arguments: tuple[str, ...]) -> None:
@@ -183,11 +180,12 @@ def test_damaged_sequence_refused_or_measured(tmp_path: Path) -> None:
     assert len(codes) > 1
 
 
-def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None:
+@pytest.mark.parametrize("count", [4, pytest.param(16, marks=pytest.mark.nightly)])
+def test_interrupt_without_traceback(prints: list[Path], count: int) -> None:
     rng = np.random.default_rng(2)
     commands = [("measure", "print", *map(str, prints * 20), "--ppi", "500"), HERTZ]
     codes = []
-    for number in range(12):
+    for number in range(count):
         process = subprocess.Popen(
             [*INTERRUPTIBLE, *commands[number % 4 == 3]],
             stdout=subprocess.PIPE,
@@ -202,7 +200,7 @@ def test_interrupt_without_traceback(prints: list[Path], tmp_path: Path) -> None
         assert err in {"", "fingerpad: interrupted\n"}
         codes.append(process.returncode)
     assert set(codes) <= {0, 130, -signal.SIGINT}
-    assert codes.count(130) > 2
+    assert codes.count(130) > count // 5
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ def finger():
 
 
 @pytest.mark.parametrize("name", PICTURES)
-@pytest.mark.parametrize("dark_on_light", [None, True, False])
+@pytest.mark.parametrize("dark_on_light", [None, False])
 def test_pictures_without_a_contact(name, dark_on_light):
     with pytest.raises(ImageError):
         measure_contact_image(PICTURES[name], SCALE, dark_on_light=dark_on_light)
@@ -115,10 +115,9 @@ def test_no_record_has_no_phases():
 
 
 @pytest.mark.parametrize("name", PICTURES)
-@pytest.mark.parametrize("face", ["palmar", "distal", "radial"])
-def test_pictures_without_a_finger(name, face):
+def test_pictures_without_a_finger(name):
     with pytest.raises(FingerpadError):
-        measure_photograph(PICTURES[name], face, SCALE)
+        measure_photograph(PICTURES[name], "palmar", SCALE)
 
 
 @pytest.mark.parametrize("name", [name for name in PICTURES if name != "ragged"])

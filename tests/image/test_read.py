@@ -326,7 +326,7 @@ def test_size_checked_before_decoding(tmp_path):
         read_image(path, memory_limit=100_000_000)
 
 
-@pytest.mark.parametrize("cut", range(1, 400, 13))
+@pytest.mark.parametrize("cut", range(1, 400, 40))
 def test_truncated_png_errors(tmp_path, cut):
     whole = tmp_path / "whole.png"
     noise = np.random.default_rng(1).integers(0, 256, (20, 30)).astype(np.uint8)

@@ -35,7 +35,7 @@ def test_the_session_names_what_is_open(standing):
 
 
 def test_the_state_lists_each_item_once(standing):
-    state = standing.get("/api/studies/demo/state").json()
+    state = standing.ask("state")
     items = {one["item"]: one for one in state["observations"]}
     assert (
         items[PRINT]
@@ -68,26 +68,24 @@ def test_the_state_lists_each_item_once(standing):
 
 
 def test_frames_are_paged(standing):
-    whole = standing.get("/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg"}).json()
-    part = standing.get(
-        "/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg", "offset": 20, "limit": 10}
-    ).json()
+    whole = standing.ask("frames", sequence="synthetic_press_30deg")
+    part = standing.ask("frames", sequence="synthetic_press_30deg", offset=20, limit=10)
     assert whole["total"] == part["total"] == 24
     assert part["frames"] == whole["frames"][20:]
 
 
 def test_previews_show_the_picture_as_it_is(standing):
-    answer = standing.get("/api/studies/demo/picture/preview", params={"item": PRINT})
+    answer = standing.study_get("picture/preview", item=PRINT)
     assert answer.headers["content-type"] == "image/png"
     shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_UNCHANGED)
     file = cv2.imread(str(DEMO / "synthetic" / f"{PRINT}.png"), cv2.IMREAD_UNCHANGED)
     np.testing.assert_array_equal(shown, file)
-    small = standing.get("/api/studies/demo/picture/thumbnail", params={"item": PRINT}).content
+    small = standing.study_get("picture/thumbnail", item=PRINT).content
     assert max(cv2.imdecode(np.frombuffer(small, np.uint8), cv2.IMREAD_UNCHANGED).shape[:2]) == 192
 
 
 def test_a_photograph_keeps_its_colours(standing):
-    answer = standing.get("/api/studies/demo/picture/preview", params={"item": PHOTO})
+    answer = standing.study_get("picture/preview", item=PHOTO)
     assert answer.headers["content-type"] == "image/jpeg"
     shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_COLOR).astype(float)
     file = cv2.imread(str(DEMO / PHOTO.partition("/")[2])).astype(float)
@@ -98,23 +96,15 @@ def test_a_photograph_keeps_its_colours(standing):
 
 def test_frames_are_shown_one_by_one(standing):
     shown = [
-        standing.get(
-            "/api/studies/demo/picture/preview", params={"item": f"synthetic_press_30deg#{k}"}
-        ).content
-        for k in (3, 12)
+        standing.study_get("picture/preview", item=f"synthetic_press_30deg#{k}").content for k in (3, 12)
     ]
     assert shown[0] != shown[1]
 
 
 def test_images_with_a_version_are_cached_and_others_are_revalidated(standing):
-    info = standing.get("/api/studies/demo/picture/info", params={"item": PRINT}).json()
+    info = standing.ask("picture/info", item=PRINT)
     assert "immutable" in standing.get(info["thumbnail"]).headers["cache-control"]
-    assert (
-        "no-cache"
-        in standing.get("/api/studies/demo/picture/thumbnail", params={"item": PRINT}).headers[
-            "cache-control"
-        ]
-    )
+    assert "no-cache" in standing.study_get("picture/thumbnail", item=PRINT).headers["cache-control"]
 
 
 def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
@@ -124,13 +114,13 @@ def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
         params={"name": "deep.png"},
         content=cv2.imencode(".png", deep)[1].tobytes(),
     ).json()["file"]
-    info = client.get("/api/studies/demo/picture/info", params={"item": f"file:{file}"}).json()
+    info = client.ask("picture/info", item=f"file:{file}")
     assert info["bits"] == 16
     # An observation shows its levels; a file of which nothing is known is shown as a photograph is.
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     table = {"finger": "synthetic_pad", "wedge_angle_deg": 30, "load_N": 1.0, "file": file, "scale": "reader"}
     edit(client, state, {"kind": "observation", "key": "deep", "set": table})
-    shown = client.get("/api/studies/demo/picture/preview", params={"item": "deep"}).content
+    shown = client.study_get("picture/preview", item="deep").content
     levels = cv2.imdecode(np.frombuffer(shown, np.uint8), cv2.IMREAD_UNCHANGED)
     assert (levels.min(), levels.max()) == (0, 255)
 
@@ -163,12 +153,12 @@ def test_a_contact_without_finger_angle_and_load_has_no_radius(client, studies_f
         "[[sequences]]\nname = 'film'\nfile = 'synthetic/synthetic_press_30deg.tif'\nscale = { ppi = 500 }\n"
     )
     for item in ("draft", "film#12"):
-        answer = client.post("/api/studies/demo/measure/contact", json={"item": item})
+        answer = client.study_post("measure/contact", item=item)
         assert answer.status_code == 200, answer.text
         assert answer.json()["numbers"]["gross_area_mm2"] > 10
         assert answer.json()["model"] is None
         assert answer.json()["pooling"] is None
-    signal = client.get("/api/studies/demo/signal", params={"sequence": "film"})
+    signal = client.study_get("signal", sequence="film")
     assert (signal.status_code, signal.json()["error"]) == (422, "state the force of the sequence")
 
 
@@ -190,27 +180,23 @@ def test_a_brush_changes_the_region_and_the_automatic_result_is_kept(standing):
 
 
 def test_a_step_of_a_drag_checks_no_result_file(done, monkeypatch):
-    assert done.get("/api/studies/demo/state").json()["results"]["there"]  # checked once for each result set
+    assert done.ask("state")["results"]["there"]  # checked once for each result set
     checks = []
     monkeypatch.setattr(last_results, "quick_faults", lambda *_: checks.append(1) or [])
-    answer = done.post(
-        "/api/studies/demo/measure/contact", json={"item": PRINT, "change": {"threshold": 100}}
-    ).json()
+    answer = done.tell("measure/contact", item=PRINT, change={"threshold": 100})
     assert answer["model"]["verdicts"]
     assert not checks
 
 
 def test_the_wrong_polarity_is_refused_with_a_hint(standing):
-    answer = standing.post(
-        "/api/studies/demo/measure/contact", json={"item": PRINT, "change": {"seed_px": [1, 1]}}
-    )
+    answer = standing.study_post("measure/contact", item=PRINT, change={"seed_px": [1, 1]})
     assert answer.status_code == 422
     assert "no contact found at seed" in answer.json()["error"]
 
 
 def test_an_unused_file_is_measured_with_a_scale(standing):
     item = "file:synthetic/synthetic_30deg_2N.png"
-    assert standing.post("/api/studies/demo/measure/contact", json={"item": item}).status_code == 422
+    assert standing.study_post("measure/contact", item=item).status_code == 422
     one = measured(standing, item, scale={"ppi": 500})
     assert one["numbers"] == measured(standing)["numbers"]
 
@@ -246,7 +232,7 @@ def test_erased_points_are_left_out(standing):
 
 
 def test_scales_of_all_types(standing):
-    ask = lambda table: standing.post("/api/studies/demo/measure/scale", json={"table": table})  # noqa: E731
+    ask = lambda table: standing.study_post("measure/scale", table=table)  # noqa: E731
     assert ask({"ppi": 254}).json()["mm_per_px"] == pytest.approx(0.1)
     assert ask("reader").json()["resolution_ppi"] == pytest.approx(500)
     line = ask({"line": [[0, 0], [300, 400]], "length_mm": 50, "ends_px_std": 1}).json()
@@ -261,9 +247,7 @@ def test_a_coin_is_a_scale(client):
     coin = render_coin(radius=120, seed=3)
     content = cv2.imencode(".png", coin.pixels)[1].tobytes()
     file = client.post("/api/studies/demo/files", params={"name": "coin.png"}, content=content).json()["file"]
-    found = client.post(
-        "/api/studies/demo/measure/scale", json={"table": {"coin": file, "diameter_mm": 24.0}}
-    )
+    found = client.study_post("measure/scale", table={"coin": file, "diameter_mm": 24.0})
     assert found.status_code == 200, found.text
     assert found.json()["coin"]["radius_px"] == pytest.approx(120, rel=0.01)
     outline = np.array(found.json()["coin"]["outline_px"])
@@ -273,7 +257,7 @@ def test_a_coin_is_a_scale(client):
 
 def test_a_length_has_its_uncertainty(standing):
     params = {"scale": "camera", "line_px": [[0, 0], [0, 200]], "ends_px_std": 0}
-    found = standing.post("/api/studies/demo/measure/length", json=params).json()
+    found = standing.tell("measure/length", **params)
     assert (found["length_mm"], found["length_mm_std"]) == (pytest.approx(10), pytest.approx(0.02))
     assert found["words"] == {"length_mm": "10.000\u00a0±\u00a00.020 mm"}
 
@@ -286,7 +270,7 @@ def test_geometry_is_that_of_the_library(standing):
         "wedge_angle_deg": 30,
         "detail": 8,
     }
-    found = standing.post("/api/studies/demo/geometry", json=params).json()
+    found = standing.tell("geometry", **params)
     pad = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
     placement = Placement(pad, wedge_angle=np.radians(30))
     assert found["u_deg"] == pytest.approx(np.degrees(placement.u))
@@ -296,9 +280,7 @@ def test_geometry_is_that_of_the_library(standing):
     np.testing.assert_allclose(((mesh / pad.semi_axes) ** 2).sum(axis=-1), 1)
     corners = np.array(found["platen"]["corners_mm"]) - found["contact_point_mm"]
     np.testing.assert_allclose(corners @ found["normal"], 0, atol=1e-9)
-    by_name = standing.post(
-        "/api/studies/demo/geometry", json={"finger": "left_index_ellipse", "wedge_angle_deg": 30}
-    ).json()
+    by_name = standing.tell("geometry", finger="left_index_ellipse", wedge_angle_deg=30)
     assert by_name["u_deg"] == pytest.approx(found["u_deg"])
     assert by_name["mean_curvature_radius_mm_std"] > 0
     # tan u = (distal / palmar) tan(wedge), axes to 0.1 mm and the wedge to 3°.
@@ -308,7 +290,7 @@ def test_geometry_is_that_of_the_library(standing):
 
 
 def test_signal_without_a_run_or_a_readable_force(client, studies_folder):
-    signal = client.get("/api/studies/demo/signal", params={"sequence": "synthetic_press_30deg"})
+    signal = client.study_get("signal", sequence="synthetic_press_30deg")
     assert signal.json()["start_s"] is None
     # The sequence is pressed from 0 s, held between 0.55 and 0.75 s, and let go until 1.05 s or so.
     phases = {one["phase"]: one["start_s"] for one in signal.json()["phases"]}
@@ -322,7 +304,7 @@ def test_signal_without_a_run_or_a_readable_force(client, studies_folder):
         ("Time (s),F (mN)\n0,1\n", 'or say which they are: force_columns = { force = "F (mN):mN" }'),
     ):
         (studies_folder / "demo" / "synthetic" / "synthetic_press_30deg_force.csv").write_text(text)
-        answer = client.get("/api/studies/demo/signal", params={"sequence": "synthetic_press_30deg"})
+        answer = client.study_get("signal", sequence="synthetic_press_30deg")
         assert answer.status_code == 422
         assert "synthetic_press_30deg_force.csv" in answer.json()["error"]
         assert message in answer.json()["error"]
@@ -343,7 +325,7 @@ def test_a_grid_gives_a_scale_and_rectifies_pictures(client, studies_folder):
     board = scene.picture((7, 9), 4.0, "checkerboard")
     Image.fromarray(board).save(folder / "board.png")
     table = {"grid": "board.png", "points": [7, 9], "spacing_mm": 4.0, "spacing_mm_std": 0.004}
-    found = client.post("/api/studies/demo/measure/scale", json={"table": table}).json()
+    found = client.tell("measure/scale", table=table)
     assert found["flags"] == ["grid_tilted"]
     assert (
         found["relative_std"]
@@ -352,15 +334,13 @@ def test_a_grid_gives_a_scale_and_rectifies_pictures(client, studies_folder):
         > 0.001
     )
     assert len(found["grid"]["points_px"]) == 63
-    made = client.post(
-        "/api/studies/demo/scale/rectify", json={"table": table, "files": ["board.png"]}
-    ).json()
+    made = client.tell("scale/rectify", table=table, files=["board.png"])
     assert made["files"] == {"board.png": "rectified/board.png"}
     again = {**table, "grid": "rectified/board.png"}
-    straight = client.post("/api/studies/demo/measure/scale", json={"table": again}).json()
+    straight = client.tell("measure/scale", table=again)
     assert straight["flags"] == []
     assert straight["mm_per_px"] == pytest.approx(made["mm_per_px"], rel=2e-3)
-    wrong = client.post("/api/studies/demo/measure/scale", json={"table": {**table, "points": [6, 9]}})
+    wrong = client.study_post("measure/scale", table={**table, "points": [6, 9]})
     assert wrong.status_code == 422
     assert "board.png: no grid of 6 × 9 inner corners found" in wrong.json()["error"]
 
@@ -439,7 +419,7 @@ def test_bad_requests_get_messages(standing, method, path, body, status):
 @pytest.mark.parametrize("body", [{"workers": "2"}, {"force": "yes"}, {"force": 1}])
 def test_bodies_are_not_converted(standing, body):
     """A number as text is a mistake of who asks."""
-    answer = standing.post("/api/studies/demo/run", json=body)
+    answer = standing.study_post("run", **body)
     assert answer.status_code == 400
     assert answer.json()["faults"][0]["place"] == next(iter(body))
 
@@ -519,7 +499,7 @@ def test_without_a_study_one_can_be_opened(studies_folder):
 def test_an_invalid_manifest_opens_and_names_the_error(client, studies_folder):
     manifest = studies_folder / "demo/study.toml"
     manifest.write_text(manifest.read_text().replace("poisson_ratio = 0.5", "poisson_ratio = 5"))
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     assert not state["ready"]
     assert any("poisson_ratio" in one["words"] for one in state["missing"])
 
@@ -536,7 +516,7 @@ def test_several_studies_are_open_at_once(client, studies_folder, name: str):
     info = client.get(f"{of}/picture/info", params={"item": "synthetic_30deg_1N"}).json()
     assert info["preview"].startswith(f"{of}/picture/preview")
     assert client.get(info["preview"]).headers["content-type"] == "image/png"
-    assert client.get("/api/studies/demo/state").json()["name"] == "demo"
+    assert client.ask("state")["name"] == "demo"
     assert (studies_folder / "demo" / "study.toml").read_bytes() == before
     assert client.get(f"{of}/state").json()["title"] == "x"
     assert client.get("/api/studies/nowhere/state").status_code == 404
@@ -589,9 +569,7 @@ def test_a_frame_is_measured_with_settings_of_the_frames_as_they_are(studies_fol
         workspace = Workspace(study.parent)
         workspace.open_folder(study)
         with serving(workspace) as client:
-            answer = client.post(
-                "/api/studies/demo/measure/contact", json={"item": "synthetic_press_30deg#12"}
-            )
+            answer = client.study_post("measure/contact", item="synthetic_press_30deg#12")
         assert answer.status_code == 200, answer.text
         return answer.json()["numbers"]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import httpx
 import pytest
 from tests.waiting import wait_until
-from tests.web.conftest import serving
+from tests.web.conftest import Client, serving
 
 from fingerpad.web.workspace import Workspace
 
@@ -23,11 +23,11 @@ PHASES = {"phases": {"starts": [{"phase": "loading", "start_s": 0.1}], "why": "s
 
 def correct(client, item, expected, change, who="ada"):
     body = {"item": item, "expected": expected, "who": who, "change": change}
-    return client.post("/api/studies/demo/corrections", json=body)
+    return client.study_post("corrections", **body)
 
 
 def now(client, item):
-    return client.get("/api/studies/demo/corrections", params={"item": item}).json()
+    return client.ask("corrections", item=item)
 
 
 @pytest.mark.parametrize(
@@ -49,21 +49,12 @@ def test_a_correction_is_saved_with_author_and_time_undone_and_redone(client, it
     assert found["history"][-1]["who"] == "ada"
     assert found["history"][-1]["when"].startswith("20")
     step = {"item": item, "who": "bob"}
-    undone = client.post(
-        "/api/studies/demo/corrections/undo", json=step | {"expected": found["last_id"]}
-    ).json()
+    undone = client.tell("corrections/undo", **step, expected=found["last_id"])
     assert (undone["change"], undone["can_undo"], undone["can_redo"]) == ({}, False, True)
-    redone = client.post(
-        "/api/studies/demo/corrections/redo", json=step | {"expected": undone["last_id"]}
-    ).json()
+    redone = client.tell("corrections/redo", **step, expected=undone["last_id"])
     assert redone["change"] == change
     assert [record["who"] for record in redone["history"]] == ["ada", "bob", "bob"]
-    assert (
-        client.post(
-            "/api/studies/demo/corrections/redo", json=step | {"expected": redone["last_id"]}
-        ).status_code
-        == 422
-    )
+    assert client.study_post("corrections/redo", **step, expected=redone["last_id"]).status_code == 422
 
 
 def test_phases_of_a_replaced_force_are_reported_until_they_are_set_again(client, studies_folder):
@@ -81,15 +72,13 @@ def test_the_state_shows_reviews(client):
     correct(client, PRINT, 0, {"accepted": True})
     correct(client, FRAME, 0, {"rejected": "smeared"})
     correct(client, PHOTO, 0, {"tip": "up", "rejected": "nail in view"})
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     one = next(one for one in state["observations"] if one["item"] == PRINT)
     assert (one["accepted"], one["corrected"], one["rejected"], one["who"]) == (True, False, None, "ada")
     assert (state["sequences"][0]["rejected"], state["sequences"][0]["reviewed"]) == (1, 1)
     photograph = state["fingers"][2]["photographs"][0]
     assert (photograph["rejected"], photograph["corrected"]) == ("nail in view", True)
-    frames = client.get("/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg"}).json()[
-        "frames"
-    ]
+    frames = client.ask("frames", sequence="synthetic_press_30deg")["frames"]
     assert [frame["frame"] for frame in frames if frame["rejected"]] == [12]
 
 
@@ -123,9 +112,7 @@ def test_concurrent_corrections_are_saved_or_refused(client):
     confirmed, conflicts = [], []
 
     def page(name):
-        with httpx.Client(
-            base_url=client.base_url, headers=client.headers, timeout=60, trust_env=False
-        ) as own:
+        with Client(base_url=client.base_url, headers=client.headers, timeout=60, trust_env=False) as own:
             seen, written = 0, 0
             while written < 10:
                 change = {"threshold": 10.0 + written, "accepted": True}
@@ -173,43 +160,37 @@ def launched(folder):
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1)
     address = process.stdout.readline().split()[-1]
     token = Path(process.stdout.readline().split()[-1]).read_text().strip()
-    return process, httpx.Client(
-        base_url=address.partition("/start")[0],
-        headers={"authorization": f"Bearer {token}"},
-        timeout=30,
-        trust_env=False,
-    )
+    base, headers = address.partition("/start")[0], {"authorization": f"Bearer {token}"}
+    return process, Client(base_url=base, headers=headers, timeout=30, trust_env=False)
 
 
 def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
-    """The page is killed in the midst of corrections, twice: every one it confirmed is there after it."""
+    """The page is killed in the midst of corrections: every one it confirmed is there after it."""
     confirmed = []
-    for round_ in range(2):
-        process, client = launched(studies_folder / "demo")
-        stop = threading.Timer(0.25 + 0.2 * round_, os.kill, (process.pid, signal.SIGKILL))
-        try:
-            seen = now(client, PRINT)["last_id"]
-            stop.start()
-            while True:
-                answer = correct(client, PRINT, seen, {"threshold": 1.0 + len(confirmed)})
-                assert answer.status_code == 201, answer.text
-                seen = answer.json()["last_id"]
-                confirmed.append(answer.json()["change"])
-        except httpx.TransportError:
-            pass
-        finally:
-            stop.join()
-            process.wait(10)
-            process.stdout.close()
-            process.stderr.close()
-            client.close()
+    process, client = launched(studies_folder / "demo")
+    stop = threading.Timer(0.3, os.kill, (process.pid, signal.SIGKILL))
+    try:
+        seen = now(client, PRINT)["last_id"]
+        stop.start()
+        while True:
+            answer = correct(client, PRINT, seen, {"threshold": 1.0 + len(confirmed)})
+            assert answer.status_code == 201, answer.text
+            seen = answer.json()["last_id"]
+            confirmed.append(answer.json()["change"])
+    except httpx.TransportError:
+        pass
+    finally:
+        stop.join()
+        process.wait(10)
+        process.stdout.close()
+        process.stderr.close()
+        client.close()
     lines = (studies_folder / "demo/corrections.jsonl").read_text().splitlines()
     kept = [json.loads(line)["change"] for line in lines if line.endswith("}")]
-    assert len(confirmed) > 10
-    # The one in progress at each kill may be there too: written, but not answered.
-    places = iter(kept)
-    assert all(change in places for change in confirmed)
-    assert len(kept) <= len(confirmed) + 2
+    assert len(confirmed) > 5
+    # The one in progress at the kill may be there too: written, but not answered.
+    assert confirmed == kept[: len(confirmed)]
+    assert len(kept) <= len(confirmed) + 1
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
@@ -219,43 +200,43 @@ def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
 def test_settings_apply_to_other_images_of_the_finger_and_device(client):
     change = {"threshold": 60.0, "seed_px": [150.0, 150.0], "accepted": True}
     correct(client, PRINT, 0, change)
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     one = next(each for each in state["observations"] if each["item"] == PRINT)
     expected = {
         each["item"]
         for each in state["observations"]
         if each["file"] and (each["finger"], each["scale"]) == (one["finger"], one["scale"])
     } - {PRINT}
-    found = client.get("/api/studies/demo/corrections/similar", params={"item": PRINT}).json()
+    found = client.ask("corrections/similar", item=PRINT)
     assert found["settings"] == {"threshold": 60.0}
     assert {image["item"] for image in found["images"]} == expected
     first = found["images"][0]
     kept = correct(client, first["item"], first["last_id"], first["proposed"] | {"accepted": True}, "bob")
     assert kept.json()["change"] == {"threshold": 60.0, "accepted": True}
     assert kept.json()["history"][-1]["who"] == "bob"
-    again = client.get("/api/studies/demo/corrections/similar", params={"item": PRINT}).json()["images"]
+    again = client.ask("corrections/similar", item=PRINT)["images"]
     assert [image["differs"] for image in again] == [False, *[True] * (len(again) - 1)]
     # What is there stays, but for the verdict.
     correct(client, again[1]["item"], 0, {"ellipse_px": None, "rejected": "smeared", "dark_on_light": True})
-    now = client.get("/api/studies/demo/corrections/similar", params={"item": PRINT}).json()["images"][1]
+    now = client.ask("corrections/similar", item=PRINT)["images"][1]
     assert now["proposed"] == {"dark_on_light": True, "threshold": 60.0}
 
 
 def test_the_second_operator_has_corrections_of_their_own(client, studies_folder):
-    assert client.get("/api/studies/demo/second-operator").json()["images"] == []
+    assert client.ask("second-operator")["images"] == []
     correct(client, PRINT, 0, {"accepted": True}, "ada")
     body = {"item": PRINT, "operator": "second", "expected": 0, "who": "bob", "change": {"threshold": 60.0}}
-    assert client.post("/api/studies/demo/corrections", json=body).json()["change"] == {"threshold": 60.0}
+    assert client.tell("corrections", **body)["change"] == {"threshold": 60.0}
     assert now(client, PRINT)["change"] == {"accepted": True}
-    asked = client.get("/api/studies/demo/corrections", params={"item": PRINT, "operator": "second"}).json()
+    asked = client.ask("corrections", item=PRINT, operator="second")
     assert [record["who"] for record in asked["history"]] == ["bob"]
-    found = client.get("/api/studies/demo/second-operator").json()
+    found = client.ask("second-operator")
     assert (found["first_operators"], found["agreement"]) == (["ada"], [])
     ((image,), unseen) = found["images"], found["unseen"]
     assert (image["item"], image["corrected"], image["who"]) == (PRINT, True, "bob")
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     assert unseen == sum(one["file"] is not None for one in state["observations"]) - 1
     step = {"item": PRINT, "operator": "second", "who": "bob", "expected": asked["last_id"]}
-    assert client.post("/api/studies/demo/corrections/undo", json=step).json()["change"] == {}
+    assert client.tell("corrections/undo", **step)["change"] == {}
     assert (studies_folder / "demo" / "second_operator.jsonl").read_text().count("\n") == 2
     assert "second_operator.jsonl" not in {one["file"] for one in state["files"]}

@@ -40,7 +40,7 @@ def require_words(client, *, slow=False):
 def test_a_finger_without_a_name_is_reported_and_every_route_answers(client, folder):
     manifest = folder / "study.toml"
     manifest.write_text(manifest.read_text().replace('name = "left_index_direct"\n', ""))
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     assert not state["ready"]
     assert any(
         "study.toml: fingers[1].name: required, but missing" in one["words"] for one in state["missing"]
@@ -70,11 +70,11 @@ DAMAGED = {
 
 def require_told(client, folder, words):
     write_sums(folder / "results")
-    found = client.get("/api/studies/demo/state").json()["results"]
+    found = client.ask("state")["results"]
     assert not found["there"]
     (fault,) = found["faults"]
     assert words in fault
-    answer = client.get("/api/studies/demo/results/rows")
+    answer = client.study_get("results/rows")
     assert answer.status_code == 409
     way_out = "run the study again: nothing that was measured is measured again"
     assert answer.json()["error"] == f"{fault}: {way_out}"
@@ -112,8 +112,8 @@ def test_damaged_rows_are_told_and_every_route_answers(client, folder, old, new,
 def test_results_that_are_something_else_are_told(client, folder, name, content):
     (folder / "results" / name).write_text(content)
     write_sums(folder / "results")
-    assert name in client.get("/api/studies/demo/state").json()["results"]["faults"][0]
-    assert client.get("/api/studies/demo/results/plot").status_code == 409
+    assert name in client.ask("state")["results"]["faults"][0]
+    assert client.study_get("results/plot").status_code == 409
 
 
 INCOMPLETE = {
@@ -126,7 +126,7 @@ INCOMPLETE = {
 def test_an_odd_incomplete_table_is_reported_and_every_route_answers(client, folder, kind):
     manifest = folder / "study.toml"
     manifest.write_text(f"{manifest.read_text()}\n{INCOMPLETE[kind]}")
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     assert state["missing"]
     assert not state["ready"]
     require_words(client)
@@ -135,7 +135,7 @@ def test_an_odd_incomplete_table_is_reported_and_every_route_answers(client, fol
 def test_an_odd_correction_is_reported_and_every_route_answers(client, folder):
     record = {"id": 1, "item": "a", "when": "", "who": "", "action": ["change"], "change": {}, "picture": ""}
     (folder / "corrections.jsonl").write_text(json.dumps(record) + "\n")
-    assert "line 1 is no correction" in client.get("/api/studies/demo/state").json()["error"]
+    assert "line 1 is no correction" in client.ask("state")["error"]
     require_words(client)
 
 
@@ -145,7 +145,7 @@ def test_a_study_that_cannot_be_opened_leaves_the_current_one_open(client, folde
     answer = client.post("/api/session/open", json={"name": "other"})
     assert answer.status_code == 422
     assert "corrections.jsonl: line 1" in answer.json()["error"]
-    assert client.get("/api/studies/demo/state").json()["name"] == "demo"
+    assert client.ask("state")["name"] == "demo"
 
 
 def test_odd_files_in_the_folder_do_no_harm(client, folder):
@@ -154,11 +154,11 @@ def test_odd_files_in_the_folder_do_no_harm(client, folder):
     (folder / "self").symlink_to(folder)
     (folder / "lost.png").symlink_to("nowhere.png")
     (folder / os.fsdecode(b"\xff.png")).write_bytes(b"x")
-    assert client.get("/api/studies/demo/state").json()["ready"]
+    assert client.ask("state")["ready"]
     require_words(client, slow=True)
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(50, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("count", [8, pytest.param(50, marks=pytest.mark.nightly)])
 def test_studies_mutated_at_random_are_answered(folder, count):
     add_corrections(folder)
     answers = ask_mutated(folder, count)

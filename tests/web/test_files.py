@@ -49,7 +49,7 @@ def test_an_uploaded_image_is_stored_and_described(client, studies_folder):
         60,
     )
     assert (studies_folder / "demo" / record["file"]).read_bytes() == png()
-    listed = {file["file"]: file for file in client.get("/api/studies/demo/state").json()["files"]}
+    listed = {file["file"]: file for file in client.ask("state")["files"]}
     assert listed["uploads/a1.png"]["used"] is False
     assert listed["synthetic/synthetic_30deg_2N.png"]["used"] is True
 
@@ -165,7 +165,7 @@ def test_only_unused_uploads_are_removed(client, studies_folder):
 def test_a_removed_file_is_restored(client, studies_folder):
     folder = studies_folder / "demo/uploads"
     remove = lambda name: client.request("DELETE", "/api/studies/demo/files", json={"file": name})  # noqa: E731
-    restore = lambda number: client.post("/api/studies/demo/files/restore", json={"removed": number})  # noqa: E731
+    restore = lambda number: client.study_post("files/restore", removed=number)  # noqa: E731
     removed = []
     for level in (1, 2, 3):  # of one name each time
         assert upload(client, "a.png", png(level=level)).json()["file"] == "uploads/a.png"
@@ -192,7 +192,7 @@ def test_files_are_kept_and_restored_where_there_are_no_hard_links(client, studi
         "removed"
     ]
     assert upload(client, "a.png", png(level=3)).json()["file"] == "uploads/a.png"
-    restored = client.post("/api/studies/demo/files/restore", json={"removed": removed}).json()["restored"]
+    restored = client.tell("files/restore", removed=removed)["restored"]
     assert restored not in {"uploads/a.png", "uploads/a-2.png"}
     for name, level in (("uploads/a.png", 3), ("uploads/a-2.png", 2), (restored, 1)):
         assert (studies_folder / "demo" / name).read_bytes() == png(level=level)
@@ -203,10 +203,7 @@ def test_a_removed_frame_is_restored_to_its_sequence(client, studies_folder):
     file = {"file": "uploads/press1/1.png"}
     number = client.request("DELETE", "/api/studies/demo/files", json=file).json()["removed"]
     (studies_folder / "demo/uploads/press1").rmdir()
-    assert (
-        client.post("/api/studies/demo/files/restore", json={"removed": number}).json()["restored"]
-        == file["file"]
-    )
+    assert client.tell("files/restore", removed=number)["restored"] == file["file"]
 
 
 @pytest.mark.parametrize(
@@ -222,10 +219,8 @@ def test_a_file_in_use_is_not_removed_by_another_name(client, studies_folder, na
         {"kind": "observation", "key": "y", "set": {**known, "file": "link.png"}},
         {"kind": "observation", "key": "z", "set": {"file": "uploads/draft.png"}},
     ]
-    state = client.get("/api/studies/demo/state").json()
-    client.post(
-        "/api/studies/demo/edits", json={"expected": state["digest"], "edits": edits}
-    ).raise_for_status()
+    state = client.ask("state")
+    client.study_post("edits", expected=state["digest"], edits=edits).raise_for_status()
     assert client.request("DELETE", "/api/studies/demo/files", json={"file": name}).status_code == 409
 
 
@@ -233,7 +228,7 @@ def test_a_file_in_use_is_not_removed_by_another_name(client, studies_folder, na
 def test_nothing_else_is_restored(client, studies_folder, number):
     (studies_folder / "demo/.removed").mkdir()
     (studies_folder / "demo/.removed/x").write_bytes(b"x")
-    answer = client.post("/api/studies/demo/files/restore", json={"removed": number})
+    answer = client.study_post("files/restore", removed=number)
     assert answer.status_code in {400, 404}
     assert (studies_folder / "demo/.removed/x").exists()
 

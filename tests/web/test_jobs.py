@@ -98,17 +98,14 @@ def finished_client(finished):
 
 
 def run_of(client, **params):
-    answer = client.post("/api/studies/demo/run", json=params)
+    answer = client.study_post("run", **params)
     assert answer.status_code == 202, answer.text
     return ended(client)
 
 
 def ended(client, timeout_s=120):
-    assert wait_until(
-        lambda: client.get("/api/studies/demo/run").json()["state"] not in {"running", "cancelling"},
-        timeout_s,
-    )
-    return client.get("/api/studies/demo/run").json()
+    assert wait_until(lambda: client.ask("run")["state"] not in {"running", "cancelling"}, timeout_s)
+    return client.ask("run")
 
 
 def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
@@ -132,18 +129,15 @@ def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
             ours, theirs = (MADE.sub("", text.decode()) for text in (ours, theirs))
         assert ours == theirs, name
         if "overlays" not in name:
-            assert (
-                client.get(f"/api/studies/demo/download/{name}").content
-                == (study / "results" / name).read_bytes()
-            )
+            assert client.study_get(f"download/{name}").content == (study / "results" / name).read_bytes()
 
 
 def test_an_imported_study_gives_the_same_results_without_measuring(finished_client, finished, tmp_path):
     correction = {"item": "o2", "expected": 0, "who": "ada", "change": {"accepted": True}}
-    assert finished_client.post("/api/studies/demo/corrections", json=correction).status_code == 201
+    assert finished_client.study_post("corrections", **correction).status_code == 201
     run_of(finished_client)
     before = (finished / "results/results.csv").read_bytes()
-    archive = finished_client.get("/api/studies/demo/download/study.zip")
+    archive = finished_client.study_get("download/study.zip")
     assert archive.headers["content-type"] == "application/zip"
     names = zipfile.ZipFile(io.BytesIO(archive.content)).namelist()
     assert {"study.toml", "corrections.jsonl", "results/store.sqlite", "results/report.html"} <= set(names)
@@ -162,64 +156,52 @@ def test_an_imported_study_gives_the_same_results_without_measuring(finished_cli
             "o4": False,
         }
         assert run_of(other)["state"] == "done"
-        assert other.get("/api/studies/demo/download/results.csv").content == before
+        assert other.study_get("download/results.csv").content == before
     assert (tmp_path / "elsewhere/demo/results/results.csv").read_bytes() == before
 
 
 def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(finished_client):
-    before = {
-        row["item"]: row for row in finished_client.get("/api/studies/demo/results/rows").json()["rows"]
-    }
-    assert {
-        one["status"] for one in finished_client.get("/api/studies/demo/state").json()["observations"]
-    } == {"done"}
-    one = finished_client.post("/api/studies/demo/measure/contact", json={"item": "o2"}).json()
+    before = {row["item"]: row for row in finished_client.ask("results/rows")["rows"]}
+    assert {one["status"] for one in finished_client.ask("state")["observations"]} == {"done"}
+    one = finished_client.tell("measure/contact", item="o2")
     row, column = one["ellipse_px"]["centre"]
     stroke = {"action": "remove", "points_px": [[row - 110, column]], "radius_px": 40}
     body = {"item": "o2", "expected": 0, "who": "ada", "change": {"strokes": [stroke]}}
-    assert finished_client.post("/api/studies/demo/corrections", json=body).status_code == 201
-    state = finished_client.get("/api/studies/demo/state").json()
+    assert finished_client.study_post("corrections", **body).status_code == 201
+    state = finished_client.ask("state")
     assert {one["item"]: one["status"] for one in state["observations"]} == {
         "o1": "done",
         "o2": "stale",
         "o4": "done",
     }
     assert not state["results"]["fresh"]
-    assert (
-        finished_client.get("/api/studies/demo/results/rows").json()["rows"][1]["gross_area_mm2"]
-        == before["o2"]["gross_area_mm2"]
-    )
-    seen = finished_client.post("/api/studies/demo/measure/contact", json={"item": "o2"}).json()["numbers"]
+    assert finished_client.ask("results/rows")["rows"][1]["gross_area_mm2"] == before["o2"]["gross_area_mm2"]
+    seen = finished_client.tell("measure/contact", item="o2")["numbers"]
     run_of(finished_client)
-    after = {row["item"]: row for row in finished_client.get("/api/studies/demo/results/rows").json()["rows"]}
+    after = {row["item"]: row for row in finished_client.ask("results/rows")["rows"]}
     assert after["o2"]["gross_area_mm2"] == pytest.approx(seen["gross_area_mm2"])
     assert after["o2"]["gross_area_mm2"] < before["o2"]["gross_area_mm2"]
     assert after["o1"] == before["o1"]
     assert (after["o2"]["reviewed_by"], after["o2"]["measured_by"]) == ("ada", "corrected")
-    assert finished_client.get("/api/studies/demo/state").json()["results"]["fresh"]
+    assert finished_client.ask("state")["results"]["fresh"]
 
 
 def test_results_change_without_new_measurements(finished_client):
     """A load or a rejection leaves each item done, and yet the results are no longer those of the study."""
-    state = finished_client.get("/api/studies/demo/state").json()
+    state = finished_client.ask("state")
     assert state["results"]["fresh"]
     edits = [{"kind": "observation", "key": "o2", "set": {"load_N": 2.5}}]
-    state = finished_client.post(
-        "/api/studies/demo/edits", json={"expected": state["digest"], "edits": edits}
-    ).json()
+    state = finished_client.tell("edits", expected=state["digest"], edits=edits)
     assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
     run_of(finished_client)
-    assert finished_client.get("/api/studies/demo/state").json()["results"]["fresh"]
-    finished_client.post(
-        "/api/studies/demo/corrections",
-        json={"item": "o4", "expected": 0, "who": "ada", "change": {"rejected": "no"}},
-    )
-    state = finished_client.get("/api/studies/demo/state").json()
+    assert finished_client.ask("state")["results"]["fresh"]
+    finished_client.study_post("corrections", item="o4", expected=0, who="ada", change={"rejected": "no"})
+    state = finished_client.ask("state")
     assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
     run_of(finished_client)
-    rows = {row["item"]: row for row in finished_client.get("/api/studies/demo/results/rows").json()["rows"]}
+    rows = {row["item"]: row for row in finished_client.ask("results/rows")["rows"]}
     assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
-    pooling = finished_client.get("/api/studies/demo/results/plot").json()["groups"][0]["pooling"]
+    pooling = finished_client.ask("results/plot")["groups"][0]["pooling"]
     assert [pooling[name] for name in ("contacts", "contacts_pooled", "contacts_rejected")] == [3, 2, 1]
 
 
@@ -227,13 +209,13 @@ def test_results_of_another_picture_are_not_up_to_date(finished_client, finished
     picture = finished / "synthetic" / "synthetic_30deg_2N.png"
     before = picture.read_bytes()
     picture.write_bytes((finished / "synthetic" / "synthetic_30deg_4N.png").read_bytes())
-    state = finished_client.get("/api/studies/demo/state").json()
+    state = finished_client.ask("state")
     assert (state["counts"]["stale"], state["counts"]["done"], state["results"]["fresh"]) == (1, 2, False)
     picture.write_bytes(before)
-    assert finished_client.get("/api/studies/demo/state").json()["results"]["fresh"]
+    assert finished_client.ask("state")["results"]["fresh"]
     with sqlite3.connect(finished / "results" / "store.sqlite") as store:
         store.execute("DELETE FROM result WHERE task = 'o2'")
-    state = finished_client.get("/api/studies/demo/state").json()
+    state = finished_client.ask("state")
     assert (state["counts"]["left"], state["results"]["fresh"]) == (1, False)
 
 
@@ -251,18 +233,18 @@ def test_the_time_left_is_that_of_the_pictures_left(monkeypatch):
 
 
 def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study):
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     edits = [
         {"kind": "observation", "key": "half", "set": {"file": "synthetic/synthetic_30deg_1N.png"}},
         {"kind": "scale", "key": "camera", "set": {"mm_per_px": 7}},
     ]
-    answer = client.post("/api/studies/demo/edits", json={"expected": state["digest"], "edits": edits})
+    answer = client.study_post("edits", expected=state["digest"], edits=edits)
     answer.raise_for_status()
     assert 'name = "half"' in (study / "study.toml").read_text()
-    opened = client.get("/api/studies/demo/state").json()
+    opened = client.ask("state")
     assert [one["item"] for one in opened["observations"] if not one["complete"]] == ["half"]
     words = [one["words"] for one in opened["missing"]]
-    refused = client.post("/api/studies/demo/run", json={})
+    refused = client.study_post("run")
     assert refused.status_code == 422
     assert [one["words"] for one in refused.json()["faults"]] == words
     assert {"the load is missing", "the wedge angle is missing", "which finger it is is missing"} <= {*words}
@@ -275,9 +257,9 @@ def test_a_study_with_issues_opens_and_lists_each_but_does_not_run(client, study
 
 
 def test_live_results_equal_those_of_the_run(client):
-    live = client.post("/api/studies/demo/measure/contact", json={"item": "o2"}).json()
+    live = client.tell("measure/contact", item="o2")
     run_of(client)
-    row = client.get("/api/studies/demo/results/rows", params={"text": "o2"}).json()["rows"][0]
+    row = client.ask("results/rows", text="o2")["rows"][0]
     for key in ("semi_major_mm", "semi_minor_mm_std", "gross_area_mm2", "ridge_period_mm"):
         assert live["numbers"][key] == pytest.approx(row[key])
     for key in (
@@ -303,8 +285,8 @@ def test_one_run_at_a_time_with_events(client):
     listener = threading.Thread(target=listen)
     listener.start()
     assert wait_until(lambda: heard)
-    assert client.post("/api/studies/demo/run", json={}).status_code == 202
-    second = client.post("/api/studies/demo/run", json={})
+    assert client.study_post("run").status_code == 202
+    second = client.study_post("run")
     assert second.status_code == 409, second.text
     assert ended(client)["state"] == "done"
     listener.join(20)
@@ -313,7 +295,7 @@ def test_one_run_at_a_time_with_events(client):
     assert runs[0]["state"] == "running"
     assert runs[-1]["state"] == "done"
     versions = [run["version"] for run in runs]
-    assert versions[-1] == max(versions) == client.get("/api/studies/demo/run").json()["version"]
+    assert versions[-1] == max(versions) == client.ask("run")["version"]
     assert {run["phase"] for run in runs} >= {"measuring", "tables", "report"}
 
 
@@ -325,23 +307,23 @@ def test_a_cancelled_run_keeps_its_measurements_and_resumes(study):
     workspace = Workspace(study.parent)
     workspace.open_folder(study)
     with serving(workspace) as client:
-        client.post("/api/studies/demo/run", json={})
-        assert wait_until(lambda: client.get("/api/studies/demo/run").json()["done"])
+        client.study_post("run")
+        assert wait_until(lambda: client.ask("run")["done"])
         assert client.post("/api/studies/demo/run/cancel").status_code == 202
         run = ended(client)
         assert run["state"] == "cancelled"
         assert 0 < run["done"] < run["total"]
-        counts = client.get("/api/studies/demo/state").json()["counts"]
+        counts = client.ask("state")["counts"]
         assert counts["done"] > 0
         assert counts["left"] > 0
         assert run["error"] is None
-        client.post("/api/studies/demo/run", json={})
+        client.study_post("run")
         again = ended(client)
         assert (again["state"], again["done"]) == ("done", again["total"])
 
 
 def drawing(client):
-    run = client.get("/api/studies/demo/run").json()
+    run = client.ask("run")
     assert run["state"] == "running"
     return run["phase"] == "report" and run["current"]
 
@@ -352,16 +334,16 @@ def test_a_run_can_be_stopped_while_its_report_is_drawn(finished):
     (finished / "results").mkdir()
     (finished / "results" / "store.sqlite").write_bytes(store)
     with client_of(finished) as client:
-        client.post("/api/studies/demo/run", json={"workers": 2})
+        client.study_post("run", workers=2)
         assert wait_until(lambda: drawing(client), 120)
         client.post("/api/studies/demo/run/cancel")
         assert ended(client)["state"] == "cancelled"
-        results = client.get("/api/studies/demo/state").json()["results"]
+        results = client.ask("state")["results"]
         assert (results["there"], results["report"], results["fresh"]) == (False, False, False)
-        assert client.get("/api/studies/demo/download/report.html").status_code == 404
-        client.post("/api/studies/demo/run", json={})
+        assert client.study_get("download/report.html").status_code == 404
+        client.study_post("run")
         assert ended(client)["state"] == "done"
-        results = client.get("/api/studies/demo/state").json()["results"]
+        results = client.ask("state")["results"]
         assert (results["report"], results["fresh"]) == (True, True)
 
 
@@ -369,7 +351,7 @@ def test_closing_the_workspace_stops_its_runs(studies_folder):
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
-        client.post("/api/studies/demo/run", json={})
+        client.study_post("run")
         study = workspace.session("demo")
         workspace.close()
         assert study.run_job.describe().state in {"cancelled", "done"}
@@ -379,8 +361,8 @@ def test_the_page_responds_during_a_run(studies_folder):
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
-        client.post("/api/studies/demo/run", json={})
-        states = [client.get("/api/studies/demo/run").json()["state"] for _ in range(40)]
+        client.study_post("run")
+        states = [client.ask("run")["state"] for _ in range(40)]
     assert states[0] == "running"
 
 
@@ -404,7 +386,7 @@ def test_a_bug_in_a_run_is_reported(client, monkeypatch):
 
 
 def rows(client, **params):
-    answer = client.get("/api/studies/demo/results/rows", params=params)
+    answer = client.study_get("results/rows", **params)
     assert answer.status_code == 200, answer.text
     return answer.json()
 
@@ -440,7 +422,7 @@ def test_rows_are_filtered_sorted_and_paged(done):
     named = ("mm_per_px", "youngs_modulus_kpa", "aspect_ratio")
     labels = [columns[name]["label"] for name in named]
     assert labels == ["Scale, mm/px", "E, kPa", "aspect ratio"]
-    assert done.get("/api/studies/demo/results/rows", params={"sort": "nothing"}).status_code == 422
+    assert done.study_get("results/rows", sort="nothing").status_code == 422
 
 
 @pytest.mark.parametrize("key", ["orientation_deg", "sequence"])
@@ -453,7 +435,7 @@ def test_rows_without_the_value_come_last_whichever_way_they_are_sorted(done, ke
 
 
 def test_plots_hold_each_row_once_and_their_lines(done):
-    groups = done.get("/api/studies/demo/results/plot").json()["groups"]
+    groups = done.ask("results/plot")["groups"]
     every = rows(done, limit=2000)["rows"]
     placed = [row for row in every if row["radius_from_indentation_mm"] is not None]
     assert sorted(item for group in groups for item in group["rows"]["item"]) == sorted(
@@ -468,13 +450,13 @@ def test_plots_hold_each_row_once_and_their_lines(done):
 
 
 def test_the_budget_adds_up(done):
-    for group in done.get("/api/studies/demo/results/budget").json()["groups"]:
+    for group in done.ask("results/budget")["groups"]:
         assert sum(group["check"]["shares"].values()) == pytest.approx(1, abs=0.02)
         assert sum(group["pooled"].values()) == pytest.approx(1)
 
 
 def test_figures_are_listed_with_captions_and_can_be_fetched(done):
-    listed = done.get("/api/studies/demo/results/figures").json()["figures"]
+    listed = done.ask("results/figures")["figures"]
     assert listed
     for figure in listed:
         assert figure["caption"] != figure["name"]
@@ -488,9 +470,9 @@ def test_figures_are_listed_with_captions_and_can_be_fetched(done):
 
 
 def test_figures_are_drawn_for_publication(done):
-    names = [figure["name"] for figure in done.get("/api/studies/demo/results/figures").json()["figures"]]
+    names = [figure["name"] for figure in done.ask("results/figures")["figures"]]
     name = next(name for name in names if name.endswith("corrected_radius"))
-    details = done.get("/api/studies/demo/results/figure", params={"name": name}).json()
+    details = done.ask("results/figure", name=name)
     assert details["width_mm"] == 85
     assert [axis["name"] for axis in details["axes"]] == [
         "normal load W (N)",
@@ -513,11 +495,11 @@ def test_figures_are_drawn_for_publication(done):
     refused = file("svg", width_mm=2000)
     assert refused.status_code == 422
     assert refused.json()["error"] == "width_mm: a figure is 20 to 500 mm wide and high, found 2000"
-    assert done.get("/api/studies/demo/results/figure", params={"name": "../results"}).status_code == 404
+    assert done.study_get("results/figure", name="../results").status_code == 404
 
 
 def test_a_download_can_be_saved_under_its_name(done):
-    answer = done.get("/api/studies/demo/download/results.csv", params={"attachment": True})
+    answer = done.study_get("download/results.csv", attachment=True)
     assert answer.headers["content-disposition"] == 'attachment; filename="results.csv"'
 
 
@@ -528,36 +510,32 @@ def test_pages_of_fingers_stand_beside_the_report(studies_folder):
     workspace = Workspace(studies_folder)
     workspace.open_folder(studies_folder / "demo")
     with serving(workspace) as client:
-        answer = client.get("/api/studies/demo/download/report/left_index.html")
+        answer = client.study_get("download/report/left_index.html")
     assert answer.text == "<!doctype html>"
     assert "default-src 'none'" in answer.headers["content-security-policy"]
 
 
 def test_the_fingers_are_known_after_a_run(done):
-    finger = done.get("/api/studies/demo/state").json()["fingers"][2]
+    finger = done.ask("state")["fingers"][2]
     assert finger["semi_axes_mm"]["palmar"] == pytest.approx(7.9, rel=0.02)
-    found = done.post("/api/studies/demo/geometry", json={"finger": "synthetic_pad"}).json()
+    found = done.tell("geometry", finger="synthetic_pad")
     assert found["mean_curvature_radius_mm_std"] > 0
-    frame = done.post("/api/studies/demo/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
+    frame = done.tell("measure/contact", item="synthetic_press_30deg#12")
     assert frame["model"]["load_N"] > 0
 
 
 def test_frames_know_their_rows_after_a_run(done):
-    frames = done.get("/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg"}).json()[
-        "frames"
-    ]
+    frames = done.ask("frames", sequence="synthetic_press_30deg")["frames"]
     assert {"none", "measured"} == {frame["status"] for frame in frames}
     assert any(frame["pooled"] for frame in frames)
-    live = done.post("/api/studies/demo/measure/contact", json={"item": "synthetic_press_30deg#12"}).json()
+    live = done.tell("measure/contact", item="synthetic_press_30deg#12")
     row = next(row for row in rows(done, limit=2000)["rows"] if row["item"] == "synthetic_press_30deg#12")
     assert live["numbers"]["gross_area_mm2"] == pytest.approx(row["gross_area_mm2"])
 
 
 def test_signal_of_a_sequence_agrees_with_its_frames(done):
-    signal = done.get("/api/studies/demo/signal", params={"sequence": "synthetic_press_30deg"}).json()
-    frames = done.get("/api/studies/demo/frames", params={"sequence": "synthetic_press_30deg"}).json()[
-        "frames"
-    ]
+    signal = done.ask("signal", sequence="synthetic_press_30deg")
+    frames = done.ask("frames", sequence="synthetic_press_30deg")["frames"]
     timed = [(frame["frame"], frame["time_s"]) for frame in frames if frame["time_s"] is not None]
     assert signal["start_s"] == pytest.approx(timed[0][1] - timed[0][0] / 20)
     assert max(signal["load_N"]) == pytest.approx(2, rel=0.02)
@@ -568,21 +546,21 @@ def test_signal_of_a_sequence_agrees_with_its_frames(done):
 def test_inconsistent_results_are_named(finished_client, finished):
     other = (finished / "results" / "results.csv").read_bytes()
     (finished / "results" / "results.csv").write_bytes(other[: len(other) // 2])
-    results = finished_client.get("/api/studies/demo/state").json()["results"]
+    results = finished_client.ask("state")["results"]
     assert results["faults"] == ["results.csv: is not the file that the last run wrote"]
     assert not results["there"]
     for route in ("rows", "plot", "figures"):
-        answer = finished_client.get(f"/api/studies/demo/results/{route}")
+        answer = finished_client.study_get(f"results/{route}")
         assert answer.status_code == 409
         assert "results.csv: is not the file" in answer.json()["error"]
     run_of(finished_client)
-    results = finished_client.get("/api/studies/demo/state").json()["results"]
+    results = finished_client.ask("state")["results"]
     assert (results["faults"], results["there"]) == ([], True)
 
 
 def test_the_state_does_not_check_the_results_again(done, monkeypatch):
     """Whatever the number of fingers and sequences, whose state is from them."""
-    before = done.get("/api/studies/demo/state").json()
+    before = done.ask("state")
     connect, connected = sqlite3.connect, []
 
     def counted(*args, **options):
@@ -590,17 +568,17 @@ def test_the_state_does_not_check_the_results_again(done, monkeypatch):
         return connect(*args, **options)
 
     monkeypatch.setattr(sqlite3, "connect", counted)
-    assert done.get("/api/studies/demo/state").json() == before
+    assert done.ask("state") == before
     assert before["results"]["there"]
     assert len(connected) == 1  # for the state of each item
 
 
 def test_a_file_that_was_changed_after_the_run_is_not_handed_out(finished_client, finished):
     report = finished / "results" / "report.html"
-    assert finished_client.get("/api/studies/demo/download/report.html").status_code == 200
+    assert finished_client.study_get("download/report.html").status_code == 200
     with report.open("a") as file:
         file.write("<p>other</p>")
-    answer = finished_client.get("/api/studies/demo/download/report.html")
+    answer = finished_client.study_get("download/report.html")
     assert answer.status_code == 409
     assert answer.json()["error"].startswith(
         "report.html: is not the file that the last run wrote: run the study"
@@ -608,11 +586,9 @@ def test_a_file_that_was_changed_after_the_run_is_not_handed_out(finished_client
 
 
 def test_a_lost_result_is_named_at_once(finished_client, finished):
-    assert finished_client.get("/api/studies/demo/state").json()["results"]["faults"] == []
+    assert finished_client.ask("state")["results"]["faults"] == []
     (finished / "results" / "summary.json").unlink()
-    assert finished_client.get("/api/studies/demo/state").json()["results"]["faults"] == [
-        "summary.json: is missing or cannot be read"
-    ]
+    assert finished_client.ask("state")["results"]["faults"] == ["summary.json: is missing or cannot be read"]
 
 
 def test_results_without_a_row_can_be_searched(study):
@@ -621,6 +597,6 @@ def test_results_without_a_row_can_be_searched(study):
     run_study(manifest, study / "results")
     with client_of(study) as client:
         for query in ({"text": "a"}, {"flag": "low_contrast"}):
-            answer = client.get("/api/studies/demo/results/rows", params=query)
+            answer = client.study_get("results/rows", **query)
             assert answer.status_code == 200, answer.text
             assert answer.json()["rows"] == []

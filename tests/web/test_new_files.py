@@ -9,29 +9,25 @@ from tests.workbooks import workbook
 
 def test_identity_of_a_file(client) -> None:
     upload(client, "IMG_1.csv", b"time_s,force_N,displacement_mm\n0,0,0\n")
-    found = client.get("/api/studies/demo/files/identity", params={"file": "uploads/IMG_1.csv"}).json()
+    found = client.ask("files/identity", file="uploads/IMG_1.csv")
     assert (found["uses"][0], found["sure"], found["scales"]) == ("curve", True, {})
     record = upload(client, "IMG_2.mat", mat(time_s=[0, 1], force_N=[0, 2])).json()
     assert (record["kind"], record["columns"]) == ("table", ["time_s", "force_N"])
-    found = client.get("/api/studies/demo/files/identity", params={"file": record["file"]}).json()
+    found = client.ask("files/identity", file=record["file"])
     assert (found["uses"][0], found["sure"]) == ("force", True)
-    found = client.get(
-        "/api/studies/demo/files/identity", params={"file": "synthetic/photograph_radial.jpg"}
-    ).json()
+    found = client.ask("files/identity", file="synthetic/photograph_radial.jpg")
     assert (found["uses"][0], found["face"], found["face_sure"]) == ("photograph", "radial", True)
-    assert (
-        client.get("/api/studies/demo/files/identity", params={"file": "../../etc/passwd"}).status_code == 404
-    )
+    assert client.study_get("files/identity", file="../../etc/passwd").status_code == 404
 
 
 def test_a_workbook_is_kept_and_joined(client) -> None:
     record = upload(client, "details.xlsx", workbook(SHEET, SHARED)).json()
     assert (record["kind"], record["columns"]) == ("table", ["File", "Load N", "", "theta (deg)"])
-    listed = {file["file"]: file for file in client.get("/api/studies/demo/state").json()["files"]}
+    listed = {file["file"]: file for file in client.ask("state")["files"]}
     assert listed["uploads/details.xlsx"]["used"] is False
     files = ["uploads/IMG_1.png", "uploads/IMG_2.png"]
     asked = {"file": record["file"], "files": [{"file": file} for file in files]}
-    answer = client.post("/api/studies/demo/files/table", json=asked)
+    answer = client.study_post("files/table", **asked)
     assert answer.status_code == 200, answer.text
     joined = answer.json()
     assert [one["file"] for one in joined["files"]] == files[:1]
@@ -55,7 +51,7 @@ def test_a_damaged_workbook_is_refused_and_not_kept(client, studies_folder) -> N
     ],
 )
 def test_refusals_say_why(client, path: str, body: dict, words: str) -> None:
-    answer = client.post(f"/api/studies/demo/files/{path}", json=body)
+    answer = client.study_post(f"files/{path}", **body)
     assert answer.status_code == 422
     assert words in answer.json()["error"]
 
@@ -64,26 +60,26 @@ def test_pattern(client) -> None:
     upload(client, "S1_LI_30deg_500mN.png", png())
     files = ["uploads/S1_LI_30deg_500mN.png", "uploads/x.png"]
     body = {"pattern": "S{person}_{finger}_{wedge}deg_{load}mN", "files": [{"file": file} for file in files]}
-    fit, other = client.post("/api/studies/demo/files/pattern", json=body).json()["files"]
+    fit, other = client.tell("files/pattern", **body)["files"]
     assert (fit["values"]["finger"], fit["values"]["load_N"], fit["problem"]) == ("1_left_index", 0.5, "")
     assert other["problem"] == "does not fit the pattern"
 
 
 def test_edits_are_proposed_and_can_be_made(client) -> None:
     file = upload(client, "LI_30deg_0,5N.png", png()).json()["file"]
-    state = client.get("/api/studies/demo/state").json()
+    state = client.ask("state")
     reading = next(one["reading"] for one in state["files"] if one["file"] == file)
     assert (reading["finger"], reading["load_N"]) == ("left_index", 0.5)
-    scale = client.get("/api/studies/demo/files/scale", params={"words": "500"}).json()["scale"]
+    scale = client.ask("files/scale", words="500")["scale"]
     asked = {"files": [{"file": file, "scale": scale, **reading}, {"file": "uploads/a.png", "use": "curve"}]}
-    found = client.post("/api/studies/demo/files/edits", json=asked).raise_for_status().json()
+    found = client.study_post("files/edits", **asked).raise_for_status().json()
     assert (found["added"], found["waiting"]) == (1, ["uploads/a.png"])
     body = {"expected": state["digest"], "edits": found["edits"]}
-    state = client.post("/api/studies/demo/edits", json=body).raise_for_status().json()
+    state = client.study_post("edits", **body).raise_for_status().json()
     contact = next(one for one in state["observations"] if one["file"] == file)
     assert (contact["scale"], contact["scale_words"]) == ({"ppi": 500}, "500 ppi")
 
 
 def test_a_scale_that_could_be_two_is_refused(client) -> None:
-    answer = client.get("/api/studies/demo/files/scale", params={"words": "1,234 ppi"})
+    answer = client.study_get("files/scale", words="1,234 ppi")
     assert (answer.status_code, "write it as 500 ppi" in answer.json()["error"]) == (422, True)

@@ -243,7 +243,7 @@ def test_a_frame_that_is_a_link_out_of_the_study_is_not_shown(client, studies_fo
     shutil.copy(studies_folder / "demo/synthetic/synthetic_30deg_1N.png", studies_folder / "outside.png")
     (frames / "f1.png").symlink_to(studies_folder / "outside.png")
     edits = {
-        "expected": client.get("/api/studies/demo/state").json()["digest"],
+        "expected": client.ask("state")["digest"],
         "edits": [{"kind": "sequence", "key": "draft", "set": {"file": "frames"}}],
     }
     client.post("/api/studies/demo/edits", json=edits).raise_for_status()

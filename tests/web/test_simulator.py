@@ -15,7 +15,7 @@ PATH = "/api/studies/demo/results/simulator"
 
 @pytest.fixture(scope="module")
 def place(done):
-    group = done.get("/api/studies/demo/results/budget").json()["groups"][0]
+    group = done.ask("results/budget")["groups"][0]
     return {name: group[name] for name in ("finger", "wedge_angle_deg")}
 
 

@@ -147,14 +147,14 @@ def test_every_number_has_the_unit_of_its_column(done):
 
 def test_numbers_are_those_of_the_tables(done):
     """A quantity that has a column is the column's value, in its unit."""
-    rows = {row["item"]: row for row in done.get("/api/studies/demo/results/rows?limit=2000").json()["rows"]}
-    for group in done.get("/api/studies/demo/results/plot").json()["groups"]:
+    rows = {row["item"]: row for row in done.ask("results/rows", limit=2000)["rows"]}
+    for group in done.ask("results/plot")["groups"]:
         shown = group["rows"]
         for place, item in enumerate(shown["item"]):
             assert {key: shown[key][place] for key in shown if key != "item"} == {
                 key: rows[item][key] for key in shown if key != "item"
             }
-    model = done.post("/api/studies/demo/measure/contact", json={"item": CONTACT}).json()
+    model = done.tell("measure/contact", item=CONTACT)
     found = {**model["numbers"], **model["model"]}
     shared = [key for key in found if key in COLUMNS and isinstance(found[key], float)]
     assert len(shared) > 20

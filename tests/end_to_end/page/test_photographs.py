@@ -172,12 +172,19 @@ def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, e
     example_tab.go("pad")
     numbers(page, "u")
     expect(on_pad).to_have_count(2)
-    # Faces in scales that differ by a factor contradict each other.
+
+
+@pytest.mark.nightly
+def test_faces_that_contradict_each_other_are_told_until_a_run_finds_them_right(
+    example_tab: Tab, example, results
+) -> None:
+    """As those do whose scales differ by a factor."""
+    manifest = example / "study.toml"
+    text = manifest.read_text()
     phone = text.replace("[scales.camera]", "[scales.phone]\nmm_per_px = 0.3\n\n[scales.camera]")
     manifest.write_text(phone.replace('palmar.jpg", scale = "camera"', 'palmar.jpg", scale = "phone"'))
     run_study(manifest, results)
-    example_tab.go("study")
-    page.reload()
+    page = example_tab.open("study")
     page.get_by_text("the faces contradict each other").wait_for()
     expect(page.get_by_text("Nothing is missing.")).to_have_count(0)
     manifest.write_text(text)
@@ -186,4 +193,5 @@ def test_semi_axes_of_the_last_run_are_marked_until_the_next(example_tab: Tab, e
     page.get_by_text("Nothing is missing.").wait_for()
     example_tab.go("pad")
     numbers(page, "u")
+    on_pad = page.locator(".inspector").get_by_text("of the last run, out of date", exact=True)
     expect(on_pad).to_have_count(0)

@@ -3,6 +3,7 @@
 import json
 import re
 
+import pytest
 from PIL import Image
 from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, numbers, unexplained
@@ -69,6 +70,7 @@ def test_an_accepted_contact_that_a_flag_leaves_out_is_named_and_included(
     assert rows["contact_2N"]["reviewed"] is None
 
 
+@pytest.mark.nightly
 def test_a_rejected_contact_is_counted_and_no_reason_is_made_up(example_tab: Tab, example, results) -> None:
     page = example_tab.open("contacts/images/contact_1N")
     numbers(page)
