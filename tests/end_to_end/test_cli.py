@@ -164,22 +164,13 @@ def test_text_output_with_units() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("geometry --semi-axes-mm 0 13.8 11.8 --wedge-deg 30", "--semi-axes-mm must be positive"),
         ("geometry --semi-axes-mm 7.9 nan 11.8 --wedge-deg 30", "--semi-axes-mm must be .* found nan"),
         ("geometry --semi-axes-mm 7.9 13.8 11.8 --wedge-deg 91", "--wedge-deg.*should be less"),
-        ("hertz --radii-mm -1 14 --load-n 2 --reduced-modulus-kpa 9", "--radii-mm .* found -1"),
-        ("hertz --radii-mm 12 14 --load-n 0 --reduced-modulus-kpa 9", "--load-n must be positive .* found 0"),
-        ("hertz --radii-mm 12 14 --load-n 2 --reduced-modulus-kpa -9", "--reduced-modulus-kpa .* found -9"),
-        (
-            "hertz --radii-mm 12 14 --indentation-mm 0 --reduced-modulus-kpa 9",
-            "--indentation-mm must be positive",
-        ),
         (
             "hertz --radii-mm 12 14 --reduced-modulus-kpa 9",
             "give exactly one of --load-n and --indentation-mm",
         ),
         ("correct --ellipse-mm 5.0 7.4 --radius-mm 18", "semi_minor must be no longer than semi_major"),
-        ("correct --ellipse-mm 7.4 5 --radius-mm -18", "--radius-mm must be positive .* found -18"),
         ("correct --ellipse-mm 7.4 five --radius-mm 18", "--ellipse-mm takes 2 numbers.* found 7.4 five"),
         (
             "measure photo x.png --face palmar",
@@ -191,10 +182,6 @@ def test_text_output_with_units() -> None:
         ("measure print x.png --ppi 500 --roi-px 0,0,nan,9", "--roi-px takes 4 numbers"),
         ("measure sequence frames", "a sequence needs a scale: give either --ppi"),
         ("measure print x.png --scale-line 5,5,5,5 --line-mm 3", "--scale-line.* two different ends"),
-        (
-            "measure print x.png --scale-line 5,5,5,9 --line-mm -3",
-            "--line-mm: expected greater than 0.*, found -3",
-        ),
         (f"{FIELDS}", "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
         (f"{FIELDS} --load-n 2 --poisson-ratio 0.6", "less than or equal to 0.5"),
         (f"{FIELDS} --load-n 90", "would flatten the pad to its silhouette"),
@@ -209,7 +196,6 @@ def test_text_output_with_units() -> None:
         ("measure print x.png --ppi 500 --coin-mm 3", "belongs to --coin.* beside --ppi"),
         ("measure print x.png --coin c.png", "needs --coin-mm"),
         ("measure print x.png --coin c.png --coin-mm 23", "c.png: no such file"),
-        ("measure print x.png --scale-circle 5,5,5,9 --circle-mm 3", "takes 6 numbers"),
         ("measure print x.png --scale-circle 5,5,5,9,9,9", "needs --circle-mm"),
         ("measure print x.png --grid g.png", "needs --grid-points"),
         (
@@ -221,7 +207,6 @@ def test_text_output_with_units() -> None:
             "--grid-pattern belongs to --grid, found it beside --ppi",
         ),
         ("measure print x.png --scale-relative-std 0.1", "belongs to --ppi or --mm-per-px"),
-        ("measure print x.png --ppi 500 --threshold 0", "--threshold.*should be greater"),
         ("run nowhere.toml", "nowhere.toml: no such file; .fingerpad init DIR"),
     ],
 )

@@ -90,9 +90,10 @@ def test_pictures_of_nothing(name):
 
 
 def test_pictures_of_any_number_type():
-    levels = np.kron(RNG.integers(0, 2, (15, 15)), np.ones((100, 100), int)) * 200
-    for kind in (bool, np.int64, np.uint32, np.float64):
-        assert guess_subject(levels.astype(kind)).subjects.keys() == guess_subject(levels).subjects.keys()
+    levels = np.kron(RNG.integers(0, 2, (15, 15)), np.ones((40, 40), int)) * 200
+    expected = guess_subject(levels).subjects.keys()
+    for kind in (bool, np.uint32, np.float64):
+        assert guess_subject(levels.astype(kind)).subjects.keys() == expected
 
 
 @pytest.mark.parametrize("points", [(3.5, 3), (3, np.nan), (3,), 3, "ab", (2, 3)])

@@ -88,10 +88,11 @@ def test_two_processes_and_a_tiff_give_the_rows_of_one(
         assert np.array_equal(found.fingers[name].semi_axes, finger.semi_axes, equal_nan=True)
 
 
-def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path) -> None:
+@pytest.mark.parametrize("count", [2, pytest.param(8, marks=pytest.mark.nightly)])
+def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path, count: int) -> None:
     context, out, kills = get_context("forkserver"), tmp_path / "out", 0
     context.set_forkserver_preload(["tests.study.small_study"])
-    moments = np.random.default_rng(20).uniform(0.0, 1.0, 4)
+    moments = np.random.default_rng(20).uniform(0.0, 1.0, count)
     took = 3.0
     while kills < moments.size:
         process = context.Process(target=run_here, args=(small_study, out, 1 + kills % 2))
@@ -201,7 +202,13 @@ CHANGES: dict[str, tuple[int, str, Callable[[Path], object]]] = {
 }
 
 
-@pytest.mark.parametrize(("workers", "name", "change"), CHANGES.values(), ids=CHANGES)
+@pytest.mark.parametrize(
+    ("workers", "name", "change"),
+    [
+        pytest.param(*change, id=name, marks=() if "replaced" in name else pytest.mark.nightly)
+        for name, change in CHANGES.items()
+    ],
+)
 def test_an_input_that_changes_while_the_run_goes_on(
     small_run: Path, undisturbed: list[dict], tmp_path: Path, workers: int, name: str, change: Callable
 ) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
+from tests.studies import PAD, Table, contact, finger, picture, write_study
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.report import write_report
@@ -153,28 +154,26 @@ def test_a_bad_image_costs_its_row_only(
     assert len(result.failures) == 9 + 1 + 1 + 1
 
 
-def single_row(folder: Path, rows: str) -> Path:
-    """Write a study of angles known so well that few random draws check the uncertainty."""
-    manifest = folder / "study.toml"
-    manifest.write_text(
-        'title = "T"\n[uncertainty]\nwedge_angle_deg_std = 0.3\n[[fingers]]\nname = "f"\n'
-        "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
-        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n" + rows
-    )
-    return manifest
+# Angles known so well that few random draws check the uncertainty.
+STATED = {"wedge_angle_deg_std": 0.3}
 
 
-def row(name: str, contact: str) -> str:
-    return f'[[observations]]\nname = "{name}"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 1\n{contact}\n'
+def shown(name: str, file: str) -> Table:
+    return picture(name, file, 1, scale={"ppi": 500})
+
+
+def write(folder: Path, *tables: Table) -> Path:
+    """Write a study of one finger."""
+    return write_study(folder, finger(), *tables, uncertainty=STATED)
+
+
+def run(folder: Path, *tables: Table) -> StudyResult:
+    return run_study(write(folder, *tables), folder / "out")
 
 
 def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
     axes = ((6.0, 6.0), (5.0, 5.0), (7.4, 5.0))
-    rows = "".join(
-        row(f"x{i}", f"ellipse_mm = {{ semi_major = {a}, semi_minor = {b}, std = 0.1 }}")
-        for i, (a, b) in enumerate(axes)
-    )
-    result = run_study(single_row(tmp_path, rows), tmp_path / "out")
+    result = run(tmp_path, *(contact(f"x{i}", 1, each, axis="") for i, each in enumerate(axes)))
     (summary,) = result.summaries
     stds = [line["radius_from_indentation_mm_fixed_geometry_std"] for line in records(result.rows)]
     assert min(stds) > 1e-4
@@ -188,9 +187,7 @@ def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
 )
 def test_odd_pictures_cost_their_row_only(tmp_path: Path, picture: np.ndarray) -> None:
     Image.fromarray(picture.astype(np.uint8)).save(tmp_path / "odd.png")
-    rows = row("odd", 'file = "odd.png"\nscale = { ppi = 500 }')
-    rows += row("good", "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }")
-    result = run_study(single_row(tmp_path, rows), tmp_path / "out")
+    result = run(tmp_path, shown("odd", "odd.png"), contact("good", 1))
     assert [line["status"] for line in records(result.rows)] == ["failed", "measured"]
 
 
@@ -200,7 +197,7 @@ def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None
     picture.parent.mkdir(parents=True)
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", picture)
     before = picture.read_bytes()
-    manifest = single_row(tmp_path, row("a", f'file = "{out}/overlays/a.png"\nscale = {{ ppi = 500 }}'))
+    manifest = write(tmp_path, shown("a", f"{out}/overlays/a.png"))
     with pytest.raises(ManifestError, match="results would be written over .*overlays/a.png"):
         run_study(manifest, tmp_path / out)
     assert picture.read_bytes() == before
@@ -209,13 +206,13 @@ def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None
 @pytest.mark.parametrize("out", ["study.toml", "a.png"])
 def test_an_input_is_no_output_folder(tmp_path: Path, out: str) -> None:
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "a.png")
-    manifest = single_row(tmp_path, row("a", 'file = "a.png"\nscale = { ppi = 500 }'))
+    manifest = write(tmp_path, shown("a", "a.png"))
     with pytest.raises(ManifestError, match=f"results would be written over {out}; choose another"):
         run_study(manifest, tmp_path / out)
 
 
 def test_a_folder_stands_for_its_manifest(tmp_path: Path) -> None:
-    single_row(tmp_path, row("x", "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }"))
+    write(tmp_path, contact("x", 1))
     assert len(run_study(tmp_path, tmp_path / "out").rows) == 1
 
 
@@ -223,9 +220,7 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     truth = render_contact_image(semi_major=8.0, semi_minor=6.0, seed=3)
     Image.fromarray(truth.pixels).save(tmp_path / "good.png")
     Image.fromarray(truth.pixels[120:]).save(tmp_path / "cut.png")
-    rows = "".join(row(name, f'file = "{name}.png"\nscale = {{ ppi = 500 }}') for name in ("good", "cut"))
-    (tmp_path / "one").mkdir()
-    result = run_study(single_row(tmp_path, rows), tmp_path / "out")
+    result = run(tmp_path, shown("good", "good.png"), shown("cut", "cut.png"))
     good, cut = records(result.rows)
     assert "touches_border" in cut["flags"]
     assert (good["pooled"], cut["pooled"], cut["status"]) == (True, False, "measured")
@@ -233,21 +228,16 @@ def test_doubtful_pictures_are_shown_but_not_pooled(tmp_path: Path) -> None:
     assert len(summary.rows) == 2
     assert summary.corrected_radius.count == 1
     assert summary.pooled_from == "1 of 2 observations"
-    only = run_study(
-        single_row(tmp_path, row("cut", 'file = "cut.png"\nscale = { ppi = 500 }')), tmp_path / "out"
-    )
+    only = run(tmp_path, shown("cut", "cut.png"))
     assert only.summaries[0].corrected_radius is None
     assert "shown, not pooled" in write_report(only, tmp_path / "out").read_text(encoding="utf-8")
 
 
 def test_slips_of_units_are_noted(tmp_path: Path) -> None:
-    ellipse = "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }"
-    manifest = single_row(tmp_path, row("x", ellipse).replace("load_N = 1", "load_N = 2000"))
-    assert "implausible_modulus" in first_record(run_study(manifest, tmp_path / "out").rows)["range_notes"]
-    text = manifest.read_text().replace(
-        "palmar = 8, distal = 14, radial_ulnar = 12", "palmar = 0.8, distal = 1.4, radial_ulnar = 1.2"
-    )
-    manifest.write_text(text)
+    heavy = contact("x", 2000)
+    assert "implausible_modulus" in first_record(run(tmp_path, heavy).rows)["range_notes"]
+    small = finger(semi_axes_mm={name: axis / 10 for name, axis in PAD.items()})
+    manifest = write_study(tmp_path, small, heavy, uncertainty=STATED)
     notes = first_record(run_study(manifest, tmp_path / "out").rows)["range_notes"]
     assert "implausible_size" in notes
     assert "deeper_than_pad" in notes
@@ -256,43 +246,28 @@ def test_slips_of_units_are_noted(tmp_path: Path) -> None:
 def test_an_earlier_run_leaves_no_pictures_behind(tmp_path: Path) -> None:
     shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "p.png")
     for name in ("first", "second"):
-        run_study(single_row(tmp_path, row(name, 'file = "p.png"\nscale = { ppi = 500 }')), tmp_path / "out")
+        run(tmp_path, shown(name, "p.png"))
     assert [path.name for path in (tmp_path / "out" / "overlays").iterdir()] == ["second.png"]
 
 
 def test_study_through_a_link(tmp_path: Path) -> None:
-    (tmp_path / "real").mkdir()
     (tmp_path / "mine").mkdir()
-    real = single_row(tmp_path / "real", "").rename(tmp_path / "real" / "other.toml")
+    real = write(tmp_path / "real").rename(tmp_path / "real" / "other.toml")
     (tmp_path / "mine" / "study.toml").symlink_to(real)
     result = run_study(tmp_path / "mine" / "study.toml", tmp_path / "out")
     assert set(result.provenance["inputs_sha256"]) == {"study.toml"}
 
 
 def test_a_study_of_failures_still_reports(tmp_path: Path) -> None:
-    manifest = tmp_path / "study.toml"
-    manifest.write_text(
-        'title = "T"\n[uncertainty]\nwedge_angle_deg_std = 0.3\n[[fingers]]\nname = "f"\n'
-        "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
-        "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
-        '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 0\nload_N = 1\n'
-        'file = "study.toml"\nscale = { ppi = 500 }\n'
-    )
-    result = run_study(manifest, tmp_path / "out")
+    result = run(tmp_path, shown("x", "study.toml"))
     assert first_record(result.rows)["status"] == "failed"
     assert result.summaries == []
 
 
 def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path: Path) -> None:
-    ellipse = "ellipse_mm = { semi_major = 0.0074, semi_minor = 0.005, std = 0.0001 }"
-    manifest = single_row(tmp_path, row("x", ellipse))
-    text = manifest.read_text().replace(
-        "palmar = 8, distal = 14, radial_ulnar = 12", "palmar = 0.008, distal = 0.014, radial_ulnar = 0.012"
-    )
-    manifest.write_text(
-        text.replace("0.1, distal = 0.1, radial_ulnar = 0.1", "1e-4, distal = 1e-4, radial_ulnar = 1e-4")
-    )
-    result = run_study(manifest, tmp_path / "out")
+    pad = finger(std=1e-4, semi_axes_mm={name: axis / 1000 for name, axis in PAD.items()})
+    touched = contact("x", 1, (0.0074, 0.005), std=1e-4, axis="")
+    result = run_study(write_study(tmp_path, pad, touched, uncertainty=STATED), tmp_path / "out")
     (only,) = records(result.rows)
     assert (only["pooled"], only["excluding_flags"]) == (False, "implausible_size")
     assert result.summaries[0].corrected_radius is None

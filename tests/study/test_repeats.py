@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from benchmarks.claims import repeatability
+from tests.studies import finger, write_study
 
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.report.repeatability import repeatability_section
@@ -247,22 +248,13 @@ def test_means_at_each_load_state_what_they_are_uncertain_by() -> None:
 
 def manifest(folder: Path, count: int) -> Path:
     rng = np.random.default_rng(2)
-    (folder / "study.toml").write_text(
-        """title = "T"
-observations_csv = "o.csv"
-[[fingers]]
-name = "f"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-"""
-    )
     lines = ["name,finger,wedge_angle_deg,load_N,session,semi_major_mm,semi_minor_mm,ellipse_mm_std"]
     for load in (1.0, 2.0):
         for k in range(count):
             major, minor = 6 * np.exp(rng.normal(0, 0.03) + np.array([0.15, -0.15]))
             lines.append(f"c{k}_{load:g},f,30,{load},monday,{major:.4f},{minor:.4f},0.05")
     (folder / "o.csv").write_text("\n".join(lines) + "\n")
-    return folder / "study.toml"
+    return write_study(folder, finger(), observations_csv="o.csv")
 
 
 @pytest.mark.parametrize(("count", "known"), [(1, False), (2, False), (3, True)])

@@ -18,6 +18,7 @@ from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.table import COLUMNS
 
 
+@pytest.mark.nightly
 def test_cost_grows_with_the_rows() -> None:
     small, large = cost_apart(1_000), cost_apart(5_000)
     assert large.model_s + large.tables_s < 7 * (small.model_s + small.tables_s)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from PIL import Image
+from tests.studies import Table, contact, finger, sequence, write_study
 
 from fingerpad.exceptions import StoreError
 from fingerpad.image import ImageEllipse, interpolated_ellipse
@@ -35,26 +36,14 @@ from fingerpad.study.status import study_status
 RATE = 20
 # Loading to frame 11, hold to 15, unloading; empty at either end.
 LOAD = np.interp(np.arange(28), [2, 11, 15, 25], [0, 2, 2, 0])
-MANIFEST = """
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = 0.5
-[[fingers]]
-name = "f"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-"""
-SEQUENCE = """
-[[sequences]]
-name = "%s"
-finger = "f"
-wedge_angle_deg = 30
-file = "frames"
-scale = { ppi = 240, relative_std = 0.01 }
-force = "force.csv"
-%s
-"""
-CLOCK = "frames_per_second = 20"
+UNCERTAINTY = {"wedge_angle_deg_std": 0.5}
+
+
+def of_frames(name: str = "p", *, frames_per_second: int | None = RATE, **keys: object) -> Table:
+    """Return the press as a sequence of a study."""
+    clock = {"frames_per_second": frames_per_second} if frames_per_second else {}
+    scale = {"ppi": 240, "relative_std": 0.01}
+    return sequence(name, "frames", scale=scale, force="force.csv", **clock, **keys)
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +64,7 @@ def untouched(press: SyntheticSequence, tmp_path_factory: pytest.TempPathFactory
 
 @pytest.fixture(scope="module")
 def plain(untouched: Path) -> StudyResult:
-    return run(untouched, ("p", CLOCK))
+    return run(untouched)
 
 
 @pytest.fixture
@@ -85,13 +74,10 @@ def study_dir(untouched: Path, plain: StudyResult, tmp_path: Path) -> Path:
 
 
 def run(
-    folder: Path,
-    *sequences: tuple[str, str],
-    more: str = "",
-    on_progress: Callable[[Progress], None] = lambda _: None,
+    folder: Path, *tables: Table, on_progress: Callable[[Progress], None] = lambda _: None
 ) -> StudyResult:
-    text = MANIFEST + "".join(SEQUENCE % sequence for sequence in sequences) + more
-    (folder / "study.toml").write_text(text)
+    """Run a study of tables, of the press alone where none is given."""
+    write_study(folder, finger(), *(tables or [of_frames()]), uncertainty=UNCERTAINTY)
     return run_study(folder / "study.toml", folder / "out", on_progress=on_progress)
 
 
@@ -118,16 +104,14 @@ def test_only_loading_frames_of_large_ellipses_are_pooled(study_dir: Path, plain
     assert {row["phase"] for row in pooled} == {"loading"}
     assert all(row["semi_minor_mm"] >= 5 * row["ridge_period_mm"] for row in pooled)
     chosen = [
-        row["load_N"]
-        for row in records(run(study_dir, ("p", CLOCK + "\npool_min_load_N = 1.2")).rows)
-        if row["pooled"]
+        row["load_N"] for row in records(run(study_dir, of_frames(pool_min_load_N=1.2)).rows) if row["pooled"]
     ]
     assert 1.2 <= min(chosen) < 1.5
     assert 0 < len(chosen) < len(pooled)
 
 
 def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Path) -> None:
-    few, many = (run(study_dir, ("p", f"{CLOCK}\npool_min_load_N = {least}")) for least in (1.5, 0.3))
+    few, many = (run(study_dir, of_frames(pool_min_load_N=least)) for least in (1.5, 0.3))
     (one,), (all_,) = few.summaries, many.summaries
     assert one.corrected_radius.count == all_.corrected_radius.count == 1
     own = [
@@ -135,7 +119,7 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Pat
     ]
     assert all_.corrected_radius.fixed.std >= min(own)
     assert all_.corrected_radius.std == pytest.approx(one.corrected_radius.std, rel=0.02)
-    (two,) = run(study_dir, ("p", CLOCK), ("q", CLOCK)).summaries
+    (two,) = run(study_dir, of_frames(), of_frames("q")).summaries
     assert two.corrected_radius.count == 2
     assert two.pooled_from.endswith("frames of 2 sequences")
     # Pad and wedge are the same for both sequences: most of the uncertainty does not average away.
@@ -145,9 +129,7 @@ def test_a_sequence_counts_as_one_contact_however_many_its_frames(study_dir: Pat
 def test_frames_in_contact_without_load_cost_themselves_only(study_dir: Path) -> None:
     rows = "\n".join(f"{k / RATE},{load - 0.3:.6f}" for k, load in enumerate(LOAD))
     (study_dir / "force.csv").write_text(f"time_s,force_N\n{rows}\n")
-    (study_dir / "study.toml").write_text(
-        MANIFEST.replace("[uncertainty]", "[uncertainty]\nload_relative_std = 0.01") + SEQUENCE % ("p", CLOCK)
-    )
+    write_study(study_dir, finger(), of_frames(), uncertainty=UNCERTAINTY | {"load_relative_std": 0.01})
     found = list(records(run_study(study_dir / "study.toml", study_dir / "out").rows))
     failed = [row for row in found if row["load_N"] <= 0]
     assert 0 < len(failed) < len(found)
@@ -161,7 +143,7 @@ def test_frames_in_contact_without_load_cost_themselves_only(study_dir: Path) ->
 def test_a_corrupt_frame_is_one_failed_row(study_dir: Path) -> None:
     (study_dir / "frames" / "f8.png").write_bytes(b"torn")
     Image.new("L", (40, 40)).save(study_dir / "frames" / "f12.png")
-    result = run(study_dir, ("p", CLOCK))
+    result = run(study_dir)
     failed = {row["frame"]: row for row in records(result.rows) if row["status"] == "failed"}
     assert set(failed) == {8, 12}
     assert "f8.png" in failed[8]["reason"]
@@ -179,7 +161,7 @@ def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir: Pa
         for frame in (study_dir / "frames").iterdir():
             frame.write_bytes(b"torn")
     out = study_dir / "out"
-    run(study_dir, ("p", CLOCK if torn else CLOCK + "\nstart_s = 100"))
+    run(study_dir, of_frames() if torn else of_frames(start_s=100))
     result = run_study(study_dir / "study.toml", out, write_report=write_report)
     (why,) = fingers_without_results(result)
     assert why.endswith(
@@ -195,41 +177,41 @@ def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir: Pa
 @pytest.mark.parametrize(
     ("keys", "make", "reason"),
     [
-        ("", lambda folder: None, "frames: pictures state no rate: give frames_per_second, or times"),
         (
-            CLOCK,
+            {"frames_per_second": None},
+            lambda folder: None,
+            "frames: pictures state no rate: give frames_per_second, or times",
+        ),
+        (
+            {},
             lambda folder: (folder / "force.csv").write_text("t,F\n1,2\n"),
             "force.csv: no column time_s or force_N",
         ),
         (
-            CLOCK + '\nforce_columns = { trigger = "TTL:V" }',
+            {"force_columns": {"trigger": "TTL:V"}},
             lambda folder: (folder / "force.csv").write_text("Time (s),F (mN),TTL\n1,2,0\n2,3,5\n"),
             'force_columns = { trigger = "TTL:V", force = "F (mN):mN" }',
         ),
         (
-            CLOCK,
+            {},
             lambda folder: [f.unlink() for f in (folder / "frames").iterdir()],
             "frames: holds no picture",
         ),
-        (CLOCK + "\ncontact_load_N = 9", lambda folder: None, "the force never rises through 9 N"),
-        (CLOCK + "\nregion_of_interest_px = [900, 0, 990, 90]", lambda folder: None, "region_of_interest"),
+        ({"contact_load_N": 9}, lambda folder: None, "the force never rises through 9 N"),
+        ({"region_of_interest_px": [900, 0, 990, 90]}, lambda folder: None, "region_of_interest"),
     ],
 )
 def test_a_sequence_that_cannot_be_used_costs_itself_only(
-    study_dir: Path, keys: str, make, reason: str
+    study_dir: Path, keys: dict[str, object], make, reason: str
 ) -> None:
     make(study_dir)
-    ellipse = (
-        '[[observations]]\nname = "x"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 1\n'
-        "ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }\n"
-    )
     reported: list[Progress] = []
-    result = run(study_dir, ("p", keys), more=ellipse, on_progress=reported.append)
+    result = run(study_dir, of_frames(**keys), contact(load=1, axis=""), on_progress=reported.append)
     assert [row["status"] for row in records(result.rows)] == ["measured", "failed"]
     assert (reported[-1].pictures, reported[-1].failed) == (reported[-1].total, 1)
     assert reason in list(records(result.rows))[1]["reason"]
     assert "#" not in list(records(result.rows))[1]["observation"]
-    if not keys:
+    if "frames_per_second" in keys:
         assert "It could not be measured" in write_report(result, study_dir / "out").read_text(
             encoding="utf-8"
         )
@@ -238,7 +220,7 @@ def test_a_sequence_that_cannot_be_used_costs_itself_only(
 def test_what_looks_wrong_in_a_force_table_is_noted(study_dir: Path) -> None:
     rows = "\n".join(f"{k / RATE};{1000 * load:.3f};0" for k, load in enumerate(LOAD))
     (study_dir / "force.csv").write_text(f"Time / s;Load [N];triger (V)\n{rows}\n".replace(".", ","))
-    result = run(study_dir, ("p", CLOCK + "\nregion_of_interest_px = [0, 0, 60, 60]"))
+    result = run(study_dir, of_frames(region_of_interest_px=[0, 0, 60, 60]))
     (note,) = result.notes
     assert note.startswith("force.csv: column 'triger (V)' was not read; if it is the trigger: force_columns")
     assert "loads up to 2000 N: is the force in millinewtons (force_mN)?" in result.sequences[0].summary.notes
@@ -249,7 +231,7 @@ def test_a_damaged_part_is_measured_again_and_named(study_dir: Path, plain: Stud
     with sqlite3.connect(study_dir / "out" / STORE_NAME) as connection:
         changed = connection.execute("UPDATE result SET seconds = -1 WHERE task = ?", (task,))
         assert changed.rowcount == 1
-    result = run(study_dir, ("p", CLOCK))
+    result = run(study_dir)
     assert list(records(result.rows)) == list(records(plain.rows))
     assert result.notes == (f"{STORE_NAME}: the stored result of {task} was damaged and is measured again",)
 
@@ -257,15 +239,14 @@ def test_a_damaged_part_is_measured_again_and_named(study_dir: Path, plain: Stud
 def test_a_part_that_the_store_has_lost_is_measured_again(study_dir: Path, plain: StudyResult) -> None:
     with Store.writing(study_dir / "out" / STORE_NAME) as store:
         store.discard(["p frames 0-28"])
-    result = run(study_dir, ("p", CLOCK))
+    result = run(study_dir)
     assert list(records(result.rows)) == list(records(plain.rows))
     assert result.notes == (f"{STORE_NAME}: the stored result of p was damaged and is measured again",)
 
 
 def test_corrections_reach_every_frame(study_dir: Path, press: SyntheticSequence) -> None:
     rows, columns = press.pixels(0).shape
-    half = f"{CLOCK}\nregion_of_interest_px = [0, 0, {rows // 2}, {columns}]"
-    result = run(study_dir, ("p", half))
+    result = run(study_dir, of_frames(region_of_interest_px=[0, 0, rows // 2, columns]))
     frame = next(row for row in records(result.rows) if row["frame"] == 12)
     assert frame["measured_by"] == "corrected"
     assert "cut_by_mask" in frame["flags"]
@@ -302,10 +283,10 @@ def test_memory_grows_with_rows_only(study_dir: Path, press: SyntheticSequence) 
                 picture = (study_dir / "frames" / f"f{k}.png").read_bytes()
                 for copy in range(copies):
                     (study_dir / "frames" / f"f{copies * k + copy}.png").write_bytes(picture)
-        run(study_dir, ("p", CLOCK))  # whatever is loaded only once, is loaded now
+        run(study_dir)  # whatever is loaded only once, is loaded now
         shutil.rmtree(study_dir / "out")
         tracemalloc.start()
-        rows = len(run(study_dir, ("p", CLOCK)).rows)
+        rows = len(run(study_dir).rows)
         peaks.append((rows, tracemalloc.get_traced_memory()[1]))
         tracemalloc.stop()
     (few, before), (many, after) = peaks
@@ -326,7 +307,7 @@ def key_frame(press: SyntheticSequence, frame: int, **more: object) -> dict:
 def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
     study_dir: Path, plain: StudyResult, press: SyntheticSequence
 ) -> None:
-    assert first_record(run(study_dir, ("p", CLOCK)).rows)["measured_by"] == "automatic"
+    assert first_record(run(study_dir).rows)["measured_by"] == "automatic"
     study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
     for frame, change in {
         5: key_frame(press, 5),
@@ -335,7 +316,7 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
         14: {**key_frame(press, 14), "key_frame": False},
     }.items():
         log.append(f"p#{frame}", change, who="anna", expected=0, study=study)
-    rows = {row["frame"]: row for row in records(run(study_dir, ("p", CLOCK)).rows)}
+    rows = {row["frame"]: row for row in records(run(study_dir).rows)}
     before = {row["frame"]: row for row in records(plain.rows)}
     for frame in (6, 7, 9, 10):
         row = rows[frame]
@@ -354,7 +335,7 @@ def test_ellipses_of_key_frames_are_carried_to_the_frames_between(
         assert rows[frame]["semi_major_mm"] == before[frame]["semi_major_mm"]
     # Without its second key frame nothing is carried.
     log.append("p#11", {}, who="anna", expected=log.history("p#11").last_id, study=study)
-    after = {row["frame"]: row for row in records(run(study_dir, ("p", CLOCK)).rows)}
+    after = {row["frame"]: row for row in records(run(study_dir).rows)}
     assert after[9] == before[9]
 
 
@@ -389,7 +370,7 @@ def test_ellipses_between_keep_their_direction_and_turn_the_short_way() -> None:
 
 
 def test_a_key_frame_needs_an_ellipse(study_dir: Path) -> None:
-    run(study_dir, ("p", CLOCK))
+    run(study_dir)
     with pytest.raises(StoreError, match="give ellipse_px"):
         CorrectionLog(study_dir).append(
             "p#5", {"key_frame": True}, who="anna", expected=0, study=read_study(study_dir / "study.toml")
@@ -397,7 +378,7 @@ def test_a_key_frame_needs_an_ellipse(study_dir: Path) -> None:
 
 
 def test_the_key_of_a_sequence_changes_with_what_is_carried_and_with_nothing_else(study_dir: Path) -> None:
-    (study_dir / "study.toml").write_text(MANIFEST + SEQUENCE % ("p", CLOCK))
+    write_study(study_dir, finger(), of_frames(), uncertainty=UNCERTAINTY)
     study = read_study(study_dir / "study.toml")
 
     def key_of(**frames: dict) -> tuple[str, str]:
@@ -440,10 +421,10 @@ def phases(*starts: tuple[str, float], why: str = "slipped at first") -> dict:
 
 
 def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path, plain: StudyResult) -> None:
-    run(study_dir, ("p", CLOCK))
+    run(study_dir)
     study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
     log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
-    result = run(study_dir, ("p", CLOCK))
+    result = run(study_dir)
     rows = {row["frame"]: row for row in records(result.rows)}
     # Frames are 0.05 s apart: the limits lie half-way between frames 1 and 2, 9 and 10, 18 and 19, 22 and 23.
     for names, frames in (("loading", range(5, 10)), ("hold", range(10, 19)), ("unloading", range(19, 23))):
@@ -463,7 +444,7 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
     assert "hold from 0.475 s" in text
     # Taken back, everything is as it was.
     log.undo("p#phases", who="anna", expected=log.history("p#phases").last_id)
-    after = run(study_dir, ("p", CLOCK))
+    after = run(study_dir)
     assert list(records(after.rows)) == list(records(plain.rows))
     assert summary_of(after).model_dump()["sequences"][0]["phases_corrected_by"] is None
     assert "set manually" not in write_report(after, study_dir / "out").read_text(encoding="utf-8").replace(
@@ -472,13 +453,13 @@ def test_phases_that_a_person_set_rule_and_are_reported_as_such(study_dir: Path,
 
 
 def test_phases_set_manually_measure_no_picture_again(study_dir: Path) -> None:
-    run(study_dir, ("p", CLOCK))
+    run(study_dir)
     study, log = read_study(study_dir / "study.toml"), CorrectionLog(study_dir)
     with Store.reading(study_dir / "out" / STORE_NAME) as store:
         before = {name: status.key for name, status in store.statuses().items()}
     log.append("p#phases", phases(*PHASES), who="anna", expected=0, study=study)
     assert study_status(study_dir / "study.toml", study_dir / "out").stale == 1
-    run(study_dir, ("p", CLOCK))
+    run(study_dir)
     with Store.reading(study_dir / "out" / STORE_NAME) as store:
         after = {name: status.key for name, status in store.statuses().items()}
     assert {name for name in before if before[name] != after[name]} == {"p"}
@@ -486,14 +467,14 @@ def test_phases_set_manually_measure_no_picture_again(study_dir: Path) -> None:
 
 
 def test_phases_of_a_force_that_was_replaced_are_told(study_dir: Path) -> None:
-    run(study_dir, ("p", CLOCK))
+    run(study_dir)
     CorrectionLog(study_dir).append(
         "p#phases", phases(*PHASES), who="anna", expected=0, study=read_study(study_dir / "study.toml")
     )
-    assert run(study_dir, ("p", CLOCK)).notes == ()
+    assert run(study_dir).notes == ()
     text = (study_dir / "force.csv").read_text()
     (study_dir / "force.csv").write_text(text.replace("0.05,", "0.051,", 1))
-    (note,) = run(study_dir, ("p", CLOCK)).notes
+    (note,) = run(study_dir).notes
     assert "p#phases was corrected on another picture or force" in note
 
 
@@ -509,7 +490,7 @@ AWAY = np.where(np.arange(LOAD.size) < 2, np.arange(LOAD.size) - 2.0, 0) * 0.1
 
 def test_a_displacement_gives_each_frame_its_indentation(study_dir: Path, plain: StudyResult) -> None:
     write_force(study_dir, 7 + DEPTH + AWAY)
-    result = run(study_dir, ("p", CLOCK))
+    result = run(study_dir)
     for row in records(result.rows):
         assert row["measured_indentation_mm"] == pytest.approx(DEPTH[row["frame"]], abs=0.02)
     assert np.isnan(plain.rows["measured_indentation_mm"].to_numpy()).all()
@@ -523,7 +504,7 @@ def test_without_an_approach_there_is_no_indentation_but_a_note(study_dir: Path,
     # The record begins in contact.
     lines = [f"{k / RATE},{LOAD[k]},{DEPTH[k] + k / 1e4}" for k in range(4, LOAD.size)]
     (study_dir / "force.csv").write_text("time_s,force_N,displacement_mm\n" + "\n".join(lines) + "\n")
-    result = run(study_dir, ("p", f"{CLOCK}\nstart_s = 0"))
+    result = run(study_dir, of_frames(start_s=0))
     assert not result.rows["measured_indentation_mm"].notna().any()
     (note,) = [note for note in result.sequences[0].summary.notes if "indentation" in note]
     assert "place of contact is unknown" in note

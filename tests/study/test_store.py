@@ -153,18 +153,11 @@ def test_pictures_of_removed_observations_do_not_stay(folder: Path) -> None:
     assert {path.name for path in (folder / "out" / "overlays").iterdir()} == {"o0.png", "o1.png", "o2.png"}
 
 
-@pytest.mark.parametrize("wanted", [1, 3])
+@pytest.mark.parametrize("wanted", [1, pytest.param(3, marks=pytest.mark.nightly)])
 def test_a_killed_run_loses_no_row_and_doubles_none(fresh: Path, rows: list[dict], wanted: int) -> None:
     folder = fresh
-    command = [
-        sys.executable,
-        "-m",
-        "fingerpad",
-        "run",
-        str(folder / "study.toml"),
-        "--out",
-        str(folder / "out"),
-    ]
+    command = [sys.executable, "-m", "fingerpad", "run", str(folder / "study.toml")]
+    command += ["--out", str(folder / "out")]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     assert wait_until(lambda: len(list((folder / "out" / ".drawn").glob("*.png"))) >= wanted)
     process.send_signal(signal.SIGKILL)
@@ -336,11 +329,12 @@ def test_a_damaged_result_that_is_not_read_is_for_verify_to_find(folder: Path) -
     assert result.notes == ()
 
 
-def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path, rows: list[dict]) -> None:
+@pytest.mark.parametrize("count", [12, pytest.param(60, marks=pytest.mark.nightly)])
+def test_flipped_bits_of_a_store_change_no_row_in_silence(folder: Path, rows: list[dict], count: int) -> None:
     path = folder / "out" / STORE_NAME
     whole = path.read_bytes()
     rng = np.random.default_rng(8)
-    for place in rng.integers(0, 8 * len(whole), 40).tolist():
+    for place in rng.integers(0, 8 * len(whole), count).tolist():
         flipped = bytearray(whole)
         flipped[place // 8] ^= 1 << place % 8
         path.write_bytes(flipped)

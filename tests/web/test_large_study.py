@@ -1,27 +1,12 @@
 """A study of thousands of images opens without decoding any of them."""
 
 import pytest
+from tests.studies import finger, picture, write_study
 from tests.web.conftest import serving
 
 from fingerpad.web.workspace import Workspace
 
 COUNT = 2000
-HEAD = """title = "Large"
-[scales.small]
-ppi = 100
-[[fingers]]
-name = "a"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-"""
-CONTACT = """[[observations]]
-name = "f{number}"
-finger = "a"
-wedge_angle_deg = 30
-load_N = 2
-file = "frames/{number}.png"
-scale = "small"
-"""
 
 
 @pytest.fixture(scope="module")
@@ -31,8 +16,8 @@ def large(tmp_path_factory):
     (studies_folder / "large" / "frames").mkdir(parents=True)
     for number in range(COUNT):
         (studies_folder / "large" / "frames" / f"{number}.png").write_bytes(b"no picture")
-    text = HEAD + "".join(CONTACT.format(number=number) for number in range(COUNT))
-    (studies_folder / "large" / "study.toml").write_text(text)
+    frames = (picture(f"f{number}", f"frames/{number}.png", scale="small") for number in range(COUNT))
+    write_study(studies_folder / "large", finger(), *frames, scales={"small": {"ppi": 100}})
     with serving(Workspace(studies_folder)) as client:
         yield client
 
