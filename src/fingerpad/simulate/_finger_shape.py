@@ -1,11 +1,11 @@
-"""Outlines of a synthetic finger: an exact arc of an ellipse that runs on into the finger's sides."""
+"""Outlines of a synthetic finger, an arc of an ellipse that runs on into its sides, and noisy points."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import FloatArray, check_radians
 from fingerpad.image.photograph.faces import Face
 
 _STEP_MM = 0.02
@@ -47,11 +47,11 @@ def finger_shape(
     `extent` is that of the elliptic arc, parametric radians; `departure` the relative change of the curvature
     beyond it, negative blunter; `texture` the standard deviation of the skin's roughness, mm.
     """
-    first, last = pad_arc(face, extent)
+    arc = pad_arc(face, extent)
     if face == "distal":
-        points, normals, nail = _closed(semi_axes, first, last, departure)
+        points, normals, nail = _closed(semi_axes, *arc, departure)
     else:
-        points, normals, nail = _open(face, semi_axes, (first, last), departure, rng)
+        points, normals, nail = _open(face, semi_axes, arc, departure, rng)
     rough = _roughness(len(points), rng) * texture
     return FingerShape(points=points + rough[:, None] * normals, normals=normals, nail=nail)
 
@@ -102,10 +102,8 @@ def _walk(semi_axes: tuple[float, float], t: float, departure: float, rng: np.ra
     points += (a * math.cos(t), b * math.sin(t))
     below = -points[:, 1]
     for depth in (1.0 * b + 2 + rng.uniform(0, 2), 1.0 * b + 3.5 + rng.uniform(0, 3)):
-        notch = rng.uniform(0.1, 0.35) * np.exp(-0.5 * ((below - depth) / 0.5) ** 2)
-        points[:, 0] -= notch
-    swell = rng.uniform(0, 0.6) / (1 + np.exp(-(below - b - 9) / 2))
-    points[:, 0] += swell
+        points[:, 0] -= rng.uniform(0.1, 0.35) * np.exp(-0.5 * ((below - depth) / 0.5) ** 2)
+    points[:, 0] += rng.uniform(0, 0.6) / (1 + np.exp(-(below - b - 9) / 2))
     return points
 
 
@@ -118,13 +116,9 @@ def _closed(
     cosine, sine = np.cos(t), np.sin(t)
     wide, high = a * (1 - 0.12 * departure), 0.72 * b
     power = 2 / (2.5 - 0.4 * departure)
-    other = np.stack(
-        [
-            wide * np.sign(cosine) * np.abs(cosine) ** power,
-            np.where(sine > 0, b * (1 - 0.1 * departure), high) * np.sign(sine) * np.abs(sine) ** power,
-        ],
-        axis=-1,
-    )
+    tall = np.where(sine > 0, b * (1 - 0.1 * departure), high)
+    round_sides = (np.sign(part) * np.abs(part) ** power for part in (cosine, sine))
+    other = np.stack([size * part for size, part in zip((wide, tall), round_sides, strict=True)], axis=-1)
     past = np.maximum(np.maximum(first - t, t - last), 0) / math.radians(70)
     share = np.clip(past, 0, 1)
     share = share**3 * (10 - 15 * share + 6 * share**2)
@@ -145,10 +139,8 @@ def _evenly(points: FloatArray) -> FloatArray:
 
 def _normals(points: FloatArray, *, closed: bool) -> FloatArray:
     """Return the outward unit normals of a curve that runs against the clock."""
-    if closed:
-        tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    else:
-        tangent = np.gradient(points, axis=0)
+    across = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
+    tangent = across if closed else np.gradient(points, axis=0)
     normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1)
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True), dtype=np.float64)
 
@@ -167,3 +159,27 @@ def _roughness(count: int, rng: np.random.Generator) -> FloatArray:
     weight += 0.5 * np.exp(-0.5 * (frequency / 0.8) ** 2)
     noise = np.fft.irfft(np.fft.rfft(rng.normal(0, 1, count)) * weight, count)
     return np.asarray(noise / noise.std(), dtype=np.float64)
+
+
+def outline_points(
+    semi_x: float,
+    semi_y: float,
+    *,
+    count: int = 60,
+    arc: tuple[float, float] = (0.0, 2 * math.pi),
+    centre: tuple[float, float] = (0.0, 0.0),
+    angle: float = 0.0,
+    noise_std: float = 0.0,
+    seed: int = 0,
+) -> FloatArray:
+    """Return noisy points (x, y), evenly spaced in the parametric angle, on an arc of an ellipse.
+
+    `arc` is first and last angle, the last left out; `angle` the turn from x towards y, radians.
+    """
+    check_radians("angle", angle)
+    check_radians("arc", arc)
+    t = np.linspace(*arc, count, endpoint=False)
+    x, y = semi_x * np.cos(t), semi_y * np.sin(t)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    turned = np.stack([x * cosine - y * sine, x * sine + y * cosine], axis=-1)
+    return turned + centre + np.random.default_rng(seed).normal(0, noise_std, turned.shape)

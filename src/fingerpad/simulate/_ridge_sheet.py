@@ -40,11 +40,8 @@ def ridge_sheet(seed: int, pattern: Pattern, half_periods: int) -> tuple[Float32
     rows, columns = np.indices((side, side), dtype=np.float64)
     direction = _flow(pattern, middle - rows, columns - middle, 17 * CELLS_PER_PERIOD)
     nearest = np.rint(direction / (math.pi / _DIRECTIONS)).astype(int) % _DIRECTIONS
-    bank = [
-        (_gabor(k * math.pi / _DIRECTIONS), *_windows(nearest == k))
-        for k in range(_DIRECTIONS)
-        if (nearest == k).any()
-    ]
+    present = np.unique(nearest).tolist()
+    bank = [(_gabor(k * math.pi / _DIRECTIONS), *_windows(nearest == k)) for k in present]
     sheet = rng.normal(0, 1, (side, side)).astype(np.float32)
     grown = np.empty_like(sheet)
     for _ in range(_GENERATIONS):

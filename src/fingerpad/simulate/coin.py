@@ -11,6 +11,7 @@ from fingerpad._arrays import Float32Array, FloatArray, as_float32, check_radian
 from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
+from fingerpad.image.ellipse import half_turn
 
 _OVERSAMPLING = 3
 
@@ -102,7 +103,7 @@ def render_coin(
     return SyntheticCoin(
         pixels=np.clip(np.rint(exposed), 0, 255).astype(np.uint8),
         ellipse=Ellipse(radius, radius * math.cos(tilt)),
-        orientation=math.pi / 2 - (math.pi / 2 - orientation) % math.pi,
+        orientation=half_turn(orientation),
         centre=centre,
     )
 
@@ -110,21 +111,14 @@ def render_coin(
 def _coin_plane(
     shape: tuple[int, int], centre: tuple[float, float], orientation: float, radius: float, tilt: float
 ) -> tuple[tuple[slice, slice], FloatArray, FloatArray]:
-    """Return the window of fine pixels round the coin, and their places in its plane, in radii.
-
-    The places are those along the major axis and across.
-    """
-    rows, columns = (
-        (np.arange(n * _OVERSAMPLING) + 0.5) / _OVERSAMPLING - 0.5 - c
-        for n, c in zip(shape, centre, strict=True)
-    )
-    first_row, last_row = np.searchsorted(rows, (-radius - 1, radius + 1))
-    first_column, last_column = np.searchsorted(columns, (-radius - 1, radius + 1))
-    window = (slice(first_row, last_row), slice(first_column, last_column))
-    up, left = np.meshgrid(-rows[window[0]], -columns[window[1]], indexing="ij")
+    """Return the window of fine pixels round the coin, and their places along its axes, in radii."""
+    fine = (np.arange(n * _OVERSAMPLING) for n in shape)
+    rows, columns = ((k + 0.5) / _OVERSAMPLING - 0.5 - c for k, c in zip(fine, centre, strict=True))
+    down, right = (slice(*np.searchsorted(each, (-radius - 1, radius + 1))) for each in (rows, columns))
+    up, left = np.meshgrid(-rows[down], -columns[right], indexing="ij")
     cosine, sine = math.cos(orientation), math.sin(orientation)
     along = (up * cosine + left * sine) / radius
-    return window, along, (left * cosine - up * sine) / (radius * math.cos(tilt))
+    return (down, right), along, (left * cosine - up * sine) / (radius * math.cos(tilt))
 
 
 def _face(

@@ -18,8 +18,6 @@ from fingerpad._display import Displayed
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry.ellipse import Ellipse
 from fingerpad.image.ellipse import half_turn, polygon_moments
-from fingerpad.simulate._disturbances import creases as crease_lines
-from fingerpad.simulate._disturbances import smudge
 from fingerpad.simulate._ridge_sheet import CELLS_PER_PERIOD, Pattern, ridge_sheet
 from fingerpad.units import MM_PER_INCH
 
@@ -145,15 +143,9 @@ def render_contact_image(
         radius /= _reach(np.arctan2(across / semi_minor, along / semi_major), irregularity, seed)
     skin = seed if ridge_seed is None else ridge_seed
     ridges = _ridges((along, across), radius, ridge_period, pattern, skin)
-    ridges &= ~crease_lines(along, across, semi_minor, creases, seed)
-    amount = smudge(
-        ridges.astype(np.float32),
-        radius <= 1,
-        (along, across),
-        (semi_major, semi_minor),
-        count=smudges,
-        seed=seed,
-    )
+    ridges &= ~_creases(along, across, semi_minor, creases, seed)
+    places, semi_axes = (along, across), (semi_major, semi_minor)
+    amount = _smudge(ridges.astype(np.float32), radius <= 1, places, semi_axes, count=smudges, seed=seed)
     pixels = _expose(amount, look, mm_per_px, lighting=lighting, noise_std=noise_std, blur=blur, rng=rng)
     if jpeg_quality is not None:
         _, code = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, jpeg_quality])
@@ -186,22 +178,16 @@ def _reach(angle: FloatArray, irregularity: float, seed: int) -> FloatArray:
     size, phase = rng.uniform(0.5, 1, len(waves)), rng.uniform(0, 2 * math.pi, len(waves))
     size = size / waves
     size *= irregularity * math.sqrt(2) / np.linalg.norm(size)
-    reach = np.ones_like(angle)
-    for k, wave in enumerate(waves):
-        reach += size[k] * np.cos(wave * angle + phase[k])
-    return reach
+    reach = (a * np.cos(wave * angle + p) for a, wave, p in zip(size, waves, phase, strict=True))
+    return sum(reach, start=np.ones_like(angle))
 
 
 def _grid(outline: FloatArray, margin: float, mm_per_px: float) -> tuple[FloatArray, FloatArray]:
     """Return the distances up and left of the ellipse's centre of each pixel, mm."""
-    sides = [
-        -(np.arange(max(2, round(length / mm_per_px))) - (max(2, round(length / mm_per_px)) - 1) / 2)
-        * mm_per_px
-        + middle
-        for middle, length in zip(
-            (outline.max(axis=0) + outline.min(axis=0)) / 2, np.ptp(outline, axis=0) + 2 * margin, strict=True
-        )
-    ]
+    middle = (outline.max(axis=0) + outline.min(axis=0)) / 2
+    lengths = (np.ptp(outline, axis=0) + 2 * margin) / mm_per_px
+    counts = (max(2, round(length)) for length in lengths)
+    sides = [-(np.arange(n) - (n - 1) / 2) * mm_per_px + m for m, n in zip(middle, counts, strict=True)]
     up, left = np.meshgrid(*sides, indexing="ij")
     return up, left
 
@@ -226,6 +212,54 @@ def _ridges(
     edge = np.clip((radius - 0.86) / 0.14, 0, 1) ** 2
     touching = sample(crests) > -0.12 + 0.3 * edge + (0.22 + 0.3 * edge) * sample(grain)
     return touching & (radius <= 1)
+
+
+def _creases(along: FloatArray, across: FloatArray, semi_minor: float, count: int, seed: int) -> BoolArray:
+    """Return where fine lines of 0.1 to 0.3 mm keep the skin off."""
+    lines = np.zeros(along.shape, dtype=bool)
+    rng = np.random.default_rng([seed, 5])
+    for _ in range(count):
+        angle, off = rng.uniform(0, math.pi), rng.uniform(-0.7, 0.7) * semi_minor
+        width = rng.uniform(0.1, 0.3)
+        lines |= np.abs(along * math.sin(angle) + across * math.cos(angle) - off) < width / 2
+    return lines
+
+
+def _smudge(
+    amount: Float32Array,
+    inside: BoolArray,
+    places: tuple[FloatArray, FloatArray],
+    semi_axes: tuple[float, float],
+    *,
+    count: int,
+    seed: int,
+) -> Float32Array:
+    """Smear ridges into one another within parts of the contact, 1.5 to 3 mm in radius.
+
+    Each is a Gaussian of 0.25 to 0.5 mm along the slide, 0.1 to 0.25 mm across; nothing leaves the contact.
+    `places` are the distances (along, across) of each pixel from the centre, mm.
+    """
+    along, across = places
+    mm_per_px = math.hypot(along[0, 0] - along[1, 0], across[0, 0] - across[1, 0])
+    rng = np.random.default_rng([seed, 9])
+    for _ in range(count):
+        slide, width = rng.uniform(0.25, 0.5), rng.uniform(0.1, 0.25)
+        kernel = _gaussian(slide / mm_per_px, width / mm_per_px, rng.uniform(0, math.pi))
+        carried, room = (cv2.filter2D(layer, -1, kernel) for layer in (amount, inside.astype(np.float32)))
+        smear = np.where(inside, carried / np.maximum(room, 1e-6), 0)
+        off = [at - rng.uniform(-0.8, 0.8) * reach for at, reach in zip(places, semi_axes, strict=True)]
+        weight = np.exp(-((np.hypot(*off) / rng.uniform(1.5, 3.0)) ** 4))
+        amount = np.asarray(amount + weight * (smear - amount), dtype=np.float32)
+    return amount
+
+
+def _gaussian(long: float, short: float, angle: float) -> Float32Array:
+    """Return an elongated Gaussian kernel of unit sum, in px."""
+    reach = math.ceil(3 * long)
+    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    forth, aside = x * math.cos(angle) + y * math.sin(angle), y * math.cos(angle) - x * math.sin(angle)
+    kernel = np.exp(-((forth / long) ** 2 + (aside / short) ** 2) / 2)
+    return np.asarray(kernel / kernel.sum(), dtype=np.float32)
 
 
 def _expose(

@@ -57,7 +57,7 @@ class SyntheticFinger(Displayed):
         """Return true points (row, column), px, along the elliptic arc, ends included."""
         t = np.linspace(*self.arc, count)
         local = np.stack([self.semi_axes[0] * np.cos(t), self.semi_axes[1] * np.sin(t)], axis=-1)
-        axes = _image_axes(self.face, self.tip, self.palmar, self.tilt)
+        axes = rotation(self.tilt).T @ face_axes(self.face, self.tip, self.palmar)
         return np.asarray(local @ axes / self.mm_per_px + self.centre, dtype=np.float64)
 
 
@@ -89,8 +89,7 @@ def render_finger(
     face : {"palmar", "distal", "radial", "ulnar"}
         The face that looks at the camera.
     semi_axes : (float, float), optional
-        Semi-axes across and along (see `FACE_AXES`), mm; by default those of
-        the index finger in Dzidek et al. (2017).
+        Semi-axes across and along (see `FACE_AXES`), mm; by default those of Dzidek et al.'s index finger.
     arc_deg : float
         Extent of the exactly elliptic arc round the pad, parametric degrees, 20 to 180.
     departure : float
@@ -134,11 +133,8 @@ def render_finger(
     """
     palmar = palmar_directions(face, tip, palmar)[0]
     semi_axes = semi_axes or {"palmar": (11.8, 13.8), "distal": (11.8, 7.9)}.get(face, (7.9, 13.8))
-    if not (
-        all(length > 0 for length in (*semi_axes, mm_per_px))
-        and 20 <= arc_deg <= 180
-        and -0.8 <= departure <= 0.8
-    ):
+    positive = all(length > 0 for length in (*semi_axes, mm_per_px))
+    if not (positive and 20 <= arc_deg <= 180 and -0.8 <= departure <= 0.8):
         raise GeometryError(
             "semi_axes and mm_per_px must be positive, arc_deg 20 to 180 and departure -0.8 to 0.8, "
             f"found {semi_axes}, {mm_per_px}, {arc_deg}, {departure}"
@@ -148,7 +144,7 @@ def render_finger(
         face, semi_axes, extent=math.radians(arc_deg), departure=departure, texture=texture_mm, rng=rng
     )
     size, centre = _frame(face, tip, palmar, mm_per_px)
-    axes = _image_axes(face, tip, palmar, math.radians(tilt_deg))
+    axes = rotation(math.radians(tilt_deg)).T @ face_axes(face, tip, palmar)
     rows, columns = (np.arange(n) - c for n, c in zip(size, centre, strict=True))
     flat = np.stack([rows[:, None] * r * mm_per_px + columns * c * mm_per_px for r, c in axes])
     to_face = _to_face_plane(flat, math.radians(camera_tilt_deg), rng)
@@ -177,14 +173,8 @@ def _frame(
     rows, columns = (height, width) if along[0] else (width, height)
     # The pad's end is nearer to its side of the frame than the finger's root; end on, it is in the middle.
     shift = 0.0 if face == "distal" else height / 2 - _CENTRE_DEPTH / mm_per_px
-    return (rows, columns), (
-        float((rows - 1) / 2 + shift * along[0]),
-        float((columns - 1) / 2 + shift * along[1]),
-    )
-
-
-def _image_axes(face: Face, tip: Direction, palmar: Direction, tilt: float) -> FloatArray:
-    return np.asarray(rotation(tilt).T @ face_axes(face, tip, palmar))
+    middle = (np.array([rows, columns]) - 1) / 2 + shift * along
+    return (rows, columns), (float(middle[0]), float(middle[1]))
 
 
 def _to_face_plane(seen: FloatArray, camera_tilt: float, rng: np.random.Generator) -> FloatArray:
@@ -254,7 +244,9 @@ def _light_from_pixels(
     tones = linear_light(np.array([_SKINS], dtype=np.uint8))[0]
     shade, gloss = (part[covered] for part in _shading(depth, light, mm_per_px))
     blush = _cloud(rng, size, 2.5 / mm_per_px)[covered].astype(np.float64)
-    ridges = (1 + 0.03 * _grain(rng, size, mm_per_px))[covered]
+    # The look of the skin's ridges: noise of their period.
+    grain = _cloud(rng, size, 0.09 / mm_per_px) - 0.8 * _cloud(rng, size, 0.2 / mm_per_px)
+    ridges = (1 + 0.03 * grain)[covered]
     folds = 1 - _creases(face, places[:, covered], rng)
     plate = linear_light(np.array([[_NAIL]], dtype=np.uint8))[0, 0] * (0.55 + 0.45 * (1 - skin))
     ground = linear_light(np.array([[_BACKDROPS[backdrop]]], dtype=np.uint8))[0, 0]
@@ -306,11 +298,6 @@ def _creases(face: Face, places: FloatArray, rng: np.random.Generator) -> Float3
         along, across = (x[near] - side) / 7, (y[near] - line[near]) / width
         dark[near] += strength * np.exp(-(along**2) - 0.5 * across**2)
     return as_float32(np.minimum(dark, 0.6))
-
-
-def _grain(rng: np.random.Generator, size: tuple[int, ...], mm_per_px: float) -> Float32Array:
-    """Return the look of the skin's ridges: noise of their period."""
-    return _cloud(rng, size, 0.09 / mm_per_px) - 0.8 * _cloud(rng, size, 0.2 / mm_per_px)
 
 
 def _expose(

@@ -93,13 +93,8 @@ def simulate_loading_curve(
     >>> print(f"{curve.load.max():.1f} N, {curve.area.max():.0f} mm²")
     2.0 N, 111 mm²
     """
-    positive = (
-        loading_radius,
-        initial_modulus,
-        rate,
-        top_load,
-        initial_modulus + load_coefficient * top_load,
-    )
+    stiffest = initial_modulus + load_coefficient * top_load
+    positive = (loading_radius, initial_modulus, rate, top_load, stiffest)
     if not (min(positive) > 0 and points >= 2 and cycles >= 1 and sum(s for s, _ in relaxation) < 1):
         raise LoadingError(
             "a simulated curve needs radius, modulus (at all loads), rate and top load above zero, two "
@@ -107,8 +102,7 @@ def simulate_loading_curve(
             f"{cycles}, {relaxation}"
         )
     sphere = Paraboloid(loading_radius, loading_radius)
-    stiffest = Tissue(initial_modulus + load_coefficient * top_load, poisson_ratio)
-    top = float(hertz_contact(sphere, stiffest, load=top_load).indentation)
+    top = float(hertz_contact(sphere, Tissue(stiffest, poisson_ratio), load=top_load).indentation)
     way = (top + approach) / rate
     knots = np.cumsum([0.0, way, hold, way if unloading else 0.0])
     heights = [-approach, top, top, -approach if unloading else top]
@@ -145,9 +139,7 @@ def simulate_loading_curve(
 
 def save_curve(path: Path, curve: LoadingCurve) -> None:
     """Write a simulated record with time and areas as CSV, as an instrument would leave it."""
-    columns = np.column_stack(
-        [np.asarray(column) for column in (curve.time, curve.load, curve.indentation, curve.area)]
-    )
+    columns = np.column_stack([curve.time, curve.load, curve.indentation, curve.area])
     header = "time_s,force_N,displacement_mm,area_mm2"
     np.savetxt(path, columns, delimiter=",", header=header, comments="", fmt="%.6g")
 

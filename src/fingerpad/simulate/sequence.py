@@ -53,14 +53,11 @@ class SyntheticSequence(Displayed):
         ).pixels
         rng = np.random.default_rng([self.seed, index])
         light = 1 + self.flicker * rng.normal()
-        start = (rendered.shape[1] - self._columns) // 2
-        middle = rendered[:, start : start + self._columns]
+        columns = math.floor(2 * (float(self.semi_minor.max()) + 1.5) * self.ppi / MM_PER_INCH) - 1
+        start = (rendered.shape[1] - columns) // 2
+        middle = rendered[:, start : start + columns]
         exposed = light * middle + rng.normal(0, self.noise_std, middle.shape)
         return np.clip(np.rint(exposed), 0, 255).astype(np.uint8)
-
-    @property
-    def _columns(self) -> int:
-        return math.floor(2 * (float(self.semi_minor.max()) + 1.5) * self.ppi / MM_PER_INCH) - 1
 
 
 def render_sequence(
