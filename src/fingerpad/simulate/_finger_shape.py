@@ -117,8 +117,8 @@ def _closed(
     wide, high = a * (1 - 0.12 * departure), 0.72 * b
     power = 2 / (2.5 - 0.4 * departure)
     tall = np.where(sine > 0, b * (1 - 0.1 * departure), high)
-    round_sides = (np.sign(part) * np.abs(part) ** power for part in (cosine, sine))
-    other = np.stack([size * part for size, part in zip((wide, tall), round_sides, strict=True)], axis=-1)
+    x, y = (np.sign(part) * np.abs(part) ** power for part in (cosine, sine))
+    other = np.stack([wide * x, tall * y], axis=-1)
     past = np.maximum(np.maximum(first - t, t - last), 0) / math.radians(70)
     share = np.clip(past, 0, 1)
     share = share**3 * (10 - 15 * share + 6 * share**2)

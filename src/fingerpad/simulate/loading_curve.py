@@ -139,9 +139,10 @@ def simulate_loading_curve(
 
 def save_curve(path: Path, curve: LoadingCurve) -> None:
     """Write a simulated record with time and areas as CSV, as an instrument would leave it."""
-    columns = np.column_stack([curve.time, curve.load, curve.indentation, curve.area])
+    columns = curve.time, curve.load, curve.indentation, curve.area
+    table = np.column_stack([np.asarray(column) for column in columns])
     header = "time_s,force_N,displacement_mm,area_mm2"
-    np.savetxt(path, columns, delimiter=",", header=header, comments="", fmt="%.6g")
+    np.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.6g")
 
 
 def _force_noise(
