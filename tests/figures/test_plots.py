@@ -52,7 +52,6 @@ RESULTS = [
     plot_corrected_radius,
     plot_area_against_load,
     plot_aspect_ratio,
-    plot_load_indentation,
     plot_contact_compliance,
 ]
 PLACED = [plot_wedge, plot_wedge_in_pad_axes, plot_pad_with_contact]
@@ -84,7 +83,6 @@ def bars(axes) -> list[np.ndarray]:
         (plot_corrected_radius, "N", "mm"),
         (plot_area_against_load, "N", "mm²"),
         (plot_aspect_ratio, "N", "–"),
-        (plot_load_indentation, "mm", "N"),
         (plot_contact_compliance, "mm", "mm²"),
     ],
 )
@@ -100,7 +98,6 @@ def test_labels_with_units(axes, plot, x_unit, y_unit) -> None:
         (plot_corrected_radius, "corrected_radius_std"),
         (plot_area_against_load, "area_std"),
         (plot_aspect_ratio, "aspect_ratio_std"),
-        (plot_load_indentation, "load_std"),
         (plot_contact_compliance, "area_std"),
     ],
 )
@@ -309,6 +306,7 @@ def test_loop_phases_and_fit(axes) -> None:
     (line,) = (line for line in axes.lines if line.get_label().startswith("Hertz"))
     assert_allclose(line.get_xydata(), np.transpose(fit))
     assert is_marked_synthetic(axes)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("indentation ξ (mm)", "normal load W (N)")
 
 
 def test_secant_modulus_unit_and_fitted_points(axes) -> None:
@@ -355,12 +353,10 @@ def test_budget_bars_sorted(axes) -> None:
 
 def test_compliance_slope_and_band(axes) -> None:
     depth = np.array([0.0, 1.0, 2.0])
-    plot_contact_compliance(
-        axes, depth, 3 + 13.4 * np.pi * depth, loading_radius=13.4, loading_radius_std=0.5, area_at_zero=3
-    )
+    plot_contact_compliance(axes, depth, 13.4 * np.pi * depth, loading_radius=13.4, loading_radius_std=0.5)
     (line,) = (line for line in axes.lines if line.get_linestyle() == "-" and len(line.get_xdata()) == 2)
     assert_allclose(np.diff(line.get_ydata()) / np.diff(line.get_xdata()), 13.4)
-    assert line.get_ydata()[0] == 3
+    assert line.get_ydata()[0] == 0
     fan = axes.collections[-1].get_paths()[0].vertices
     at_end = fan[np.isclose(fan[:, 0], 2 * np.pi), 1]
     assert_allclose(np.ptp(at_end), 2 * 0.5 * np.pi)

@@ -58,7 +58,9 @@ PLOTS = {
     "compliance": lambda axes: plot_contact_compliance(
         axes, LOAD, VALUE, area_std=STD, loading_radius=12.0, loading_radius_std=0.5
     ),
-    "load": lambda axes: plot_load_indentation(axes, LOAD, VALUE, fits={"Hertz": (LOAD, VALUE)}),
+    "load": lambda axes: plot_load_indentation(
+        axes, LOAD, VALUE, phase=["loading"] * LOAD.size, fits={"Hertz": (LOAD, VALUE)}
+    ),
     "velocity": lambda axes: plot_initial_modulus(axes, LOAD, VALUE / 1000, initial_modulus_std=STD / 1000),
     "relaxation": lambda axes: plot_relaxation(
         axes, [0.01, 0.1, 1, 10], VALUE, time_constants=[0.5], ramp_time=0.05

@@ -16,7 +16,7 @@ def test_every_force_model_is_drawn_from_the_zero_of_the_points(monkeypatch: pyt
         drawn.append((indentation[phase == "loading"], load[phase == "loading"], fits))
         return plot_load_indentation(axes, indentation, load, phase=phase, fits=fits, **options)
 
-    monkeypatch.setattr(loading, "plot_load_indentation", kept)
+    monkeypatch.setattr(loading.figures, "plot_load_indentation", kept)
     curve = simulate_loading_curve(points=200, force_std=0.004, area_std=0.5, seed=3)
     fit = fit_loading_curve(curve)
     next(loading.loading_plots("press", curve, fit, cycle=0))

@@ -13,7 +13,7 @@ from tests.studies import Table, contact, curve, finger, run
 
 from fingerpad.contact import Tissue, fast_contact, solve_contact, youngs_modulus
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.report.simulator import simulator_plots
+from fingerpad.report.plots import simulator_plots
 from fingerpad.study.results.layer import POOLED_ON_LAYER, CurveOnLayer, curve_on_layer
 from fingerpad.study.results.load import load_results, read_rows
 from fingerpad.study.results.study_result import StudyResult

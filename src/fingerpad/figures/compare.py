@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
@@ -13,21 +13,13 @@ from fingerpad.figures.marks import Axis, Band, Dash, Line, Marker, Panel, Point
 from fingerpad.figures.mpl import on_axes
 from fingerpad.figures.style import BLUE, GREEN, GREY, ORANGE, SKY, VERMILLION
 
+if TYPE_CHECKING:
+    from fingerpad.study.compare import Mean
+
 _COLOURS: Final = (BLUE, ORANGE, GREEN, VERMILLION, SKY, "#CC79A7", GREY)
 MOST_NAMES: Final = 8
 _WIDEST_SHIFT_DEG: Final = 1.4
 _SHIFT: Final = 0.035  # of the highest load
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MeanMark:
-    """A mean as a figure shows it."""
-
-    value: float
-    std: float
-    interval: tuple[float, float] | None  # of 95 %
-    between_std: float  # between people; NaN for none
-    synthetic: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,7 +53,7 @@ def plot_forest(
     colours: Sequence[str],
     synthetic: ArrayLike,
     symbols: Sequence[str] = (),
-    means: Sequence[tuple[float, MeanMark]] = (),
+    means: Sequence[tuple[float, "Mean"]] = (),
     title: str = "",
 ) -> None:
     """Draw values in rows, each with its standard uncertainty, and means below them.
@@ -75,8 +67,8 @@ def plot_forest(
         axes.add(*measured(x[chosen], y[chosen], x_std=spread[chosen], synthetic=hollow, colour=colour))
     ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]
     for line, mean in means:
-        if np.isfinite(mean.between_std):
-            band = mean.value - mean.between_std, mean.value + mean.between_std
+        if np.isfinite(mean.between_people_std):
+            band = mean.value - mean.between_people_std, mean.value + mean.between_people_std
             axes.add(Band(band, line - 0.4, line + 0.4, alpha=0.15))
             ends.append(as_float_array(band))
         if mean.interval is not None:
@@ -94,7 +86,7 @@ def plot_forest(
 
 @on_axes
 def plot_by_wedge(
-    axes: Panel, lines: Sequence[Series], means: Sequence[tuple[float, MeanMark]] = (), *, label: str
+    axes: Panel, lines: Sequence[Series], means: Sequence[tuple[float, "Mean"]] = (), *, label: str
 ) -> None:
     """Draw each finger's values against the wedge angle, people by colour, and the means over people.
 
@@ -182,9 +174,9 @@ def _sample(label: str, marker: Marker, *, colour: str, hollow: bool = False) ->
     return Points([], [], marker=marker, colour=colour, face="white" if hollow else "", size=4.2, label=label)
 
 
-def _draw_means(axes: Panel, angles: Sequence[float], means: Sequence[MeanMark], *, synthetic: bool) -> None:
+def _draw_means(axes: Panel, angles: Sequence[float], means: Sequence["Mean"], *, synthetic: bool) -> None:
     value: FloatArray = as_float_array([mean.value for mean in means])
-    spread = np.nan_to_num(as_float_array([mean.between_std for mean in means]))
+    spread = np.nan_to_num(as_float_array([mean.between_people_std for mean in means]))
     label = f"mean over people{' (synthetic)' if synthetic else ''}, band: between people"
     axes.add(
         Band(angles, value - spread, value + spread, alpha=0.13),

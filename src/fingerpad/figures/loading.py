@@ -70,22 +70,21 @@ def plot_load_indentation(
     indentation: ArrayLike,
     load: ArrayLike,
     *,
-    load_std: ArrayLike | None = None,
-    indentation_std: ArrayLike | None = None,
-    phase: ArrayLike | None = None,
+    phase: npt.ArrayLike,
     fits: Mapping[str, Curve] | None = None,
     band: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
     synthetic: ArrayLike = False,
 ) -> None:
-    """Draw load against indentation, its loop by phase, and fitted force models."""
-    xi, W = as_float_array(indentation), as_float_array(load)
-    if phase is None:
-        axes.add(*measured(xi, W, x_std=indentation_std, y_std=load_std, synthetic=synthetic))
-    else:
-        for name, colour in _PHASE_COLOURS.items():
-            chosen = np.asarray(phase) == name
-            if chosen.any():
-                axes.add(Points(xi[chosen], W[chosen], marker=".", colour=colour, size=2.2, label=name))
+    """Draw load against indentation, its loop by phase, and fitted force models.
+
+    `phase` is ``baseline``, ``loading``, ``hold`` or ``unloading`` of each point; `fits` has (ξ, W) by the
+    name of a force model, `band` ξ and both ends of the 95 % interval of the load by the first of them.
+    """
+    xi, W, phases = as_float_array(indentation), as_float_array(load), np.asarray(phase)
+    for name, colour in _PHASE_COLOURS.items():
+        chosen = phases == name
+        if chosen.any():
+            axes.add(Points(xi[chosen], W[chosen], marker=".", colour=colour, size=2.2, label=name))
     axes.add(*synthetic_tag(synthetic))
     if band is not None and W.size:
         # Where a law has a pole its band has no end, which must not set the scale.
@@ -94,9 +93,7 @@ def plot_load_indentation(
         axes.add(_interval(band[0], lower, upper))
     for (name, line), (colour, dash) in zip((fits or {}).items(), _LINE_STYLES, strict=False):
         axes.add(Line(*line, dash=dash, colour=colour, label=name))
-    axes.x, axes.y = Axis("indentation ξ (mm)"), Axis("normal load W (N)")
-    if phase is not None:
-        axes.x = _without_approach(axes.x, xi)
+    axes.x, axes.y = _without_approach(Axis("indentation ξ (mm)"), xi), Axis("normal load W (N)")
     axes.legend = "above"
 
 
@@ -198,7 +195,6 @@ def plot_contact_compliance(
     area_std: ArrayLike | None = None,
     loading_radius: float | None = None,
     loading_radius_std: float = 0.0,
-    area_at_zero: float = 0.0,
     synthetic: ArrayLike = False,
 ) -> None:
     """Draw contact area against πξ, with the line whose slope is R_g and the fan of its uncertainty.
@@ -211,7 +207,7 @@ def plot_contact_compliance(
         spread = loading_radius_std * np.abs(line - np.nanmean(x))
         said = value_with_uncertainty(loading_radius, loading_radius_std)
         label = rf"slope $R_\mathrm{{g}}$ = {said} mm"
-        axes.add(*fitted(line, area_at_zero + loading_radius * line, spread, label=label))
+        axes.add(*fitted(line, loading_radius * line, spread, label=label))
     axes.add(*measured(x, area, y_std=area_std, synthetic=synthetic), *synthetic_tag(synthetic))
     axes.x, axes.y = Axis("π × indentation, πξ (mm)"), Axis("contact area A (mm²)")
     axes.legend = "above"
@@ -226,7 +222,6 @@ def plot_secant_modulus(
     against: Literal["indentation", "load"],
     fitted_points: ArrayLike | None = None,
     fit: Curve | None = None,
-    fit_std: ArrayLike = 0.0,
     label: str = "fit",
     synthetic: bool = False,
 ) -> None:
@@ -238,8 +233,7 @@ def plot_secant_modulus(
         axes.add(out)
     axes.add(Points(x[chosen], modulus[chosen], marker=".", colour=BLUE, size=3.2, label=r"$E_\mathrm{g}$"))
     if fit is not None:
-        line, std = KPA_PER_MPA * as_float_array(fit[1]), KPA_PER_MPA * as_float_array(fit_std)
-        axes.add(*fitted(fit[0], line, std, label=label))
+        axes.add(*fitted(fit[0], KPA_PER_MPA * as_float_array(fit[1]), label=label))
     axes.add(*synthetic_tag(synthetic))
     axes.x = Axis("indentation ξ (mm)" if against == "indentation" else "normal load W (N)", low=0)
     axes.y = Axis("secant modulus $E_\\mathrm{g}$ (kPa)")
@@ -270,17 +264,16 @@ def plot_initial_modulus(
 def plot_relaxation(
     axes: Panel,
     time: ArrayLike,
-    value: ArrayLike,
+    load: ArrayLike,
     *,
-    quantity: Literal["load", "ridge area"] = "load",
     fit: Curve | None = None,
     label: str = "fit",
     ramp_time: float | None = None,
     time_constants: ArrayLike = (),
     synthetic: bool = False,
 ) -> None:
-    """Draw load or ridge area against time since the hold began, on a logarithmic axis."""
-    t, y = broadcast(time, value)
+    """Draw the load against time since the hold began, on a logarithmic axis."""
+    t, y = broadcast(time, load)
     after = t > 0
     if ramp_time is not None and after.any() and ramp_time > t[after].min():
         begin, words = float(t[after].min()), "hidden by the ramp"
@@ -295,7 +288,7 @@ def plot_relaxation(
         axes.add(Rule("x", constant, colour=GREEN, dash=":", width=0.9, label=label))
     axes.add(*synthetic_tag(synthetic))
     axes.x = Axis("time since the hold began (s)", log=True)
-    axes.y = Axis("normal load W (N)" if quantity == "load" else "ridge area (mm²)")
+    axes.y = Axis("normal load W (N)")
     axes.legend = "above"
 
 

@@ -12,7 +12,7 @@ from fingerpad._files import make_folder
 from fingerpad._rounding import two_digits, value_with_uncertainty
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures import new_panels
-from fingerpad.figures.compare import MeanMark, Series, colours_of, plot_forest
+from fingerpad.figures.compare import colours_of, plot_forest
 from fingerpad.report.plot import Plot, save_plots
 from fingerpad.report.plots import by_wedge_plot
 from fingerpad.report.templates import templates
@@ -40,29 +40,33 @@ _SYMBOLS: Final = {
 def write_comparison_page(comparison: Comparison, out: Path) -> Path:
     """Write ``compare.html`` and ``figures/compare_*`` into `out`, and return the page's path."""
     make_folder(out / "figures")
-    environment = templates()
-    environment.globals |= {"interval": _interval, "two": _two_digits}
     path = out / "compare.html"
     try:
-        page = environment.get_template("compare.html.jinja").render(
-            comparison=comparison,
-            version=fingerpad.__version__,
-            quantities=[
-                {
-                    "name": name,
-                    "symbol": Markup(_SYMBOLS[name]),  # noqa: S704 (written here)
-                    "unit": kind.unit,
-                    "words": kind.words,
-                    "values": comparison.of(name)[0],
-                    "means": comparison.of(name)[1],
-                    "judged": any(value.verdict for value in comparison.of(name)[0]),
-                    "figures": save_plots(forest_plot(comparison, name), out / "figures"),
-                }
-                for name, kind in QUANTITIES.items()
-                if comparison.of(name)[0]
-            ],
-            by_wedge=save_plots(wedge_plot(comparison), out / "figures"),
-            synthetic=any(value.synthetic for value in comparison.values),
+        page = (
+            templates()
+            .get_template("compare.html.jinja")
+            .render(
+                interval=_interval,
+                two=_two_digits,
+                comparison=comparison,
+                version=fingerpad.__version__,
+                quantities=[
+                    {
+                        "name": name,
+                        "symbol": Markup(_SYMBOLS[name]),  # noqa: S704 (written here)
+                        "unit": kind.unit,
+                        "words": kind.words,
+                        "values": comparison.of(name)[0],
+                        "means": comparison.of(name)[1],
+                        "judged": any(value.verdict for value in comparison.of(name)[0]),
+                        "figures": save_plots(forest_plot(comparison, name), out / "figures"),
+                    }
+                    for name, kind in QUANTITIES.items()
+                    if comparison.of(name)[0]
+                ],
+                by_wedge=save_plots(wedge_plot(comparison), out / "figures"),
+                synthetic=any(value.synthetic for value in comparison.values),
+            )
         )
         path.write_text(page, encoding="utf-8")
     except OSError as error:
@@ -97,7 +101,7 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
             synthetic=[value.synthetic for _, value in here],
             symbols=[VERDICT_SYMBOLS.get(value.verdict, "") for _, value in here],
             means=[
-                (places[mean.synthetic], _mark(mean))
+                (places[mean.synthetic], mean)
                 for mean in means
                 if (mean.wedge_angle_deg, mean.roll_angle_deg) == (wedge, roll) and len(mean.people) > 1
             ],
@@ -175,29 +179,17 @@ def _label(synthetic: bool, person: str, finger: str, study: str) -> str:
 def wedge_plot(comparison: Comparison) -> Iterator[Plot]:
     """Yield the corrected radius against the wedge angle, a line for each finger, where angles differ."""
     values, means = comparison.of("radius_from_indentation_mm")
-    values = [value for value in values if not value.roll_angle_deg]
-    if len({value.wedge_angle_deg for value in values}) < 2:
-        return
-    lines: dict[tuple[str, str, str, bool], list[Value]] = {}
-    for value in values:
-        lines.setdefault((value.person.name, value.study, value.finger, value.synthetic), []).append(value)
-    colours = colours_of([value.person.name for value in comparison.values])
     kind = QUANTITIES["radius_from_indentation_mm"]
-    yield by_wedge_plot(
+    yield from by_wedge_plot(
         "compare_radius_by_wedge",
+        (
+            ((one.person.name, one.study, one.finger), one.synthetic, one.wedge_angle_deg, one.value, one.std)
+            for one in values
+            if not one.roll_angle_deg and one.wedge_angle_deg is not None
+        ),
+        [value.person.name for value in comparison.values],
         [
-            Series(
-                name=person,
-                colour=colours[person],
-                x=[value.wedge_angle_deg or 0.0 for value in points],
-                value=[value.value for value in points],
-                std=[value.std for value in points],
-                synthetic=synthetic,
-            )
-            for (person, _, _, synthetic), points in lines.items()
-        ],
-        [
-            (mean.wedge_angle_deg or 0.0, _mark(mean))
+            (mean.wedge_angle_deg or 0.0, mean)
             for mean in means
             if not mean.roll_angle_deg and len(mean.people) > 1
         ],
@@ -215,13 +207,3 @@ def _interval(mean: Mean) -> str:
 
 def _two_digits(std: float) -> str:
     return two_digits(std) if std > 0 else "0" if std == 0 else "–"
-
-
-def _mark(mean: Mean) -> MeanMark:
-    return MeanMark(
-        value=mean.value,
-        std=mean.std,
-        interval=mean.interval,
-        between_std=mean.between_people_std,
-        synthetic=mean.synthetic,
-    )

@@ -5,17 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from fingerpad import figures
 from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad._rounding import value_with_uncertainty
 from fingerpad.exceptions import FitError
-from fingerpad.figures import (
-    plot_contact_compliance,
-    plot_load_indentation,
-    plot_load_residuals,
-    plot_modulus_from_area_and_indentation,
-    plot_relaxation,
-    plot_secant_modulus,
-)
 from fingerpad.figures.loading import law_lines, predicted_band
 from fingerpad.loading import LoadingCurve, LoadingFit, fit_relaxation, sphere_ratio
 from fingerpad.report.plot import Plot, panel
@@ -49,7 +42,7 @@ def loading_plots(
         "load_indentation",
         "Load against indentation from the fitted place of contact, and the laws fitted to the loading; the "
         "band is the 95 % interval of the load at an indentation",
-        plot_load_indentation,
+        figures.plot_load_indentation,
         drawn.indentation,
         drawn.load,
         phase=drawn.phase,
@@ -60,7 +53,7 @@ def loading_plots(
         "residuals",
         "Load less that of the fitted law, the 95 % interval of its load, and what else could have made the "
         "curve, with Akaike weights",
-        plot_load_residuals,
+        figures.plot_load_residuals,
         fit,
     )
     if drawn.area is not None:
@@ -68,7 +61,7 @@ def loading_plots(
         yield plot(
             "compliance",
             "Contact area against π × indentation; its slope is the loading radius",
-            plot_contact_compliance,
+            figures.plot_contact_compliance,
             drawn.indentation[loading],
             drawn.area[loading],
             loading_radius=radius.value if radius.known else None,
@@ -82,7 +75,7 @@ def loading_plots(
             "shape",
             "E* read from the area over E* read from the indentation, on R_e of the undeformed pad: one for "
             "a Hertzian contact",
-            plot_modulus_from_area_and_indentation,
+            figures.plot_modulus_from_area_and_indentation,
             drawn.load[chosen],
             sphere_ratio(xi, area, loading_radius=geometric_mean_radius),
             expected_ratio=expected_ratio,
@@ -128,7 +121,7 @@ def _secant_plots(plot: Callable[..., Plot], fit: LoadingFit) -> Iterator[Plot]:
         yield plot(
             f"secant_modulus_{against}",
             f"Secant modulus against {against}{', with the fitted line' if shown else ''}{outside}",
-            plot_secant_modulus,
+            figures.plot_secant_modulus,
             x,
             secant.modulus,
             against=against,
@@ -151,7 +144,7 @@ def _relaxation_plot(plot: Callable[..., Plot], drawn: _Drawn) -> Iterator[Plot]
         "relaxation",
         "Load during the hold, with the Prony series through the recorded ramp; time constants: "
         f"{', '.join(said) or 'none'}",
-        plot_relaxation,
+        figures.plot_relaxation,
         clock[hold.rows] - begin,
         drawn.zeroed.load[hold.rows],
         fit=(found.time + clock[drawn.cycle.loading.start] - begin, found.load),

@@ -10,50 +10,17 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
-from markupsafe import Markup
 from PIL import Image
 
-from fingerpad._arrays import FloatArray
 from fingerpad._rounding import two_digits
-from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.compare import MOST_NAMES, colours_of
-from fingerpad.flags import FLAGS, Flag, flags_in
+from fingerpad.flags import FLAGS, Flag
+from fingerpad.report import plots, text
 from fingerpad.report.layer import comparisons, layer_plots
 from fingerpad.report.plot import Plot, save_plots
-from fingerpad.report.plots import (
-    MOST_POINTS,
-    agreement_plots,
-    answer_plots,
-    budget_plot,
-    curve_plots,
-    evenly,
-    sequence_plots,
-    shown_rows,
-    summary_plots,
-    thinned,
-    velocity_plots,
-    wedge_plot,
-)
 from fingerpad.report.repeatability import repeatability_section
-from fingerpad.report.templates import signed_with_uncertainty, templates
-from fingerpad.report.text import (
-    HEADLINE_WORDS,
-    advice,
-    contact_flags,
-    doubtful_curves,
-    doubtful_frames,
-    face_differences,
-    fingers_without_results,
-    implausible_values,
-    moduli_apart,
-    note_counts,
-    outline_doubts,
-    phase_words,
-    photograph_flags,
-    pooling_words,
-    to_do,
-)
+from fingerpad.report.templates import templates
 from fingerpad.study.measuring.curves import loading_radius
 from fingerpad.study.measuring.operators import QUANTITY_WORDS
 from fingerpad.study.results.methods import methods_section
@@ -85,54 +52,43 @@ def write_page(
     on_drawn: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Write a page and its figures, ``figures/*.svg, *.json``."""
-    environment = templates()
-    filters: dict[str, Callable[..., Any]] = {
-        "flags": contact_flags,
-        "advice": advice,
-        "noted_flags": lambda codes, notes: flags_in(codes, "curve", notes=notes),
-        "face_differences": face_differences,
-        "phases": phase_words,
-        "outline_doubts": outline_doubts,
-        "photograph_flags": photograph_flags,
-    }
-    environment.filters |= filters
-    environment.globals |= {
-        "quantity": _quantity,
-        "headlines": HEADLINE_WORDS,
-        "picture_of": lambda overlay: _picture(overlays / overlay),
-    }
     path, found = out / name, answers_of(result)
     draw = partial(save_plots, folder=out / "figures", on_drawn=on_drawn)
     try:
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)
-        page = environment.get_template("report.html.jinja").stream(
-            result=result,
-            home=home,
-            pages=pages,
-            failed=result.failed_contacts,
-            odd=[*result.notes, *implausible_values(result), *moduli_apart(found)],
-            most_failed=_MOST_FAILED,
-            corrected=list(records(result.corrected[:_MOST_FAILED])),
-            corrections=len(result.corrected),
-            answers=found,
-            most_answers=_MOST_ANSWERS,
-            colours=colours_of([one.label for one in found]) if len(found) <= MOST_NAMES else {},
-            without=list(fingers_without_results(result)),
-            overview=draw(answer_plots(result, found, f"{path.stem}_" if home else "")),
-            by_wedge=draw(wedge_plot(result)) if pages else [],
-            **(_tabled(result, found) if pages else _drawn_in_full(result, found, draw)),
-            curve_doubts=doubtful_curves(result),
-            most_presses=_MOST_PRESSES,
-            synthetic=bool(result.rows["synthetic"].any()),
-            repeats=repeatability_section(result, with_loads=not pages),
-            operators=[] if home else result.operators,
-            agreement_figures=[] if home else draw(agreement_plots(result)),
-            quantity_words=QUANTITY_WORDS,
-            missing=list(_missing(result, found)),
-            first_order=result.study.uncertainty.method == "first_order",
-            methods=None if home else methods_section(result),
-            thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
+        page = (
+            templates()
+            .get_template("report.html.jinja")
+            .stream(
+                result=result,
+                picture_of=lambda overlay: _picture(overlays / overlay),
+                home=home,
+                pages=pages,
+                failed=result.failed_contacts,
+                odd=[*result.notes, *text.implausible_values(result), *text.moduli_apart(found)],
+                most_failed=_MOST_FAILED,
+                corrected=list(records(result.corrected[:_MOST_FAILED])),
+                corrections=len(result.corrected),
+                answers=found,
+                most_answers=_MOST_ANSWERS,
+                colours=colours_of([one.label for one in found]) if len(found) <= MOST_NAMES else {},
+                without=list(text.fingers_without_results(result)),
+                overview=draw(plots.answer_plots(result, found, f"{path.stem}_" if home else "")),
+                by_wedge=draw(plots.wedge_plot(result)) if pages else [],
+                **(_tabled(result, found) if pages else _drawn_in_full(result, found, draw)),
+                curve_doubts=text.doubtful_curves(result),
+                most_presses=_MOST_PRESSES,
+                synthetic=bool(result.rows["synthetic"].any()),
+                repeats=repeatability_section(result, with_loads=not pages),
+                operators=[] if home else result.operators,
+                agreement_figures=[] if home else draw(plots.agreement_plots(result)),
+                quantity_words=QUANTITY_WORDS,
+                missing=list(_missing(result, found)),
+                first_order=result.study.uncertainty.method == "first_order",
+                methods=None if home else methods_section(result),
+                thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
+            )
         )
         page.enable_buffering()
         with path.with_suffix(".part").open("w", encoding="utf-8") as file:
@@ -164,16 +120,16 @@ def _drawn_in_full(result: StudyResult, found: Sequence[Answer], draw: _Draw) ->
             _line(result, summary, one)
             | {"validity": validity}
             | _details(result, summary, check, draw)
-            | _on_layer(result, summary, draw, with_section=on_layer[:1] == [summary])
+            | {"layer_figures": draw(layer_plots(result, summary, with_section=on_layer[:1] == [summary]))}
             for summary, one, check, validity in zip(
                 result.summaries, found, result.checks, result.validities, strict=True
             )
         ],
         "curves": [
-            {"curve": curve, "figures": draw(curve_plots(result, curve, number))}
+            {"curve": curve, "figures": draw(plots.curve_plots(result, curve, number))}
             for number, curve in enumerate(result.curves, start=1)
         ],
-        "velocities": draw(velocity_plots(result.curves)),
+        "velocities": draw(plots.velocity_plots(result.curves)),
         "photographs": [
             (finger.name, photograph)
             for finger in result.fingers.values()
@@ -227,68 +183,52 @@ def _details(
     result: StudyResult, summary: Summary, check: UncertaintyCheckRecord | None, draw: _Draw
 ) -> dict[str, Any]:
     """Return what a section shows of one finger at one placement."""
-    rows, contacts, shown = summary.rows, summary.contacts, shown_rows(summary)
-    notes = note_counts(summary)
+    rows, contacts, shown = summary.rows, summary.contacts, plots.shown_rows(summary)
+    notes = text.note_counts(summary)
     doubtful = contacts[contacts["flags"] != ""]
     doubtful = doubtful.iloc[np.argsort(doubtful["pooled"].to_numpy(), kind="stable")]  # those left out first
     out = contacts[~contacts["pooled"]]
     overlays = contacts[contacts["overlay"].notna()]
+    edge = shown["edge_offset_mm_std"].to_numpy()
+    edge = edge[edge > 0]
     return {
         "shown": list(records(shown)) if len(contacts) else (),
         "check": check,
-        "budget": draw(budget_plot(summary, check)),
-        "figures": draw(summary_plots(result, summary)),
-        "doubts": list(records(doubtful[:MOST_POINTS])),
+        "budget": draw(plots.budget_plot(summary, check)),
+        "figures": draw(plots.summary_plots(result, summary)),
+        "doubts": list(records(doubtful[: plots.MOST_POINTS])),
         "repeatability": result.repeatability[summary.synthetic].known,
-        "left_out": [(row["observation"], pooling_words(row)) for row in records(out[:MOST_POINTS])],
-        "to_do": list(to_do(contacts)),
+        "left_out": [
+            (row["observation"], text.pooling_words(row)) for row in records(out[: plots.MOST_POINTS])
+        ],
+        "to_do": list(text.to_do(contacts)),
         "pooled_manually": [
-            (row["observation"], pooling_words(row))
+            (row["observation"], text.pooling_words(row))
             for row in records(contacts[contacts["pooled"] & contacts["pooling_corrected_by"].notna()])
         ],
-        "edge": _edge(shown["edge_offset_mm_std"].to_numpy()),
+        "edge": "–".join(dict.fromkeys(map(two_digits, (edge.min(), edge.max())))) if edge.size else "",
         "range_notes": [(flag, notes[code], len(rows)) for code, flag in FLAGS["row"].items() if notes[code]],
-        "pictures": len(overlays),
-        "overlays": list(records(thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))))),
-    }
-
-
-def _on_layer(result: StudyResult, summary: Summary, draw: _Draw, *, with_section: bool) -> dict[str, Any]:
-    """Return what a section shows of a finger on its layer of tissue."""
-    return {
         "layer": summary.layer,
         "layer_lines": comparisons(result, summary),
         "layer_flag": FLAGS["layer"].get(summary.layer.flag) if summary.layer else None,
-        "layer_figures": draw(layer_plots(result, summary, with_section=with_section)),
+        "pictures": len(overlays),
+        "overlays": list(records(plots.thinned(overlays, _share(_MOST_PICTURES, len(result.summaries))))),
     }
-
-
-def _edge(stds: FloatArray) -> str:
-    """Return the standard uncertainties of the edge's place as a range, without contacts that have none."""
-    ends = [two_digits(end) for end in (stds[stds > 0].min(), stds.max())] if (stds > 0).any() else []
-    return "–".join(dict.fromkeys(ends))
-
-
-def _quantity(found: Estimate, factor: float = 1.0) -> Markup:
-    """Return a quantity from loading data as a cell, or a dash with the reason."""
-    if not found.known:
-        return Markup('<span title="{}">–</span>').format(found.reason)
-    return Markup("{}").format(signed_with_uncertainty(factor * found.value, factor * found.std))
 
 
 def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
     """Return what the template shows of each sequence: never its single rows, which may be thousands."""
     doubts: dict[str, list[tuple[int, Flag]]] = {}
-    for name, count, flag in doubtful_frames(result):
+    for name, count, flag in text.doubtful_frames(result):
         doubts.setdefault(name, []).append((count, flag))
     sequences = list(zip(result.sequences, result.frames(), strict=True))
-    drawn = evenly(len(sequences), _MOST_PRESSES)
+    drawn = plots.evenly(len(sequences), _MOST_PRESSES)
     pictures = _share(_MOST_PICTURES, len(sequences))
     return [
         {
             "sequence": sequence,
             "synthetic": bool(frames["synthetic"].any()),
-            "figures": draw(sequence_plots(sequence, frames)) if number in drawn else [],
+            "figures": draw(plots.sequence_plots(sequence, frames)) if number in drawn else [],
             "pooled": int(frames["pooled"].sum()),
             "exponent": area_exponent(frames),
             "doubts": doubts.get(sequence.manifest.name, ()),

@@ -1,29 +1,19 @@
 """The figures of a study's report, one set for each finger and placement."""
 
-from collections.abc import Iterator, Sequence
-from typing import Any, Final
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import pandas as pd
 
+from fingerpad import figures
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad._files import file_stem
 from fingerpad.contact import Tissue, hertz_contact
 from fingerpad.estimate import Estimate
-from fingerpad.figures import (
-    plot_agreement,
-    plot_area_against_indentation,
-    plot_area_against_load,
-    plot_aspect_ratio,
-    plot_corrected_radius,
-    plot_initial_modulus,
-    plot_pad_with_contact,
-    plot_press,
-    plot_uncertainty_budget,
-)
+from fingerpad.exceptions import GeometryError
 from fingerpad.figures.compare import (
     MOST_NAMES,
-    MeanMark,
     Series,
     colours_of,
     plot_by_wedge,
@@ -33,20 +23,26 @@ from fingerpad.figures.marks import Figure, Marker, new_panels
 from fingerpad.geometry import Ellipse, Ellipsoid, Placement
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import Plot, panel
-from fingerpad.report.simulator import simulator_plots
+from fingerpad.simulator import simulator_law
 from fingerpad.study.measuring.curves import CurveResult, loading_radius
 from fingerpad.study.measuring.sequences import SequenceResult
+from fingerpad.study.results.layer import curve_on_layer
 from fingerpad.study.results.output import Answer
 from fingerpad.study.results.pooling import Summary, area_exponent
 from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import Indices, Row, records
-from fingerpad.study.results.validity import RADIUS, Headline
+from fingerpad.study.results.validity import RADIUS
+from fingerpad.units import KPA_PER_MPA
+
+if TYPE_CHECKING:
+    from fingerpad.study.compare import Mean
 
 # More than these only make a page heavy.
 _MOST_FRAMES: Final = 150
 MOST_POINTS: Final = 60
+_LOWEST: Final = 0.05  # of a curve's highest load, from which simulators are fitted
 _LEAST_SHARE: Final = 0.001  # of a variance
 _BESIDE: Final = (r"$R_\mathrm{g}$", r"$R_\mathrm{0g}$")
 # By whether a modulus is on bone, what it is, its mark, and the mark's name; the page draws them alike.
@@ -123,7 +119,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
     yield Plot(
         name=f"{name}_corrected_radius",
         figure=panel(
-            plot_corrected_radius,
+            figures.plot_corrected_radius,
             rows["load_N"],
             rows["radius_from_indentation_mm"],
             corrected_radius_std=rows["radius_from_indentation_mm_total_std"],
@@ -146,7 +142,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         yield Plot(
             name=f"{name}_area",
             figure=panel(
-                plot_area_against_load,
+                figures.plot_area_against_load,
                 rows["load_N"],
                 np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"],
                 area_std=_area_std(rows),
@@ -165,7 +161,7 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         yield Plot(
             name=f"{name}_aspect_ratio",
             figure=panel(
-                plot_aspect_ratio,
+                figures.plot_aspect_ratio,
                 rows["load_N"],
                 rows["aspect_ratio"],
                 aspect_ratio_std=_aspect_ratio_std(rows),
@@ -192,7 +188,7 @@ def agreement_plots(result: StudyResult) -> Iterator[Plot]:
         yield Plot(
             name="second_operator_synthetic" if found.synthetic else "second_operator",
             figure=panel(
-                plot_agreement,
+                figures.plot_agreement,
                 [one.first["gross_area_mm2"] for one in found.pairs],
                 [one.second["gross_area_mm2"] for one in found.pairs],
                 area,
@@ -208,41 +204,49 @@ def agreement_plots(result: StudyResult) -> Iterator[Plot]:
 
 def wedge_plot(result: StudyResult) -> Iterator[Plot]:
     """Draw the corrected radius of every finger against the wedge angle, where angles differ."""
-    found = [
+    found = (
         (one, validity.headlines[RADIUS])
         for one, validity in zip(result.summaries, result.validities, strict=True)
         if one.corrected_radius and not one.roll_angle_deg
-    ]
-    if len({one.wedge_angle_deg for one, _ in found}) < 2:
-        return
-    lines: dict[tuple[str, bool], list[tuple[float, Headline]]] = {}
-    for one, radius in sorted(found, key=lambda each: each[0].wedge_angle_deg):
-        lines.setdefault((one.finger, one.synthetic), []).append((one.wedge_angle_deg, radius))
-    colours = colours_of(list(result.fingers))
-    yield by_wedge_plot(
+    )
+    yield from by_wedge_plot(
         "corrected_radius_by_wedge",
-        [
-            Series(
-                name=finger,
-                colour=colours[finger],
-                x=[angle for angle, _ in points],
-                value=[radius.value for _, radius in points],
-                std=[radius.total_std for _, radius in points],
-                synthetic=synthetic,
-            )
-            for (finger, synthetic), points in lines.items()
-        ],
+        (
+            ((one.finger,), one.synthetic, one.wedge_angle_deg, radius.value, radius.total_std)
+            for one, radius in found
+        ),
+        list(result.fingers),
         label="corrected radius (mm)",
     )
 
 
 def by_wedge_plot(
-    name: str, lines: Sequence[Series], means: Sequence[tuple[float, MeanMark]] = (), *, label: str
-) -> Plot:
-    """Return corrected radii against wedge angle as a separate figure."""
+    name: str,
+    points: Iterable[tuple[tuple[str, ...], bool, float, float, float]],
+    people: Sequence[str],
+    means: "Sequence[tuple[float, Mean]]" = (),
+    *,
+    label: str,
+) -> Iterator[Plot]:
+    """Draw corrected radii against wedge angle as a separate figure, where angles differ.
+
+    A point has the names of its line, the first of which is that of the person, whether it is synthetic, its
+    angle (degrees), its value and standard uncertainty.
+    """
+    lines: dict[tuple[tuple[str, ...], bool], list[tuple[float, float, float]]] = {}
+    for names, synthetic, angle, value, std in sorted(points, key=lambda one: one[2]):
+        lines.setdefault((names, synthetic), []).append((angle, value, std))
+    if len({angle for line in lines.values() for angle, *_ in line}) < 2:
+        return
+    colours, series = colours_of(people), []
+    for ((person, *_), synthetic), line in lines.items():
+        x, values, stds = np.transpose(line)
+        series.append(
+            Series(name=person, colour=colours[person], x=x, value=values, std=stds, synthetic=synthetic)
+        )
     figure, (axes,) = new_panels(width_mm=140, height_mm=95)
-    plot_by_wedge(axes, lines, means, label=label)
-    return Plot(
+    plot_by_wedge(axes, series, means, label=label)
+    yield Plot(
         name=name,
         figure=figure,
         caption="Corrected radius against wedge angle, a line for each finger. Where bars are drawn they are "
@@ -270,6 +274,53 @@ def curve_plots(result: StudyResult, curve: CurveResult, number: int) -> Iterato
     yield from simulator_plots(result, curve, name)
 
 
+def simulator_plots(result: StudyResult, curve: CurveResult, name: str) -> Iterator[Plot]:
+    """Draw the law of a curve's finger on its bone, and what simulators make of it.
+
+    With a stated thickness the modulus is that of the curve's highest load; else thickness and modulus are
+    those that explain the curve, where they are known.
+    """
+    of, fit, finger = curve.manifest, curve.fit, result.fingers.get(curve.manifest.finger)
+    if fit is None or finger is None or not np.isfinite(finger.semi_axes).all():
+        return
+    nu = result.study.poisson_ratio
+    if (stated := curve_on_layer(result.study, finger, curve)) and not stated.flag:
+        modulus = stated.quantities["youngs_modulus_from_indentation_on_layer"]
+        tissue = Tissue(modulus.value / KPA_PER_MPA, nu, finger.effective_thickness or np.inf)
+        # Its uncertainty holds that of the thickness.
+        stds, moved = {"youngs_modulus": modulus.std / KPA_PER_MPA}, stated.contact_shift
+        words = "tissue of the stated thickness on bone"
+    elif (layer := curve.layer) and layer.thickness.known and layer.youngs_modulus.known:
+        tissue = Tissue(layer.youngs_modulus.value, nu, layer.thickness.value)
+        stds = {"youngs_modulus": layer.youngs_modulus.std, "thickness": layer.thickness.std}
+        # The layer has its own place of contact, by which the points count here.
+        moved = fit.main.values["contact_offset"] - layer.contact_offset.value
+        words = "the layer that explains the curve"
+    else:
+        return
+    placement = Placement(Ellipsoid(*finger.semi_axes), wedge_angle=np.radians(of.wedge_angle_deg))
+    highest = float(fit.load.max())
+    try:
+        law = simulator_law(placement, tissue, (_LOWEST * highest, highest), stds=stds)
+        simulated = law.simulated_loads()
+    except GeometryError:  # beyond the law, or too stiff for MuJoCo: `fingerpad simulator` says which
+        return
+    yield Plot(
+        name=f"{name}_simulator",
+        figure=panel(
+            figures.plot_simulated_load,
+            law.indentation,
+            law.load,
+            load_std=law.load_std,
+            simulated=simulated,
+            measured=(fit.indentation + moved, fit.load),
+            synthetic=of.synthetic,
+        ),
+        caption="Load by indentation in robot simulators, with numbers fitted to the law of "
+        f"{words}; the band is its standard uncertainty ({curve.name}).",
+    )
+
+
 def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
     """Draw E_0g against velocity for each finger and angle at which there is more than one."""
     groups: dict[tuple[str, float, bool], list[tuple[float, Estimate]]] = {}
@@ -283,7 +334,7 @@ def velocity_plots(curves: Sequence[CurveResult]) -> Iterator[Plot]:
         yield Plot(
             name=f"{group_name((finger, wedge, 0.0, synthetic))}_initial_modulus",
             figure=panel(
-                plot_initial_modulus,
+                figures.plot_initial_modulus,
                 [velocity for velocity, _ in found],
                 [initial.value for _, initial in found],
                 initial_modulus_std=[initial.std for _, initial in found],
@@ -301,7 +352,7 @@ def budget_plot(summary: Summary, check: UncertaintyCheckRecord | None) -> Itera
     small = ", ".join(name for name in check.shares if name not in seen)
     yield Plot(
         name=f"{group_name(summary.key)}_budget",
-        figure=panel(plot_uncertainty_budget, seen, total=check.total, synthetic=summary.synthetic),
+        figure=panel(figures.plot_uncertainty_budget, seen, total=check.total, synthetic=summary.synthetic),
         caption=f"Shares of the variance of the corrected radius of {check.observation}: of first order, and "
         f"Sobol's total index, which counts interactions.{small and f' Below 0.1 %: {small}.'}",
     )
@@ -317,7 +368,7 @@ def sequence_plots(sequence: SequenceResult, frames: pd.DataFrame) -> Iterator[P
     at = f"{of.name}, {where(of.finger, of.wedge_angle_deg, synthetic)}"
     rows = thinned(measured, _MOST_FRAMES)
     figure, axes = new_panels(width_mm=170, height_mm=110, rows=2, columns=2)
-    plot_press(
+    figures.plot_press(
         axes,
         time=rows["time_s"],
         load=rows["load_N"],
@@ -341,7 +392,7 @@ def sequence_plots(sequence: SequenceResult, frames: pd.DataFrame) -> Iterator[P
     yield Plot(
         name=f"{name}_indentation{label}",
         figure=panel(
-            plot_area_against_indentation,
+            figures.plot_area_against_indentation,
             rows["measured_indentation_mm"],
             rows["gross_area_mm2"],
             phase=rows["phase"],
@@ -386,7 +437,7 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
     if angle is None:
         angle = 90.0 * (row["long_axis"] == "across")
     figure, (axes,) = new_panels(height_mm=95)
-    plot_pad_with_contact(
+    figures.plot_pad_with_contact(
         axes,
         placement.ellipsoid,
         wedge_angle=float(placement.wedge_angle),

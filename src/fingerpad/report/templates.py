@@ -1,11 +1,11 @@
 """Template environment of all pages: numbers with uncertainty, and the style."""
 
 import re
+from functools import cache
 from importlib.resources import files
 from typing import Final
 
-from jinja2 import BytecodeCache, Environment, PackageLoader, StrictUndefined
-from jinja2.bccache import Bucket
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from fingerpad._rounding import (
@@ -14,27 +14,11 @@ from fingerpad._rounding import (
     uncertainty_of_positive,
     value_with_uncertainty,
 )
+from fingerpad.estimate import Estimate
+from fingerpad.flags import flags_in
+from fingerpad.report import text
 from fingerpad.report.plot import drawing
-from fingerpad.report.text import VERDICT_SYMBOLS, percent, probability, remedies
 
-
-class _Compiled(BytecodeCache):
-    """Keeps compiled templates while the process runs: to compile them takes longer than to fill them."""
-
-    def __init__(self) -> None:
-        self._kept: dict[str, bytes] = {}
-
-    def load_bytecode(self, bucket: Bucket) -> None:
-        """Put the compiled template into a bucket, if it is kept."""
-        if bucket.key in self._kept:
-            bucket.bytecode_from_string(self._kept[bucket.key])
-
-    def dump_bytecode(self, bucket: Bucket) -> None:
-        """Keep the compiled template of a bucket."""
-        self._kept[bucket.key] = bucket.bytecode_to_string()
-
-
-_COMPILED: Final = _Compiled()
 _NBSP: Final = "\N{NO-BREAK SPACE}"
 # What stands in texts for what a page shows by lower and raised signs, and where no line may end.
 _TYPESET: Final = (
@@ -48,9 +32,9 @@ _TYPESET: Final = (
 )
 
 
-def typeset(text: str) -> Markup:
+def typeset(words: str) -> Markup:
     """Return text with subscripts and exponents, minus signs, and no line ending between number and unit."""
-    page = str(escape(text))
+    page = str(escape(words))
     for found, shown in _TYPESET:
         page = found.sub(shown, page)
     return Markup(page)  # noqa: S704 (escaped above)
@@ -61,30 +45,48 @@ def signed_with_uncertainty(value: float | None, std: float | None = None) -> st
     return value_with_uncertainty(value, std).replace("-", "−")
 
 
+def quantity(found: Estimate, factor: float = 1.0) -> Markup:
+    """Return a quantity from loading data as a cell, or a dash with the reason."""
+    if not found.known:
+        return Markup('<span title="{}">–</span>').format(found.reason)
+    return Markup("{}").format(signed_with_uncertainty(factor * found.value, factor * found.std))
+
+
+@cache
 def templates() -> Environment:
-    """Return the templates of the report's pages; a name that a page is not given is an error."""
+    """Return the templates of the report's pages; a name that a page is not given is an error.
+
+    They are kept: to compile them takes longer than to fill them.
+    """
     environment = Environment(
         loader=PackageLoader("fingerpad.report", "."),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
-        bytecode_cache=_COMPILED,
     )
     style = files("fingerpad.report").joinpath("report.css").read_text(encoding="utf-8")
     # Drawings are read as a page is written: all together they would take more memory than all rows.
-    # Macros are compiled with every page that takes some of them: their filters are known to all pages.
     environment.filters |= {
         "typeset": typeset,
-        "probability": probability,
+        "probability": text.probability,
         "drawing": drawing,
-        "percent": percent,
-        "remedies": remedies,
+        "percent": text.percent,
+        "remedies": text.remedies,
+        "flags": text.contact_flags,
+        "advice": text.advice,
+        "noted_flags": lambda codes, notes: flags_in(codes, "curve", notes=notes),
+        "face_differences": text.face_differences,
+        "phases": text.phase_words,
+        "outline_doubts": text.outline_doubts,
+        "photograph_flags": text.photograph_flags,
     }
     environment.globals |= {
         "pm": signed_with_uncertainty,
         "positive": positive_with_uncertainty,
         "std_of_positive": uncertainty_of_positive,
-        "symbols": VERDICT_SYMBOLS,
+        "quantity": quantity,
+        "symbols": text.VERDICT_SYMBOLS,
+        "headlines": text.HEADLINE_WORDS,
         "two": two_digits,
         "style": Markup(style),  # noqa: S704 (our own)
     }

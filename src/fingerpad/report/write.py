@@ -24,52 +24,11 @@ def write_report(
     draw: Callable[[list[Task], Callable[[Task], None]], None] | None = None,
     on_drawn: Callable[[str], None] = lambda _: None,
 ) -> Path:
-    """Write ``report.html`` and ``figures/*.svg, *.json`` into a folder.
+    """Write ``report.html`` and ``figures/*.svg, *.json`` into the folder of the run's overlays.
 
-    A study of more than 20 fingers at angles has a page for each finger, ``report/FINGER.html``;
-    ``report.html`` tables all and links to them.
-
-    Parameters
-    ----------
-    result : StudyResult
-        From `run_study`.
-    folder : Path
-        Folder with the run's overlays.
-    draw : callable, optional
-        Performs tasks that draw into the folder, and calls back with each that it performed. If it is left
-        out, all of them are performed here.
-    on_drawn : callable
-        Called with what has just been drawn: a figure, or the page of a finger. It may raise
-        KeyboardInterrupt.
-
-    Returns
-    -------
-    Path
-        The report.
-
-    Raises
-    ------
-    FingerpadError
-        If a file cannot be written.
-
-    Examples
-    --------
-    A study of one finger, its semi-axes given:
-
-    >>> import tempfile
-    >>> from fingerpad.study.pipeline import run_study
-    >>> manifest = '''
-    ... title = "Example"
-    ... [[fingers]]
-    ... name = "right_index"
-    ... semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-    ... semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-    ... '''
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = Path(folder, "study.toml").write_text(manifest)
-    ...     result = run_study(folder, Path(folder, "results"))
-    ...     write_report(result, Path(folder, "results")).name
-    'report.html'
+    A study of more than 20 fingers at angles has a page for each finger, ``report/FINGER.html``, which `draw`
+    performs as tasks and calls back; ``report.html`` tables all and links to them. `on_drawn` is called with
+    the name of each figure and page, and may raise KeyboardInterrupt.
     """
     many = len(result.summaries) > _MOST_GROUPS and len(result.fingers) > 1
     tasks = [_task(result.of_finger(name)) for name in result.fingers] if many else []
