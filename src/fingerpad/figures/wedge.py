@@ -1,98 +1,57 @@
 """The finger on its wedge, and the figures of Dzidek et al. (2017) that follow from its printed numbers."""
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Polygon, Rectangle
 
-from fingerpad._arrays import FloatArray
+from fingerpad._arrays import ArrayLike, FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation
-from fingerpad.figures.marks import Panel, synthetic_tag
-from fingerpad.figures.mpl import draw
+from fingerpad.figures.marks import Axis, Line, Panel, Points, Rule, Text, arrow, synthetic_tag
+from fingerpad.figures.mpl import on_axes
 from fingerpad.figures.pad import plot_pad
 from fingerpad.figures.results import plot_corrected_radius
-from fingerpad.figures.style import (
-    BLACK,
-    BLUE,
-    GREY,
-    ORANGE,
-    VERMILLION,
-    in_style,
-    new_figure,
-    pair,
-)
+from fingerpad.figures.style import BLACK, BLUE, GREY, ORANGE, VERMILLION, new_figure
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.published.dzidek2017 import dzidek2017
 
 _SKIN: Final = "#f3d9c6"
 _STEEL: Final = "#c9ced4"
 _TURN: Final = np.linspace(0, 2 * np.pi, 361)
+_CENTRED: Final[dict[str, Any]] = {"horizontal": "center", "vertical": "center", "size": 7}
 
 
-@in_style
-def plot_wedge(axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: bool = False) -> Axes:
+@on_axes
+def plot_wedge(axes: Panel, pad: Ellipsoid, *, wedge_angle: float, synthetic: bool = False) -> None:
     """Draw the finger on its wedge under a level platen (upper part of Fig. 5 of Dzidek et al. 2017)."""
-    placement = Placement(pad, wedge_angle=wedge_angle)
     sine, cosine = np.sin(wedge_angle), np.cos(wedge_angle)
-
-    def level(x: FloatArray | float, y: FloatArray | float) -> FloatArray:
-        """Turn the pad's axes so that the platen's normal points upwards."""
-        return np.stack([y * cosine - x * sine, x * cosine + y * sine], axis=-1)
-
+    # From the pad's axes to the page, on which the platen's normal points upwards.
+    level = np.array([[-sine, cosine], [cosine, sine]])
     a, b = float(pad.palmar), float(pad.distal)
-    _draw_section(axes, level(a * np.cos(_TURN), b * np.sin(_TURN)))
-    axes.plot(*level(np.zeros(2), np.array([-b, b])).T, color=GREY, linewidth=0.7, linestyle="-.")
-    _draw_support(axes, level(-a, -1.15 * b), level(-a, b), wedge_angle, size=b)
-    contact = level(placement.point[0], placement.point[1])
-    corner, width, height = contact - [0.75 * b, 0], 1.5 * b, 0.12 * b
-    axes.add_patch(Rectangle(pair(corner), width, height, facecolor=_STEEL, edgecolor=BLACK, lw=0.7))
-    axes.text(contact[0], contact[1] + height / 2, "platen", ha="center", va="center", fontsize=7)
-    _draw_place(axes, contact)
-    axes.annotate(
-        "place of contact",
-        pair(contact),
-        xytext=(0, -9),
-        textcoords="offset points",
-        ha="center",
-        va="top",
-        fontsize=7,
+    contact = level @ Placement(pad, wedge_angle=wedge_angle).point[:2]
+    low, high = level @ [-a, -1.15 * b], level @ [-a, b]
+    left, right, top = contact[0] - 0.75 * b, contact[0] + 0.75 * b, contact[1] + 0.12 * b
+    platen = [(left, contact[1]), (right, contact[1]), (right, top), (left, top), (left, contact[1])]
+    axes.add(
+        Line(*level @ [a * np.cos(_TURN), b * np.sin(_TURN)], face=_SKIN, width=0.9),
+        Line(*level @ [[0, 0], [-b, b]], colour=GREY, width=0.7, dash="-."),
+        Line(*np.transpose([low, high, (high[0], low[1]), low]), face=_STEEL, width=0.7),
+        *_angle(low, 0.375 * b, wedge_angle, "θ"),
+        Line(*np.transpose(platen), face=_STEEL, width=0.7),
+        Text("platen", contact[0], (contact[1] + top) / 2, **_CENTRED),
+        _place(contact),
+        Text("place of contact", *contact, up=-9, **{**_CENTRED, "vertical": "top"}),
+        *synthetic_tag(synthetic),
     )
-    axes.margins(0.05)
-    axes.set_aspect("equal")
-    axes.set_xlabel("horizontal (mm)")
-    axes.set_ylabel("vertical (mm)")
-    axes.set_title(f"on the wedge, θ = {np.degrees(wedge_angle):g}°")
-    draw(Panel(marks=[*synthetic_tag(synthetic)]), axes)
-    return axes
+    axes.x, axes.y, axes.equal = Axis("horizontal (mm)"), Axis("vertical (mm)"), True
+    axes.title = f"on the wedge, θ = {np.degrees(wedge_angle):g}°"
 
 
-def _draw_section(axes: Axes, outline: FloatArray) -> None:
-    axes.add_patch(Polygon(outline, facecolor=_SKIN, edgecolor=BLACK, lw=0.9))
-
-
-def _draw_place(axes: Axes, contact: FloatArray) -> None:
-    axes.plot(
-        *contact, "o", color=VERMILLION, markersize=5, markeredgecolor=BLACK, markeredgewidth=0.6, zorder=5
-    )
-
-
-def _draw_support(axes: Axes, low: FloatArray, high: FloatArray, angle: float, *, size: float) -> None:
-    """Draw the wedge whose incline runs from `low` to `high`, and name its angle."""
-    foot = np.array([high[0], low[1]])
-    axes.add_patch(Polygon([low, high, foot], facecolor=_STEEL, edgecolor=BLACK, lw=0.7, joinstyle="round"))
-    radius = 0.75 * size
-    axes.add_patch(Arc((low[0], low[1]), radius, radius, theta1=0, theta2=np.degrees(angle), lw=0.9))
-    place = low + 0.53 * size * np.array([np.cos(angle / 2), np.sin(angle / 2)])
-    axes.text(place[0], place[1], "θ", ha="center", va="center", fontsize=8)
-
-
-@in_style
+@on_axes
 def plot_wedge_in_pad_axes(
-    axes: Axes, pad: Ellipsoid, *, wedge_angle: float, synthetic: bool = False
-) -> Axes:
+    axes: Panel, pad: Ellipsoid, *, wedge_angle: float, synthetic: bool = False
+) -> None:
     """Draw the same section in the pad's own axes (lower part of Fig. 5 of Dzidek et al. 2017).
 
     The platen is the tangent of gradient −cot θ. The radius of the dotted circle of radius ℓa at the angle u
@@ -100,70 +59,47 @@ def plot_wedge_in_pad_axes(
     """
     placement = Placement(pad, wedge_angle=wedge_angle)
     a, b, u = float(pad.palmar), float(pad.distal), float(placement.u)
-    _draw_section(axes, np.column_stack([a * np.cos(_TURN), b * np.sin(_TURN)]))
-    axes.plot(a * np.cos(_TURN), a * np.sin(_TURN), ":", color=BLUE, linewidth=0.9)
-    axes.axhline(0, color=BLACK, linewidth=0.6)
-    axes.axvline(0, color=BLACK, linewidth=0.6)
     contact, normal = placement.point[:2], placement.normal[:2]
-    tangent = np.array([-normal[1], normal[0]])
-    axes.plot(
-        *(contact + np.outer([-0.75 * b, 0.75 * b], tangent)).T, color=BLACK, linewidth=1.4, label="platen"
-    )
-    _draw_parametric_angle(axes, contact, radius=a, u=u)
-    _draw_normal(axes, contact, normal, length=0.5 * b)
-    _draw_place(axes, contact)
-    _name_platen(axes, contact - 0.75 * b * tangent, normal)
-    axes.set_aspect("equal")
-    axes.set_xlim(-1.15 * a, contact[0] + 1.7 * b)
-    axes.set_ylim(-1.1 * b, max(1.1 * b, contact[1] + 0.8 * b))
-    axes.set_xlabel("x, palmar (mm)")
-    axes.set_ylabel("y, distal (mm)")
-    axes.set_title(f"u = {np.degrees(u):.1f}°")
-    draw(Panel(marks=[*synthetic_tag(synthetic)]), axes)
-    return axes
-
-
-def _name_platen(axes: Axes, end: FloatArray, normal: FloatArray) -> None:
-    """Write the platen's gradient beside its lower end."""
+    reach = 0.75 * b * np.array([-normal[1], normal[0]])
     gradient = f"{-normal[0] / normal[1]:.2f}".replace("-", "−") if normal[1] > 1e-12 else "−∞"
-    axes.annotate(
-        f"platen\ndy/dx = −cot θ = {gradient}",
-        pair(end),
-        xytext=(6, 2),
-        textcoords="offset points",
-        ha="left",
-        va="bottom",
-        fontsize=7,
+    platen = f"platen\ndy/dx = −cot θ = {gradient}"
+    on_circle = a * np.array([np.cos(u), np.sin(u)])
+    length = 0.5 * b
+    axes.add(
+        Line(a * np.cos(_TURN), b * np.sin(_TURN), face=_SKIN, width=0.9),
+        Line(a * np.cos(_TURN), a * np.sin(_TURN), dash=":", colour=BLUE, width=0.9),
+        Rule("x", 0, width=0.6),
+        Rule("y", 0, width=0.6),
+        Line(*np.transpose([contact - reach, contact + reach]), width=1.4),
+        # u at the centre, to the point of the circle from which the place of contact has its x.
+        Line(*np.transpose([(0, 0), on_circle]), colour=BLUE, width=0.9),
+        Line(*np.transpose([on_circle, contact]), dash=":", colour=BLUE, width=0.9),
+        *_angle((0, 0), 0.45 * a, u, "u", colour=BLUE),
+        *arrow(contact, contact + length * normal, colour=ORANGE),
+        Line(contact[0] + np.array([0, length]), contact[1], dash="--", colour=GREY, width=0.8),
+        *_angle(contact, length / 2, float(np.arctan2(normal[1], normal[0])), "θ", colour=ORANGE),
+        _place(contact),
+        Text(platen, *(contact - reach), right=6, up=2, vertical="bottom", size=7),
+        *synthetic_tag(synthetic),
     )
+    axes.x = Axis("x, palmar (mm)", low=-1.15 * a, high=float(contact[0] + 1.7 * b))
+    axes.y = Axis("y, distal (mm)", low=-1.1 * b, high=float(max(1.1 * b, contact[1] + 0.8 * b)))
+    axes.title, axes.equal = f"u = {np.degrees(u):.1f}°", True
 
 
-def _draw_parametric_angle(axes: Axes, contact: FloatArray, *, radius: float, u: float) -> None:
-    """Draw u at the centre, to the point of the circle from which the place of contact has its x."""
-    on_circle = radius * np.array([np.cos(u), np.sin(u)])
-    axes.plot([0, on_circle[0]], [0, on_circle[1]], color=BLUE, linewidth=0.9)
-    axes.plot(*np.array([on_circle, contact]).T, ":", color=BLUE, linewidth=0.9)
-    axes.add_patch(
-        Arc((0, 0), 0.9 * radius, 0.9 * radius, theta1=0, theta2=np.degrees(u), color=BLUE, lw=0.9)
-    )
-    place = 0.62 * radius * np.array([np.cos(u / 2), np.sin(u / 2)])
-    axes.text(place[0], place[1], "u", color=BLUE, ha="center", va="center", fontsize=8)
+def _place(contact: FloatArray) -> Points:
+    return Points(*contact, colour=VERMILLION, size=5, edge=BLACK, edge_width=0.6)
 
 
-def _draw_normal(axes: Axes, contact: FloatArray, normal: FloatArray, *, length: float) -> None:
-    """Draw the outward normal at the place of contact, and its angle θ to the palmar axis."""
-    angle = np.arctan2(normal[1], normal[0])
-    axes.annotate(
-        "",
-        pair(contact + length * normal),
-        pair(contact),
-        arrowprops={"arrowstyle": "-|>", "color": ORANGE, "lw": 1.1, "shrinkA": 0, "shrinkB": 0},
-    )
-    axes.plot([contact[0], contact[0] + length], [contact[1]] * 2, "--", color=GREY, linewidth=0.8)
-    axes.add_patch(
-        Arc((contact[0], contact[1]), length, length, theta1=0, theta2=np.degrees(angle), color=ORANGE)
-    )
-    place = contact + 0.68 * length * np.array([np.cos(angle / 2), np.sin(angle / 2)])
-    axes.text(place[0], place[1], "θ", color=BLACK, ha="center", va="center", fontsize=8)
+def _angle(
+    centre: ArrayLike, radius: float, angle: float, name: str, *, colour: str = BLACK
+) -> Iterator[Line | Text]:
+    """Yield an angle from the horizontal as an arc, with its name beyond."""
+    turn = np.linspace(0, angle, 61)
+    x, y = np.reshape(centre, (2, 1)) + radius * np.array([np.cos(turn), np.sin(turn)])
+    yield Line(x, y, colour=colour, width=0.9)
+    x, y = np.asarray(centre) + 1.4 * radius * np.array([np.cos(angle / 2), np.sin(angle / 2)])
+    yield Text(name, x, y, colour=colour, **{**_CENTRED, "size": 8})
 
 
 def dzidek2017_figures() -> Iterator[tuple[str, Figure, str]]:
