@@ -198,7 +198,8 @@ def _line(name: str, value: str, target: dict[str, Any]) -> tuple[str, str, str,
 
 def _with_std(target: dict[str, Any], name: str, unit: str) -> str:
     std = target[f"{name}_std"]
-    return f"{target[name]:.4g} {unit}" + (f" ± {std:.2g}" if std else "")
+    unknown = ", of unknown uncertainty" if math.isnan(std) else ""
+    return f"{target[name]:.4g} {unit}" + (f" ± {std:.2g}" if std > 0 else unknown)
 
 
 def _numbers(values: tuple[float, ...]) -> str:

@@ -10,14 +10,7 @@ from pydantic import Field
 
 from fingerpad._files import file_stem
 from fingerpad.figures.marks import Figure
-from fingerpad.figures.publish import (
-    FigureSettings,
-    Format,
-    Scale,
-    figure_colours,
-    figure_file,
-    plain_text,
-)
+from fingerpad.figures.publish import FigureSettings, Format, Scale, figure_colours, figure_file, plain_text
 from fingerpad.study.results.result_set import RERUN, result_files
 from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Opened, Params, Query, saved_as, study_router

@@ -105,10 +105,7 @@ def scale(opened: Opened, params: Body[ScaleParams]) -> ScaleMeasurement:
     if isinstance(table, CoinScale):
         place = ImageLocation(opened.file(table.coin))
         coin = _COINS.get(place.stamp, lambda: measure_coin(opened.pictures.grey(place).pixels))
-        found = FoundScale(
-            scale=coin.scale(table.diameter_mm, table.diameter_mm_std),
-            flags=coin.flags,
-        )
+        found = FoundScale(scale=coin.scale(table.diameter_mm, table.diameter_mm_std), flags=coin.flags)
     elif isinstance(table, GridScale):
         grid = _measured_grid(opened, table)
         found = FoundScale(scale=grid.scale, flags=grid.flags)

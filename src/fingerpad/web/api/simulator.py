@@ -1,6 +1,7 @@
 """A finger of the last run for robot simulators: the numbers that they take, and the files."""
 
 import io
+import math
 import zipfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -69,9 +70,7 @@ def numbers(opened: Opened, params: Query[SimulatorParams]) -> SimulatorNumbers:
         target(table, name="Table of pressure by depth", value=f"{len(table.depth)} depths"),
         target(newton, name="Newton kh", value=_with_std(newton.kh, newton.kh_std, "N/m³")),
         target(
-            drake,
-            name="Drake hydroelastic modulus",
-            value=_with_std(drake.modulus, drake.modulus_std, "Pa"),
+            drake, name="Drake hydroelastic modulus", value=_with_std(drake.modulus, drake.modulus_std, "Pa")
         ),
         target(mujoco, name="MuJoCo solref", value=" ".join(f"{one:.6g}" for one in mujoco.solref)),
         target(mujoco, name="MuJoCo solimp", value=" ".join(f"{one:.6g}" for one in mujoco.solimp)),
@@ -88,6 +87,8 @@ def numbers(opened: Opened, params: Query[SimulatorParams]) -> SimulatorNumbers:
 
 
 def _with_std(value: float, std: float, unit: str) -> str:
+    if math.isnan(std):
+        return f"{value:.4g} {unit}, of unknown uncertainty"
     return f"{value:.4g} ± {std:.2g} {unit}" if std else f"{value:.4g} {unit}"
 
 

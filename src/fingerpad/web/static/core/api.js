@@ -88,12 +88,7 @@ export const post = (path, body, signal) => request("POST", path, { body: body ?
  */
 export const remove = (path, body) => request("DELETE", path, { body });
 
-/**
- * Address of an image.
- *
- * @param {"preview" | "thumbnail"} kind
- * @param {string} item
- */
+/** Address of an image. @param {"preview" | "thumbnail"} kind @param {string} item */
 export const picture = (kind, item) => addressOf(`/picture/${kind}?${new URLSearchParams({ item })}`);
 
 /** Address of a file of the results, or of the study folder as a ZIP. */

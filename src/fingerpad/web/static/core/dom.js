@@ -107,12 +107,7 @@ export function update(node, ...children) {
   return node;
 }
 
-/**
- * Make a node equal to another of its kind.
- *
- * @param {any} old
- * @param {any} now
- */
+/** Make a node equal to another of its kind. @param {any} old @param {any} now */
 function patch(old, now) {
   if (old.nodeType !== Node.ELEMENT_NODE) {
     if (old.data !== now.data) old.data = now.data;

@@ -16,11 +16,7 @@ function wordsOf(key) {
   return `${name}${unit ? `, ${unit}` : ""}: ${meaning}.`;
 }
 
-/**
- * The letters of a symbol, with subscripts and superscripts.
- *
- * @param {string} key
- */
+/** The letters of a symbol, with subscripts and superscripts. @param {string} key */
 export const symbolParts = (key) =>
   key.split(/(?=[_^/])/).map((part) => {
     if (part[0] === "_") return h("sub", part.slice(1));

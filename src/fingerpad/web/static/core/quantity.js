@@ -6,6 +6,13 @@ import { h } from "./dom.js";
 export const short = (value, digits = 4) =>
   value === null ? "–" : String(Number(value.toPrecision(digits)));
 
+/** A share in per cent. @param {number | null} share */
+export const percent = (share, digits = 1) => (share === null ? "–" : `${(100 * share).toFixed(digits)} %`);
+
+/** A difference in per cent, with its sign. @param {number | null} share */
+export const signedPercent = (share) =>
+  share === null ? "–" : `${share < 0 ? "−" : "+"}${percent(Math.abs(share))}`;
+
 /**
  * A quantity with its label; `was` is the value of the automatic measurement.
  *
@@ -17,7 +24,7 @@ export function quantityRow(label, text, { was, mark, title } = {}) {
   return h(
     "div.reading",
     { title },
-    h("dt", mark && h("span.swatch", { "data-of": mark }), label),
+    h("dt", mark && h("span.swatch", { style: { background: `var(--${mark})` } }), label),
     h("dd", h("span.number", text), was && was !== text && h("span.was", h("span.sr", "automatic: "), was)),
   );
 }

@@ -9,12 +9,7 @@ const mark = new URL("../mark.svg", import.meta.url).href;
 
 const sidebar = document.getElementById("sidebar");
 
-/**
- * The status of a step: text and kind.
- *
- * @param {string} step
- * @returns {[words: string, kind: string]}
- */
+/** The status of a step: text and kind. @param {string} step @returns {[words: string, kind: string]} */
 function stepStatus(step) {
   const study = workspace.study;
   if (!study) return ["", ""];

@@ -30,10 +30,7 @@ class Workspace extends EventTarget {
   /** @type {Promise<any>} */
   #editing = Promise.resolve();
 
-  /**
-   * @param {string} kind
-   * @param {any} [detail]
-   */
+  /** @param {string} kind @param {any} [detail] */
   emit(kind, detail) {
     this.dispatchEvent(new CustomEvent(kind, { detail }));
   }

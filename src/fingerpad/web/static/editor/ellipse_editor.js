@@ -32,7 +32,7 @@ export class EllipseEditor {
     };
     this.layer.append(...Object.values(this.handles).map(({ node }) => node));
     stage.world.append(this.lines, this.layer);
-    this.forget = stage.keepSize(() => this.shape && this.#draw());
+    stage.keepSize(() => this.shape && this.#draw());
   }
 
   #handle(label, kind, apply, step) {
@@ -116,10 +116,7 @@ export class EllipseEditor {
     for (const layer of [this.lines, this.layer]) layer.setAttribute("visibility", value);
   }
 
-  /**
-   * @param {0 | 1} axis
-   * @returns {Point}
-   */
+  /** @param {0 | 1} axis @returns {Point} */
   end(axis, side = 1) {
     const { centre, lengths, directions } = this.shape;
     return [
@@ -160,12 +157,5 @@ export class EllipseEditor {
     });
     middle.put(centre);
     rotation.put(knob);
-  }
-
-  remove() {
-    this.forget();
-    for (const each of Object.values(this.handles)) each.remove();
-    this.lines.remove();
-    this.layer.remove();
   }
 }

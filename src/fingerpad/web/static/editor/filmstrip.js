@@ -8,9 +8,7 @@ const BEYOND = 6;
 const SETTLE_MS = 70;
 
 export class Filmstrip {
-  /**
-   * @param {{ label: string, chosen: (index: number) => void, describe: (entry: any) => any }} options
-   */
+  /** @param {{ label: string, chosen: (index: number) => void, describe: (entry: any) => any }} options */
   constructor({ label, chosen, describe }) {
     this.entries = [];
     this.cells = new Map();
@@ -69,15 +67,12 @@ export class Filmstrip {
     for (const [index, cell] of this.cells) this.#label(cell, index);
   }
 
-  choose(index, { smooth = false } = {}) {
+  choose(index) {
     this.at = index;
     const left = index * CELL;
     const { scrollLeft, clientWidth } = this.root;
     if (left < scrollLeft + CELL || left > scrollLeft + clientWidth - 2 * CELL) {
-      this.root.scrollTo({
-        left: left - clientWidth / 2 + CELL / 2,
-        behavior: smooth ? "smooth" : "instant",
-      });
+      this.root.scrollTo({ left: left - clientWidth / 2 + CELL / 2, behavior: "instant" });
     }
     this.#draw();
     this.refresh();

@@ -1,6 +1,7 @@
 // A handle on an image, moved by pointer or by arrow keys.
 
 import { s } from "../core/dom.js";
+import { ARROWS, drag } from "../core/gestures.js";
 
 /**
  * A point that can be dragged, or moved by arrow keys while it has the focus (with Shift ten times as far,
@@ -23,8 +24,6 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
   let at = [0, 0];
   const draw = (scale) => node.setAttribute("transform", `translate(${at[1]} ${at[0]}) scale(${scale})`);
   const forget = stage.keepSize(draw);
-  let offset = null;
-  let moved = false;
   let timer = null;
   const confirm = () => {
     if (timer === null) return;
@@ -34,34 +33,29 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
   };
   node.addEventListener("pointerdown", (event) => {
     if (event.button) return;
-    event.preventDefault();
     event.stopPropagation();
     node.focus({ preventScroll: true });
-    node.setPointerCapture(event.pointerId);
-    const point = stage.pointAt(event);
-    offset = [at[0] - point[0], at[1] - point[1]];
-    moved = false;
     node.classList.add("held");
+    const begin = stage.pointAt(event);
+    const offset = [at[0] - begin[0], at[1] - begin[1]];
+    let moved = false;
+    drag(node, event, {
+      move: (now) => {
+        const point = stage.pointAt(now);
+        moved = true;
+        move([point[0] + offset[0], point[1] + offset[1]]);
+      },
+      end: () => {
+        node.classList.remove("held");
+        if (!moved) return;
+        commit?.();
+        // Arrow keys go to the next image again.
+        stage.root.focus({ preventScroll: true });
+      },
+    });
   });
-  node.addEventListener("pointermove", (event) => {
-    if (!offset) return;
-    const point = stage.pointAt(event);
-    moved = true;
-    move([point[0] + offset[0], point[1] + offset[1]]);
-  });
-  const release = () => {
-    if (!offset) return;
-    offset = null;
-    node.classList.remove("held");
-    if (!moved) return;
-    commit?.();
-    // Arrow keys go to the next image again.
-    stage.root.focus({ preventScroll: true });
-  };
-  node.addEventListener("pointerup", release);
-  node.addEventListener("pointercancel", release);
   node.addEventListener("keydown", (event) => {
-    const arrow = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
+    const arrow = ARROWS[event.key];
     if (arrow && !event.ctrlKey) {
       const size = event.shiftKey ? 10 : event.altKey ? 0.2 : 1;
       if (step) step(arrow, size);

@@ -1,6 +1,7 @@
 // The histogram of an image's levels, with the threshold as a slider on it.
 
 import { attributes, h, s } from "../core/dom.js";
+import { drag } from "../core/gestures.js";
 import { short } from "../core/quantity.js";
 
 const HEIGHT = 64;
@@ -48,7 +49,6 @@ export class Histogram {
 
   /** Move the threshold by pressing or dragging on the histogram itself. */
   #press(event) {
-    event.preventDefault();
     const move = ({ clientX }) => {
       const { left, width } = this.plot.getBoundingClientRect();
       const [low, high] = [this.levels.edges[0], this.levels.edges.at(-1)];
@@ -56,13 +56,7 @@ export class Histogram {
       this.input.value = String(Math.max(1, Math.round((STEPS * level) / high)));
       this.input.dispatchEvent(new Event("input"));
     };
-    const end = () => {
-      this.plot.removeEventListener("pointermove", move);
-      this.#chosen();
-    };
-    this.plot.setPointerCapture(event.pointerId);
-    this.plot.addEventListener("pointermove", move);
-    this.plot.addEventListener("pointerup", end, { once: true });
+    drag(this.plot, event, { move, end: () => this.#chosen() });
     move(event);
   }
 
@@ -104,9 +98,7 @@ export class Histogram {
     this.plot.setAttribute("viewBox", `${low} 0 ${high - low} ${HEIGHT}`);
     this.bars.setAttribute("d", path(low));
     this.above.setAttribute("d", path(threshold));
-    attributes(this.automatic, {
-      d: automatic === null ? "" : `M${automatic} 0V${HEIGHT}`,
-    });
+    attributes(this.automatic, { d: automatic === null ? "" : `M${automatic} 0V${HEIGHT}` });
     this.mark.setAttribute("d", `M${threshold} 0V${HEIGHT}`);
     this.text.textContent = `${short(threshold)}${this.held || this.chosen ? "" : " (automatic)"}`;
     this.input.setAttribute("aria-valuetext", `${short(threshold)} grey levels above the background`);

@@ -2,9 +2,10 @@
 
 import { Corrections } from "../core/corrections.js";
 import { h, render, s } from "../core/dom.js";
+import { drag } from "../core/gestures.js";
 import { showError } from "../core/messages.js";
 import { ago, short } from "../core/quantity.js";
-import { text } from "../parts/forms.js";
+import { button, text } from "../parts/forms.js";
 
 const REASON = "no reason given";
 /** A move by keys is saved after this pause. */
@@ -38,11 +39,11 @@ export class PhaseLimits {
       label: "Reason of the phases",
       onset: () => this.#manual && this.#save(this.#starts),
     });
-    const button = (words, label, act) =>
-      h("button", { type: "button", "aria-label": label, onclick: () => act()?.catch(showError) }, words);
-    this.undoButton = button("Undo", "Undo the change of phases", () => this.#corrections?.undo());
-    this.redoButton = button("Redo", "Redo the change of phases", () => this.#corrections?.redo());
-    this.resetButton = button("Reset", "Reset the phases to automatic", () =>
+    const act = (words, label, doing) =>
+      button(words, () => doing()?.catch(showError), { kind: "small", label });
+    this.undoButton = act("Undo", "Undo the change of phases", () => this.#corrections?.undo());
+    this.redoButton = act("Redo", "Redo the change of phases", () => this.#corrections?.redo());
+    this.resetButton = act("Reset", "Reset the phases to automatic", () =>
       this.#corrections?.keep(() => ({})),
     );
     this.reason = h("label.why", "Reason", this.why);
@@ -218,25 +219,19 @@ export class PhaseLimits {
 
   #press(event, node, k) {
     if (event.button) return;
-    event.preventDefault();
     this.#confirm();
     node.focus({ preventScroll: true });
-    node.setPointerCapture(event.pointerId);
     this.#dragged = true;
     const { x, time } = this.#place;
     const offset = x(this.#starts[k].start_s) - event.clientX;
-    const move = ({ clientX }) => this.#move(k, time(clientX + offset));
-    const end = () => {
-      node.removeEventListener("pointermove", move);
-      node.removeEventListener("pointerup", end);
-      node.removeEventListener("pointercancel", end);
-      this.#dragged = false;
-      this.#save(this.#moved);
-      node.blur(); // arrow keys go to the next image again
-    };
-    node.addEventListener("pointermove", move);
-    node.addEventListener("pointerup", end);
-    node.addEventListener("pointercancel", end);
+    drag(node, event, {
+      move: ({ clientX }) => this.#move(k, time(clientX + offset)),
+      end: () => {
+        this.#dragged = false;
+        this.#save(this.#moved);
+        node.blur(); // arrow keys go to the next image again
+      },
+    });
   }
 
   #key(event, k) {

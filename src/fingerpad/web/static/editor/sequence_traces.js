@@ -1,7 +1,9 @@
 // Force and contact area of a sequence over time, and area against force, with the current frame.
 
 import { h, render, s } from "../core/dom.js";
-import { short } from "../core/quantity.js";
+import { drag } from "../core/gestures.js";
+import { percent, short } from "../core/quantity.js";
+import { button } from "../parts/forms.js";
 import { PhaseLimits } from "./phase_limits.js";
 
 const HEIGHT = 132;
@@ -92,14 +94,11 @@ export class SequenceTraces {
         "aria-label": `${side.name} against ${side.against}, up to the current frame`,
       }),
     }));
-    this.playButton = h("button", { type: "button", onclick: () => this.#toggle() }, "Play");
+    this.playButton = button("Play", () => this.#toggle());
     this.alignBox = h("input", { type: "checkbox", onchange: () => this.#aligning() });
     this.alignWords = h("span.soft", { role: "status" });
-    this.keepButton = h(
-      "button",
-      { type: "button", hidden: true, onclick: () => this.events.aligned(this.#start()) },
-      "Keep this alignment",
-    );
+    this.keepButton = button("Keep this alignment", () => this.events.aligned(this.#start()));
+    this.keepButton.hidden = true;
     this.bar = h(
       "div.trace-bar",
       this.playButton,
@@ -271,21 +270,14 @@ export class SequenceTraces {
 
   #press(event) {
     if (event.button || !this.#frames.length) return;
-    event.preventDefault();
     this.plot.focus({ preventScroll: true });
-    this.plot.setPointerCapture(event.pointerId);
     const left = this.plot.getBoundingClientRect().left;
     const timeAt = ({ clientX }) => this.time(clientX - left);
     const begin = timeAt(event) - this.#shift;
     const move = (now) =>
       this.alignBox.checked ? this.#shiftTo(timeAt(now) - begin) : this.#scrub(timeAt(now));
-    const up = () => {
-      this.plot.removeEventListener("pointermove", move);
-      this.plot.removeEventListener("pointerup", up);
-      if (!this.alignBox.checked) this.events.chosen(this.#frames[this.#at]);
-    };
-    this.plot.addEventListener("pointermove", move);
-    this.plot.addEventListener("pointerup", up);
+    const end = () => this.alignBox.checked || this.events.chosen(this.#frames[this.#at]);
+    drag(this.plot, event, { move, end });
     if (!this.alignBox.checked) move(event);
   }
 
@@ -367,7 +359,6 @@ export class SequenceTraces {
     const { shift_s: shifts, area_scatter: scatter } = this.#signal;
     const known = scatter.map((one) => one ?? Infinity);
     const best = known.indexOf(Math.min(...known));
-    const percent = (share) => (share === null ? "–" : `${(100 * share).toFixed(1)} %`);
     const here = scatter[nearest(shifts, this.#shift)];
     return (
       `frames ${(1000 * this.#shift).toFixed(0)} ms later: areas scatter ${percent(here)} about a power of ` +

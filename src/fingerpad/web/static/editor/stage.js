@@ -1,7 +1,8 @@
 // An image with an overlay: zoom, pan, and tools used by pointer or keyboard. Points are [row, column] in
 // pixels of the full image; pixel centres are whole numbers.
 
-import { attributes, h, render, s } from "../core/dom.js";
+import { attributes, h, s } from "../core/dom.js";
+import { ARROWS } from "../core/gestures.js";
 
 const BAR_MM = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const MARGIN = 28;
@@ -126,10 +127,7 @@ export class Stage {
     this.#draw();
   }
 
-  /**
-   * @param {number} factor
-   * @param {[number, number]} at
-   */
+  /** @param {number} factor @param {[number, number]} at */
   zoomBy(factor, at = [this.root.clientWidth / 2, this.root.clientHeight / 2]) {
     const zoom = Math.min(60, Math.max(0.02, this.zoom * factor));
     this.x = at[0] - ((at[0] - this.x) * zoom) / this.zoom;
@@ -166,12 +164,7 @@ export class Stage {
     this.bar.lastChild.textContent = `${length} mm`;
   }
 
-  /**
-   * The point under a pointer event.
-   *
-   * @param {{ clientX: number, clientY: number }} event
-   * @returns {Point}
-   */
+  /** The point under a pointer event. @param {{ clientX: number, clientY: number }} event @returns {Point} */
   pointAt(event) {
     const box = this.root.getBoundingClientRect();
     return [(event.clientY - box.top - this.y) / this.zoom, (event.clientX - box.left - this.x) / this.zoom];
@@ -252,7 +245,7 @@ export class Stage {
 
   #key(event) {
     if (event.target !== this.root && !event.target.closest(".handle")) return;
-    const arrow = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
+    const arrow = ARROWS[event.key];
     let done = true;
     if (event.target === this.root && this.tool?.key?.(event)) done = true;
     else if (event.key === "+" || event.key === "=") this.zoomBy(1.25);
@@ -313,11 +306,6 @@ export class Stage {
     this.picture.alt = "";
     this.root.classList.remove("waiting");
     this.setScale(null);
-  }
-
-  clear() {
-    render(this.world);
-    this.fixed.clear();
   }
 
   close() {

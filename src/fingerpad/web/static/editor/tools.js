@@ -97,7 +97,7 @@ export class Line {
     );
     this.layer.append(this.label, ...this.handles.map(({ node }) => node));
     stage.world.append(this.layer);
-    this.forget = stage.keepSize(() => this.ends && this.#draw());
+    stage.keepSize(() => this.ends && this.#draw());
   }
 
   set(ends) {
@@ -152,12 +152,6 @@ export class Line {
       `translate(${column} ${row}) scale(${1 / this.stage.zoom}) translate(0 -12)`,
     );
   }
-
-  remove() {
-    this.forget();
-    for (const each of this.handles) each.remove();
-    this.layer.remove();
-  }
 }
 
 /** A box [row0, column0, row1, column1]; `changed(box)` is called once it is drawn. */
@@ -192,7 +186,7 @@ export class Box {
     );
     this.layer.append(...this.handles.map(({ node }) => node));
     stage.world.append(this.layer);
-    this.forget = stage.keepSize(() => this.box && this.#draw());
+    stage.keepSize(() => this.box && this.#draw());
   }
 
   #inside([row, column]) {
@@ -255,12 +249,6 @@ export class Box {
     this.handles.forEach((each, index) => {
       each.put(corners[index]);
     });
-  }
-
-  remove() {
-    this.forget();
-    for (const each of this.handles) each.remove();
-    this.layer.remove();
   }
 }
 

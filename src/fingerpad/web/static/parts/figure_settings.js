@@ -3,7 +3,7 @@
 import { addressOf, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { openDialog, showError } from "../core/messages.js";
-import { button, choose, field, number } from "./forms.js";
+import { button, choiceField, choose, field, numberField } from "./forms.js";
 
 const WIDTHS = [
   ["", "as in the report"],
@@ -21,11 +21,7 @@ const SCALES = [
 const FORMATS = ["svg", "pdf", "png", "csv"];
 const PAUSE_MS = 250;
 
-/**
- * Open the dialog for a figure.
- *
- * @param {Answers["Figures"]["figures"][number]} figure
- */
+/** Open the dialog for a figure. @param {Answers["Figures"]["figures"][number]} figure */
 async function openFigureSettings({ name, caption }) {
   const details = await get("/results/figure", { name });
   /** @type {Record<string, any>} */
@@ -70,7 +66,11 @@ async function openFigureSettings({ name, caption }) {
     timer = setTimeout(draw, PAUSE_MS);
   };
   const length = (label, key, value) =>
-    field(label, number({ placeholder: String(Math.round(value)), min: 20, max: 500, onset: set(key) }), {
+    numberField(label, {
+      placeholder: String(Math.round(value)),
+      min: 20,
+      max: 500,
+      onset: set(key),
       unit: "mm",
     });
   const width = length("Width", "width_mm", details.width_mm);
@@ -86,9 +86,9 @@ async function openFigureSettings({ name, caption }) {
     h(
       "fieldset",
       h("legend", words),
-      field("From", number({ placeholder: "data", onset: set(`${axis}_low`) })),
-      field("To", number({ placeholder: "data", onset: set(`${axis}_high`) })),
-      field("Scale", choose({ value: "", options: SCALES, onset: set(`${axis}_scale`) })),
+      numberField("From", { placeholder: "data", onset: set(`${axis}_low`) }),
+      numberField("To", { placeholder: "data", onset: set(`${axis}_high`) }),
+      choiceField("Scale", { value: "", options: SCALES, onset: set(`${axis}_scale`) }),
     );
   const swatch = (colour, place) =>
     h("input", {
@@ -102,10 +102,7 @@ async function openFigureSettings({ name, caption }) {
     });
   const dialog = h(
     "dialog.figure-settings",
-    {
-      "aria-label": `Figure ${name}`,
-      onclose: () => URL.revokeObjectURL(preview.src),
-    },
+    { "aria-label": `Figure ${name}`, onclose: () => URL.revokeObjectURL(preview.src) },
     h(
       "header",
       h("h2", name.replaceAll("_", " ")),
@@ -119,11 +116,15 @@ async function openFigureSettings({ name, caption }) {
         field("Journal", column),
         width,
         length("Height", "height_mm", details.height_mm),
-        field("Font", number({ placeholder: "7.5", min: 3, max: 30, onset: set("font_pt") }), { unit: "pt" }),
+        numberField("Font", { placeholder: "7.5", min: 3, max: 30, onset: set("font_pt"), unit: "pt" }),
         details.axes.filter(({ settable, name: words }) => settable && words).map(axis),
         details.colours.length > 0 &&
           h("fieldset", h("legend", "Colours"), h("div.swatches", details.colours.map(swatch))),
-        field("Resolution of PNG", number({ placeholder: "300", min: 50, max: 1200, onset: set("dpi") }), {
+        numberField("Resolution of PNG", {
+          placeholder: "300",
+          min: 50,
+          max: 1200,
+          onset: set("dpi"),
           unit: "dpi",
         }),
         links,

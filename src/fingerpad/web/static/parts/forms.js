@@ -207,6 +207,21 @@ export function choose({ value, options, onset, label }) {
   return select;
 }
 
+// Labelled controls, with the options of both.
+
+/** @typedef {NonNullable<Parameters<typeof field>[2]>} Beside */
+
+/** @param {any} label @param {Parameters<typeof choose>[0] & Beside} of */
+export const choiceField = (label, { unit, hint, wide, ...of }) =>
+  field(label, choose(of), { unit, hint, wide });
+
+/** @param {any} label @param {Parameters<typeof number>[0] & Beside} of */
+export const numberField = (label, { unit, hint, wide, ...of }) =>
+  field(label, number(of), { unit, hint, wide });
+
+/** @param {any} label @param {Parameters<typeof text>[0] & Beside} of */
+export const textField = (label, { unit, hint, wide, ...of }) => field(label, text(of), { unit, hint, wide });
+
 /**
  * A slider with its value; `show` sets another value.
  *
@@ -224,10 +239,7 @@ export function slider(label, { value, min, max, unit, hint, onset }) {
   return root;
 }
 
-/**
- * @param {string} label
- * @param {{ checked?: boolean, onset?: (checked: boolean) => any }} [options]
- */
+/** @param {string} label @param {{ checked?: boolean, onset?: (checked: boolean) => any }} [options] */
 export function check(label, { checked, onset } = {}) {
   const box = h("input", {
     type: "checkbox",

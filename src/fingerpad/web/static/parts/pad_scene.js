@@ -2,6 +2,7 @@
 // and names are SVG above them.
 
 import { attributes, h, render, s } from "../core/dom.js";
+import { ARROWS, drag } from "../core/gestures.js";
 
 // Red, green, blue, and opacity.
 const SKIN = [242, 217, 198, 1];
@@ -85,21 +86,18 @@ export class PadScene {
     );
     this.observer = new ResizeObserver(() => this.draw());
     this.observer.observe(this.root);
-    let last = null;
-    this.root.addEventListener("pointerdown", (event) => {
-      last = [event.clientX, event.clientY];
-      this.root.setPointerCapture(event.pointerId);
+    this.root.addEventListener("pointerdown", (press) => {
+      let last = press;
+      const move = (now) => {
+        this.#turn((now.clientX - last.clientX) * 0.009, (now.clientY - last.clientY) * 0.009);
+        last = now;
+      };
+      drag(this.root, press, { move });
+      this.root.focus({ preventScroll: true });
     });
-    this.root.addEventListener("pointermove", (event) => {
-      if (!last) return;
-      this.#turn((event.clientX - last[0]) * 0.009, (event.clientY - last[1]) * 0.009);
-      last = [event.clientX, event.clientY];
-    });
-    for (const kind of ["pointerup", "pointercancel"]) this.root.addEventListener(kind, () => (last = null));
     this.root.addEventListener("keydown", (event) => {
-      const steps = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
-      const step = steps[event.key];
-      if (step) this.#turn(step[0], step[1]);
+      const arrow = ARROWS[event.key];
+      if (arrow) this.#turn(0.1 * arrow[1], 0.1 * arrow[0]);
       else if (event.key === "0") this.look(START);
       else return;
       event.preventDefault();
@@ -117,10 +115,7 @@ export class PadScene {
     this.draw();
   }
 
-  /**
-   * @param {Answers["PadGeometry"]} scene
-   * @param {string} label
-   */
+  /** @param {Answers["PadGeometry"]} scene @param {string} label */
   show(scene, label) {
     this.scene = scene;
     this.root.setAttribute("aria-label", label);

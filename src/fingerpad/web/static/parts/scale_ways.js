@@ -1,7 +1,7 @@
 // Scales: the choice of one, and the fields in which each way to state it is entered.
 
 import { rules, workspace } from "../core/workspace.js";
-import { choose, field, number } from "./forms.js";
+import { choiceField, choose, field, number, numberField } from "./forms.js";
 
 /** The choice of a coin by its diameter, mm. */
 export const coinOptions = (diameter, none = "– other –") => sizeOptions(rules().coins, diameter, none);
@@ -46,18 +46,15 @@ const relative = (fields) =>
 
 /** One of the two counts of a grid's points. @param {Fields} fields */
 const count = ({ table, set }, words, place) =>
-  field(
-    `Points ${words}`,
-    number({
-      value: table.points?.[place] ?? null,
-      min: 3,
-      onset: (value) => {
-        const points = [...(table.points ?? [null, null])];
-        points[place] = value === null ? null : Math.round(value);
-        set("points")(points);
-      },
-    }),
-  );
+  numberField(`Points ${words}`, {
+    value: table.points?.[place] ?? null,
+    min: 3,
+    onset: (value) => {
+      const points = [...(table.points ?? [null, null])];
+      points[place] = value === null ? null : Math.round(value);
+      set("points")(points);
+    },
+  });
 
 /**
  * What each way is called, what to do with its picture, what to say while something lacks, and its fields.
@@ -102,18 +99,15 @@ export const WAYS = {
     picture: "A flat checkerboard or grid of dots where the finger touches, on a light margin.",
     lacking: () => "Count the points of the grid, and enter their spacing.",
     fields: (fields) => [
-      field(
-        "Pattern",
-        choose({
-          value: fields.table.pattern ?? "checkerboard",
-          options: [
-            ["checkerboard", "checkerboard: inner corners count"],
-            ["dots", "grid of dots"],
-          ],
-          onset: fields.set("pattern"),
-        }),
-        { wide: true },
-      ),
+      choiceField("Pattern", {
+        value: fields.table.pattern ?? "checkerboard",
+        options: [
+          ["checkerboard", "checkerboard: inner corners count"],
+          ["dots", "grid of dots"],
+        ],
+        onset: fields.set("pattern"),
+        wide: true,
+      }),
       count(fields, "down", 0),
       count(fields, "along", 1),
       field("Spacing", numberOf(fields, "spacing_mm"), { unit: "mm" }),

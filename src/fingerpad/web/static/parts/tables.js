@@ -103,16 +103,8 @@ function labelCells(table) {
   }
 }
 
-/**
- * A row of cells.
- *
- * @param {...any} cells
- */
+/** A row of cells. @param {...any} cells */
 export const row = (...cells) => h("tr", cells);
 
-/**
- * A cell.
- *
- * @param {...any} content
- */
+/** A cell. @param {...any} content */
 export const cell = (...content) => h("td", content);

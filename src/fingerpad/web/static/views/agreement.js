@@ -1,6 +1,7 @@
 // How the second operator agrees with the first, by the last run.
 
 import { h } from "../core/dom.js";
+import { signedPercent } from "../core/quantity.js";
 import { who } from "../core/workspace.js";
 import { tableOf } from "../parts/tables.js";
 
@@ -11,9 +12,6 @@ const QUANTITIES = [
   ["semi_major_mm", "Semi-major"],
   ["semi_minor_mm", "Semi-minor"],
 ];
-
-const signed = (share) =>
-  share === null ? "–" : `${share < 0 ? "−" : "+"}${Math.abs(100 * share).toFixed(1)} %`;
 
 /** @param {Answers["SecondOperator"]} state */
 export function agreementOf({ first_operators: first, agreement, unseen }) {
@@ -50,10 +48,12 @@ export function agreementOf({ first_operators: first, agreement, unseen }) {
               h(
                 "tr",
                 h("th", { scope: "row" }, words),
-                h("td.number", signed(found.bias)),
+                h("td.number", signedPercent(found.bias)),
                 h(
                   "td.number",
-                  found.limits[0] === null ? "from 3 images on" : found.limits.map(signed).join(" to "),
+                  found.limits[0] === null
+                    ? "from 3 images on"
+                    : found.limits.map(signedPercent).join(" to "),
                 ),
               )
             );

@@ -6,7 +6,7 @@ import { showError } from "../core/messages.js";
 import { quantityRow, short } from "../core/quantity.js";
 import { adviseCode, describeCode, workspace } from "../core/workspace.js";
 import { Histogram } from "../editor/histogram.js";
-import { button, check, chip, choose, field, list, number, segments, synthetic } from "../parts/forms.js";
+import { button, check, chip, choiceField, list, numberField, segments, synthetic } from "../parts/forms.js";
 import { SURFACES } from "../parts/missing_fields.js";
 import { poolingOf } from "../parts/pooling.js";
 import { verdictChip } from "../parts/results.js";
@@ -197,10 +197,7 @@ export class ContactInspector extends Inspector {
     if (this.view.blind) render(this.parts.agreement, agreementOf(this.view.agreement));
   }
 
-  /**
-   * @param {ContactMeasurement | null} answer
-   * @param {string} [problem]
-   */
+  /** @param {ContactMeasurement | null} answer @param {string} [problem] */
   show(answer, problem) {
     if (!answer) {
       render(
@@ -305,41 +302,32 @@ export class ContactInspector extends Inspector {
       h("h3", "Settings"),
       h(
         "div.fields",
-        field(
-          "Polarity",
-          choose({
-            value:
-              change.dark_on_light === undefined || change.dark_on_light === null
-                ? ""
-                : String(change.dark_on_light),
-            options: [
-              ["", used === undefined ? "automatic" : `automatic: ${used.dark_on_light ? "dark" : "light"}`],
-              ["true", smooth ? "dark contact on light" : "dark ridges on light"],
-              ["false", smooth ? "light contact on dark" : "light ridges on dark"],
-            ],
-            onset: (value) => this.view.set("dark_on_light", value === "" ? null : value === "true"),
-          }),
-        ),
+        choiceField("Polarity", {
+          value:
+            change.dark_on_light === undefined || change.dark_on_light === null
+              ? ""
+              : String(change.dark_on_light),
+          options: [
+            ["", used === undefined ? "automatic" : `automatic: ${used.dark_on_light ? "dark" : "light"}`],
+            ["true", smooth ? "dark contact on light" : "dark ridges on light"],
+            ["false", smooth ? "light contact on dark" : "light ridges on dark"],
+          ],
+          onset: (value) => this.view.set("dark_on_light", value === "" ? null : value === "true"),
+        }),
         !this.view.blind &&
-          field(
-            this.view.sequence ? "Surface (sequence)" : "Surface",
-            choose({
-              value: smooth ? "smooth" : "ridged",
-              options: SURFACES,
-              onset: (value) => this.#setSurface(value),
-            }),
-          ),
+          choiceField(this.view.sequence ? "Surface (sequence)" : "Surface", {
+            value: smooth ? "smooth" : "ridged",
+            options: SURFACES,
+            onset: (value) => this.#setSurface(value),
+          }),
         // A threshold tells ridges from valleys; one that was set can be seen and taken back.
         (!smooth || typeof change.threshold === "number") &&
-          field(
-            "Threshold, grey levels",
-            number({
-              value: change.threshold ?? null,
-              min: 0,
-              placeholder: used?.threshold == null ? "automatic" : `automatic: ${short(used.threshold)}`,
-              onset: (value) => this.view.set("threshold", value),
-            }),
-          ),
+          numberField("Threshold, grey levels", {
+            value: change.threshold ?? null,
+            min: 0,
+            placeholder: used?.threshold == null ? "automatic" : `automatic: ${short(used.threshold)}`,
+            onset: (value) => this.view.set("threshold", value),
+          }),
       ),
       this.view.sequence &&
         answer &&

@@ -10,11 +10,7 @@ import { Click } from "../editor/tools.js";
 import { Review } from "./review.js";
 import { applyToSimilar } from "./similar.js";
 
-/**
- * Whether a person outlined the contact themselves.
- *
- * @param {Partial<Change>} change
- */
+/** Whether a person outlined the contact themselves. @param {Partial<Change>} change */
 const outlined = ({ ellipse_px: ellipse, threshold, strokes }) =>
   Boolean(ellipse || threshold || strokes?.some(({ action }) => action === "replace"));
 
@@ -95,10 +91,7 @@ export class ContactReview extends Review {
     this.set("threshold", threshold);
   }
 
-  /**
-   * @param {ContactMeasurement} answer
-   * @param {{ live?: boolean }} [options]
-   */
+  /** @param {ContactMeasurement} answer @param {{ live?: boolean }} [options] */
   show(answer, { live = false } = {}) {
     if (!live && !answer.waits) this.#say(answer);
     this.measured = answer;

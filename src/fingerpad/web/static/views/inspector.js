@@ -7,11 +7,7 @@ import { adviseCode } from "../core/workspace.js";
 import { button, chip, list, slider, text } from "../parts/forms.js";
 import { missingList } from "../parts/missing_fields.js";
 
-/**
- * The flags of a measurement in words.
- *
- * @param {string[]} flags
- */
+/** The flags of a measurement in words. @param {string[]} flags */
 export const flagNote = (flags, kinds) =>
   flags.length > 0 && h("div.note", list(flags.map((code) => adviseCode(code, kinds))));
 
@@ -88,11 +84,7 @@ export class Inspector {
     ];
   }
 
-  /**
-   * Show what the item lacks, with its fields.
-   *
-   * @param {Answers["Missing"][]} entries
-   */
+  /** Show what the item lacks, with its fields. @param {Answers["Missing"][]} entries */
   missing(entries) {
     this.parts.missing.hidden = !entries.length;
     update(this.parts.missing, h("h3", "Missing"), missingList(entries));

@@ -72,11 +72,7 @@ export function fileRow(files, { file, kind, bytes: size }) {
     h(
       "td",
       kind === "picture"
-        ? h("img.small-thumb", {
-            src: picture("thumbnail", `file:${file}`),
-            alt: "",
-            loading: "lazy",
-          })
+        ? h("img.small-thumb", { src: picture("thumbnail", `file:${file}`), alt: "", loading: "lazy" })
         : h("span.chip", kind),
     ),
     h("td", h("strong", name), h("div.soft", about(files, file, size))),
@@ -201,11 +197,7 @@ const guessed = (draft, key) =>
 /** Whether a file of its use takes a value. */
 export const takes = ({ use }, key) => (rules().takes[use] ?? []).includes(key);
 
-/**
- * The fields that enter a value for all files at once.
- *
- * @param {import("./new_files.js").NewFiles} files
- */
+/** The fields that enter a value for all files at once. @param {import("./new_files.js").NewFiles} files */
 export function allRow(files) {
   const { shared, drafts } = files;
   if (drafts.size < 2) return null;

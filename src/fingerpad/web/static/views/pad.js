@@ -6,7 +6,7 @@ import { symbol } from "../core/glossary.js";
 import { bindHere } from "../core/keys.js";
 import { quantityRow } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, choose, empty, field, number, synthetic } from "../parts/forms.js";
+import { button, choiceField, empty, field, number, numberField, synthetic } from "../parts/forms.js";
 import { AXES } from "../parts/missing_fields.js";
 import { PadScene } from "../parts/pad_scene.js";
 import { staleChip } from "../parts/stale_axes.js";
@@ -124,14 +124,7 @@ class PadView {
       h("h2.sr", "Pad and placement"),
       h(
         "section",
-        field(
-          "Finger",
-          choose({
-            value: this.finger,
-            options,
-            onset: (value) => this.#choose(value),
-          }),
-        ),
+        choiceField("Finger", { value: this.finger, options, onset: (value) => this.#choose(value) }),
         finger?.synthetic && h("div", synthetic(true)),
       ),
       h(
@@ -142,15 +135,12 @@ class PadView {
           : h(
               "div.fields",
               AXES.map(([axis, words]) =>
-                field(
-                  words,
-                  number({
-                    value: this.axes[axis],
-                    min: 0.1,
-                    onset: (value) => ((this.axes[axis] = value), this.#ask()),
-                  }),
-                  { unit: "mm" },
-                ),
+                numberField(words, {
+                  value: this.axes[axis],
+                  min: 0.1,
+                  onset: (value) => ((this.axes[axis] = value), this.#ask()),
+                  unit: "mm",
+                }),
               ),
             ),
       ),

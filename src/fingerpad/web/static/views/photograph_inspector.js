@@ -3,9 +3,9 @@
 import { h, render, s, update } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { showError } from "../core/messages.js";
-import { quantityRow } from "../core/quantity.js";
+import { quantityRow, signedPercent } from "../core/quantity.js";
 import { PHOTOGRAPH_FLAGS, rules, workspace } from "../core/workspace.js";
-import { chip, choose, field, synthetic } from "../parts/forms.js";
+import { chip, choiceField, field, synthetic } from "../parts/forms.js";
 import { AXES } from "../parts/missing_fields.js";
 import { scaleChoice, whichScale } from "../parts/scale_ways.js";
 import { flagNote, Inspector } from "./inspector.js";
@@ -62,10 +62,7 @@ export class PhotographInspector extends Inspector {
     this.tool();
   }
 
-  /**
-   * @param {PhotographMeasurement | null} answer
-   * @param {string} [problem]
-   */
+  /** @param {PhotographMeasurement | null} answer @param {string} [problem] */
   show(answer, problem) {
     if (!answer) {
       render(
@@ -166,24 +163,22 @@ export class PhotographInspector extends Inspector {
     const { change } = this.view.corrections;
     const { face, scale } = this.view.entry;
     const side = (key, label) =>
-      field(
-        label,
-        choose({
-          value: change[key] ?? "",
-          options: SIDES,
-          onset: (value) => this.view.set(key, value || null),
-        }),
-      );
+      choiceField(label, {
+        value: change[key] ?? "",
+        options: SIDES,
+        onset: (value) => this.view.set(key, value || null),
+      });
     update(
       this.parts.settings,
       h("h3", "Settings"),
       h(
         "div.fields",
         face &&
-          field(
-            "Face",
-            choose({ value: face, options: rules().faces, onset: (value) => this.#state("face", value) }),
-          ),
+          choiceField("Face", {
+            value: face,
+            options: rules().faces,
+            onset: (value) => this.#state("face", value),
+          }),
         scale &&
           field(
             "Scale",
@@ -216,11 +211,7 @@ export class PhotographInspector extends Inspector {
 /** @param {{ face?: string | null }} entry */
 export const faceWords = ({ face }) => (face ? `${face} face` : "face not stated");
 
-/**
- * Bars of the deviation of each face from all faces combined.
- *
- * @param {Answers["FaceDifference"][]} faces
- */
+/** Bars of the deviation of each face from all faces combined. @param {Answers["FaceDifference"][]} faces */
 function differences(faces) {
   const axes = Object.keys(NAMES);
   const rows = faces.flatMap((face) =>
@@ -243,7 +234,7 @@ function differences(faces) {
           s("path", { d: "M0 0V10", class: "zero" }),
           s("rect", { x: value < 0 ? -width : 0, y: 2, width, height: 6 }),
         ),
-        h("span.number", `${value < 0 ? "−" : "+"}${(100 * Math.abs(value)).toFixed(1)} %`),
+        h("span.number", signedPercent(value)),
       );
     }),
   );

@@ -140,10 +140,7 @@ class Photographs extends Review {
     if (newest()) this.show(whole, { live: true });
   }
 
-  /**
-   * @param {PhotographMeasurement} answer
-   * @param {{ live?: boolean }} [options]
-   */
+  /** @param {PhotographMeasurement} answer @param {{ live?: boolean }} [options] */
   show(answer, { live = false } = {}) {
     this.measured = answer;
     this.stage.setScale(answer.mm_per_px);
@@ -266,11 +263,7 @@ class Photographs extends Review {
   }
 }
 
-/**
- * Many points as one path: a stroke without length, with round ends, is a dot.
- *
- * @param {Points} points
- */
+/** Many points as one path: a stroke without length, with round ends, is a dot. @param {Points} points */
 const dots = (points) => (points ?? []).map(([row, column]) => `M${column} ${row}h.01`).join("");
 
 /** @param {Photograph} entry */

@@ -3,11 +3,10 @@
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
+import { percent } from "../core/quantity.js";
 import { chip } from "../parts/forms.js";
 import { figureOf, groupHeader } from "../parts/results.js";
 import { tableOf } from "../parts/tables.js";
-
-const percent = (share) => `${(100 * share).toFixed(1)} %`;
 
 export class Budget {
   constructor(root) {
@@ -69,15 +68,12 @@ export class Budget {
                   const share = shares[source];
                   return h(
                     "td.number",
-                    share === undefined || share === null
-                      ? "–"
-                      : [
-                          h("span", percent(share)),
-                          h("i.share", {
-                            "data-of": mark,
-                            style: { width: `${Math.max(0, Math.min(1, share)) * 100}%` },
-                          }),
-                        ],
+                    share === undefined || share === null ? "–" : h("span", percent(share)),
+                    // A shorter bar would be a speck.
+                    share >= 0.01 &&
+                      h("i.share", {
+                        style: { background: `var(--${mark})`, width: `${Math.min(1, share) * 100}%` },
+                      }),
                   );
                 }),
               ),

@@ -3,7 +3,7 @@
 import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { figureButton } from "../parts/figure_settings.js";
-import { choose, field } from "../parts/forms.js";
+import { choiceField } from "../parts/forms.js";
 
 export class Figures {
   constructor(root) {
@@ -36,7 +36,7 @@ export class Figures {
         !shown.length && h("p.soft", "There are no such figures in this study."),
       );
     };
-    render(this.root, h("div.plot-bar", field("Show", choose({ options: kinds, onset: draw }))), this.grid);
+    render(this.root, h("div.plot-bar", choiceField("Show", { options: kinds, onset: draw })), this.grid);
     draw("");
   }
 

@@ -6,7 +6,7 @@ import { symbol } from "../core/glossary.js";
 import { short } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { chart, colour, forget } from "../parts/chart.js";
-import { choose, field, list } from "../parts/forms.js";
+import { choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { figureOf, groupHeader, verdictChip } from "../parts/results.js";
 
@@ -79,26 +79,21 @@ export class Plots {
       this.root,
       h(
         "div.plot-bar",
-        field(
-          "Against load",
-          choose({
-            value: this.quantity,
-            options: QUANTITIES,
-            onset: (value) => ((this.quantity = value), this.#draw()),
-          }),
-        ),
-        field(
-          "Finger",
-          choose({
-            value: "",
-            options: [["", "all fingers"], ...fingers],
-            onset: (value) => ((this.finger = value), this.#draw()),
-          }),
-        ),
-        field(
-          "Error bars (standard uncertainty)",
-          choose({ value: this.bars, options: BARS, onset: (value) => ((this.bars = value), this.#draw()) }),
-        ),
+        choiceField("Against load", {
+          value: this.quantity,
+          options: QUANTITIES,
+          onset: (value) => ((this.quantity = value), this.#draw()),
+        }),
+        choiceField("Finger", {
+          value: "",
+          options: [["", "all fingers"], ...fingers],
+          onset: (value) => ((this.finger = value), this.#draw()),
+        }),
+        choiceField("Error bars (standard uncertainty)", {
+          value: this.bars,
+          options: BARS,
+          onset: (value) => ((this.bars = value), this.#draw()),
+        }),
         (this.legend = h("div.legend", { "aria-label": "Legend" })),
       ),
       this.grid,
@@ -214,11 +209,7 @@ export class Plots {
     );
   }
 
-  /**
-   * Why there is nothing to plot; empty if there is.
-   *
-   * @param {Answers["PlottedGroup"]} group
-   */
+  /** Why there is nothing to plot; empty if there is. @param {Answers["PlottedGroup"]} group */
   #why({ rows }) {
     const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
     const drawn = [key, ON_LAYER[key], key === QUANTITIES[0][0] && "radius_from_compliance_mm"].filter(

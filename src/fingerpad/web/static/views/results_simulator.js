@@ -2,7 +2,7 @@
 
 import { addressOf, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
-import { field, list, number } from "../parts/forms.js";
+import { list, numberField } from "../parts/forms.js";
 import { groupHeader } from "../parts/results.js";
 import { tableOf } from "../parts/tables.js";
 
@@ -27,23 +27,23 @@ export class Simulator {
           "and the files that are ready to run.",
       ),
       h(
-        "div.plot-bar",
+        "div.filters",
         this.#number("Lowest load", "lowest_load_N", "N"),
         this.#number("Highest load", "highest_load_N", "N"),
         this.#number("Effective mass (MuJoCo)", "mass_kg", "kg"),
-        this.#number("Thickness", "thickness_mm", "mm", "Empty: as the study has it."),
+        this.#number("Thickness", "thickness_mm", "mm", "of the study"),
       ),
       this.cards,
     );
     this.#draw();
   }
 
-  #number(words, key, unit, hint = "") {
+  #number(words, key, unit, placeholder = "") {
     const onset = (value) => {
       this.asked[key] = value;
       this.#draw();
     };
-    return field(words, number({ value: this.asked[key], above: 0, onset }), { unit, hint });
+    return numberField(words, { value: this.asked[key], above: 0, placeholder, onset, unit });
   }
 
   #draw() {

@@ -4,7 +4,7 @@ import { download, get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol, symbolParts } from "../core/glossary.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { button, check, chip, choose, field, synthetic } from "../parts/forms.js";
+import { button, check, chip, choiceField, field, synthetic } from "../parts/forms.js";
 import { tableOf } from "../parts/tables.js";
 
 const LIMIT = 100;
@@ -84,33 +84,27 @@ export class Table {
       h(
         "div.filters",
         field("Search", search),
-        field(
-          "Finger",
-          choose({ options: [["", "all"], ...study.fingers.map(({ name }) => name)], onset: set("finger") }),
-        ),
-        field(
-          "Wedge",
-          choose({
-            options: [["", "all"], ...angles.map((angle) => [String(angle), `${angle}°`])],
-            onset: set("wedge_angle_deg"),
-          }),
-        ),
-        field(
-          "Status",
-          choose({ options: [["", "all"], "measured", "failed", "rejected"], onset: set("status") }),
-        ),
-        field(
-          "Flag",
-          choose({
-            options: [
-              ["", "any"],
-              ...["contact", "scale", "frame"]
-                .flatMap((kind) => Object.keys(study.words?.flags[kind] ?? {}))
-                .map((code) => [code, code.replaceAll("_", " ")]),
-            ],
-            onset: set("flag"),
-          }),
-        ),
+        choiceField("Finger", {
+          options: [["", "all"], ...study.fingers.map(({ name }) => name)],
+          onset: set("finger"),
+        }),
+        choiceField("Wedge", {
+          options: [["", "all"], ...angles.map((angle) => [String(angle), `${angle}°`])],
+          onset: set("wedge_angle_deg"),
+        }),
+        choiceField("Status", {
+          options: [["", "all"], "measured", "failed", "rejected"],
+          onset: set("status"),
+        }),
+        choiceField("Flag", {
+          options: [
+            ["", "any"],
+            ...["contact", "scale", "frame"]
+              .flatMap((kind) => Object.keys(study.words?.flags[kind] ?? {}))
+              .map((code) => [code, code.replaceAll("_", " ")]),
+          ],
+          onset: set("flag"),
+        }),
         check("All columns", { onset: (on) => ((this.all = on), this.#draw()) }),
         h("span.grow"),
         h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),

@@ -57,11 +57,7 @@ export const panesOf = (view, title, words, bar) => [
   ),
 ];
 
-/**
- * The keys of all reviews, and those of one.
- *
- * @param {import("./review.js").Review} view
- */
+/** The keys of all reviews, and those of one. @param {import("./review.js").Review} view */
 export const keysOf = (view, own) => [
   ["Enter", "Accept, next image", () => view.accept()],
   ["ArrowRight .", "Next image", () => view.step(1)],

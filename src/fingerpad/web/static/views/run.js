@@ -5,7 +5,7 @@ import { h, render, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, check, chip, choose, faultList, field, list, withoutOverlap } from "../parts/forms.js";
+import { button, check, chip, choiceField, faultList, list, withoutOverlap } from "../parts/forms.js";
 
 const STATES = {
   idle: "Nothing is running",
@@ -151,14 +151,11 @@ class Run {
               ),
             h(
               "div.run-options",
-              field(
-                "Processes",
-                choose({
-                  value: String(this.workers),
-                  options: ["1", "2", "4", "8"],
-                  onset: (value) => (this.workers = Number(value)),
-                }),
-              ),
+              choiceField("Processes", {
+                value: String(this.workers),
+                options: ["1", "2", "4", "8"],
+                onset: (value) => (this.workers = Number(value)),
+              }),
               check("Re-measure all", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
             ),
             h(

@@ -8,7 +8,17 @@ import { short } from "../core/quantity.js";
 import { adviseCode, workspace } from "../core/workspace.js";
 import { Stage } from "../editor/stage.js";
 import { Line, ThreePoints } from "../editor/tools.js";
-import { button, chip, choose, faultList, field, list, namePattern, segments, text } from "../parts/forms.js";
+import {
+  button,
+  chip,
+  choiceField,
+  faultList,
+  field,
+  list,
+  namePattern,
+  segments,
+  text,
+} from "../parts/forms.js";
 import { definitionOf, lackingOf, startOf, WAYS, wayOf } from "../parts/scale_ways.js";
 import { gridWords, rectification } from "./scale_grid.js";
 import { ScaleImages } from "./scale_images.js";
@@ -183,7 +193,10 @@ class Scales {
       WAYS[this.way].picture &&
         h(
           "section",
-          field("Image", choose({ value: this.file, options, onset: (file) => this.#take(file) }), {
+          choiceField("Image", {
+            value: this.file,
+            options,
+            onset: (file) => this.#take(file),
             hint: WAYS[this.way].picture,
           }),
         ),

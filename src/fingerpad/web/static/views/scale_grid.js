@@ -3,19 +3,21 @@
 import { post } from "../core/api.js";
 import { h } from "../core/dom.js";
 import { toast } from "../core/messages.js";
+import { percent } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button } from "../parts/forms.js";
 
+const few = (share) => percent(share, share < 0.001 ? 2 : 1);
+
 /** @param {NonNullable<ScaleMeasurement["grid"]>} grid */
 export function gridWords(grid) {
-  const percent = (share) => `${(100 * share).toFixed(share < 0.001 ? 2 : 1)} %`;
   return h(
     "dl.grid-words.number",
     [
       ["Points off the plane", `${grid.residual_px.toFixed(2)} px`],
-      ["Sides of a pixel differ by", percent(grid.anisotropy)],
-      ["Scale differs over the grid by", percent(grid.variation)],
-      ["Left once rectified", percent(grid.unevenness)],
+      ["Sides of a pixel differ by", few(grid.anisotropy)],
+      ["Scale differs over the grid by", few(grid.variation)],
+      ["Left once rectified", few(grid.unevenness)],
       ["Once rectified", grid.words.rectified_mm_per_px],
     ].map(([words, value]) => [h("dt", words), h("dd", value)]),
   );
@@ -43,11 +45,7 @@ export function rectification(scale, definition, done, failed) {
         { kind: "scale", key: name, set: { mm_per_px, relative_std } },
         ...images.map(
           ({ item, file }) =>
-            /** @type {Edit} */ ({
-              kind: "observation",
-              key: item,
-              set: { file: files[file], scale: name },
-            }),
+            /** @type {Edit} */ ({ kind: "observation", key: item, set: { file: files[file], scale: name } }),
         ),
       );
     } catch (error) {

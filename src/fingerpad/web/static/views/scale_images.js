@@ -13,12 +13,7 @@ export class ScaleImages {
     this.parts = this.#draw();
   }
 
-  /**
-   * Edits that give a scale to all that are chosen.
-   *
-   * @param {string} name
-   * @returns {Edit[]}
-   */
+  /** Edits that give a scale to all that are chosen. @param {string} name @returns {Edit[]} */
   edits(name) {
     return [...this.takers]
       .filter(([box, { scale }]) => box.checked && scale !== name)

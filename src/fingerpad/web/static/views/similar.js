@@ -4,13 +4,12 @@ import { get, picture, post } from "../core/api.js";
 import { describeChange, withoutDefaults } from "../core/corrections.js";
 import { h, pathOf, render, s } from "../core/dom.js";
 import { openDialog, showError } from "../core/messages.js";
+import { signedPercent } from "../core/quantity.js";
 import { describeCode, who } from "../core/workspace.js";
 import { button } from "../parts/forms.js";
 
 /** Settings that other images may share. */
 export const SHARED = ["dark_on_light", "threshold", "region_of_interest_px", "mask_px"];
-
-const percent = (share) => `${share < 0 ? "−" : "+"}${Math.abs(100 * share).toFixed(1)} %`;
 
 /** One image: its outline now and with the settings. */
 class Card {
@@ -70,7 +69,7 @@ class Card {
       h("p.number", `Area ${then.numbers.words.gross_area_mm2}`),
       h(
         "p.soft.number",
-        now ? `${percent(area(then) / area(now) - 1)} from now` : "No contact is found now.",
+        now ? `${signedPercent(area(then) / area(now) - 1)} from now` : "No contact is found now.",
       ),
       then.flags.length > 0 && h("p.soft", then.flags.map(describeCode).join("; ")),
     );
@@ -96,11 +95,7 @@ class Card {
   }
 }
 
-/**
- * Show all similar images with the settings of an item.
- *
- * @param {string} item
- */
+/** Show all similar images with the settings of an item. @param {string} item */
 export async function applyToSimilar(item) {
   const { settings, images } = await get("/corrections/similar", { item });
   const cards = images.filter(({ differs }) => differs).map((image) => new Card(image, reviewed));

@@ -4,7 +4,7 @@ import { h, render, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
-import { button, choose, faultList, field, number, text } from "../parts/forms.js";
+import { button, choiceField, faultList, field, number, numberField, textField } from "../parts/forms.js";
 import { missingList, SURFACES } from "../parts/missing_fields.js";
 import { axesNotes } from "../parts/stale_axes.js";
 import { NewFiles } from "./new_files.js";
@@ -12,10 +12,7 @@ import { StudyTables } from "./study_tables.js";
 
 class StudyView {
   constructor(root) {
-    this.files = new NewFiles({
-      changed: () => this.update(),
-      showMissing: () => this.#showMissing(),
-    });
+    this.files = new NewFiles({ changed: () => this.update(), showMissing: () => this.#showMissing() });
     this.tables = new StudyTables();
     this.drop = new Drop({
       sent: (files) => {
@@ -25,9 +22,7 @@ class StudyView {
         this.files.root.querySelector("input")?.focus();
       },
     });
-    this.side = h("aside.stack.study-side", {
-      "aria-label": "Missing entries and settings of the study",
-    });
+    this.side = h("aside.stack.study-side", { "aria-label": "Missing entries and settings of the study" });
     this.problems = Object.fromEntries(
       ["study", "uncertainty", "apparatus"].map((key) => [key, h("div", { key })]),
     );
@@ -162,18 +157,15 @@ class StudyView {
         field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°" }),
         field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is 1 %" }),
         field("Poisson's ratio ±", of("poisson_ratio_std", 0.5)),
-        field(
-          "Propagation of uncertainty",
-          choose({
-            value: now.method ?? "first_order",
-            options: [
-              ["first_order", "linear (first order)"],
-              ["monte_carlo", "Monte Carlo"],
-            ],
-            onset: (value) => this.#change("uncertainty", { method: value }),
-          }),
-          { wide: true },
-        ),
+        choiceField("Propagation of uncertainty", {
+          value: now.method ?? "first_order",
+          options: [
+            ["first_order", "linear (first order)"],
+            ["monte_carlo", "Monte Carlo"],
+          ],
+          onset: (value) => this.#change("uncertainty", { method: value }),
+          wide: true,
+        }),
       ),
       this.problems.uncertainty,
     );
@@ -192,14 +184,18 @@ class StudyView {
         h(
           "div.fields.two",
           APPARATUS.map(([key, words, example]) =>
-            field(words, text({ value: now[key], placeholder: example, onset: onset(key) }), { wide: true }),
+            textField(words, { value: now[key], placeholder: example, onset: onset(key), wide: true }),
           ),
-          field(
-            "Velocity of approach",
-            number({ value: now.approach_mm_per_s, min: 0, onset: onset("approach_mm_per_s") }),
-            { unit: "mm/s" },
-          ),
-          field("Dwell before the image", number({ value: now.dwell_s, min: 0, onset: onset("dwell_s") }), {
+          numberField("Velocity of approach", {
+            value: now.approach_mm_per_s,
+            min: 0,
+            onset: onset("approach_mm_per_s"),
+            unit: "mm/s",
+          }),
+          numberField("Dwell before the image", {
+            value: now.dwell_s,
+            min: 0,
+            onset: onset("dwell_s"),
             unit: "s",
           }),
         ),
@@ -216,29 +212,23 @@ class StudyView {
       h("header", h("h2", "Settings")),
       h(
         "div.fields.two",
-        field(
-          "Title",
-          text({ value: study.title, onset: (title) => title && this.#change("study", { title }) }),
-          { wide: true },
-        ),
-        field(
-          "Poisson's ratio",
-          number({
-            value: study.poisson_ratio,
-            placeholder: "0.5",
-            min: 0,
-            max: 0.5,
-            onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }),
-          }),
-        ),
-        field(
-          "Contact surface",
-          choose({
-            value: study.surface,
-            options: SURFACES,
-            onset: (surface) => this.#change("study", { surface }),
-          }),
-        ),
+        textField("Title", {
+          value: study.title,
+          onset: (title) => title && this.#change("study", { title }),
+          wide: true,
+        }),
+        numberField("Poisson's ratio", {
+          value: study.poisson_ratio,
+          placeholder: "0.5",
+          min: 0,
+          max: 0.5,
+          onset: (value) => value !== null && this.#change("study", { poisson_ratio: value }),
+        }),
+        choiceField("Contact surface", {
+          value: study.surface,
+          options: SURFACES,
+          onset: (surface) => this.#change("study", { surface }),
+        }),
       ),
       study.description && h("details", h("summary", "Description"), h("p.soft", study.description)),
       this.problems.study,

@@ -66,10 +66,7 @@ export class ContactTable {
     );
   }
 
-  /**
-   * @param {Observation} one
-   * @param {boolean} rolled
-   */
+  /** @param {Observation} one @param {boolean} rolled */
   #observation(one, rolled) {
     const set = (key) => (value) => this.tables.change("observation", one.item, { [key]: value });
     const num = (key, words, more) =>

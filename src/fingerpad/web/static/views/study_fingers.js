@@ -82,11 +82,7 @@ export class FingerTable {
               kind: "small",
               label: `Semi-axes of ${name}`,
             }),
-          button("✎", () => this.#rename(finger), {
-            kind: "icon",
-            label: `Rename ${name}`,
-            title: "Rename",
-          }),
+          button("✎", () => this.#rename(finger), { kind: "icon", label: `Rename ${name}`, title: "Rename" }),
           this.tables.removal("finger", name, name, name),
         ),
       ),

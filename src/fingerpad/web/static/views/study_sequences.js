@@ -6,10 +6,7 @@ import { choose, number, synthetic } from "../parts/forms.js";
 import { scaleChoice } from "../parts/scale_ways.js";
 import { card, cell, row, statusChip, table } from "../parts/tables.js";
 
-/**
- * @param {import("./study_tables.js").StudyTables} tables
- * @param {Sequence[]} sequences
- */
+/** @param {import("./study_tables.js").StudyTables} tables @param {Sequence[]} sequences */
 export function sequenceTable(tables, sequences) {
   return card(
     "Sequences",
@@ -23,10 +20,7 @@ export function sequenceTable(tables, sequences) {
   );
 }
 
-/**
- * @param {import("./study_tables.js").StudyTables} tables
- * @param {Sequence} one
- */
+/** @param {import("./study_tables.js").StudyTables} tables @param {Sequence} one */
 function sequenceRow(tables, one) {
   const set = (key) => (value) => tables.change("sequence", one.name, { [key]: value });
   const files = workspace.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);

@@ -1,0 +1,23 @@
+// Pointers and keys, as several controls hear them.
+
+/** Rows and columns by which an arrow key moves. */
+export const ARROWS = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] };
+
+/**
+ * Follow a pointer from its press on a node until it is released.
+ *
+ * @param {Element} node
+ * @param {PointerEvent} press
+ * @param {{ move: (event: PointerEvent) => void, end?: () => void }} then
+ */
+export function drag(node, press, { move, end }) {
+  press.preventDefault();
+  node.setPointerCapture(press.pointerId);
+  const stop = () => {
+    node.removeEventListener("pointermove", move);
+    for (const kind of ["pointerup", "pointercancel"]) node.removeEventListener(kind, stop);
+    end?.();
+  };
+  node.addEventListener("pointermove", move);
+  for (const kind of ["pointerup", "pointercancel"]) node.addEventListener(kind, stop);
+}
