@@ -37,7 +37,7 @@ from fingerpad.web.run_job import RunJob
 
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
-# Where an incomplete contact is measured: no model may use them.
+# Where an incomplete contact, or a new file, is measured: no model may use them.
 PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0, "load_N": 1}
 Drafted = TypeVar("Drafted", bound=ManifestModel)
 # Files and folders, each with what changes with it; None where it is not there.
