@@ -56,7 +56,7 @@ router = study_router()
 _PREPARED: Final[Cache[PreparedContactImage]] = Cache(12, lambda _: 1)
 _AUTOMATIC: Final[Cache[tuple[ContactImageResult | None, str | None]]] = Cache(50, lambda _: 1)
 _SETTINGS: Final[Cache[SequenceSettings | None]] = Cache(50, lambda _: 1)
-# A sequence may have thousands of frames; some of them suffice to estimate its settings.
+# A sequence may have thousands of frames: some of them suffice to estimate its settings.
 _SAMPLED_FRAMES: Final = 200
 
 
