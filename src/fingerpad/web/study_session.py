@@ -23,6 +23,7 @@ from fingerpad.study.manifest import (
     LoadedStudy,
     Observation,
     Photograph,
+    ScaleKey,
     Study,
     load_study,
 )
@@ -38,7 +39,7 @@ from fingerpad.web.run_job import RunJob
 _MOST_FILES: Final = 100_000
 _TIMEOUT_S: Final = 30.0
 # Where an incomplete contact, or a new file, is measured: no model may use them.
-PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0, "load_N": 1}
+_PLACEHOLDERS: Final[Mapping[str, Any]] = {"finger": "none", "wedge_angle_deg": 0, "load_N": 1}
 Drafted = TypeVar("Drafted", bound=ManifestModel)
 # Files and folders, each with what changes with it; None where it is not there.
 Stamps: TypeAlias = dict[Path, tuple[int, int, int] | None]
@@ -187,7 +188,7 @@ class StudySession:
             raise RequestError.not_there(f"no {kind} with a picture is named {name[:80]!r}")
         if not content.get("scale"):
             raise RequestError.impossible("state the scale of the picture")
-        needed = {key: value for key, value in PLACEHOLDERS.items() if key in model.model_fields}
+        needed = {key: value for key, value in _PLACEHOLDERS.items() if key in model.model_fields}
         if model is ContactSequence:
             content = {"force": "", **content}
         return validated(model, {**content, **needed, "name": name}, name, strict=False)
@@ -337,6 +338,11 @@ class StudySession:
             return None
         inside = real.is_relative_to(self.folder.resolve()) and not real.is_relative_to(self.out.resolve())
         return path if inside else None
+
+
+def contact_of_file(file: str, scale: ScaleKey) -> Observation:
+    """Return a new file as a contact image, which no model may use either."""
+    return Observation(name="new", file=file, scale=scale, **_PLACEHOLDERS)
 
 
 def frame_of(item: str) -> tuple[str, str, str]:

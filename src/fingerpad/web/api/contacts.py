@@ -27,7 +27,7 @@ from fingerpad.study.corrections.apply import (
     prepared_contact,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, ScaleKey
+from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, ScaleKey
 from fingerpad.study.measuring.contacts import (
     IMPLAUSIBLE_SIZE,
     Measurement,
@@ -49,7 +49,7 @@ from fingerpad.web.api.scales import scale_of
 from fingerpad.web.errors import RequestError
 from fingerpad.web.last_results import item_row, known_finger, last_headlines, last_results
 from fingerpad.web.pictures import Cache, ImageLocation
-from fingerpad.web.study_session import PLACEHOLDERS, StudySession, frame_of
+from fingerpad.web.study_session import StudySession, contact_of_file, frame_of
 
 router = study_router()
 
@@ -240,7 +240,7 @@ def _contact(opened: StudySession, params: ContactParams) -> tuple[Contact, bool
         if params.scale is None:
             raise RequestError.impossible(f"{item}: state its scale")
         file = item.removeprefix("file:")
-        contact, complete = Observation(name="new", file=file, scale=params.scale, **PLACEHOLDERS), False
+        contact, complete = contact_of_file(file, params.scale), False
     else:
         contact, complete = opened.contact(item)
     scale = contact.scale if params.scale is None else params.scale
