@@ -652,6 +652,9 @@ class Study(ManifestModel):
 
     def taken_as_exact(self) -> list[str]:
         """Name what results take as exact, since the manifest gives no uncertainty of it."""
+        return list(self._exact())
+
+    def _exact(self) -> Iterator[str]:
         common = self.uncertainty
         stds = {
             "the wedge angle": common.wedge_deg_std,
@@ -659,33 +662,21 @@ class Study(ManifestModel):
             "the load": common.load_std,
             "Poisson's ratio": common.poisson_ratio_std,
         }
-        used = dict.fromkeys(self.named_scales())
-        own = (scale for scale in self.scales_in_use() if isinstance(scale, ManifestModel))
-        return [
-            *(words for words, std in stds.items() if not std),
-            *(
-                f"the effective thickness of {finger.name}"
-                for finger in self.fingers
-                if finger.effective_thickness_mm is not None and finger.effective_thickness_mm_std is None
-            ),
-            *(
-                f"the scale of the outlines of {finger.name}"
-                for finger in self.fingers
-                if any(
-                    one.outline and one.scale is None and not one.outline_relative_std
-                    for one in finger.photographs
-                )
-            ),
-            *(
-                f"R_g of {curve.finger} at {curve.wedge_angle_deg:g}°"
-                for curve in self.curves
-                if curve.loading_radius_mm is not None and not curve.loading_radius_mm_std
-            ),
-            *(
-                ["the stage of loading curves (rigid)"]
-                if any(curve.file and curve.stage_compliance_mm_per_N is None for curve in self.curves)
-                else []
-            ),
-            *(f"the scale “{name}”" for name in used if is_exact(self.scales[name])),
-            *(["scales of single pictures"] if any(map(is_exact, own)) else []),
-        ]
+        yield from (words for words, std in stds.items() if not std)
+        for finger in self.fingers:
+            if finger.effective_thickness_mm is not None and finger.effective_thickness_mm_std is None:
+                yield f"the effective thickness of {finger.name}"
+        for finger in self.fingers:
+            outlines = [one for one in finger.photographs if one.outline and one.scale is None]
+            if not all(one.outline_relative_std for one in outlines):
+                yield f"the scale of the outlines of {finger.name}"
+        for curve in self.curves:
+            if curve.loading_radius_mm is not None and not curve.loading_radius_mm_std:
+                yield f"R_g of {curve.finger} at {curve.wedge_angle_deg:g}°"
+        if any(curve.file and curve.stage_compliance_mm_per_N is None for curve in self.curves):
+            yield "the stage of loading curves (rigid)"
+        for name in dict.fromkeys(self.named_scales()):
+            if is_exact(self.scales[name]):
+                yield f"the scale “{name}”"
+        if any(isinstance(one, ManifestModel) and is_exact(one) for one in self.scales_in_use()):
+            yield "scales of single pictures"

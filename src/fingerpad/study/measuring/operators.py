@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -15,7 +15,7 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, in_study
-from fingerpad.study.manifest import Observation
+from fingerpad.study.manifest import Observation, ScaleKey
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 from fingerpad.uncertainty import Agreement, agreement
@@ -32,10 +32,10 @@ class OperatorPair:
     second_operator: str
     synthetic: bool
     # By the names of `QUANTITIES`, empty where a measurement failed.
-    first: dict[str, float]
-    second: dict[str, float]
-    iou: float | None  # of the two regions
-    reason: str | None
+    first: dict[str, float] = field(default_factory=dict)
+    second: dict[str, float] = field(default_factory=dict)
+    iou: float | None = None  # of the two regions
+    reason: str | None = None
 
     def as_record(self) -> dict[str, object]:
         """Return it as a line of ``second_operator.csv``."""
@@ -64,12 +64,36 @@ def operator_pairs(context: RunContext, store: Store, executor: Executor) -> lis
 
     What either rejected is left out, and what the first has not looked at; so is a second look by the first.
     """
-    tasks = list(_tasks(context))
+    outlined = list(_outlined(context))
+    tasks = [
+        Task(
+            name=f"/second operator {observation.name}",  # no item's name begins like this
+            item=observation.name,
+            file=observation.file or "",
+            key=context.key(observation, one.edits, other.edits),
+            work=partial(_compare, observation, context.scale(scale), one, other),
+            inputs=context.inputs_of(observation),
+            pictures=0,
+        )
+        for observation, scale, one, other in outlined
+    ]
     records = records_of(tasks, executor, store, context.folder)
-    return [_pair(task.item, record, context) for task, record in zip(tasks, records, strict=True)]
+    return [
+        OperatorPair(
+            observation=observation.name,
+            first_operator=context.active_corrections[observation.name].who,
+            second_operator=context.second_operator[observation.name].who,
+            synthetic=observation.synthetic,
+            **record,
+        )
+        for (observation, *_), record in zip(outlined, records, strict=True)
+    ]
 
 
-def _tasks(context: RunContext) -> Iterator[Task]:
+def _outlined(
+    context: RunContext,
+) -> Iterator[tuple[Observation, ScaleKey, ContactCorrection, ContactCorrection]]:
+    """Yield contact images with their scale and what two persons made of them."""
     for observation in context.study.observations:
         name = observation.name
         first, second = context.active_corrections.get(name), context.second_operator.get(name)
@@ -79,17 +103,8 @@ def _tasks(context: RunContext) -> Iterator[Task]:
         assert isinstance(one, ContactCorrection)  # the items' own rule
         assert isinstance(other, ContactCorrection)
         looked = (each.accepted or each.edits for each in (one, other))
-        if first.who == second.who or one.rejected or other.rejected or not all(looked):
-            continue
-        yield Task(
-            name=f"/second operator {name}",  # no item's name begins like this
-            item=name,
-            file=observation.file,
-            key=context.key(observation, one.edits, other.edits),
-            work=partial(_compare, observation, context.scale(observation.scale), one, other),
-            inputs=context.inputs_of(observation),
-            pictures=0,
-        )
+        if first.who != second.who and not (one.rejected or other.rejected) and all(looked):
+            yield observation, observation.scale, one, other
 
 
 def _compare(
@@ -113,20 +128,6 @@ def _compare(
     return record | {"iou": np.count_nonzero(both) / np.count_nonzero(either)}
 
 
-def _pair(name: str, record: Record, context: RunContext) -> OperatorPair:
-    observation = next(each for each in context.study.observations if each.name == name)
-    return OperatorPair(
-        observation=name,
-        first_operator=context.active_corrections[name].who,
-        second_operator=context.second_operator[name].who,
-        synthetic=observation.synthetic,
-        first=record.get("first", {}),
-        second=record.get("second", {}),
-        iou=record.get("iou"),
-        reason=record.get("reason"),
-    )
-
-
 QUANTITY_WORDS: Final = dict(
     zip(QUANTITIES, ("semi-major axis", "semi-minor axis", "gross area A", "ridge area"), strict=True)
 )
@@ -145,11 +146,8 @@ class OperatorAgreement:
     @property
     def operators(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Who was first, and who second."""
-        first, second = (
-            {one.first_operator for one in self.pairs},
-            {one.second_operator for one in self.pairs},
-        )
-        return tuple(sorted(first)), tuple(sorted(second))
+        first, second = zip(*((one.first_operator, one.second_operator) for one in self.pairs), strict=True)
+        return tuple(sorted(set(first))), tuple(sorted(set(second)))
 
 
 def operator_agreement(pairs: Sequence[OperatorPair]) -> list[OperatorAgreement]:

@@ -76,13 +76,6 @@ class FrameOverlay(NamedTuple):
     file: str
 
 
-class SequenceOverview(NamedTuple):
-    """What the frames of a sequence come to."""
-
-    summary: SequenceSummary
-    chosen: Mapping[str, int]  # frames worth drawing, by role
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SequenceImages:
     """The pictures of a sequence.
@@ -161,11 +154,18 @@ class SequenceImages:
     def _measured(self, contact_image: ContactImageResult) -> Measurement:
         return from_contact_image(contact_image, self.sequence, self.found)
 
-    def draw(self, settings: SequenceSettings, overview: SequenceOverview, folder: Path, out: Path) -> Record:
-        """Draw the chosen frames, each once, and return what there is to be said of the sequence."""
+    def draw(
+        self,
+        settings: SequenceSettings,
+        summary: SequenceSummary,
+        chosen: Mapping[str, int],
+        folder: Path,
+        out: Path,
+    ) -> Record:
+        """Draw frames chosen for their roles, each once, and return what the sequence comes to."""
         frames = open_frames(folder / self.sequence.file)
         overlays: dict[int, FrameOverlay] = {}
-        for role, index in overview.chosen.items():
+        for role, index in chosen.items():
             if index in overlays:
                 continue
             file = f"overlays/sequences/{file_stem(self.sequence.name)}_frame_{index:06d}.png"
@@ -177,7 +177,4 @@ class SequenceImages:
             assert contact_image is not None
             make_folder((out / file).parent)
             write_overlay(out / file, frame.pixels, contact_image, label=label)
-        return {
-            "summary": to_record(overview.summary),
-            "overlays": to_record(list(overlays.values())),
-        }
+        return {"summary": to_record(summary), "overlays": to_record(list(overlays.values()))}

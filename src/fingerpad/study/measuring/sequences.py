@@ -51,7 +51,6 @@ from fingerpad.study.measuring.sequence_tasks import (
     TIMING,
     FrameOverlay,
     SequenceImages,
-    SequenceOverview,
     frame_count,
     header_task,
 )
@@ -195,7 +194,7 @@ class OpenedSequence:
             replace(self._task(_FRAMES, partial(measure, piece), piece), pictures=piece[1] - piece[0])
             for piece in self.pieces
         ]
-        draw = partial(images.draw, settings, _overview_of(self.placed(), self.force))
+        draw = partial(images.draw, settings, *_summary_of(self.placed(), self.force))
         yield [replace(self._task("", draw), name=self.sequence.name, key=key)]
 
     def _task(self, stage: str, work: Work, piece: tuple[int, int] | None = None) -> Task:
@@ -391,8 +390,8 @@ def _good(context: RunContext, task: str, key: str) -> Record:
     return record
 
 
-def _overview_of(placed: Iterator[FrameResult], force: ForceSignal) -> SequenceOverview:
-    """Return what the frames come to, and the few that are worth drawing."""
+def _summary_of(placed: Iterator[FrameResult], force: ForceSignal) -> tuple[SequenceSummary, dict[str, int]]:
+    """Return what the frames come to, and the few that are worth drawing, by their roles."""
     chosen: dict[str, int] = {}
     largest_load = -math.inf
 
@@ -412,7 +411,7 @@ def _overview_of(placed: Iterator[FrameResult], force: ForceSignal) -> SequenceO
             first_contact_displacement(force)
         except LoadingError as error:
             summary = replace(summary, notes=(*summary.notes, f"{error}: frames have no indentation"))
-    return SequenceOverview(summary, chosen)
+    return summary, chosen
 
 
 def _clock(sequence: ContactSequence, frames: Frames, force: ForceSignal, folder: Path) -> FrameClock:
