@@ -14,10 +14,7 @@ from fingerpad.study.results.validity.model_checks import (
     NOT_TESTED,
     STRAINED,
     ValidityCheck,
-    compare_difference,
-    compare_ratio,
     judge_together,
-    known_error,
     model_discrepancy,
     overall_verdict,
     p_value_of,
@@ -25,9 +22,11 @@ from fingerpad.study.results.validity.model_checks import (
     verdict_of_error,
 )
 
+CHECK = ValidityCheck(name="n", compared="n", quantities=("E",))
+
 
 def ratio(value: float, std: float, reference: float, reference_std: float) -> ValidityCheck:
-    return compare_ratio("r", "r", ["r"], (value, std), (reference, reference_std))
+    return CHECK.of_ratio((value, std), (reference, reference_std))
 
 
 @pytest.mark.parametrize(
@@ -52,7 +51,7 @@ def test_a_verdict_needs_probability_and_size(p_value: float, size: float, std: 
 def test_known_errors_count_in_factors() -> None:
     assert [verdict_of_error(size) for size in (0.05, 0.051, 0.2, 0.21)] == [HOLDS, STRAINED, STRAINED, FAILS]
     # A third too small is as wrong as half too large.
-    low, high = known_error("e", "e", [], 1.0, 1.21), known_error("e", "e", [], 1.21, 1.0)
+    low, high = CHECK.of_known_error(1.0, 1.21, ""), CHECK.of_known_error(1.21, 1.0, "")
     assert low.verdict == high.verdict == FAILS
     assert low.relative_difference == pytest.approx(1 / 1.21 - 1)
     assert math.isnan(low.p_value)
@@ -81,9 +80,7 @@ def test_shared_errors_cancel() -> None:
     shared, own = rng.normal(0, 0.2, 2000), rng.normal(0, 0.02, (2, 2000))
     first, second = np.exp(shared + own)
     found = [
-        compare_ratio(
-            "r", "r", ["r"], (a, 0.201 * a), (b, 0.201 * b), log_std=math.hypot(0.02, 0.02)
-        ).deviations
+        CHECK.of_ratio((a, 0.201 * a), (b, 0.201 * b), log_std=math.hypot(0.02, 0.02)).deviations
         for a, b in zip(first, second, strict=True)
     ]
     assert np.std(found) == pytest.approx(1.0, abs=0.05)
@@ -104,14 +101,14 @@ def test_exact_values_differ_for_certain_or_not_at_all() -> None:
 
 @pytest.mark.parametrize(("value", "verdict"), [(0.4, FAILS), (2 / 3, HOLDS)])
 def test_exact_exponents_differ_for_certain_or_not_at_all(value: float, verdict: str) -> None:
-    check = compare_difference("n", "n", ["E"], (value, 0.0), (2 / 3, 0.0), effect=-2.0)
+    check = CHECK.of_difference((value, 0.0), 2 / 3, effect=-2.0)
     assert (check.verdict, check.p_value) == (verdict, 0.0 if verdict == FAILS else 1.0)
 
 
 def test_small_samples_are_judged_by_t() -> None:
     assert p_value_of(12.706, 1) == pytest.approx(0.05, abs=1e-4)
-    one = compare_difference("n", "n", ["n"], (0.4, 0.05), (2 / 3, 0.0), effect=-3.0)
-    few = compare_difference("n", "n", ["n"], (0.4, 0.05), (2 / 3, 0.0), effect=-3.0, degrees_of_freedom=1)
+    one = CHECK.of_difference((0.4, 0.05), 2 / 3, effect=-3.0)
+    few = CHECK.of_difference((0.4, 0.05), 2 / 3, effect=-3.0, degrees_of_freedom=1)
     assert (one.verdict, few.verdict) == (FAILS, NOT_TESTED)
     assert one.relative_difference == pytest.approx(math.exp(0.8) - 1)
 
@@ -147,9 +144,7 @@ def test_several_checks_share_the_chance_of_a_false_alarm() -> None:
 
 def test_evidence_of_one_check_is_not_lost_by_adding_others_that_agree() -> None:
     """An exponent over four contacts, then with the comparisons that a loading curve adds."""
-    growth = compare_difference(
-        "n", "n", ["E"], (0.13, 0.06), (2 / 3, 0.0), effect=-3.1, degrees_of_freedom=2, effect_on="E"
-    )
+    growth = CHECK.of_difference((0.13, 0.06), 2 / 3, effect=-3.1, degrees_of_freedom=2, effect_on="E")
     alone = judge_together([growth, *(named(ratio(10.0, 0.1, 10.0, 0.1), f"{k}") for k in range(2))])
     agreeing = [named(ratio(10.0, 0.1, 30.0, 0.3), f"with curve {k}") for k in range(3)]
     more = judge_together([*alone, *agreeing])

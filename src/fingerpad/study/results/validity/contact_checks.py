@@ -1,7 +1,8 @@
 """The contact's area over loads, shape and size against those of Hertz theory."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.flags import FLAGS
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.study.results.pooling import PressSlope, area_noise, edges_of, items_of
-from fingerpad.study.results.table import Indices
+from fingerpad.study.results.table import Indices, Row
 from fingerpad.study.results.validity.model_checks import (
     HEADLINES,
     HERTZ_EXPONENT,
@@ -26,10 +27,6 @@ from fingerpad.study.results.validity.model_checks import (
     UNITS,
     FingerAtAngle,
     ValidityCheck,
-    compare_difference,
-    compare_ratio,
-    known_error,
-    missing,
     p_value_of,
 )
 from fingerpad.uncertainty import pad_model, propagate
@@ -37,11 +34,13 @@ from fingerpad.units import KPA_PER_MPA
 
 GROWTH: Final = "area_against_load"
 _FALL: Final = "area_falls"
-_WORDS: Final = {
-    GROWTH: "exponent n of A ∝ Wⁿ, and 2/3 of Hertz theory",
-    _FALL: "area over that at a lower load, where it falls most significantly",
+_OVER_LOADS: Final = {
+    name: ValidityCheck(name=name, compared=words, quantities=(MODULUS, INDENTATION))
+    for name, words in (
+        (GROWTH, "exponent n of A ∝ Wⁿ, and 2/3 of Hertz theory"),
+        (_FALL, "area over that at a lower load, where it falls most significantly"),
+    )
 }
-_OVER_LOADS: Final = (MODULUS, INDENTATION)
 _OF_MODULUS: Final = -1.5  # E ∝ W A^−3/2
 _EFFECT_ON: Final = "E"
 _LEAST_STD: Final = 1e-6  # areas and loads taken as exact are known to rounding
@@ -65,7 +64,7 @@ def area_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     seen = _areas_of(case)
     if not seen.load.size or np.ptp(seen.load) < -math.log(SAME_LOAD):
         why = "all contacts that count are at one load" if seen.load.size else NOTHING_COUNTS
-        yield from (missing(name, words, _OVER_LOADS, why) for name, words in _WORDS.items())
+        yield from (check.untested(why) for check in _OVER_LOADS.values())
         return
     yield _growth(seen)
     yield _largest_fall(seen)
@@ -94,12 +93,9 @@ def _growth(seen: _Areas) -> ValidityCheck:
         scatters = presses.scatter_std > presses.own_std
         own = max(presses.scatter_std, presses.own_std) ** 2
     std = math.sqrt(own + sum(float(slope @ edge) ** 2 for edge in seen.edges))
-    return compare_difference(
-        GROWTH,
-        _WORDS[GROWTH],
-        _OVER_LOADS,
+    return _OVER_LOADS[GROWTH].of_difference(
         (value, std),
-        (HERTZ_EXPONENT, 0.0),
+        HERTZ_EXPONENT,
         effect=_OF_MODULUS * float(np.ptp(seen.load)),
         effect_on=_EFFECT_ON,
         degrees_of_freedom=freedom if scatters else math.inf,
@@ -135,20 +131,12 @@ def _largest_fall(seen: _Areas) -> ValidityCheck:
     std = np.sqrt(seen.own[lower] ** 2 + seen.own[upper] ** 2 + shared)
     worst = int(np.argmin(grown / np.maximum(std, np.finfo(float).tiny))) if grown.size else -1
     if worst < 0 or grown[worst] >= 0:
-        return ValidityCheck(
-            name=_FALL,
-            compared=_WORDS[_FALL],
-            quantities=_OVER_LOADS,
-            verdict=HOLDS,
-            note="no area is smaller than one at a lower load",
-        )
+        return replace(_OVER_LOADS[_FALL], verdict=HOLDS, note="no area is smaller than one at a lower load")
     deviations, ends = float(grown[worst] / std[worst]), (load[lower[worst]], load[upper[worst]])
     change = _OF_MODULUS * float(grown[worst]) + (ends[1] - ends[0])  # of ln E
     ratio = math.exp(grown[worst])
-    return ValidityCheck(
-        name=_FALL,
-        compared=_WORDS[_FALL],
-        quantities=_OVER_LOADS,
+    return replace(
+        _OVER_LOADS[_FALL],
         value=ratio,
         value_std=ratio * float(std[worst]),
         reference=1.0,
@@ -192,14 +180,25 @@ def _by_level(seen: _Areas) -> _Areas:
     )
 
 
-_SHAPE: Final = "length along the finger over that across, and of Hertz theory for the pad"
+_SHAPE: Final = ValidityCheck(
+    name="shape",
+    compared="length along the finger over that across, and of Hertz theory for the pad",
+    quantities=HEADLINES,
+)
 _NO_DIRECTION: Final = "the contact's direction is not known: only its aspect ratio is compared"
-_BETTER: Final = {
-    "half_space": "Hertz theory and the whole pad on a half-space",
-    "layer": "Hertz theory and the whole pad on tissue over bone",
+_OF_SIZE: Final = {
+    kind: {
+        name: ValidityCheck(
+            name=f"{name.rsplit('_', 1)[0]}_on_{kind}",
+            compared=f"{symbol} of Hertz theory and the whole pad on {words}",
+            quantities=of,
+            unit=UNITS[name],
+        )
+        # A/(πξ) is as wrong as ξ.
+        for name, symbol, of in ((MODULUS, "E", (MODULUS,)), (INDENTATION, "ξ", (INDENTATION, RADIUS)))
+    }
+    for kind, words in (("half_space", "a half-space"), ("layer", "tissue over bone"))
 }
-# A/(πξ) is as wrong as ξ.
-_OF_SIZE: Final = {MODULUS: ("E", (MODULUS,)), INDENTATION: ("ξ", (INDENTATION, RADIUS))}
 # Sizes of the contact, from small to its own, at which the error is known or not.
 _SIZES: Final = np.linspace(0.02, 1.0, 50)
 
@@ -216,14 +215,11 @@ class Shape(NamedTuple):
     predicted_std: float
     known: bool
 
-    def check(self, name: str, compared: str, quantities: tuple[str, ...], predicted: float) -> ValidityCheck:
+    def against(self, predicted: float, check: ValidityCheck) -> ValidityCheck:
         """Compare what was measured with a prediction, which is as uncertain as that of Hertz theory."""
         ratio = math.exp(self.measured if self.known else math.copysign(self.measured, predicted))
         expected = math.exp(predicted)
-        return compare_ratio(
-            name,
-            compared,
-            quantities,
+        return check.of_ratio(
             (ratio, ratio * self.std),
             (expected, expected * self.predicted_std),
             note="" if self.known else _NO_DIRECTION,
@@ -260,25 +256,22 @@ def measured_shape(case: FingerAtAngle) -> Shape | None:
 def contact_shape_check(case: FingerAtAngle) -> ValidityCheck:
     """Compare the contact's length along the finger over that across with Hertz theory for the pad."""
     shape = measured_shape(case)
-    if shape is None:
-        return missing("shape", _SHAPE, HEADLINES, NOTHING_COUNTS)
-    return shape.check("shape", _SHAPE, HEADLINES, shape.predicted)
+    return _SHAPE.untested(NOTHING_COUNTS) if shape is None else shape.against(shape.predicted, _SHAPE)
 
 
 def size_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     """Yield the error of Hertz theory for the contact's size, by the laws of the whole pad."""
     row, thickness = case.highest_row, case.pad.effective_thickness or case.pad.pad_thickness
-    for kind, words in _BETTER.items():
+    for kind, checks in _OF_SIZE.items():
         if row is None or (kind == "layer" and thickness is None):
             why = NOTHING_COUNTS if row is None else "no thickness of the tissue is stated"
-            for name, (symbol, of) in _OF_SIZE.items():
-                yield missing(f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {words}", of, why)
-            continue
-        yield from _errors(case, row, kind, thickness if kind == "layer" else None)
+            yield from (check.untested(why) for check in checks.values())
+        else:
+            yield from _errors(case, row, checks, thickness if kind == "layer" else None)
 
 
 def _errors(
-    case: FingerAtAngle, row: dict[str, float], kind: str, thickness: float | None
+    case: FingerAtAngle, row: Row, checks: Mapping[str, ValidityCheck], thickness: float | None
 ) -> Iterator[ValidityCheck]:
     """Yield the errors of E and ξ at the contact's load and area, or at the largest area with a law."""
     area = math.pi * row["semi_major_mm"] * row["semi_minor_mm"]
@@ -298,28 +291,17 @@ def _errors(
     if thickness is not None:
         a = math.sqrt(area / math.pi)
         size = f"a/t = {a / thickness:.2f}, ξ/t = {row[INDENTATION] / thickness:.2f}"
-    flag = str(better.flags[-1])
-    known = np.flatnonzero(better.flag_code == 0)
-    for name, (symbol, of) in _OF_SIZE.items():
-        check, compared = f"{name.rsplit('_', 1)[0]}_on_{kind}", f"{symbol} of {_BETTER[kind]}"
-        if not known.size:
-            yield missing(check, compared, of, f"{size}; {FLAGS['layer'][flag].words}")
-            continue
-        last = known[-1]
-        power, exact = (-1.5, better.load) if name == MODULUS else (1.0, better.indentation)
-        factor = KPA_PER_MPA * (1 - case.study.poisson_ratio**2) * row["load_N"]
-        yield known_error(
-            check,
-            compared,
-            of,
-            row[name] * _SIZES[last] ** power,
-            factor / float(exact[last]) if name == MODULUS else float(exact[last]),
-            unit=UNITS[name],
-            note=f"{size}: {FLAGS['layer'][flag].words}; {_at_end(row, _SIZES[last])}" if flag else size,
+    flag, known = str(better.flags[-1]), np.flatnonzero(better.flag_code == 0)
+    if not known.size:
+        yield from (check.untested(f"{size}; {FLAGS['layer'][flag].words}") for check in checks.values())
+        return
+    last, share = known[-1], _SIZES[known[-1]]
+    if flag:  # the contact's own size is out of the range of the laws
+        ratio = row["contact_radius_ratio"] * math.sqrt(share)
+        size += (
+            f": {FLAGS['layer'][flag].words}; both are of the largest in range, a/R = {ratio:.2f}, under "
+            "this load, so at least this"
         )
-
-
-def _at_end(row: dict[str, float], area_share: float) -> str:
-    """Return of which contact the values are where the contact's own is out of the range of the laws."""
-    ratio = row["contact_radius_ratio"] * math.sqrt(area_share)
-    return f"both are of the largest in range, a/R = {ratio:.2f}, under this load, so at least this"
+    exact = KPA_PER_MPA * (1 - case.study.poisson_ratio**2) * row["load_N"] / float(better.load[last])
+    yield checks[MODULUS].of_known_error(row[MODULUS] * share**-1.5, exact, size)
+    yield checks[INDENTATION].of_known_error(row[INDENTATION] * share, float(better.indentation[last]), size)

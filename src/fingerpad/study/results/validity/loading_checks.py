@@ -30,16 +30,17 @@ from fingerpad.study.results.validity.model_checks import (
     UNITS,
     FingerAtAngle,
     ValidityCheck,
-    compare_ratio,
-    missing,
 )
 from fingerpad.uncertainty import pool, pool_random_effects
 from fingerpad.units import KPA_PER_MPA
 
-_WORDS: Final = {
-    RADIUS: "A/(πξ) of Hertz theory for the pad, and R_g from loading data",
-    MODULUS: "E from load and area, and from load and indentation",
-    INDENTATION: "ξ from the area, and of the loading data",
+_CHECKS: Final = {
+    name: ValidityCheck(name=ROUTES[name], compared=words, quantities=(name,), unit=UNITS[name])
+    for name, words in (
+        (RADIUS, "A/(πξ) of Hertz theory for the pad, and R_g from loading data"),
+        (MODULUS, "E from load and area, and from load and indentation"),
+        (INDENTATION, "ξ from the area, and of the loading data"),
+    )
 }
 _TAKEN_AS_EXACT: Final = "R_g has no stated uncertainty and is taken as exact"
 _SAME_COMPARISON: Final = "from area and R_g, so the same comparison as that of the radius"
@@ -66,25 +67,17 @@ def without_misfit(loading: LoadingRadius) -> tuple[tuple[float, float], str]:
     return (loading.value, _without(loading.std, loading.misfit_std)), ""
 
 
-def _missing(name: str, why: str) -> ValidityCheck:
-    return missing(ROUTES[name], _WORDS[name], (name,), why)
-
-
 def _radius_check(case: FingerAtAngle) -> ValidityCheck:
     loading, pooled = case.loading, case.summary.compliance_radius
     if loading is None or pooled is None:
-        return _missing(RADIUS, NO_CURVE if loading is None else NOTHING_COUNTS)
+        return _CHECKS[RADIUS].untested(NO_CURVE if loading is None else NOTHING_COUNTS)
     # Pooled on 1/H; exact Hertz theory has the geometric mean radius.
     first = case.summary.first
     factor = first["geometric_mean_radius_mm"] / first["mean_curvature_radius_mm"]
     reference, note = without_misfit(loading)
-    return compare_ratio(
-        ROUTES[RADIUS],
-        _WORDS[RADIUS],
-        (RADIUS,),
+    return _CHECKS[RADIUS].of_ratio(
         (factor * pooled.value, factor * pooled.std),
         reference,
-        unit=UNITS[RADIUS],
         log_std=_shared_scale_std(case, loading, pooled.std / pooled.value, reference[1]),
         note=note,
     )
@@ -107,7 +100,7 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     # For one area and load ξ goes with 1/R and E with R.
     for name, power in ((MODULUS, 1), (INDENTATION, -1)):
         if row is None or loading is None:
-            yield _missing(name, NO_CURVE if loading is None else NOTHING_COUNTS)
+            yield _CHECKS[name].untested(NO_CURVE if loading is None else NOTHING_COUNTS)
             continue
         radius = row["geometric_radius_from_compliance_mm"]
         relative = row["geometric_radius_from_compliance_mm_std"] / radius
@@ -115,13 +108,9 @@ def _from_loading_radius(case: FingerAtAngle) -> Iterator[ValidityCheck]:
         value, std = row[name], row[f"{name}_std"]
         reference = value * (loading.value / radius) ** power
         of_area = _without(std / value, relative)
-        yield compare_ratio(
-            ROUTES[name],
-            _WORDS[name],
-            (name,),
+        yield _CHECKS[name].of_ratio(
             (value, std),
             (reference, reference * math.hypot(of_area, other)),
-            unit=UNITS[name],
             log_std=math.hypot(relative, other),
             note=f"at {row['load_N']:.3g} N, {_SAME_COMPARISON}",
         )
@@ -134,7 +123,7 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
     inside = case.summary.where(case.summary.column("pooled") & under)
     if inside.empty:
         yield from (
-            _missing(name, "no contact under a load of the curves") for name in (MODULUS, INDENTATION)
+            _CHECKS[name].untested("no contact under a load of the curves") for name in (MODULUS, INDENTATION)
         )
         return
     repeats = _one_of_each(inside[inside["load_N"] >= SAME_LOAD * inside["load_N"].max()])
@@ -163,16 +152,12 @@ def _curve_checks(case: FingerAtAngle) -> Iterator[ValidityCheck]:
         ),
     ):
         if math.isnan(log_reference):
-            yield _missing(name, "the loading curves have no areas, so no radius, which E needs")
+            yield _CHECKS[name].untested("the loading curves have no areas, so no radius, which E needs")
             continue
         other = math.exp(log_reference)
-        yield compare_ratio(
-            ROUTES[name],
-            _WORDS[name],
-            (name,),
+        yield _CHECKS[name].of_ratio(
             value,
             (other, other * log_std),
-            unit=UNITS[name],
             note=f"at {common:.3g} N",
         )
 
@@ -229,13 +214,24 @@ def of_curves(values: FloatArray, stds: FloatArray) -> tuple[float, float]:
     return pooled.value, math.hypot(pooled.total_std, pooled.between_std)
 
 
-_RADIUS, _MODULUS, _SHAPE = "loading_radius_on_layer", "modulus_on_layer", "shape_on_layer"
-_LAYER_WORDS: Final = {
-    _RADIUS: "A/(πξ) on the layer, and R_g from loading data",
-    _MODULUS: "E on the layer from load and area, and from load and indentation",
-    _SHAPE: "length along the finger over that across, and of the pad on the layer",
-}
 _ON_LAYER: Final = ("loading_radius_on_layer_mm", "youngs_modulus_on_layer_kpa", "indentation_on_layer_mm")
+_LAYER_RADIUS: Final = ValidityCheck(
+    name="loading_radius_on_layer",
+    compared="A/(πξ) on the layer, and R_g from loading data",
+    quantities=_ON_LAYER[:1],
+    unit="mm",
+)
+_LAYER_MODULUS: Final = ValidityCheck(
+    name="modulus_on_layer",
+    compared="E on the layer from load and area, and from load and indentation",
+    quantities=_ON_LAYER[1:],
+    unit="kPa",
+)
+_LAYER_SHAPE: Final = ValidityCheck(
+    name="shape_on_layer",
+    compared="length along the finger over that across, and of the pad on the layer",
+    quantities=_ON_LAYER,
+)
 # A larger radius makes E from the area larger and E from the indentation smaller; thicker tissue makes both
 # larger.
 _OPPOSITE: Final = ("semi-axes", "pad shape", "wedge angle", "roll angle")
@@ -256,24 +252,19 @@ def layer_checks(case: FingerAtAngle, curves: Sequence[CurveResult]) -> Iterator
 
 def _layer_radius_check(case: FingerAtAngle, layer: LayerSummary) -> ValidityCheck:
     if case.loading is None:
-        return missing(_RADIUS, _LAYER_WORDS[_RADIUS], _ON_LAYER[:1], NO_CURVE)
+        return _LAYER_RADIUS.untested(NO_CURVE)
     found = layer.at_highest_load["loading_radius_on_layer"]
     (value, std), note = without_misfit(case.loading)
     std = math.hypot(std, _READING * value)
-    return compare_ratio(
-        _RADIUS,
-        _LAYER_WORDS[_RADIUS],
-        _ON_LAYER[:1],
+    return _LAYER_RADIUS.of_ratio(
         (found.value, found.std),
         (value, std),
-        unit="mm",
         log_std=_shared_scale_std(case, case.loading, found.std / found.value, std),
         note="; ".join(filter(None, (note, f"± {100 * _READING:.0f} % for how R_g was read"))),
     )
 
 
 def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[CurveResult]) -> ValidityCheck:
-    of = _ON_LAYER[1:]
     by_curve = [
         found.quantities["youngs_modulus_from_indentation_on_layer"]
         for curve in curves
@@ -283,7 +274,7 @@ def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[Cu
     ]
     if not by_curve:
         why = "in the range of the laws" if case.fits else "of this finger at this angle"
-        return missing(_MODULUS, _LAYER_WORDS[_MODULUS], of, f"no loading curve {why}")
+        return _LAYER_MODULUS.untested(f"no loading curve {why}")
     own, first = layer.at_highest_load["youngs_modulus_on_layer"], by_curve[0]
     values, stds = (
         np.log([one.value for one in by_curve]),
@@ -295,13 +286,9 @@ def _modulus_check(case: FingerAtAngle, layer: LayerSummary, curves: Sequence[Cu
     shared -= case.study.uncertainty.load_gain_relative_std**2  # both moduli go with the force
     variance = (own.std / own.value) ** 2 + std**2 + 2 * shared
     value = math.exp(log_value)
-    return compare_ratio(
-        _MODULUS,
-        _LAYER_WORDS[_MODULUS],
-        of,
+    return _LAYER_MODULUS.of_ratio(
         (own.value, own.std),
         (value, value * std),
-        unit="kPa",
         log_std=math.sqrt(max(variance, 0.0)),
     )
 
@@ -314,7 +301,7 @@ def _relative(quantity: LayerQuantity, source: str) -> float:
 def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     shape, row, pad = measured_shape(case), case.highest_row, case.pad
     if shape is None or row is None:
-        return missing(_SHAPE, _LAYER_WORDS[_SHAPE], _ON_LAYER, NOTHING_COUNTS)
+        return _LAYER_SHAPE.untested(NOTHING_COUNTS)
     placement = Placement(
         Ellipsoid(*pad.semi_axes),
         wedge_angle=math.radians(row["wedge_angle_deg"]),
@@ -328,4 +315,4 @@ def _shape_check(case: FingerAtAngle) -> ValidityCheck:
     )
     ratio = float(form.semi_major / form.semi_minor)
     predicted = math.log(ratio if form.along else 1 / ratio)
-    return shape.check(_SHAPE, _LAYER_WORDS[_SHAPE], _ON_LAYER, predicted)
+    return shape.against(predicted, _LAYER_SHAPE)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -35,7 +35,7 @@ STRAINED_ABOVE, FAILS_ABOVE = 0.05, 0.2
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class ValidityCheck(Displayed):
-    """One check of a model."""
+    """One check of a model: what it compares, and what comes of it."""
 
     name: str
     compared: str
@@ -60,6 +60,86 @@ class ValidityCheck(Displayed):
     def difference(self) -> float:
         """The value less the reference, in their unit."""
         return self.value - self.reference
+
+    def untested(self, why: str) -> Self:
+        """Return the check without data."""
+        return replace(self, unit="", note=why)
+
+    def of_ratio(
+        self,
+        value: tuple[float, float],
+        reference: tuple[float, float],
+        *,
+        log_std: float | None = None,
+        note: str = "",
+    ) -> Self:
+        """Compare a positive quantity with another value of it, by the logarithm of their ratio.
+
+        Each is given with its standard uncertainty; `log_std` is that of the logarithm of the ratio, where
+        both have errors in common.
+        """
+        spread = math.hypot(value[1] / value[0], reference[1] / reference[0]) if log_std is None else log_std
+        ratio = math.log(value[0] / reference[0])
+        found = {"relative_difference": math.expm1(ratio), "relative_std": spread, "note": note}
+        return self._of(value, reference, _deviations(ratio, spread), math.inf, **found)
+
+    def of_difference(
+        self,
+        value: tuple[float, float],
+        reference: float,
+        *,
+        effect: float,
+        effect_on: str = "",
+        degrees_of_freedom: float = math.inf,
+        note: str = "",
+    ) -> Self:
+        """Compare a pure number, such as an exponent, given with its standard uncertainty, with the model's.
+
+        `effect` is by how much a unit of the difference changes the logarithm of the results that it
+        concerns, `effect_on` which in words.
+        """
+        difference = value[0] - reference
+        return self._of(
+            value,
+            (reference, 0.0),
+            _deviations(difference, value[1]),
+            degrees_of_freedom,
+            relative_difference=math.expm1(effect * difference),
+            difference_of=effect_on,
+            relative_std=abs(effect) * value[1],
+            note=note,
+        )
+
+    def _of(
+        self,
+        value: tuple[float, float],
+        reference: tuple[float, float],
+        deviations: float,
+        degrees_of_freedom: float,
+        **found: Any,
+    ) -> Self:
+        return replace(
+            self,
+            value=value[0],
+            value_std=value[1],
+            reference=reference[0],
+            reference_std=reference[1],
+            deviations=deviations,
+            p_value=p_value_of(deviations, degrees_of_freedom),
+            **found,
+        ).judged()
+
+    def of_known_error(self, value: float, reference: float, note: str) -> Self:
+        """Compare a model with a better one on the same data: a known error, without a probability."""
+        error = value / reference - 1
+        return replace(
+            self,
+            verdict=verdict_of_error(math.expm1(abs(math.log1p(error)))),
+            value=value,
+            reference=reference,
+            relative_difference=error,
+            note=note,
+        )
 
     def judged(self, p_value: float | None = None) -> Self:
         """Return the check with the verdict by its probability, or by one that allows for others beside it.
@@ -133,105 +213,6 @@ def p_value_of(deviations: float, degrees_of_freedom: float = math.inf) -> float
 def overall_verdict(verdicts: Iterable[str]) -> str:
     """Return the worst of some verdicts; ``not tested`` where nothing was."""
     return max(verdicts, key=VERDICTS.index, default=NOT_TESTED)
-
-
-def compare_ratio(
-    name: str,
-    compared: str,
-    quantities: Sequence[str],
-    value: tuple[float, float],
-    reference: tuple[float, float],
-    *,
-    unit: str = "",
-    log_std: float | None = None,
-    note: str = "",
-) -> ValidityCheck:
-    """Compare a positive quantity with another value of it, by the logarithm of their ratio.
-
-    Each is given with its standard uncertainty. `log_std` is that of the logarithm of the ratio, where the
-    two have errors in common.
-    """
-    (of, std), (other, other_std) = value, reference
-    spread = math.hypot(std / of, other_std / other) if log_std is None else log_std
-    ratio = math.log(of / other)
-    deviations = _deviations(ratio, spread)
-    return ValidityCheck(
-        name=name,
-        compared=compared,
-        quantities=tuple(quantities),
-        unit=unit,
-        value=of,
-        value_std=std,
-        reference=other,
-        reference_std=other_std,
-        relative_difference=math.expm1(ratio),
-        relative_std=spread,
-        deviations=deviations,
-        p_value=p_value_of(deviations),
-        note=note,
-    ).judged()
-
-
-def compare_difference(
-    name: str,
-    compared: str,
-    quantities: Sequence[str],
-    value: tuple[float, float],
-    reference: tuple[float, float],
-    *,
-    effect: float,
-    effect_on: str = "",
-    degrees_of_freedom: float = math.inf,
-    note: str = "",
-) -> ValidityCheck:
-    """Compare a pure number, such as an exponent, with what the model has for it.
-
-    Each is given with its standard uncertainty, independent. `effect` is by how much a unit of the difference
-    changes the logarithm of the results that it concerns, `effect_on` which in words.
-    """
-    spread = math.hypot(value[1], reference[1])
-    difference = value[0] - reference[0]
-    deviations = _deviations(difference, spread)
-    return ValidityCheck(
-        name=name,
-        compared=compared,
-        quantities=tuple(quantities),
-        value=value[0],
-        value_std=value[1],
-        reference=reference[0],
-        reference_std=reference[1],
-        relative_difference=math.expm1(effect * difference),
-        difference_of=effect_on,
-        relative_std=abs(effect) * spread,
-        deviations=deviations,
-        p_value=p_value_of(deviations, degrees_of_freedom),
-        note=note,
-    ).judged()
-
-
-def known_error(
-    name: str,
-    compared: str,
-    quantities: Sequence[str],
-    value: float,
-    reference: float,
-    *,
-    unit: str = "",
-    note: str = "",
-) -> ValidityCheck:
-    """Compare a model with a better one on the same data: a known error, without a probability."""
-    error = value / reference - 1
-    return ValidityCheck(
-        name=name,
-        compared=compared,
-        quantities=tuple(quantities),
-        verdict=verdict_of_error(math.expm1(abs(math.log1p(error)))),
-        unit=unit,
-        value=value,
-        reference=reference,
-        relative_difference=error,
-        note=note,
-    )
 
 
 def _deviations(difference: float, spread: float) -> float:
@@ -345,8 +326,3 @@ def _fits(curves: Iterable[CurveResult], of: Summary) -> Iterator[LoadingFit]:
             continue
         if 0 < fit.contact_offset.std < math.inf:
             yield fit
-
-
-def missing(name: str, compared: str, quantities: Sequence[str], why: str) -> ValidityCheck:
-    """Return a check without data."""
-    return ValidityCheck(name=name, compared=compared, quantities=tuple(quantities), note=why)
