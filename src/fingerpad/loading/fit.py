@@ -128,6 +128,9 @@ def fit_loading_curve(
     >>> radius = fit.loading_radius
     >>> radius.lower < 15 < radius.upper
     True
+    >>> power_law = fit_loading_curve(curve, law="free_exponent").law
+    >>> power_law.preferred_model
+    'load_dependent'
     """
     if not isinstance(curve, LoadingCurve):
         raise LoadingError(

@@ -73,15 +73,6 @@ class LawFit(Recorded):
         What a flag means here.
     flags : tuple of str
         Doubts.
-
-    Examples
-    --------
-    >>> from fingerpad.loading import fit_loading_curve
-    >>> from fingerpad.simulate import simulate_loading_curve
-    >>> curve = simulate_loading_curve(points=60, force_std=0.005, area_std=0.5, seed=1)
-    >>> fit = fit_loading_curve(curve, law="free_exponent").law
-    >>> print(f"m = {fit.parameters['load_exponent']}, preferred: {fit.preferred_model}")
-    m = 2.639 ± 0.041, preferred: load_dependent
     """
 
     _title: ClassVar[str] = "Fit of a contact law"
@@ -136,13 +127,7 @@ class LawFit(Recorded):
         )
 
     def lines(self) -> Iterator[str]:
-        """Return the parameters with units, uncertainty and interval, and how the law compares with ours.
-
-        Yields
-        ------
-        str
-            Line by line.
-        """
+        """Yield the parameters with units, uncertainty and interval, and how the law compares with ours."""
         if self.law not in self.models:
             yield self.conclusion
             return
@@ -153,12 +138,7 @@ class LawFit(Recorded):
             yield self.verdict
 
     def report(self) -> str:
-        """Return the `lines`, and the flags in words.
-
-        Returns
-        -------
-        str
-        """
+        """Return the `lines`, and the flags in words."""
         return "\n".join([*self.lines(), "", *_flag_lines(self.flags, self.notes)])
 
     def _quantities(self) -> dict[str, tuple[Estimate, str]]:
@@ -174,13 +154,7 @@ class LawFit(Recorded):
         }
 
     def as_record(self) -> dict[str, Any]:
-        """Return the numbers by name, each with its unit.
-
-        Returns
-        -------
-        dict
-            Moduli in kPa, works of adhesion in mJ/m²; None where unknown.
-        """
+        """Return the numbers by name, each with its unit: moduli in kPa, works of adhesion in mJ/m²."""
         shown = {name: _shown(name, *one) for name, one in self._quantities().items()}
         radius, place = shown.pop("loading_radius"), shown.pop("contact_offset")
         return {

@@ -1,23 +1,29 @@
 """Load and area of a pad by depth, and what a rigid plate overlaps of the undeformed pad."""
 
 import math
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import Tissue, solve_contact
-from fingerpad.contact.contact import AnyPlacement
+from fingerpad.contact.contact import AnyPlacement, reduced_modulus
 from fingerpad.contact.fast_laws import press
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Gap, Placement
+from fingerpad.geometry.ellipsoid import support_function
+from fingerpad.geometry.gap import gap_kernel
+from fingerpad.geometry.placement import platen_normal
+from fingerpad.uncertainty import Inputs, propagate
 
 _SOLVED: Final = 12  # contacts between which the solver's answer is interpolated
 _BELOW: Final = 0.3  # of the lowest load, from which on the solver is asked
 _POINTS: Final = 128
 _STEP: Final = 0.01  # of the logarithm of the depth, whose fourth power is the error of the slope
+_AXES: Final = ("palmar", "distal", "radial_ulnar")
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
@@ -37,8 +43,7 @@ class Curve:
     @property
     def radius(self) -> FloatArray:
         """R_e."""
-        radius: FloatArray = np.sqrt(self.gap.first_radius * self.gap.second_radius)
-        return radius
+        return np.asarray(np.sqrt(self.gap.first_radius * self.gap.second_radius))
 
     def depth(self, load: FloatArray) -> FloatArray:
         """Return ξ under loads; NaN beyond the range of the laws."""
@@ -68,8 +73,7 @@ class Curve:
         near = np.exp(_STEP * np.array([-2, -1, 1, 2]))
         logarithm = np.stack([np.log(self.load(depth * step)) for step in near], axis=-1)
         slope = logarithm @ np.array([1, -8, 8, -1]) / (12 * _STEP)
-        stiffness: FloatArray = self.load(depth) / depth * slope
-        return stiffness
+        return np.asarray(self.load(depth) / depth * slope)
 
     def section(self, depth: FloatArray) -> FloatArray:
         """Return the area in which the plate's plane cuts the undeformed pad."""
@@ -116,15 +120,13 @@ class SolvedCurve(Curve):
 def _along(spline: CubicSpline, logarithm: FloatArray) -> FloatArray:
     """Return a power law's spline, beyond its ends the power there; complex steps give derivatives."""
     inside = np.clip(np.real(logarithm), spline.x[0], spline.x[-1])
-    value: FloatArray = np.exp(spline(inside) + spline(inside, 1) * (logarithm - inside))
-    return value
+    return np.asarray(np.exp(spline(inside) + spline(inside, 1) * (logarithm - inside)))
 
 
 def height_of(placement: AnyPlacement) -> FloatArray:
     """Return the height of the pad's centre over the plate at touch."""
     if isinstance(placement, Placement):
-        height: FloatArray = np.sum(placement.normal * placement.point, axis=-1)
-        return height
+        return np.asarray(np.sum(placement.normal * placement.point, axis=-1))
     return np.array(np.inf)
 
 
@@ -152,3 +154,76 @@ def solved_curve(placement: AnyPlacement, tissue: Tissue, gap: Gap, loads: Float
         poisson_ratio=tissue.poisson_ratio,
         splines=(CubicSpline(load, depth), CubicSpline(depth, load), CubicSpline(depth, area)),
     )
+
+
+# --- what is uncertain of one pad, and what that makes of functions of its curve ---
+
+
+def uncertain_inputs(
+    placement: AnyPlacement, tissue: Tissue, stds: Mapping[str, float], *, holds: bool
+) -> Inputs | None:
+    """Return what is uncertain, if anything is."""
+    values = {"youngs_modulus": tissue.youngs_modulus}
+    if not tissue.is_deep:
+        values["thickness"] = tissue.thickness
+    if isinstance(placement, Placement):
+        pad = placement.ellipsoid
+        values |= {name: getattr(pad, name) for name in _AXES} | {"wedge_angle": placement.wedge_angle}
+    for name in stds:
+        if name not in values:
+            raise GeometryError(f"no standard uncertainty of {name!r} here; there are {', '.join(values)}")
+        if not holds and name != "youngs_modulus":
+            raise GeometryError(
+                f"the uncertainty of {name} needs the fast laws, which do not hold up to the highest load: "
+                "give lower loads, or the uncertainty of youngs_modulus alone"
+            )
+    given: dict[str, Any] = {name: (values[name], std) for name, std in stds.items()}
+    return Inputs.of(**given) if given else None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PressedPad:
+    """One pad, its curve, and what is uncertain of it."""
+
+    curve: Curve
+    placement: AnyPlacement
+    tissue: Tissue
+    inputs: Inputs | None
+
+    def placed(self, what: str) -> Placement:
+        """Return the placement, and refuse radii of curvature in its place."""
+        if not isinstance(self.placement, Placement):
+            raise GeometryError(f"{what} needs a pad: give a Placement, not a Paraboloid")
+        return self.placement
+
+    def with_std(self, function: Callable[[Curve], FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Return a function of the curve, and its standard uncertainty."""
+        value = function(self.curve)
+        if self.inputs is None:
+            return value, np.zeros_like(value)
+
+        def model(**given: FloatArray) -> dict[str, FloatArray]:
+            columns = {name: each[..., None] for name, each in given.items()}
+            # What does not depend on these inputs has their shape and type none the less.
+            found = function(self._varied(columns)) + sum(0 * each for each in columns.values())
+            return {str(index): part for index, part in enumerate(np.moveaxis(found, -1, 0))}
+
+        return value, propagate(model, self.inputs).std
+
+    def _varied(self, given: Mapping[str, FloatArray]) -> Curve:
+        """Return the curve of other pads and tissues."""
+        tissue = self.tissue
+        changed: dict[str, Any] = {
+            "reduced_modulus": reduced_modulus(
+                given.get("youngs_modulus", tissue.youngs_modulus), tissue.poisson_ratio
+            ),
+            "thickness": given.get("thickness", tissue.thickness),
+        }
+        if isinstance(self.placement, Placement) and given.keys() & {*_AXES, "wedge_angle"}:
+            pad = self.placement.ellipsoid
+            axes = [given.get(name, getattr(pad, name)) for name in _AXES]
+            wedge = given.get("wedge_angle", self.placement.wedge_angle)
+            normal = platen_normal(wedge, self.placement.roll_angle)
+            changed["gap"] = gap_kernel(*axes, normal=normal)
+            changed["height"] = support_function(axes[0], axes[1], axes[2], normal)
+        return replace(self.curve, **changed)

@@ -76,8 +76,7 @@ class TetrahedralMesh(Displayed):
         """Triangles of the surface, shape (k, 3), their vertices anticlockwise seen from outside."""
         faces = np.concatenate([self.tetrahedra[:, face] for face in _FACES])
         _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-        once: Indices = faces[first[count == 1]]
-        return once
+        return np.asarray(faces[first[count == 1]])
 
     @property
     def extent(self) -> FloatArray:
@@ -91,8 +90,7 @@ class TetrahedralMesh(Displayed):
             raise GeometryError("the mesh must have a vertex inside: Drake's pressure is zero on the surface")
         height = np.sum(normal * corners[:, 0], axis=1)
         depth[inside] = [float((height - normal @ self.points[each]).min()) for each in inside]
-        share: FloatArray = depth / depth.max()
-        return share
+        return np.asarray(depth / depth.max())
 
     def sections(self, normal: FloatArray, heights: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return what planes cut: their areas, and the integrals of the extent over them.
@@ -136,8 +134,7 @@ class TetrahedralMesh(Displayed):
 def signed_volumes(points: FloatArray, cells: Indices) -> FloatArray:
     """Return the volumes of tetrahedra, by the corners of their cells."""
     a, b, c, d = np.moveaxis(points[cells[:, :4]], 1, 0)
-    volume: FloatArray = np.sum(np.cross(b - a, c - a) * (d - a), axis=1) / 6
-    return volume
+    return np.asarray(np.sum(np.cross(b - a, c - a) * (d - a), axis=1) / 6)
 
 
 def sphere(level: int) -> tuple[FloatArray, Indices]:

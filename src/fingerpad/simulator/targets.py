@@ -1,6 +1,6 @@
 """What robot simulators take for a finger pad, each with its error; in SI units, as theirs are."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Final
 
 import numpy as np
@@ -9,6 +9,19 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._display import Displayed
 
 MUJOCO_TIME_STEP: Final = 0.002  # s, MuJoCo's default
+# Fields that have another name in records, which ends in their unit.
+_KEYS: Final = {
+    "depth": "depth_m",
+    "pressure": "pressure_Pa",
+    "pressure_std": "pressure_Pa_std",
+    "kh": "kh_N_per_m3",
+    "kh_std": "kh_N_per_m3_std",
+    "modulus": "hydroelastic_modulus_Pa",
+    "modulus_std": "hydroelastic_modulus_Pa_std",
+    "effective_mass": "effective_mass_kg",
+    "largest_time_step": "largest_time_step_s",
+    "indentation": "indentation_m",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -21,15 +34,10 @@ class Target(Displayed):
 
     def as_record(self) -> dict[str, Any]:
         """Return the numbers by names that end in units; None for what there is not."""
-        return {
-            **self._numbers(),
-            "worst_relative_error": self.worst_relative_error,
-            "area_factor": self.area_factor,
-            "assumes": self.assumes,
-        }
-
-    def _numbers(self) -> dict[str, Any]:
-        raise NotImplementedError
+        general = ("worst_relative_error", "area_factor", "assumes")
+        own = (field.name for field in fields(self) if field.name not in general)
+        found = {_KEYS.get(name, name): getattr(self, name) for name in (*own, *general)}
+        return {key: None if isinstance(value, str) and not value else value for key, value in found.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -81,15 +89,7 @@ class PressureByDepth(Target):
         at = as_float_array(depth, "depth")
         slope = (self.pressure[-1] - self.pressure[-2]) / (self.depth[-1] - self.depth[-2])
         beyond = slope * np.maximum(at - self.depth[-1], 0)
-        value: FloatArray = np.interp(at, self.depth, self.pressure) + beyond
-        return value
-
-    def _numbers(self) -> dict[str, Any]:
-        return {
-            "depth_m": self.depth,
-            "pressure_Pa": self.pressure,
-            "pressure_Pa_std": self.pressure_std,
-        }
+        return np.asarray(np.interp(at, self.depth, self.pressure) + beyond)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -102,23 +102,10 @@ class NewtonStiffness(Target):
         As of `PressureByDepth`.
     kh, kh_std : float
         Stiffness and its standard uncertainty, N/m³.
-
-    Examples
-    --------
-    >>> from fingerpad.contact import Tissue
-    >>> from fingerpad.geometry import Ellipsoid, Placement
-    >>> from fingerpad.simulator import simulator_law
-    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
-    >>> found = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0)).newton_kh()
-    >>> print(f"{found.kh:.3g} N/m³, load within {100 * found.worst_relative_error:.0f} %")
-    1.62e+07 N/m³, load within 6 %
     """
 
     kh: float
     kh_std: float
-
-    def _numbers(self) -> dict[str, Any]:
-        return {"kh_N_per_m3": self.kh, "kh_N_per_m3_std": self.kh_std}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -131,23 +118,10 @@ class DrakeModulus(Target):
         As of `PressureByDepth`.
     modulus, modulus_std : float
         Modulus and its standard uncertainty, Pa.
-
-    Examples
-    --------
-    >>> from fingerpad.contact import Tissue
-    >>> from fingerpad.geometry import Ellipsoid, Placement
-    >>> from fingerpad.simulator import simulator_law
-    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
-    >>> found = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0)).drake_modulus()
-    >>> print(f"{found.modulus:.3g} Pa, load within {100 * found.worst_relative_error:.0f} %")
-    1.63e+05 Pa, load within 4 %
     """
 
     modulus: float
     modulus_std: float
-
-    def _numbers(self) -> dict[str, Any]:
-        return {"hydroelastic_modulus_Pa": self.modulus, "hydroelastic_modulus_Pa_std": self.modulus_std}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -176,57 +150,22 @@ class MujocoContact(Target):
         Beyond which MuJoCo's Euler integrator is unstable at the highest load, s.
     flag : str
         ``time_step_below_default`` where MuJoCo's own time step of 2 ms is too long; empty otherwise.
-
-    Examples
-    --------
-    >>> from fingerpad.contact import Tissue
-    >>> from fingerpad.geometry import Ellipsoid, Placement
-    >>> from fingerpad.simulator import simulator_law
-    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
-    >>> law = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0))
-    >>> found = law.mujoco(effective_mass=0.1, damping_ratio=1.0)
-    >>> step = 1000 * found.largest_time_step
-    >>> print(f"{100 * found.worst_relative_error:.1f} %, steps up to {step:.1f} ms")
-    0.8 %, steps up to 5.6 ms
     """
 
-    effective_mass: float
-    damping_ratio: float
     solref: tuple[float, float]
-    solref_at_twice_the_mass: tuple[float, float]
     solimp: tuple[float, float, float, float, float]
     stiffness_std: float
+    effective_mass: float
+    damping_ratio: float
+    solref_at_twice_the_mass: tuple[float, float]
     largest_time_step: float
     flag: str
 
     def load(self, depth: ArrayLike) -> FloatArray:
-        """Return the load at rest, as MuJoCo has it.
-
-        Parameters
-        ----------
-        depth : array_like
-            Penetration, m.
-
-        Returns
-        -------
-        ndarray
-            Load, N: m k d² r/(d_w² (1 − d)).
-        """
+        """Return the load at rest (N) at penetrations (m), as MuJoCo has it: m k d² r/(d_w² (1 − d))."""
         return (
             self.effective_mass * -self.solref[0] * mujoco_shape(as_float_array(depth, "depth"), self.solimp)
         )
-
-    def _numbers(self) -> dict[str, Any]:
-        return {
-            "solref": self.solref,
-            "solimp": self.solimp,
-            "stiffness_std": self.stiffness_std,
-            "effective_mass_kg": self.effective_mass,
-            "damping_ratio": self.damping_ratio,
-            "solref_at_twice_the_mass": self.solref_at_twice_the_mass,
-            "largest_time_step_s": self.largest_time_step,
-            "flag": self.flag or None,
-        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -247,29 +186,11 @@ class FiniteElements(Target):
         Load of the elements over that of the law there.
     poisson_ratio : float
         Of the elements, at most 0.49.
-
-    Examples
-    --------
-    >>> from fingerpad.contact import Tissue
-    >>> from fingerpad.geometry import Ellipsoid, Placement
-    >>> from fingerpad.simulator import simulator_law
-    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
-    >>> law = simulator_law(place, Tissue(youngs_modulus=0.05, thickness=8.0))
-    >>> ratio = law.finite_elements().load_ratio
-    >>> print(f"{ratio[0]:.2f} of the law's load at the lowest, {ratio[-1]:.2f} at the highest")
-    0.78 of the law's load at the lowest, 0.53 at the highest
     """
 
     indentation: FloatArray
     load_ratio: FloatArray
     poisson_ratio: float
-
-    def _numbers(self) -> dict[str, Any]:
-        return {
-            "indentation_m": self.indentation,
-            "load_ratio": self.load_ratio,
-            "poisson_ratio": self.poisson_ratio,
-        }
 
 
 def impedance(depth: FloatArray, solimp: tuple[float, ...] | FloatArray) -> FloatArray:
@@ -278,12 +199,10 @@ def impedance(depth: FloatArray, solimp: tuple[float, ...] | FloatArray) -> Floa
     x = np.minimum(depth / width, 1)
     low = x**power / midpoint ** (power - 1)
     high = 1 - (1 - x) ** power / (1 - midpoint) ** (power - 1)
-    value: FloatArray = lowest + np.where(x <= midpoint, low, high) * (highest - lowest)
-    return value
+    return np.asarray(lowest + np.where(x <= midpoint, low, high) * (highest - lowest))
 
 
 def mujoco_shape(depth: FloatArray, solimp: tuple[float, ...] | FloatArray) -> FloatArray:
     """Return the load at rest over effective mass and stiffness."""
     d = impedance(depth, solimp)
-    value: FloatArray = (d / solimp[1]) ** 2 * depth / (1 - d)
-    return value
+    return np.asarray((d / solimp[1]) ** 2 * depth / (1 - d))

@@ -41,12 +41,6 @@ class MonteCarloResult(Outputs):
         Number of draws with a finite output.
     undefined : int
         Number of draws for which the model had no finite output; they are left out.
-
-    Examples
-    --------
-    >>> result = run_monte_carlo(lambda side: {"volume": side**3}, Inputs.of(side=(2.0, 0.1)), seed=1)
-    >>> print(np.round(result["volume"].interval, 1), result.converged)
-    [ 5.9 10.6] {'volume': True}
     """
 
     tolerance: FloatArray
@@ -198,16 +192,6 @@ class Validation(Displayed):
         Absolute differences of the ends of the two intervals.
     tolerance : float
         Half a unit of the last wanted digit of the standard uncertainty.
-
-    Examples
-    --------
-    >>> from fingerpad.uncertainty import propagate
-    >>> inputs = Inputs.of(side=(2.0, 0.1))
-    >>> def volume(side):
-    ...     return {"volume": side**3}
-    >>> checked = validate_linear_approximation(propagate(volume, inputs), run_monte_carlo(volume, inputs))
-    >>> checked["volume"].valid, checked["volume"].tolerance
-    (True, 0.5)
     """
 
     lower_difference: float
@@ -271,15 +255,6 @@ class SobolIndices(Displayed):
         Share of the variance that a source explains on its own, and with all its interactions.
     first_std, total_std : dict of str to float
         Their standard errors.
-
-    Examples
-    --------
-    A sum has no interactions: the first-order indices sum to one.
-
-    >>> inputs = Inputs.of(a=(0.0, 1.0), b=(0.0, 2.0))
-    >>> indices = sobol_indices(lambda a, b: {"sum": a + b}, inputs, draws=256)["sum"]
-    >>> {name: round(share, 2) for name, share in indices.first.items()}
-    {'a': 0.2, 'b': 0.8}
     """
 
     first: dict[str, float]

@@ -219,12 +219,6 @@ class RandomEffects(Displayed):
         Number of estimates.
     weights : ndarray, shape (n,)
         Weight of each estimate; they add up to one.
-
-    Examples
-    --------
-    >>> pooled = pool_random_effects([19.0, 20.5, 22.0], [0.5, 0.5, 0.5])
-    >>> round(pooled.between_std, 2), [round(end, 1) for end in pooled.interval]
-    (1.41, [16.8, 24.2])
     """
 
     value: float

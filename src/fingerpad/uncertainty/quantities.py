@@ -308,10 +308,7 @@ def covariance_root(covariance: FloatArray) -> FloatArray:
 def evaluate(model: Model, names: tuple[str, ...], points: FloatArray) -> tuple[tuple[str, ...], FloatArray]:
     """Return the names of a model's m outputs and their values (..., m) at points of shape (..., n).
 
-    Raises
-    ------
-    UncertaintyError
-        If `points` are complex and an output is not: its derivatives would be lost.
+    Complex points ask for derivatives, and outputs that lose them are refused.
     """
     outputs = model(**dict(zip(names, np.moveaxis(points, -1, 0), strict=True)))
     real = [name for name, output in outputs.items() if not np.iscomplexobj(output)]

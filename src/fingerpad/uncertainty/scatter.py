@@ -45,12 +45,6 @@ class ScatterComponent(Displayed):
         Groups of two and more members, and members of these groups.
     includes : tuple of str
         Levels below that cannot be separated from this one.
-
-    Examples
-    --------
-    >>> repeat = nested_scatter([0.0, 0.1, 0.2, 0.1], {"finger": np.zeros(4)}).components["repeat"]
-    >>> repeat.freedom, round(repeat.std, 3), round(repeat.limit_of_agreement, 2)
-    (3, 0.082, 0.23)
     """
 
     std: float
@@ -84,13 +78,6 @@ class NestedScatter(Displayed):
         if one of them has groups to compare, and too few.
     icc_interval : (float, float)
         Its 95 % confidence interval.
-
-    Examples
-    --------
-    >>> fingers = [0, 0, 1, 1, 2, 2, 3, 3]
-    >>> scatter = nested_scatter([0.0, 0.1, 0.5, 0.6, 0.9, 1.0, 1.3, 1.5], {"finger": fingers})
-    >>> list(scatter.components), round(scatter.icc, 3)
-    (['finger', 'repeat'], 0.974)
     """
 
     components: dict[str, ScatterComponent]
@@ -320,12 +307,6 @@ class Agreement(Displayed):
         Limits of agreement: 95 % of differences lie between them.
     limits_interval : (float, float)
         Outer ends of the 95 % confidence intervals of the two limits.
-
-    Examples
-    --------
-    >>> found = agreement([100, 120, 140, 90, 110], [101, 119, 143, 91, 111])
-    >>> print(f"{found.count} pairs: {100 * found.bias:.1f} %, within {100 * found.limits[1]:.1f} %")
-    5 pairs: 0.9 %, within 3.0 %
     """
 
     count: int
