@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fingerpad.contact import HertzPressure, Tissue, solve_gap
+from fingerpad.contact import Tissue, solve_gap
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Counterface, Ellipsoid, Placement
 from fingerpad.image import ImageEllipse, PlaneEllipse, Scale, photograph_from_ellipse
@@ -28,9 +28,6 @@ DEGREES = {
     "u of a curvature": lambda: PAD.curvature(45, 1.5),
     "axis of a cylinder": lambda: Counterface.cylinder(5, axis_angle=45),
     "axis of a counterface": lambda: Counterface(radius=5, axis_angle=45),
-    "long axis of a pressure": lambda: HertzPressure(
-        peak_pressure=1, semi_major=2, semi_minor=1, long_axis_angle=30, centre=(0, 0)
-    ),
     "angle of solve_gap": lambda: solve_gap(
         lambda x, y: (x**2 + y**2) / 20, Tissue(0.1), half_widths=(3, 3), angle=30, load=1.0
     ),

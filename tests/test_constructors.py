@@ -10,7 +10,6 @@ import tifffile
 from PIL import Image
 
 from fingerpad.contact import (
-    HertzPressure,
     Tissue,
     equivalent_radius_from_area,
     equivalent_radius_from_compliance,
@@ -67,7 +66,6 @@ PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 PADS = Ellipsoid(palmar=[7.9, 8.0], distal=13.8, radial_ulnar=11.8)
 SKEW = {"first_skewness": 0.0, "second_skewness": 0.0, "flatness": 0.1, "angle": 0.0}
 GAP = {"first_radius": 12.0, "second_radius": 14.0, **SKEW}
-PRESSURE = {"peak_pressure": 1, "semi_major": 2, "semi_minor": 1, "long_axis_angle": 0, "centre": (0, 0)}
 GRID = {
     "points": np.moveaxis(np.indices((3, 3), dtype=float), 0, -1),
     "spacing_mm": 1,
@@ -159,9 +157,6 @@ INVALID = {
         (lambda: Gap(**GAP | {"first_radius": -1}), "first_radius must be positive, found -1"),
         (lambda: Gap(**GAP | {"second_radius": 0}), "second_radius must be positive, found 0"),
         (lambda: Gap(**GAP | {"flatness": "x"}), "flatness must be numeric, found 'x'"),
-        (lambda: HertzPressure(**PRESSURE | {"peak_pressure": 0}), "peak_pressure must be positive"),
-        (lambda: HertzPressure(**PRESSURE | {"semi_minor": 3}), "semi_minor must be no longer"),
-        (lambda: HertzPressure(**PRESSURE | {"centre": 0.0}), "centre must be two finite num"),
         (lambda: solve_gap(**PRESSED | {"half_widths": (3, 0)}), "half_widths must be two posit"),
         (lambda: press(wedge_angle=3), "wedge_angle must be between 0 and π/2 .*found 3"),
         (lambda: press(wedge_angle=np.nan), "wedge_angle must be finite"),

@@ -15,7 +15,8 @@ from PIL import Image
 
 import fingerpad as fp
 from fingerpad._display import Displayed, record_text
-from fingerpad.contact import ContactField, HertzPressure
+from fingerpad.contact import ContactField
+from fingerpad.contact.stress import HertzPressure
 from fingerpad.geometry import Counterface
 from fingerpad.image import (
     BrushStroke,

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fingerpad.contact import HertzPressure, hertz_stress
+from fingerpad.contact import hertz_stress
 from fingerpad.contact.grid import ContactGrid
+from fingerpad.contact.stress import HertzPressure
 
 TURNED = HertzPressure(
     peak_pressure=2.0, semi_major=2.0, semi_minor=1.2, long_axis_angle=0.7, centre=np.array([0.3, -0.2])

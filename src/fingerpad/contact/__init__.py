@@ -15,7 +15,6 @@ from fingerpad.contact.hertz import (
     equivalent_radius_from_indentation,
     hertz_contact,
 )
-from fingerpad.contact.hertz_pressure import HertzPressure
 from fingerpad.contact.solved_stress import SolvedStress
 from fingerpad.contact.solver import SolvedContact, solve_contact, solve_gap
 from fingerpad.contact.stress import StressField, hertz_stress
@@ -24,7 +23,6 @@ __all__ = [
     "Contact",
     "ContactField",
     "ContactSection",
-    "HertzPressure",
     "SolvedContact",
     "SolvedStress",
     "StressField",

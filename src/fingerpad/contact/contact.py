@@ -183,8 +183,7 @@ class Contact(Displayed):
     @property
     def flags(self) -> npt.NDArray[np.str_]:
         """What takes each contact out of the theory's range, by its name in `FLAGS`; empty within."""
-        names: npt.NDArray[np.str_] = np.array(FLAGS)[self.flag_code]
-        return names
+        return np.array(FLAGS)[self.flag_code]
 
     @property
     def semi_major(self) -> FloatArray:

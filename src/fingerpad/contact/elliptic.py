@@ -183,5 +183,4 @@ def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
     √k.
     """
     cube, product = factor_products(axis_ratio)
-    factor: FloatArray = product / np.cbrt(cube)
-    return factor
+    return product / np.cbrt(cube)

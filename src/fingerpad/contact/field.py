@@ -12,10 +12,9 @@ from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast, 
 from fingerpad._display import Displayed
 from fingerpad.contact.contact import AnyPlacement, Contact, Tissue
 from fingerpad.contact.hertz import hertz_contact
-from fingerpad.contact.hertz_pressure import HertzPressure
 from fingerpad.contact.solved_stress import SolvedStress
 from fingerpad.contact.solver import SolvedContact
-from fingerpad.contact.stress import StressField
+from fingerpad.contact.stress import HertzPressure, StressField
 from fingerpad.exceptions import GeometryError
 
 _LEVELS = 25  # of the first search for the highest shear

@@ -78,8 +78,7 @@ class ContactGrid(Displayed):
     def to_plane(self, place: FloatArray) -> FloatArray:
         """Turn points of the grid's own axes into the plane's, shape (..., 2)."""
         cosine, sine = math.cos(self.angle), math.sin(self.angle)
-        turned: FloatArray = place @ np.array([[cosine, sine], [-sine, cosine]])
-        return turned
+        return np.asarray(place @ np.array([[cosine, sine], [-sine, cosine]]))
 
     def to_own(self, along: FloatArray, across: FloatArray) -> FloatArray:
         """Turn points of the plane into the grid's own axes, shape (..., 2)."""
@@ -94,8 +93,7 @@ class ContactGrid(Displayed):
     def sample(self, field: FloatArray, place: FloatArray) -> FloatArray:
         """Return a field on this grid at points of its own axes, shape (..., 2), zero beyond it."""
         index = (place - [side[0] for side in self.sides]) / self.spacing
-        values: FloatArray = map_coordinates(field, np.moveaxis(index, -1, 0), order=1, mode="constant")
-        return values
+        return np.asarray(map_coordinates(field, np.moveaxis(index, -1, 0), order=1, mode="constant"))
 
 
 def contact_outline(

@@ -61,8 +61,7 @@ def half_space_influence(spacing: tuple[float, float], shape: tuple[int, int]) -
     x, y = (step * (np.arange(count + 1) - 0.5) for step, count in zip(spacing, shape, strict=True))
     x, y = x[:, None], y[None, :]
     corner = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
-    influence: FloatArray = np.diff(np.diff(corner, axis=0), axis=1) / np.pi
-    return influence
+    return np.asarray(np.diff(np.diff(corner, axis=0), axis=1) / np.pi)
 
 
 def layer_influence(
@@ -127,5 +126,4 @@ class Convolution:
         spectrum = fft.rfft2(field, self._padded)
         spectrum *= factor
         rows, columns = self._shape
-        result: FloatArray = fft.irfft2(spectrum, self._padded, overwrite_x=True)[:rows, :columns]
-        return result
+        return np.asarray(fft.irfft2(spectrum, self._padded, overwrite_x=True)[:rows, :columns])

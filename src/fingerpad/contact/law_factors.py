@@ -87,8 +87,7 @@ class LayerFactors:
     @property
     def is_half_space(self) -> BoolArray:
         """Whether there is no base."""
-        half_space: BoolArray = np.isinf(self._thickness)
-        return half_space
+        return np.isinf(self._thickness)
 
     def ratio(self, radius: FloatArray) -> FloatArray:
         """Return a/t."""
@@ -155,14 +154,12 @@ class LayerFactors:
     def roundness(self, radius: FloatArray) -> FloatArray:
         """Return the factor on (a1/a2 − a2/a1)/2 of Hertz theory."""
         u = self.size(radius)
-        factor: FloatArray = 1 + u * u * u * polynomial(self.coefficients(law.LAYER_SHAPE), u)
-        return factor
+        return 1 + u * u * u * polynomial(self.coefficients(law.LAYER_SHAPE), u)
 
     def peak(self, radius: FloatArray) -> FloatArray:
         """Return the factor on the peak pressure 3W/(2A)."""
         u = self.size(radius)
-        factor: FloatArray = 1 + u**5 * polynomial(self.coefficients(law.LAYER_PEAK), u)
-        return factor
+        return 1 + u**5 * polynomial(self.coefficients(law.LAYER_PEAK), u)
 
 
 class PadFactors:
@@ -199,13 +196,11 @@ class PadFactors:
 
     def width(self, radius: FloatArray) -> FloatArray:
         """Return the contact's mean radius over that of the silhouette."""
-        width: FloatArray = radius * np.sqrt(self._w * self._oblique * np.sqrt(self._oblique))
-        return width
+        return np.asarray(radius * np.sqrt(self._w * self._oblique * np.sqrt(self._oblique)))
 
     def skewness(self, radius: FloatArray) -> FloatArray:
         """Return (μ1 a1)² + (μ2 a2)²."""
-        skewness: FloatArray = self._p * radius * radius
-        return skewness
+        return self._p * radius * radius
 
     def value(self, of: str, radius: FloatArray, u: FloatArray | None) -> FloatArray:
         """Return the logarithm of the factor on ``load`` or ``indentation``; u is a beside a thickness."""
@@ -275,8 +270,7 @@ class PadFactors:
         value = value + p * (c[7] * w * w + p * (c[8] * w + c[9] * p))
         if u is not None:
             value = value + u * polynomial(law.BOTH_PEAK @ self._products(q), u)
-        factor: FloatArray = 1 + value
-        return factor
+        return np.asarray(1 + value)
 
 
 def _powers(at: FloatArray, count: int) -> FloatArray:
@@ -288,8 +282,7 @@ def _powers(at: FloatArray, count: int) -> FloatArray:
 
 def _has_law(poisson_ratio: FloatArray) -> BoolArray:
     """Return whether ν is one for which a layer has laws."""
-    within: BoolArray = (poisson_ratio.real >= LOWEST_POISSON_RATIO) & (poisson_ratio.real <= 0.5)
-    return within
+    return (poisson_ratio.real >= LOWEST_POISSON_RATIO) & (poisson_ratio.real <= 0.5)
 
 
 _POWERS: Final = {"load": 3, "indentation": 2, "area": 2}  # of the mean radius, in Hertz theory

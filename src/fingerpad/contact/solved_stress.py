@@ -20,9 +20,8 @@ from fingerpad._arrays import ArrayLike, BoolArray, FloatArray, broadcast
 from fingerpad._display import Displayed
 from fingerpad.contact.contact import Tissue
 from fingerpad.contact.grid import ContactGrid
-from fingerpad.contact.hertz_pressure import HertzPressure
 from fingerpad.contact.solver import SolvedContact
-from fingerpad.contact.stress import StressField
+from fingerpad.contact.stress import HertzPressure, StressField
 from fingerpad.exceptions import GeometryError
 
 ComplexArray: TypeAlias = NDArray[np.complex128]
@@ -186,8 +185,7 @@ class _Waves:
             return self._sum(spectrum, place)
         plane = fft.irfft2(spectrum, self.shape)
         cells = (place * self.shape / self.sides).T
-        found: FloatArray = map_coordinates(plane, cells, order=3, mode="grid-wrap")
-        return found
+        return np.asarray(map_coordinates(plane, cells, order=3, mode="grid-wrap"))
 
     def _sum(self, spectrum: ComplexArray, place: FloatArray) -> FloatArray:
         """Return what `at` does, wave by wave: for a few points faster than the whole plane."""
@@ -198,8 +196,7 @@ class _Waves:
             twice[-1] = 1
         along_second = spectrum @ (twice[:, None] * np.exp(1j * second.T * place[:, 1]))
         waves = np.sum(np.exp(1j * first * place[:, 0]) * along_second, axis=0)
-        found: FloatArray = waves.real / math.prod(self.shape)
-        return found
+        return np.asarray(waves.real / math.prod(self.shape))
 
     def without_decayed(self, depth: float) -> Self:
         """Leave out what has died away at a depth: a coarser grid then holds the rest."""
@@ -240,8 +237,7 @@ def _fewer_waves(values: NDArray[Number], shape: tuple[int, int]) -> NDArray[Num
 def _half_as_many(pressure: FloatArray) -> FloatArray:
     """Return the mean pressure over squares of four cells."""
     even = np.pad(pressure, (0, len(pressure) % 2))
-    mean: FloatArray = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
-    return mean
+    return (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
 
 
 def _stress_of_waves(
@@ -275,8 +271,7 @@ def _constants(x: FloatArray, poisson_ratio: float) -> FloatArray:
     ]
     matrix = np.stack([np.stack(row, axis=-1) for row in equations], axis=-2)
     right = np.broadcast_to(np.array([1.0, 0, 0, 0])[:, None], (*x.shape, 4, 1))
-    constants: FloatArray = np.linalg.solve(matrix, right)[..., 0].astype(np.float64)
-    return constants
+    return np.linalg.solve(matrix, right)[..., 0].astype(np.float64)
 
 
 def _transfer(waves: _Waves, depth: float, tissue: Tissue) -> Iterator[ComplexArray]:

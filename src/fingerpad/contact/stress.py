@@ -1,4 +1,4 @@
-"""Stress under an elliptical Hertz contact, in closed form.
+"""Pressure of an elliptical Hertz contact and the stress under it, in closed form.
 
 The two potentials of Boussinesq's solution are those of a Hertzian pressure. The first, ∫p/r, is an integral
 over the family of confocal ellipsoids, a Carlson integral. The second, ∫p ln(r + z), matters to compressible
@@ -7,6 +7,7 @@ bodies alone; it is elementary, here a smooth integral of rational functions, an
 
 import math
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Self
 
 import numpy as np
@@ -14,10 +15,13 @@ from scipy.special import elliprd
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array, broadcast
 from fingerpad._display import Displayed
+from fingerpad.contact.contact import Contact
+from fingerpad.contact.grid import ContactGrid
 
 _NODE, _WEIGHT = np.polynomial.legendre.leggauss(24)
 _NODE, _WEIGHT = (_NODE + 1) / 2, _WEIGHT / 2
 _NEWTON_STEPS = 80
+_SAMPLES = 4  # along each side of a cell
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
@@ -46,15 +50,13 @@ class StressField(Displayed):
     @property
     def principal(self) -> FloatArray:
         """Principal stresses, ascending, shape (..., 3)."""
-        principal: FloatArray = np.linalg.eigvalsh(self.tensor).astype(np.float64)
-        return principal
+        return np.linalg.eigvalsh(self.tensor).astype(np.float64)
 
     @property
     def maximum_shear(self) -> FloatArray:
         """Half the difference of the extreme principal stresses."""
         principal = self.principal
-        shear: FloatArray = (principal[..., 2] - principal[..., 0]) / 2
-        return shear
+        return (principal[..., 2] - principal[..., 0]) / 2
 
     def turned(self, angle: float) -> Self:
         """Return the stress on axes from which those of this field are turned by an angle about the third.
@@ -97,8 +99,7 @@ class StressField(Displayed):
         """
         mean = np.trace(self.tensor, axis1=-2, axis2=-1)[..., None, None] * np.eye(3)
         compliance = 1 / as_float_array(youngs_modulus)[..., None, None]
-        strain: FloatArray = ((1 + poisson_ratio) * self.tensor - poisson_ratio * mean) * compliance
-        return strain
+        return np.asarray(((1 + poisson_ratio) * self.tensor - poisson_ratio * mean) * compliance)
 
     def strain_energy_density(self, *, youngs_modulus: ArrayLike, poisson_ratio: float) -> FloatArray:
         """Return the strain energy density ½ σ : ε.
@@ -116,8 +117,7 @@ class StressField(Displayed):
             Energy per volume, in the unit of the stress.
         """
         strain = self.strain(youngs_modulus=youngs_modulus, poisson_ratio=poisson_ratio)
-        energy: FloatArray = 0.5 * np.sum(self.tensor * strain, axis=(-2, -1))
-        return energy
+        return np.asarray(0.5 * np.sum(self.tensor * strain, axis=(-2, -1)))[()]
 
 
 @np.errstate(all="ignore")
@@ -253,3 +253,84 @@ def _second_potential(
         mixed += weight * sigma / (first * second)
     along = twice * (end * inner - z * integral_x - x**2 * end * direct)
     return along, -twice * x * y * end * mixed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class HertzPressure(Displayed):
+    """A semi-ellipsoidal pressure over an ellipse that lies anywhere in the plane of contact."""
+
+    peak_pressure: float
+    semi_major: float
+    semi_minor: float
+    long_axis_angle: float  # from the plane's first coordinate, along the finger, rad
+    centre: FloatArray  # in the plane, (2,)
+
+    @classmethod
+    def of_contact(cls, contact: Contact, long_axis_angle: float) -> Self:
+        """Return the pressure of one Hertz contact, whose long axis lies at an angle (rad) to the finger."""
+        return cls(
+            peak_pressure=float(contact.peak_pressure),
+            semi_major=float(contact.semi_major),
+            semi_minor=float(contact.semi_minor),
+            long_axis_angle=long_axis_angle,
+            centre=np.zeros(2),
+        )
+
+    @classmethod
+    def of_moments(cls, grid: ContactGrid, pressure: FloatArray) -> Self:
+        """Return the pressure that has the load, centre and second moments of one given on a grid.
+
+        Its variance along a semi-axis a is a²/5.
+        """
+        place = grid.cells
+        load = pressure.sum()
+        middle = np.tensordot(pressure, place, 2) / load
+        offset = place - middle
+        second = np.einsum("ij,ijk,ijl->kl", pressure, offset, offset) / load
+        spread, axes = np.linalg.eigh(second)
+        minor, major = np.sqrt(5 * spread)
+        return cls(
+            peak_pressure=float(1.5 * load * grid.cell_area / (np.pi * major * minor)),
+            semi_major=float(major),
+            semi_minor=float(minor),
+            long_axis_angle=math.remainder(grid.angle + math.atan2(axes[1, 1], axes[0, 1]), math.tau),
+            centre=grid.to_plane(middle),
+        )
+
+    def at(self, along: ArrayLike, across: ArrayLike) -> FloatArray:
+        """Return the pressure at points of the plane, zero outside the ellipse."""
+        x, y = self._own(*broadcast(along, across))
+        inside = 1 - (x / self.semi_major) ** 2 - (y / self.semi_minor) ** 2
+        return self.peak_pressure * np.sqrt(np.maximum(inside, 0))
+
+    def over_cells(self, grid: ContactGrid) -> FloatArray:
+        """Return the mean pressure over each cell of a grid that holds all of the ellipse."""
+        shifts = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
+        mean = np.zeros((grid.points, grid.points))
+        for shift in product(shifts, shifts):
+            moved = replace(grid, centre=grid.centre + np.multiply(shift, grid.spacing))
+            mean += self.at(*moved.coordinates)
+        load = 2 / 3 * np.pi * self.semi_major * self.semi_minor * self.peak_pressure
+        mean *= load / (mean.sum() * grid.cell_area)
+        return mean
+
+    def stress(
+        self, along: ArrayLike, across: ArrayLike, depth: ArrayLike, *, poisson_ratio: float
+    ) -> StressField:
+        """Return the stress in a half-space, as `hertz_stress`, on axes along, across and down."""
+        along, across, depth = broadcast(along, across, depth)
+        x, y = self._own(along, across)
+        field = hertz_stress(
+            *(x, y, depth),
+            semi_x=self.semi_major,
+            semi_y=self.semi_minor,
+            peak_pressure=self.peak_pressure,
+            poisson_ratio=poisson_ratio,
+        )
+        return field.turned(self.long_axis_angle)
+
+    def _own(self, along: FloatArray, across: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return coordinates along the ellipse's own axes."""
+        cosine, sine = math.cos(self.long_axis_angle), math.sin(self.long_axis_angle)
+        along, across = along - self.centre[0], across - self.centre[1]
+        return along * cosine + across * sine, across * cosine - along * sine

@@ -100,8 +100,7 @@ class Gap(Displayed):
         q = x * x / self.first_radius + y * y / self.second_radius
         beta = 1 + self.first_skewness * x + self.second_skewness * y
         with np.errstate(invalid="ignore"):
-            gap: FloatArray = q / (beta + np.sqrt(beta * beta - self.flatness * q))
-        return gap
+            return q / (beta + np.sqrt(beta * beta - self.flatness * q))
 
 
 @np.errstate(all="ignore")
@@ -286,8 +285,7 @@ class Counterface(Displayed):
         if self.axis_angle is not None:
             squared = (across * math.cos(self.axis_angle) - along * math.sin(self.axis_angle)) ** 2
         with np.errstate(invalid="ignore"):
-            height: FloatArray = squared / (self.radius + np.sqrt(self.radius**2 - squared))
-        return height
+            return squared / (self.radius + np.sqrt(self.radius**2 - squared))
 
     def curvature_tensor(self) -> FloatArray:
         """Return the curvatures along and across the finger and the mixed one.
