@@ -3,8 +3,8 @@
 import math
 import time
 from collections.abc import Hashable
-from dataclasses import replace
-from typing import Any, Final
+from dataclasses import dataclass, replace
+from typing import Any, Final, Self
 
 import numpy as np
 
@@ -193,30 +193,28 @@ class ContactParams(Params):
 def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     """Measure a contact image under a correction; nothing is stored."""
     began = time.perf_counter()
-    item = params.item
-    contact, complete, found = _contact(opened, params)
-    change = params.change or correction_of(opened, item)
-    contact_image = measured_under(_prepared(opened, item, contact, found, change), change)
-    waits = params.soon and complete and known_finger(opened, contact.finger) is None
-    model = _model(opened, item, contact, contact_image, found) if complete and not waits else None
-    own, error = _automatic(opened, item, contact, found) if change.edits else (contact_image, None)
+    image = _Image.of(opened, params)
+    change = params.change or image.correction()
+    seen = measured_under(image.prepared(change), change)
+    measured = replace(from_contact_image(seen, image.contact, image.found), observation=image.item)
+    waits = params.soon and image.complete and known_finger(opened, image.contact.finger) is None
+    model = image.model(measured) if image.complete and not waits else None
+    own, error = image.automatic() if change.edits else (seen, None)
     return ContactMeasurement.of(
-        contact_image,
-        item=item,
+        item=image.item,
         by="manual" if change.ellipse_px is not None else "corrected" if change.edits else "automatic",
-        outline_px=contact_image.outline.round(2),
-        **_drawn(contact_image, found),
-        numbers=_numbers(contact_image),
+        outline_px=seen.outline.round(2),
+        **_drawn(seen, image.found),
+        numbers=_numbers(seen),
         automatic=own and _numbers(own) | {"outline_px": own.outline.round(2)},
         automatic_error=error,
         model=model,
         waits=waits,
-        settings=ContactSettings.of(contact_image),
-        flags=[*doubts_of(contact_image), *found.flags],
-        pooling=model
-        and _pooling(opened, item, contact, from_contact_image(contact_image, contact, found), model),
-        mm_per_px=found.scale.mm_per_px,
-        mm_per_px_std=found.scale.mm_per_px_std,
+        settings=ContactSettings.of(seen),
+        flags=[*doubts_of(seen), *image.found.flags],
+        pooling=model and image.pooling(measured, model),
+        mm_per_px=image.found.scale.mm_per_px,
+        mm_per_px_std=image.found.scale.mm_per_px_std,
         milliseconds=1000 * (time.perf_counter() - began),
     )
 
@@ -224,122 +222,153 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
 @router.post("/measure/levels")
 def levels(opened: Opened, params: Body[ContactParams]) -> ContactLevels:
     """Return the histogram of levels in which a threshold is chosen, and the automatic threshold."""
-    contact, _, found = _contact(opened, params)
     change = (params.change or ContactCorrection()).model_copy(update={"threshold": None})
-    prepared = _prepared(opened, params.item, contact, found, change)
+    prepared = _Image.of(opened, params).prepared(change)
     counts, edges = prepared.level_histogram()
     automatic = None if prepared.reason else prepared.measure().threshold
     return ContactLevels.of(counts=counts, edges=edges, automatic_threshold=automatic)
 
 
-def _contact(opened: StudySession, params: ContactParams) -> tuple[Contact, bool, FoundScale]:
-    """Return the table of an item, one for this request of a new file; whether it is complete; its scale."""
-    item = params.item
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Image:
+    """A contact image or a frame: its table in the study, whether that is complete, and its scale."""
+
+    opened: StudySession
+    item: str
     contact: Contact
-    if item.startswith("file:"):
-        if params.scale is None:
+    complete: bool
+    found: FoundScale
+
+    @classmethod
+    def of(cls, opened: StudySession, params: ContactParams) -> Self:
+        """Return the image of an item, or of a new file, with the scale of this request."""
+        item, scale = params.item, params.scale
+        contact: Contact
+        if not item.startswith("file:"):
+            contact, complete = opened.contact(item)
+        elif scale is not None:
+            contact, complete = contact_of_file(item.removeprefix("file:"), scale), False
+        else:
             raise RequestError.impossible(f"{item}: state its scale")
-        file = item.removeprefix("file:")
-        contact, complete = contact_of_file(file, params.scale), False
-    else:
-        contact, complete = opened.contact(item)
-    scale = contact.scale if params.scale is None else params.scale
-    if contact.scale is None or scale is None:
-        raise RequestError.not_there(f"no contact image is named {item!r}")
-    return contact.model_copy(update={"scale": scale}), complete, scale_of(opened, scale)
+        if contact.scale is None:
+            raise RequestError.not_there(f"no contact image is named {item!r}")
+        contact = contact.model_copy(update={"scale": scale or contact.scale})
+        found = scale_of(opened, scale or contact.scale)
+        return cls(opened=opened, item=item, contact=contact, complete=complete, found=found)
 
+    def correction(self) -> ContactCorrection:
+        """Return what holds: a person's correction, or what key frames carry to a frame."""
+        name, mark, number = frame_of(self.item)
+        if not mark:
+            return contact_correction(self.opened.corrections.active_correction(self.item))
+        frame = int(number)
+        active = self.opened.corrections.active_corrections()
+        return contact_correction(frame_corrections(active, name, range(frame, frame + 1)).get(frame))
 
-def correction_of(opened: StudySession, item: str) -> ContactCorrection:
-    """Return what holds for a contact image: a person's correction, or what key frames carry to a frame."""
-    name, mark, number = frame_of(item)
-    if not mark:
-        return contact_correction(opened.corrections.active_correction(item))
-    frame = int(number)
-    found = frame_corrections(opened.corrections.active_corrections(), name, range(frame, frame + 1))
-    return contact_correction(found.get(frame))
+    def prepared(self, change: ContactCorrection) -> PreparedContactImage:
+        """Return the prepared image; strokes and a manual ellipse do not change it."""
+        reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
+        return _PREPARED.get(
+            self._key(reading),
+            lambda: prepared_contact(
+                self.opened.pictures.grey(self.opened.image_location(self.item)).pixels,
+                self.found.scale,
+                self.contact,
+                self.opened.folder,
+                reading,
+                settings=self._settings(),
+            ),
+        )
 
+    def automatic(self) -> tuple[ContactImageResult | None, str | None]:
+        """Return the automatic measurement, or why it failed."""
 
-def _prepared(
-    opened: StudySession, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
-) -> PreparedContactImage:
-    """Return a prepared contact image; strokes and a manual ellipse do not change it."""
-    place = opened.image_location(item)
-    reading = ContactCorrection.model_validate({name: getattr(change, name) for name in CORRECTIONS})
-    return _PREPARED.get(
-        _reading_of(opened, item, contact, found, reading),
-        lambda: prepared_contact(
-            opened.pictures.grey(place).pixels,
-            found.scale,
-            contact,
-            opened.folder,
-            reading,
-            settings=_settings(opened, contact, found),
-        ),
-    )
+        def measured() -> tuple[ContactImageResult | None, str | None]:
+            try:
+                return self.prepared(ContactCorrection()).measure(), None
+            except ImageError as error:
+                return None, str(error)
 
+        return _AUTOMATIC.get(self._key(ContactCorrection()), measured)
 
-def _settings(opened: StudySession, contact: Contact, found: FoundScale) -> ContactImageOptions | None:
-    return sequence_settings(opened, contact, found) if isinstance(contact, ContactSequence) else None
+    def _key(self, change: ContactCorrection) -> Hashable:
+        """Return all that the reading of the image depends on."""
+        settings, stamp = self._settings(), self.opened.image_location(self.item).stamp
+        return (
+            *(stamp, self._background_stamp(), self.found.scale, self.contact.model_dump_json()),
+            *(change.model_dump_json(), settings and tuple(settings.items())),
+        )
 
+    def _background_stamp(self) -> Hashable:
+        contact = self.contact
+        if contact.background is not None:
+            return ImageLocation(self.opened.file(contact.background)).stamp
+        if contact.surface == "smooth" and isinstance(contact, ContactSequence):
+            return ImageLocation(self.opened.sequence_path(contact.file), frame=0).stamp
+        return None
 
-def _reading_of(
-    opened: StudySession, item: str, contact: Contact, found: FoundScale, change: ContactCorrection
-) -> Hashable:
-    """Return all that the reading of a contact image depends on."""
-    settings = _settings(opened, contact, found)
-    return (
-        *(opened.image_location(item).stamp, _background_stamp(opened, contact), found.scale),
-        *(contact.model_dump_json(), change.model_dump_json(), settings and tuple(settings.items())),
-    )
-
-
-def _background_stamp(opened: StudySession, contact: Contact) -> Hashable:
-    if contact.background is not None:
-        return ImageLocation(opened.file(contact.background)).stamp
-    if contact.surface == "smooth" and isinstance(contact, ContactSequence):
-        return ImageLocation(opened.sequence_path(contact.file), frame=0).stamp
-    return None
-
-
-def sequence_settings(
-    opened: StudySession, sequence: ContactSequence, found: FoundScale
-) -> ContactImageOptions | None:
-    """Return the settings of a sequence, estimated from some frames; None where that fails."""
-    path, count = opened.sequence_path(sequence.file), opened.count_frames(sequence.file) or 0
-    some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).round().astype(int)).tolist()
-
-    def learn() -> SequenceSettings | None:
-        frames = open_frames(path, memory_limit=opened.memory_limit)
-        try:
-            options = contact_options(sequence, opened.folder)
-            return estimate_settings(
-                frames,
-                found.scale,
-                scan=scan_texture(map(frames.at, some), found.scale, **options),
-                **options,
-            )
-        except ImageError:
+    def _settings(self) -> ContactImageOptions | None:
+        """Return the settings of a frame's sequence, estimated from some frames; None where that fails."""
+        sequence, opened = self.contact, self.opened
+        if not isinstance(sequence, ContactSequence):
             return None
+        path, count = opened.sequence_path(sequence.file), opened.count_frames(sequence.file) or 0
+        some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).round().astype(int)).tolist()
 
-    stamps = tuple(ImageLocation(path, frame=frame).stamp for frame in some)
-    reading = _SETTINGS.get(
-        (path, stamps, _background_stamp(opened, sequence), found.scale, sequence.model_dump_json()), learn
-    )
-    return None if reading is None else reading.settings
+        def learn() -> SequenceSettings | None:
+            frames, scale = open_frames(path, memory_limit=opened.memory_limit), self.found.scale
+            try:
+                options = contact_options(sequence, opened.folder)
+                scan = scan_texture(map(frames.at, some), scale, **options)
+                return estimate_settings(frames, scale, scan=scan, **options)
+            except ImageError:
+                return None
 
+        stamps = tuple(ImageLocation(path, frame=frame).stamp for frame in some)
+        key = (path, stamps, self._background_stamp(), self.found.scale, sequence.model_dump_json())
+        reading = _SETTINGS.get(key, learn)
+        return None if reading is None else reading.settings
 
-def _automatic(
-    opened: StudySession, item: str, contact: Contact, found: FoundScale
-) -> tuple[ContactImageResult | None, str | None]:
-    """Return the automatic measurement, or why it failed."""
-
-    def measured() -> tuple[ContactImageResult | None, str | None]:
+    def model(self, measured: Measurement) -> ContactModel | None:
+        """Return what the contact model gives, as in the results."""
         try:
-            return _prepared(opened, item, contact, found, ContactCorrection()).measure(), None
-        except ImageError as error:
-            return None, str(error)
+            finger = measured_finger(self.opened, self.contact.finger)
+        except FingerpadError:  # said where the photographs are
+            return None
+        load = getattr(self.contact, "load_N", None) or self._load_of_frame()
+        if finger is None or load is None:
+            return None
+        study, loaded = self.opened.study(), replace(measured, load_N=load)
+        row = model_contact(study, finger, self.contact, loaded, _MODEL_COLUMNS)
+        headlines = last_headlines(self.opened, tuple(row[name] for name in PLACEMENT))
+        for name in HEADLINES:
+            if (std := row[f"{name}_std"]) is not None:
+                relative = np.nan_to_num(headlines[name].model_relative_std) if name in headlines else 0.0
+                row[f"{name}_total_std"] = math.hypot(std, relative * row[name])
+        return ContactModel.of(
+            row,
+            range_notes=(row["range_notes"] or "").split(),
+            verdicts={name: one.verdict for name, one in headlines.items()},
+        )
 
-    return _AUTOMATIC.get(_reading_of(opened, item, contact, found, ContactCorrection()), measured)
+    def _load_of_frame(self) -> float | None:
+        found = last_results(self.opened)
+        row = found and item_row(found.table, self.item)
+        return row["load_N"] if row else None
+
+    def pooling(self, measured: Measurement, model: ContactModel) -> ContactPooling | None:
+        """Return whether a contact will be pooled; None of frames, for which other rules hold."""
+        if isinstance(self.contact, ContactSequence):
+            return None
+        active = self.opened.corrections.active_correction(self.item)
+        seen = reviewed(measured, active)
+        plausible = IMPLAUSIBLE_SIZE not in model.range_notes
+        excluding = excluding_flags(self.contact, seen, plausible=plausible)
+        return ContactPooling(
+            pooled=is_pooled(seen, excluding),
+            excluding_flags=sorted(excluding),
+            correction=pooling_correction(active),
+        )
 
 
 def _numbers(contact_image: ContactImageResult) -> dict[str, Any]:
@@ -363,53 +392,3 @@ def _drawn(contact_image: ContactImageResult, found: FoundScale) -> dict[str, An
         },
         "handles": {"centre_px": centre, "major_ends_px": (top, bottom), "minor_ends_px": (left, right)},
     }
-
-
-def _model(
-    opened: StudySession, item: str, contact: Contact, contact_image: ContactImageResult, found: FoundScale
-) -> ContactModel | None:
-    """Return what the contact model gives, as in the results."""
-    try:
-        finger = measured_finger(opened, contact.finger)
-    except FingerpadError:  # said where the photographs are
-        finger = None
-    if finger is None:
-        return None
-    load = getattr(contact, "load_N", None) or _load_of_frame(opened, item)
-    if load is None:
-        return None
-    seen = from_contact_image(contact_image, contact, found)
-    measured = replace(seen, observation=item, load_N=load)
-    row = model_contact(opened.study(), finger, contact, measured, _MODEL_COLUMNS)
-    headlines = last_headlines(opened, tuple(row[name] for name in PLACEMENT))
-    for name in HEADLINES:
-        if (std := row[f"{name}_std"]) is not None:
-            relative = np.nan_to_num(headlines[name].model_relative_std) if name in headlines else 0.0
-            row[f"{name}_total_std"] = math.hypot(std, relative * row[name])
-    return ContactModel.of(
-        row,
-        range_notes=(row["range_notes"] or "").split(),
-        verdicts={name: one.verdict for name, one in headlines.items()},
-    )
-
-
-def _pooling(
-    opened: StudySession, item: str, contact: Contact, measured: Measurement, model: ContactModel
-) -> ContactPooling | None:
-    """Return whether a contact will be pooled; None of frames, for which other rules hold."""
-    if isinstance(contact, ContactSequence):
-        return None
-    active = opened.corrections.active_correction(item)
-    seen = reviewed(measured, active)
-    excluding = excluding_flags(contact, seen, plausible=IMPLAUSIBLE_SIZE not in model.range_notes)
-    return ContactPooling(
-        pooled=is_pooled(seen, excluding),
-        excluding_flags=sorted(excluding),
-        correction=pooling_correction(active),
-    )
-
-
-def _load_of_frame(opened: StudySession, item: str) -> float | None:
-    found = last_results(opened)
-    row = found and item_row(found.table, item)
-    return row["load_N"] if row else None

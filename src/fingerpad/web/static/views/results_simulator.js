@@ -59,7 +59,7 @@ export class Simulator {
     const query = Object.fromEntries(
       Object.entries({ finger, wedge_angle_deg: wedge, ...this.asked }).filter(([, value]) => value !== null),
     );
-    const body = h("div", h("p.soft", { role: "status" }, "Computing …"));
+    const body = h("div.stack-small", h("p.soft", { role: "status" }, "Computing …"));
     get("/results/simulator", /** @type {any} */ (query))
       .then((found) => render(body, numbers(found), download(query, finger, wedge)))
       .catch((error) => render(body, h("p.note", { role: "alert" }, error.message)));
