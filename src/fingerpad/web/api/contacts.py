@@ -252,8 +252,8 @@ class _Image:
             raise RequestError.impossible(f"{item}: state its scale")
         if contact.scale is None:
             raise RequestError.not_there(f"no contact image is named {item!r}")
-        contact = contact.model_copy(update={"scale": scale or contact.scale})
-        found = scale_of(opened, scale or contact.scale)
+        known = contact.scale if scale is None else scale
+        contact, found = contact.model_copy(update={"scale": known}), scale_of(opened, known)
         return cls(opened=opened, item=item, contact=contact, complete=complete, found=found)
 
     def correction(self) -> ContactCorrection:
