@@ -22,7 +22,7 @@ from fingerpad.study.manifest import LoadedStudy, Study, load_study
 
 
 def empty(tmp_path, *, tables=()):
-    return LoadedStudy(folder=tmp_path, digest="", study=Study(title="s"), tables=tables, issues=())
+    return LoadedStudy(folder=tmp_path, digests={}, study=Study(title="s"), tables=tables, issues=())
 
 
 @pytest.mark.parametrize(

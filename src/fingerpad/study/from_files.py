@@ -45,7 +45,7 @@ def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
     if not folder.is_dir():
         raise ManifestError(f"{folder}: is no folder: name that of the pictures")
     title = folder.resolve().name
-    empty = LoadedStudy(folder=folder, digest="", study=Study(title=title), tables=(), issues=())
+    empty = LoadedStudy(folder=folder, digests={}, study=Study(title=title), tables=(), issues=())
     left: dict[str, str] = {}
     found: dict[str, tuple[NewFile, Guess]] = {}
     for one in unused_files(empty):

@@ -1,6 +1,5 @@
 """The whole way of a study, from its manifest to rows, summaries and the files that hold them."""
 
-import hashlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -27,7 +26,7 @@ from fingerpad.study.engine.runner import Executor, Progress, executor_for, reco
 from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import local_executor
-from fingerpad.study.manifest import Study, manifest_in, read_study
+from fingerpad.study.manifest import Study, load_study, manifest_in
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, StudyItems, item_of, measure_study
@@ -136,14 +135,11 @@ def run_study(
     manifest = manifest_in(Path(manifest))
     out = results_folder(manifest) if out is None else Path(out)
     folder = manifest.absolute().parent
-    parsed: dict[str, str] = {}
-    study = read_study(manifest, lambda name, text: parsed.update({name: hashlib.sha256(text).hexdigest()}))
-    log = CorrectionLog(folder)
-    if log.digest is not None:
-        parsed[CORRECTIONS_NAME] = log.digest
-    second = CorrectionLog(folder, SECOND_OPERATOR_NAME)
-    if second.digest is not None:
-        parsed[SECOND_OPERATOR_NAME] = second.digest
+    loaded = load_study(manifest)
+    study = loaded.complete()
+    log, second = CorrectionLog(folder), CorrectionLog(folder, SECOND_OPERATOR_NAME)
+    of_logs = {CORRECTIONS_NAME: log.digest, SECOND_OPERATOR_NAME: second.digest}
+    parsed = {**loaded.digests, **{name: digest for name, digest in of_logs.items() if digest is not None}}
     inputs = [*parsed, *(name for _, name in study.files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)

@@ -139,7 +139,7 @@ class StudySession:
             damage = Table(kind="study", key="", content={}, file="", key_path="", faults=faults)
             study = Study(title=self.name)
             return LoadedStudy(
-                folder=self.folder, digest="", study=study, tables=(damage,), issues=tuple(damage.lines)
+                folder=self.folder, digests={}, study=study, tables=(damage,), issues=tuple(damage.lines)
             )
 
     def change(self, edits: Sequence[Edit], expected: str) -> None:

@@ -17,6 +17,7 @@ from unicodedata import normalize
 from pydantic import BaseModel, TypeAdapter
 
 from fingerpad._display import Displayed
+from fingerpad._files import digest_of
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.journal import recover
 from fingerpad.study.manifest.messages import Fault, checked, key_path
@@ -218,11 +219,16 @@ class LoadedStudy(Displayed):
     """A study, complete or not."""
 
     folder: Path
-    digest: str  # of its manifest and spreadsheet: what an author has seen
+    digests: Mapping[str, str]  # SHA-256 of its manifest and spreadsheet, by name
     study: Study  # what is complete
     # All in lists; of the top level and the sections those that are wrong.
     tables: tuple[Table, ...] = ()
     issues: tuple[str, ...] = ()  # a study without any can be run
+
+    @property
+    def digest(self) -> str:
+        """Digest of all that was read: what an author has seen."""
+        return hashlib.sha256("".join(self.digests.values()).encode()).hexdigest()
 
     @property
     def incomplete(self) -> list[Table]:
@@ -250,13 +256,8 @@ def manifest_in(path: Path) -> Path:
     return path / STUDY_NAME if path.is_dir() else path
 
 
-def load_study(
-    path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None
-) -> LoadedStudy:
-    """Load a study from its manifest and check all values, references, and that the files are there.
-
-    `on_read` is called with the name and the content of each file that is read.
-    """
+def load_study(path: Path) -> LoadedStudy:
+    """Load a study from its manifest and check all values, references, and that the files are there."""
     recover(path.parent)
     if path.is_char_device():
         raise ManifestError(f"{path}: is a device, not a file")  # which may have no end
@@ -268,34 +269,18 @@ def load_study(
         ) from None
     except OSError as error:
         raise ManifestError(f"{path}: cannot be read ({error})") from error
-    on_read(path.name, content)
-
-    def read(name: str) -> bytes:
-        rows = file_inside(path.parent, name).read_bytes()
-        on_read(name, rows)
-        return rows
-
-    return checked_study(path, content, read)
+    return checked_study(path, content, lambda name: file_inside(path.parent, name).read_bytes())
 
 
 def is_as_read(loaded: LoadedStudy) -> bool:
     """Tell whether the manifest and the spreadsheet of a study are what was read of them."""
-    sheet = loaded.study.observations_csv
-    try:
-        content = (loaded.folder / STUDY_NAME).read_bytes()
-        rows = b"" if sheet is None else (loaded.folder / sheet).read_bytes()
-    except OSError:
-        return False
-    return _digest(content, rows) == loaded.digest
+    digests = {name: digest_of(loaded.folder / name) for name in (STUDY_NAME, *loaded.digests)}
+    return digests == loaded.digests
 
 
-def _digest(content: bytes, rows: bytes) -> str:
-    return hashlib.sha256(hashlib.sha256(content).digest() + rows).hexdigest()
-
-
-def read_study(path: Path, on_read: Callable[[str, bytes], None] = lambda _name, _content: None) -> Study:
+def read_study(path: Path) -> Study:
     """Load a study that can be run; `ManifestError` names each issue."""
-    return load_study(path, on_read).complete()
+    return load_study(path).complete()
 
 
 def _toml_error(content: bytes, error: Exception) -> str:
@@ -318,10 +303,11 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
         raise ManifestError(f"{path}: not valid TOML: {_toml_error(content, error)}") from error
     require_tables(document, path.name)
     top, wrong = _top_level(document, path)
-    rows, tables = b"", list(_tables(document, path.name))
+    tables, digests = list(_tables(document, path.name)), {path.name: hashlib.sha256(content).hexdigest()}
     if top.observations_csv is not None:
         try:
             rows = read(top.observations_csv)
+            digests[top.observations_csv] = hashlib.sha256(rows).hexdigest()
             tables += _rows(Sheet.parse(top.observations_csv, rows))
         except (ManifestError, OSError) as error:
             fault = Fault("observations_csv", str(error))
@@ -335,7 +321,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
         issues.append(f"{path.name}: fingers: no finger yet: add one")
     return LoadedStudy(
         folder=path.parent,
-        digest=_digest(content, rows),
+        digests=digests,
         study=_study(top, found),
         tables=found,
         issues=tuple(issues),
