@@ -169,6 +169,7 @@ def _members(archive: zipfile.ZipFile, path: Path) -> Iterator[tuple[str, str, b
 
 
 def _ellipse(content: bytes, name: str, place: str) -> MeasuredEllipse:
+    """Return the ellipse of one ROI: of each kind the semi-axes, px, and the direction from straight up."""
     try:
         roi = ImagejRoi.frombytes(content)
         label = roi.name or name
@@ -181,67 +182,51 @@ def _ellipse(content: bytes, name: str, place: str) -> MeasuredEllipse:
                 f"{place}: is a spline; make it a polygon first (Edit > Selection > Interpolate)"
             )
         if roi.roitype == ROI_TYPE.OVAL:
-            return _upright(roi, label, place)
-        if roi.roitype == ROI_TYPE.FREEHAND and roi.subtype == ROI_SUBTYPE.ELLIPSE:
-            return _rotated(roi, label, place)
-        if roi.roitype in _TRACED and roi.subtype != ROI_SUBTYPE.ROTATED_RECT:
-            return _traced(roi, label, place)
+            major, minor, orientation_deg = _upright(roi, place)
+        elif roi.roitype == ROI_TYPE.FREEHAND and roi.subtype == ROI_SUBTYPE.ELLIPSE:
+            major, minor, orientation_deg = _rotated(roi, place)
+        elif roi.roitype in _TRACED and roi.subtype != ROI_SUBTYPE.ROTATED_RECT:
+            major, minor, orientation_deg = _traced(roi, place)
+        else:
+            raise ImageError(
+                f"{place}: is a {roi.roitype.name.lower()}, not an oval, ellipse or outline; "
+                "draw one round the contact"
+            )
     except _BROKEN as error:
         raise ImageError(f"{place}: is no ROI of ImageJ, or a broken one ({error})") from error
-    raise ImageError(
-        f"{place}: is a {roi.roitype.name.lower()}, not an oval, ellipse or outline; "
-        "draw one round the contact"
+    return MeasuredEllipse(
+        label=label, source=place, semi_major=major, semi_minor=minor, orientation_deg=orientation_deg
     )
 
 
-def _upright(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
+def _upright(roi: ImagejRoi, place: str) -> tuple[float, float, float]:
     width, height = float(roi.right - roi.left), float(roi.bottom - roi.top)
     if roi.subpixelrect:
         width, height = roi.widthd, roi.heightd
     if not (width > 0 and height > 0 and math.isfinite(width + height)):
         raise ImageError(f"{place}: an oval of {width:g} × {height:g} px has no area; draw it again")
-    return MeasuredEllipse(
-        label=label,
-        source=place,
-        semi_major=max(width, height) / 2,
-        semi_minor=min(width, height) / 2,
-        orientation_deg=upward_deg(90.0 if height >= width else 0.0),
-    )
+    return max(width, height) / 2, min(width, height) / 2, upward_deg(90.0 if height >= width else 0.0)
 
 
-def _rotated(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
+def _rotated(roi: ImagejRoi, place: str) -> tuple[float, float, float]:
     """Return a rotated ellipse, kept as the ends of its major axis and minor over major axis."""
     # The ratio is a float in the place of three small fields of other ROIs.
-    packed = struct.pack(
-        f"{roi.byteorder}BBh", roi.arrow_style_or_aspect_ratio, roi.arrow_head_size, roi.rounded_rect_arc_size
-    )
-    (ratio,) = struct.unpack(f"{roi.byteorder}f", packed)
+    small = roi.arrow_style_or_aspect_ratio, roi.arrow_head_size, roi.rounded_rect_arc_size
+    (ratio,) = struct.unpack(f"{roi.byteorder}f", struct.pack(f"{roi.byteorder}BBh", *small))
     across, down = roi.x2 - roi.x1, roi.y2 - roi.y1
     major = math.hypot(across, down)
     if not (0 < ratio <= 1 and major > 0 and math.isfinite(major)):
         raise ImageError(f"{place}: an ellipse of {major:g} px with axis ratio {ratio:g}; draw it again")
-    return MeasuredEllipse(
-        label=label,
-        source=place,
-        semi_major=major / 2,
-        semi_minor=ratio * major / 2,
-        orientation_deg=upward_deg(math.degrees(math.atan2(-down, across))),
-    )
+    return major / 2, ratio * major / 2, upward_deg(math.degrees(math.atan2(-down, across)))
 
 
-def _traced(roi: ImagejRoi, label: str, place: str) -> MeasuredEllipse:
+def _traced(roi: ImagejRoi, place: str) -> tuple[float, float, float]:
     corners = np.asarray(roi.coordinates(), dtype=np.float64).reshape(-1, 2)[:, ::-1]
     try:
         found = ellipse_of_polygon(corners)
     except ImageError as error:
         raise ImageError(f"{place}: {error}") from error
-    return MeasuredEllipse(
-        label=label,
-        source=place,
-        semi_major=found.semi_axes[0],
-        semi_minor=found.semi_axes[1],
-        orientation_deg=math.degrees(found.orientation),
-    )
+    return *found.semi_axes, math.degrees(found.orientation)
 
 
 # What an ellipse does not tell of its contact.

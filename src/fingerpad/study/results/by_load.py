@@ -25,9 +25,9 @@ from fingerpad.study.results.table import groups, items
 from fingerpad.study.results.validity import MODULUS, Validity
 from fingerpad.study.results.validity.model_checks import NOT_TESTED
 from fingerpad.uncertainty import ScatterComponent
+from fingerpad.uncertainty.propagate import NORMAL_97_5
 from fingerpad.units import KPA_PER_MPA
 
-_NORMAL_97_5: Final = 1.959963984540054
 _ROUNDING: Final = 1e-9
 _ON_LAYER: Final = "youngs_modulus_on_layer"
 
@@ -86,8 +86,8 @@ class LoadMean:
         half = math.hypot(
             _quantile(freedom) * own,
             _quantile(scatter.freedom if scatter is not None else math.inf) * between,
-            _quantile(math.inf) * shared,
-            _quantile(math.inf) * math.log1p(np.nan_to_num(model)),
+            NORMAL_97_5 * shared,
+            NORMAL_97_5 * math.log1p(np.nan_to_num(model)),
         )
         return cls(
             value=mean,
@@ -125,7 +125,7 @@ class AtLoad:
 
 def _quantile(freedom: float) -> float:
     """Return the 97.5 % quantile of Student's t."""
-    return _NORMAL_97_5 if math.isinf(freedom) else float(special.stdtrit(freedom, 0.975))
+    return NORMAL_97_5 if math.isinf(freedom) else float(special.stdtrit(freedom, 0.975))
 
 
 def pool_by_load(
@@ -181,7 +181,8 @@ def _at_load(
     area = contact_quantity(rows, "contact_area")
     own = {part: rows[f"gross_area_mm2_{part}_std"].to_numpy() for part in ("noise", "edge")}
     by_image = np.isfinite(rows["gross_area_mm2"].to_numpy())
-    ellipse = area * np.hypot(*(_relative(rows, axis) for axis in ("semi_major_mm", "semi_minor_mm")))
+    relative = (rows[f"{axis}_mm_noise_std"] / rows[f"{axis}_mm"] for axis in ("semi_major", "semi_minor"))
+    ellipse = area * np.hypot(*(each.to_numpy() for each in relative))
     noise = np.where(by_image, own["noise"], ellipse)
     total = np.where(by_image, rows["gross_area_mm2_std"].to_numpy(), ellipse)
     repeats = area * repeatability.area_std
@@ -246,7 +247,3 @@ _COLUMNS: Final = (
     *(f"youngs_modulus_kpa_{part}_std" for part in _PARTS),
     f"{_ON_LAYER}_kpa",
 )
-
-
-def _relative(rows: pd.DataFrame, axis: str) -> FloatArray:
-    return as_float_array(rows[f"{axis}_noise_std"].to_numpy() / rows[axis].to_numpy())

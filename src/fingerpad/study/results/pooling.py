@@ -44,6 +44,7 @@ from fingerpad.uncertainty import (
     pool_random_effects,
     proportional_stds,
 )
+from fingerpad.uncertainty.propagate import NORMAL_97_5
 
 # From which exponents and checks of areas follow.
 _OF_AREAS: Final = (
@@ -53,7 +54,6 @@ _OF_AREAS: Final = (
 )
 # A press of fewer frames shows no bends.
 _LEAST_FRAMES: Final = 4
-_NORMAL_97_5: Final = 1.959963984540054
 
 
 class Exponent(NamedTuple):
@@ -83,7 +83,7 @@ class PressSlope(NamedTuple):
     @property
     def std(self) -> float:
         """The larger of both, the first as wide as its few degrees of freedom ask: ± 1.96 of it is 95 %."""
-        wider = special.stdtrit(self.freedom, 0.975) / _NORMAL_97_5
+        wider = special.stdtrit(self.freedom, 0.975) / NORMAL_97_5
         return max(float(wider) * self.scatter_std, self.own_std)
 
     @classmethod

@@ -72,6 +72,12 @@ def _with_std(name: str, unit: str, meaning: str, *, default: bool = True) -> tu
     return _number(name, unit, meaning, default=default), std
 
 
+def _part(name: str, unit: str, part: str) -> Column:
+    """Return the column of what one source adds to the standard uncertainty of another column."""
+    words = {"edge": "the contact's edge", "repeatability": "repeatability"}[part]
+    return _number(f"{name}_{part}_std", unit, f"the same from {words} alone", default=False)
+
+
 # Quantities with a verdict on the model.
 _JUDGED: Final = (
     ("radius_from_indentation_mm", "mm"),
@@ -188,18 +194,8 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     "radius": (
         *_with_std("radius_from_indentation_mm", "mm", "R_0g F2^-3, R_g^corr of Dzidek et al. (2017)"),
         _number("radius_from_indentation_mm_fixed_geometry_std", "mm", "the same with R_0g exact"),
-        _number(
-            "radius_from_indentation_mm_edge_std",
-            "mm",
-            "the same from the contact's edge alone",
-            default=False,
-        ),
-        _number(
-            "radius_from_indentation_mm_repeatability_std",
-            "mm",
-            "the same from repeatability alone",
-            default=False,
-        ),
+        _part("radius_from_indentation_mm", "mm", "edge"),
+        _part("radius_from_indentation_mm", "mm", "repeatability"),
         *_with_std("radius_from_area_mm", "mm", "sphere of the same area, R_0g F1^3", default=False),
         *_with_std(
             "radius_from_compliance_mm", "mm", "sphere of the same A/(pi xi), R_0g F1^2/F2: compare with R_g"
@@ -210,21 +206,17 @@ _GROUPS: Final[Mapping[str, Sequence[Column]]] = {
     ),
     "hertz": (
         *_with_std("indentation_mm", "mm", "xi of elliptical Hertz theory from the observed ellipse"),
-        _number("indentation_mm_repeatability_std", "mm", "the same from repeatability alone", default=False),
+        _part("indentation_mm", "mm", "repeatability"),
         *_with_std("reduced_modulus_kpa", "kPa", "E* of elliptical Hertz theory from load and ellipse"),
         *_with_std("youngs_modulus_kpa", "kPa", "E = E*(1 - nu^2)"),
-        _number(
-            "youngs_modulus_kpa_edge_std", "kPa", "the same from the contact's edge alone", default=False
-        ),
+        _part("youngs_modulus_kpa", "kPa", "edge"),
         _number(
             "youngs_modulus_kpa_noise_std",
             "kPa",
             "the same from the ellipse's noise and the load alone",
             default=False,
         ),
-        _number(
-            "youngs_modulus_kpa_repeatability_std", "kPa", "the same from repeatability alone", default=False
-        ),
+        _part("youngs_modulus_kpa", "kPa", "repeatability"),
         *_with_std("mean_pressure_kpa", "kPa", "W over the area of the ellipse"),
     ),
     "layer": (
