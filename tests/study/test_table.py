@@ -26,11 +26,13 @@ ROWS = [
 ]
 
 
-def table_by(rows: list[Row], batch: int) -> pd.DataFrame:
-    return table_of(
+def table_by(rows: list[Row], batch: int, *, read_only: bool = False) -> pd.DataFrame:
+    starts = range(0, len(rows), batch)
+    some = (
         {name: COLUMNS[name].array([row[name] for row in rows[start : start + batch]]) for name in ROWS[0]}
-        for start in range(0, len(rows), batch)
+        for start in starts
     )
+    return table_of(some, read_only=read_only)
 
 
 @pytest.mark.parametrize("batch", [1, 3, 4])
@@ -44,6 +46,15 @@ def test_rows_come_out_as_they_went_in(batch: int) -> None:
         type(item) in {str, float, int, bool, type(None)} for row in records(table) for item in row.values()
     )
     pd.testing.assert_frame_equal(table, table_by(ROWS, 2))
+    pd.testing.assert_frame_equal(table, table_by(ROWS, batch, read_only=True))
+
+
+def test_a_table_can_be_written_to_unless_it_is_read_only() -> None:
+    table, fixed = table_by(ROWS, 2), table_by(ROWS, 2, read_only=True)
+    table.loc[0, "session"] = "morning"
+    assert table["session"].tolist() == ["morning", None, None, None]
+    with pytest.raises(ValueError, match="read-only"):
+        fixed.loc[0, "session"] = "morning"
 
 
 def test_types_are_those_of_the_registry_whatever_is_known() -> None:

@@ -104,7 +104,7 @@ def model_contacts(
             start += len(batch)
 
     return Rows(
-        table=table_of(modelled()),
+        table=table_of(modelled(), read_only=True),
         pooled=pooled.array,
         parts=parts.array,
         elongation_std=elongation_std.array,
