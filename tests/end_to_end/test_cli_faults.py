@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import pytest
 from PIL import Image
+from tests.studies import contact, finger, write_study
 from typer.testing import CliRunner
 
 import fingerpad.image
@@ -75,21 +76,7 @@ def test_closed_pipe_is_no_error() -> None:
 
 def test_closed_stdin_and_stderr(tmp_path: Path) -> None:
     results, log = tmp_path / "out", tmp_path / "log"
-    manifest = Path(__file__).resolve().parents[2] / "examples" / "dzidek2017" / "study.toml"
-    text = manifest.read_text(encoding="utf-8")
-    here = tmp_path / "study.toml"
-    here.write_text(
-        text[: text.index("[[fingers]]")].replace("observations_csv", "# ").replace("std = 3.0", "std = 0.3"),
-        encoding="utf-8",
-    )
-    with here.open("a", encoding="utf-8") as file:
-        file.write(
-            '[[fingers]]\nname = "f"\n'
-            "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
-            "semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }\n"
-            '[[observations]]\nname = "o"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 2\n'
-            "ellipse_mm = { semi_major = 6, semi_minor = 5, std = 0.1 }\n"
-        )
+    here = write_study(tmp_path, finger(), contact("o"), uncertainty={"wedge_angle_deg_std": 0.3})
     code, err = shell("<&- 2>&-", "run", str(here), "--out", str(results), "--log", str(log))
     assert (code, err) == (0, "")
     assert (results / "results.csv").is_file()

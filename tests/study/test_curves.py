@@ -1,12 +1,14 @@
 """Loading curves in studies: fitted whole, by their slope alone, or with a radius from elsewhere."""
 
 import html
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.io import savemat
 from tests import command, studies
+from tests.studies import PAD, Table, contact, finger
 from tests.workbooks import sheet_xml, workbook
 
 from fingerpad._json import dumps
@@ -25,27 +27,20 @@ from fingerpad.study.results.study_result import StudyResult, digest_of_values
 from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 
-MANIFEST = """
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = 0.3
-[[fingers]]
-name = "f"
-semi_axes_mm = { palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }
-semi_axes_mm_std = { palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }
-[[observations]]
-name = "c"
-finger = "f"
-wedge_angle_deg = 30
-load_N = 2
-ellipse_mm = { semi_major = 7.4, semi_minor = 5.0, std = 0.1 }
-"""
-CURVE = """[[curves]]
-finger = "f"
-wedge_angle_deg = 30
-"""
-# To fit a layer takes twice the time of all else.
-ON_HALF_SPACE = 'file = "a.csv"\nthickness_mm = inf\n'
+UNCERTAINTY = {"wedge_angle_deg_std": 0.3}
+
+
+def of_file(file: str = "a.csv", **keys: object) -> Table:
+    return studies.curve(file=file, **keys)
+
+
+def on_half_space(file: str = "a.csv", **keys: object) -> Table:
+    """Return a curve to which no layer is fitted, which takes twice the time of all else."""
+    return of_file(file, thickness_mm=np.inf, **keys)
+
+
+def of_radius(radius: float, **keys: object) -> Table:
+    return studies.curve(loading_radius_mm=radius, **keys)
 
 
 def write_curve(path: Path, *, area: bool = True, points: int = 100, **truth: float) -> None:
@@ -66,10 +61,17 @@ def write_layer_curve(path: Path) -> None:
     np.savetxt(path, np.stack(columns, axis=-1), delimiter=",", header=header, comments="")
 
 
-def study(folder: Path, *curves: str, uncertainty: str = "") -> StudyResult:
-    manifest = MANIFEST.replace("[uncertainty]\n", f"[uncertainty]\n{uncertainty}")
-    (folder / "study.toml").write_text(manifest + "".join(CURVE + each for each in curves))
-    return run_study(folder / "study.toml", folder / "out")
+def write_study(
+    folder: Path, *curves: Table, of: Table | None = None, load: float = 2, **more: object
+) -> Path:
+    """Write a study of curves beside one contact."""
+    pressed = contact("c", load, axis="", **more)
+    return studies.write_study(folder, of or finger(), pressed, *curves, uncertainty=UNCERTAINTY)
+
+
+def study(folder: Path, *curves: Table, **uncertainty: float) -> StudyResult:
+    tables = finger(), contact("c", axis=""), *curves
+    return studies.run(folder, *tables, uncertainty=UNCERTAINTY | uncertainty)
 
 
 def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
@@ -81,7 +83,7 @@ def test_a_curve_tells_radius_modulus_and_velocity(tmp_path: Path) -> None:
         load_coefficient=0.02,
         rate=3.0,
     )
-    result = study(tmp_path, 'file = "a.csv"\n')
+    result = study(tmp_path, of_file())
     (curve,) = result.curves
     assert abs(curve.loading_radius - 15) < 4 * curve.loading_radius_std
     assert curve.velocity == pytest.approx(3.0, rel=0.01)
@@ -103,7 +105,7 @@ def test_curves_from_matlab_and_workbooks_are_that_of_the_csv(tmp_path: Path) ->
     savemat(tmp_path / "press.mat", dict(zip(columns, values.T, strict=True)))
     (tmp_path / "press.xlsx").write_bytes(workbook(sheet_xml([columns, *values.tolist()])))
     files = ("press.csv", "press.mat", "press.xlsx")
-    first, *others = study(tmp_path, *(f'file = "{file}"\nloading_radius_mm = 15\n' for file in files)).curves
+    first, *others = study(tmp_path, *(of_file(file, loading_radius_mm=15) for file in files)).curves
     assert first.fit.youngs_modulus.known
     for other in others:
         assert other.fit.youngs_modulus == first.fit.youngs_modulus
@@ -115,23 +117,23 @@ def test_columns_that_were_not_read_are_noted_with_the_line_to_write(tmp_path: P
     write_curve(path)
     text = path.read_text()
     path.write_text(text.replace("area_mm2", "aera_mm2"))
-    (note,) = study(tmp_path, 'file = "a.csv"\n').notes
+    (note,) = study(tmp_path, of_file()).notes
     assert note.startswith("a.csv: column 'aera_mm2' was not read; if it is the area: file_columns = {")
     line = note.partition("area: ")[2]
-    mapped = study(tmp_path, f"{ON_HALF_SPACE}{line}\n")
+    mapped = study(tmp_path, on_half_space(**tomllib.loads(line)))
     assert mapped.notes == ()
     assert mapped.curves[0].loading_radius > 0
 
     path.write_text(text.replace("force_N", "Fz (N)"))
-    reason = study(tmp_path, 'file = "a.csv"\n').curves[0].reason
+    reason = study(tmp_path, of_file()).curves[0].reason
     assert reason is not None
     assert reason.endswith('file_columns = { force = "Fz (N):N" }')
-    reason = study(tmp_path, 'file = "a.csv"\nfile_columns = { force = "Fz (N):mN" }\n').curves[0].reason
+    reason = study(tmp_path, of_file(file_columns={"force": "Fz (N):mN"})).curves[0].reason
     assert reason is not None
     assert "'Fz (N)' says N, and its unit is given as mN" in reason
     assert reason.endswith('file_columns = { force = "Fz (N):N" }')
     with pytest.raises(ManifestError, match=r"curves\[0\]\.file_columns\.aera: "):
-        study(tmp_path, 'file = "a.csv"\nfile_columns = { aera = "aera_mm2:mm2" }\n')
+        study(tmp_path, of_file(file_columns={"aera": "aera_mm2:mm2"}))
 
 
 def test_a_curve_in_other_units_is_noted(tmp_path: Path) -> None:
@@ -139,21 +141,19 @@ def test_a_curve_in_other_units_is_noted(tmp_path: Path) -> None:
     rows = np.loadtxt(tmp_path / "a.csv", delimiter=",", skiprows=1) * [1, 1000, 1]
     header = "time_s,force_N,displacement_mm"
     np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header=header, comments="")
-    result = study(tmp_path, 'file = "a.csv"\n')
+    result = study(tmp_path, of_file())
     assert "millinewtons" in result.notes[0]
 
 
 def test_full_widths_given_as_semi_axes_are_noted(tmp_path: Path) -> None:
-    widths = "palmar = 15, distal = 28.4, radial_ulnar = 23"
-    manifest = MANIFEST.replace("palmar = 7.9, distal = 13.8, radial_ulnar = 11.8", widths)
-    (tmp_path / "study.toml").write_text(manifest)
-    (note,) = run_study(tmp_path / "study.toml", tmp_path / "out").notes
+    wide = finger(semi_axes_mm={"palmar": 15, "distal": 28.4, "radial_ulnar": 23})
+    (note,) = run_study(write_study(tmp_path, of=wide), tmp_path / "out").notes
     assert note.startswith("f: semi_axes_mm: radial_ulnar 23 mm would be a finger 46 mm wide: are these full")
 
 
 def test_a_doubtful_curve_and_one_given_twice_are_told(tmp_path: Path) -> None:
     write_curve(tmp_path / "a.csv", loading_radius=15.0, initial_modulus=8.0)
-    result = study(tmp_path, ON_HALF_SPACE, ON_HALF_SPACE)
+    result = study(tmp_path, on_half_space(), on_half_space())
     assert "a.csv: press 0 is given 2 times, and counts so often in R_g" in result.notes
     assert FLAGS["curve"]["implausible_modulus"].words in "\n".join(doubtful_results(result))
     _, out, _ = command.run("run", tmp_path / "study.toml", "--out", tmp_path / "out")
@@ -166,8 +166,8 @@ def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
     rows[:, 2] += 0.06 * rows[:, 1]  # the stage yields by this much, and its encoder counts it as indentation
     header = "time_s,force_N,displacement_mm,area_mm2"
     np.savetxt(tmp_path / "a.csv", rows, delimiter=",", header=header, comments="")
-    stated = "stage_compliance_mm_per_N = 0.06\nstage_compliance_mm_per_N_std = 0.002\n"
-    given, plain = study(tmp_path, f"{ON_HALF_SPACE}{stated}", ON_HALF_SPACE).curves
+    stated = {"stage_compliance_mm_per_N": 0.06, "stage_compliance_mm_per_N_std": 0.002}
+    given, plain = study(tmp_path, on_half_space(**stated), on_half_space()).curves
     assert abs(given.loading_radius - 15) < 3 * given.loading_radius_std
     assert plain.loading_radius < 14.6
 
@@ -175,10 +175,9 @@ def test_a_stated_instrument_is_corrected_for(tmp_path: Path) -> None:
 def test_a_curve_says_that_it_pressed_a_half_space(tmp_path: Path) -> None:
     """What has no layer leaves the force alone to tell its modulus."""
     write_curve(tmp_path / "a.csv", points=200, loading_radius=15.0, initial_modulus=0.04, area=False)
-    known = 'file = "a.csv"\nloading_radius_mm = 15\nstage_compliance_mm_per_N = 0\n'
-    deep, layer, unknown = study(
-        tmp_path, f"{known}thickness_mm = inf\n", f"{known}thickness_mm = 8\nthickness_mm_std = 1\n", known
-    ).curves
+    known = {"loading_radius_mm": 15, "stage_compliance_mm_per_N": 0}
+    on_layer = of_file(**known, thickness_mm=8, thickness_mm_std=1)
+    deep, layer, unknown = study(tmp_path, on_half_space(**known), on_layer, of_file(**known)).curves
     assert "hertz_inverse_thickness" in unknown.fit.alternatives
     assert not deep.fit.alternatives
     assert not layer.fit.alternatives
@@ -193,10 +192,8 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Pa
     for face, axes in {"palmar": (11.8, 13.8), "distal": (11.8, 7.9), "radial": (7.9, 13.8)}.items():
         points = outline_points(*axes)
         np.savetxt(tmp_path / f"{face}.csv", points, delimiter=",", header="x_mm,y_mm", comments="")
-    faces = ", ".join(f'{{ face = "{x}", outline = "{x}.csv" }}' for x in ("palmar", "distal", "radial"))
-    given = MANIFEST[MANIFEST.index("semi_axes_mm") : MANIFEST.index("[[observations]]")]
-    (tmp_path / "study.toml").write_text(MANIFEST.replace(given, f"photographs = [{faces}]\n"))
-    result = run_study(tmp_path / "study.toml", tmp_path / "out")
+    faces = [{"face": face, "outline": f"{face}.csv"} for face in ("palmar", "distal", "radial")]
+    result = run_study(write_study(tmp_path, of=finger(photographs=faces)), tmp_path / "out")
     placed = placed_pad(result.fingers["f"], 30.0, result.study.uncertainty)
     first, second = placed.placement.curvature.principal_radii
     (row,) = records(result.rows)
@@ -208,33 +205,33 @@ def test_the_radius_of_a_curve_is_as_uncertain_as_that_of_a_contact(tmp_path: Pa
 def test_what_the_study_states_is_in_the_layer_of_a_curve(tmp_path: Path) -> None:
     write_layer_curve(tmp_path / "a.csv")
     plain, loose = (
-        study(tmp_path, 'file = "a.csv"\n', uncertainty=words).curves[0].layer
-        for words in ("", "load_relative_std = 0.1\npoisson_ratio_std = 0.03\n")
+        study(tmp_path, of_file(), **stated).curves[0].layer
+        for stated in ({}, {"load_relative_std": 0.1, "poisson_ratio_std": 0.03})
     )
     for name, least in (("thickness", 0.0), ("youngs_modulus", 0.095)):
         stds = [getattr(one, name).std / getattr(one, name).value for one in (plain, loose)]
         assert np.sqrt(stds[1] ** 2 - stds[0] ** 2) > least, name
-    (stated,) = study(tmp_path, 'file = "a.csv"\nthickness_mm = 6\n').curves
+    (stated,) = study(tmp_path, of_file(thickness_mm=6)).curves
     assert stated.layer is None
 
 
 @pytest.mark.parametrize(
     ("stated", "words"),
     [
-        ("thickness_mm = 0", "thickness_mm"),
-        ("thickness_mm = inf\nthickness_mm_std = 1", "no use for thickness_mm_std"),
+        ({"thickness_mm": 0}, "thickness_mm"),
+        ({"thickness_mm": np.inf, "thickness_mm_std": 1}, "no use for thickness_mm_std"),
     ],
 )
-def test_a_thickness_that_cannot_be_is_refused(tmp_path: Path, stated: str, words: str) -> None:
+def test_a_thickness_that_cannot_be_is_refused(tmp_path: Path, stated: dict, words: str) -> None:
     write_curve(tmp_path / "a.csv")
     with pytest.raises(ManifestError, match=words):
-        study(tmp_path, f'file = "a.csv"\n{stated}\n')
+        study(tmp_path, of_file(**stated))
 
 
 def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
     for name, rate in (("a", 1.0), ("b", 3.0)):
         write_curve(tmp_path / f"{name}.csv", area=False, initial_modulus=0.04, rate=rate)
-    one = study(tmp_path, 'file = "b.csv"\n', "loading_radius_mm = 14\n", 'file = "a.csv"\n')
+    one = study(tmp_path, of_file("b.csv"), of_radius(14), of_file())
     two = run_study(tmp_path / "study.toml", tmp_path / "two", workers=2)
     assert [curve.name for curve in one.curves] == ["b.csv", "f at 30°, R_g as given", "a.csv"]
     assert one.checks[0] is not None
@@ -247,11 +244,11 @@ def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
 def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
     for name in ("a", "b"):
         write_curve(tmp_path / f"{name}.csv", area=name == "a", loading_radius=15.0, initial_modulus=0.04)
-    curves = (ON_HALF_SPACE, 'file = "b.csv"\n', 'file = "b.csv"\nfit_load_range_N = [0.2, 1.5]\n')
+    curves = (on_half_space(), of_file("b.csv"), of_file("b.csv", fit_load_range_N=[0.2, 1.5]))
 
-    def fitted(*now: str) -> tuple[list[str], StudyResult]:
+    def fitted(*now: Table) -> tuple[list[str], StudyResult]:
         reported: list[Progress] = []
-        (tmp_path / "study.toml").write_text(MANIFEST + "".join(CURVE + each for each in now))
+        write_study(tmp_path, *now)
         assert study_status(tmp_path / "study.toml", tmp_path / "out").total == len(now) + 1
         result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=reported.append)
         return [one.item for one in reported if one.item.startswith("f/")], result
@@ -267,32 +264,28 @@ def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
     assert changed == ["f/a.csv"]
     assert other.curves[0].loading_radius < kept.curves[0].loading_radius
     # the pad's shape is drawn beside the data, so that other semi-axes ask for another comparison
-    manifest = MANIFEST.replace("palmar = 7.9", "palmar = 8.1")
-    (tmp_path / "study.toml").write_text(manifest + "".join(CURVE + each for each in curves))
+    write_study(tmp_path, *curves, of=finger(semi_axes_mm=PAD | {"palmar": 8.1}))
     assert study_status(tmp_path / "study.toml", tmp_path / "out").stale == len(curves)
 
 
 def test_uncertainty_is_checked_again_only_where_something_bears_on_it(tmp_path: Path) -> None:
-    def checked(manifest: str) -> int:
+    def checked(**keys: object) -> int:
         reported: list[Progress] = []
-        (tmp_path / "study.toml").write_text(manifest)
-        result = run_study(tmp_path / "study.toml", tmp_path / "out", on_progress=reported.append)
+        manifest = write_study(tmp_path, **keys)
+        result = run_study(manifest, tmp_path / "out", on_progress=reported.append)
         assert result.checks[0].observation == "c"
         return [one.status for one in reported].count("checked")
 
-    assert [checked(MANIFEST), checked(MANIFEST)] == [1, 0]
-    assert checked(MANIFEST.replace("load_N = 2", "load_N = 3")) == 1
-    assert checked(MANIFEST.replace("load_N = 2", 'load_N = 3\nnotes = "calm"')) == 0
+    assert [checked(), checked(), checked(load=3), checked(load=3, notes="calm")] == [1, 0, 1, 0]
 
 
 def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> None:
     write_curve(tmp_path / "a.csv", area=False, loading_radius=15.0)
-    alone = study(tmp_path, 'file = "a.csv"\n').curves[0]
+    alone = study(tmp_path, of_file()).curves[0]
     assert not alone.fit.initial_modulus.known
     assert "no contact area" in alone.reason
-    known = "thickness_mm = inf\nstage_compliance_mm_per_N = 0\n"
-    given = f'file = "a.csv"\nloading_radius_mm = 15\nloading_radius_mm_std = 1.5\n{known}'
-    helped = study(tmp_path, given).curves[0]
+    known = {"loading_radius_mm": 15, "loading_radius_mm_std": 1.5, "stage_compliance_mm_per_N": 0}
+    helped = study(tmp_path, on_half_space(**known)).curves[0]
     assert helped.loading_radius == 15
     assert helped.fit.initial_modulus.known
     # E goes as R^-1/2: a tenth of the radius is a twentieth of the modulus.
@@ -300,7 +293,7 @@ def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> No
 
 
 def test_the_summary_names_a_radius_and_its_uncertainty_alike(tmp_path: Path) -> None:
-    record = summary_of(study(tmp_path, "loading_radius_mm = 15\nloading_radius_mm_std = 1.5\n")).model_dump()
+    record = summary_of(study(tmp_path, of_radius(15, loading_radius_mm_std=1.5))).model_dump()
     (curve,) = record["curves"]
     assert (curve["loading_radius_mm"], curve["loading_radius_mm_std"]) == (15, 1.5)
 
@@ -312,7 +305,7 @@ def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> N
     np.savetxt(
         tmp_path / "a.csv", rows, delimiter=",", header="force_N,displacement_mm,area_mm2", comments=""
     )
-    result = study(tmp_path, 'file = "a.csv"\n')
+    result = study(tmp_path, of_file())
     (curve,) = result.curves
     assert curve.loading_radius == pytest.approx(14.0, rel=1e-3)
     assert not curve.failed
@@ -322,21 +315,21 @@ def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> N
 def test_curves_of_one_placement_are_pooled(tmp_path: Path) -> None:
     for seed in (1, 2):
         write_curve(tmp_path / f"{seed}.csv", loading_radius=15.0, seed=seed)
-    result = study(tmp_path, *(ON_HALF_SPACE.replace("a.csv", f"{seed}.csv") for seed in (1, 2)))
+    result = study(tmp_path, on_half_space("1.csv"), on_half_space("2.csv"))
     pooled = loading_radius(result.curves, ("f", 30, False))
     low, high = sorted(curve.loading_radius for curve in result.curves)
     assert low < pooled.value < high
     assert abs(pooled.value - 15) < 4 * pooled.std
     assert loading_radius(result.curves, ("f", 30, True)) is None
     assert loading_radius(result.curves, ("f", 45, False)) is None
-    exact = study(tmp_path, "loading_radius_mm = 14\n", "loading_radius_mm = 16\n")
+    exact = study(tmp_path, of_radius(14), of_radius(16))
     assert loading_radius(exact.curves, ("f", 30, False)).value == 15
 
 
 def test_a_bad_curve_costs_itself_only(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("force_N,displacement_mm\n" + "0.0,1.0\n" * 30)
     write_curve(tmp_path / "b.csv", area=False)
-    result = study(tmp_path, 'file = "a.csv"\n', 'file = "b.csv"\ncycle = 3\n', 'file = "b.csv"\n')
+    result = study(tmp_path, of_file(), of_file("b.csv", cycle=3), of_file("b.csv"))
     bad, missing, good = result.curves
     assert bad.failed
     assert bad.reason.startswith("a.csv: ")
@@ -349,7 +342,7 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
     write_curve(tmp_path / "a.csv", area=False)
     for rate in (1.0, 4.0):
         write_curve(tmp_path / f"{rate:g}.csv", rate=rate)
-    result = study(tmp_path, 'file = "a.csv"\n', 'file = "1.csv"\n', 'file = "4.csv"\n')
+    result = study(tmp_path, *map(of_file, ("a.csv", "1.csv", "4.csv")))
     page = write_report(result, tmp_path / "out").read_text(encoding="utf-8")
     assert "no contact area in the curve" in page
     for curve in result.curves[1:]:  # each with two moduli, and a word which to believe
@@ -361,7 +354,7 @@ def test_the_report_shows_fits_and_reasons(tmp_path: Path) -> None:
 
 
 def test_a_curve_whose_radius_came_out_small_does_not_count_for_more(tmp_path: Path) -> None:
-    given = (f"loading_radius_mm = {r}\nloading_radius_mm_std = {0.1 * r}\n" for r in (14.0, 16.0))
+    given = (of_radius(r, loading_radius_mm_std=0.1 * r) for r in (14.0, 16.0))
     pooled = loading_radius(study(tmp_path, *given).curves, ("f", 30, False))
     assert pooled.value == pytest.approx(15.0)
     assert pooled.std == pytest.approx(1.5 / np.sqrt(2))
