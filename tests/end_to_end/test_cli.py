@@ -45,7 +45,7 @@ def test_geometry() -> None:
     }
     assert {key: record[key] for key in expected} == pytest.approx(expected, rel=1e-6)
     assert len(record["point_mm"]) == 3
-    assert set(record) == {*expected, "point_mm"}
+    assert set(record) == {*expected, "point_mm", "principal_radii_mm", "principal_directions"}
 
 
 @pytest.mark.parametrize(

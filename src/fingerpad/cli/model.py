@@ -16,10 +16,7 @@ from fingerpad._plausible import load_doubts
 from fingerpad.cli.shared import (
     AsJson,
     PoissonRatio,
-    RollAngle,
-    SemiAxes,
     Thickness,
-    WedgeAngle,
     placement_of,
     print_folder,
     print_note,
@@ -131,21 +128,14 @@ def print_if_too_large(size: float) -> None:
         )
 
 
-def geometry(
-    semi_axes_mm: SemiAxes,
-    wedge_deg: WedgeAngle,
-    roll_deg: Annotated[
-        float | None, Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
-    ] = None,
-    as_json: AsJson = False,
-) -> None:
+@takes(placement=placement_of)
+def geometry(*, placement: "Placement", as_json: AsJson = False) -> None:
     """Find where a pad on a wedge touches the platen, and how it is curved there.
 
     u and v are the parametric angles of the place of contact. The in-plane radius is that along the finger,
     the transverse one that across it. The mean-curvature radius 1/H is R_0g of Dzidek et al. (2017), to be
     corrected by `fingerpad correct`; the geometric mean of the principal radii is that of Hertz theory.
     """
-    placement = placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg or 0.0)
     curvature = placement.curvature
     record = {
         "u_deg": np.degrees(placement.u),
@@ -157,10 +147,9 @@ def geometry(
         "mean_curvature_per_mm": curvature.mean_curvature,
         "gaussian_curvature_per_mm2": curvature.gaussian_curvature,
         "point_mm": placement.point,
+        "principal_radii_mm": np.array(curvature.principal_radii),
+        "principal_directions": curvature.principal_directions,
     }
-    if roll_deg is not None:
-        record["principal_radii_mm"] = np.array(curvature.principal_radii)
-        record["principal_directions"] = curvature.principal_directions
     print_result(record, as_json)
 
 
@@ -207,11 +196,11 @@ def hertz(
         print_if_too_large(size)
 
 
+@takes(placement=placement_of)
 def modulus(
-    semi_axes_mm: SemiAxes,
-    wedge_deg: WedgeAngle,
+    *,
+    placement: "Placement",
     load_n: Annotated[float, Option(help="Normal force, N.")],
-    roll_deg: RollAngle = 0.0,
     poisson_ratio: PoissonRatio = 0.5,
     thickness_mm: Thickness = None,
     area_mm2: Annotated[float | None, Option(help="Contact area, mm².")] = None,
@@ -230,7 +219,7 @@ def modulus(
     given = {"load": load_n, **only_one(area=area_mm2, indentation=indentation_mm)}
     require_positive("--load-n", load_n)
     require_positive("--thickness-mm", thickness_mm)
-    gap = plate_gap(placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg))
+    gap = plate_gap(placement)
     paraboloid = plate_gap(Paraboloid(gap.first_radius, gap.second_radius))
     records, flag = [], ""
     for of, thickness in ((paraboloid, None), (gap, thickness_mm)):

@@ -299,7 +299,8 @@ def _text(value: Any, std: Any = None) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{key} {_text(item, (std or {}).get(key))}" for key, item in value.items())
     if isinstance(value, list):
-        return ", ".join(map(_text, value)) or "none"
+        parts = (f"({_text(item)})" if isinstance(item, list) else _text(item) for item in value)
+        return ", ".join(parts) or "none"
     if value is None:
         return "not known"
     if isinstance(std, float) and std > 0:

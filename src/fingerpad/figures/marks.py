@@ -225,9 +225,9 @@ class Panel(_Record):
         """Draw marks above those that are there."""
         self.marks += marks
 
-    def limits(self, name: Literal["x", "y"]) -> tuple[float, float]:
-        """Return the ends of an axis: those asked for, else round the data with a margin."""
-        axis: Axis = getattr(self, name)
+    def limits(self, name: Literal["x", "y"], axis: Axis | None = None) -> tuple[float, float]:
+        """Return the ends of an axis, or of another in its place: those given, else round the data."""
+        axis = axis or getattr(self, name)
         every = np.concatenate(
             [np.empty(0), *(np.ravel(one) for mark in self.marks for one in _extent(mark, name))]
         )

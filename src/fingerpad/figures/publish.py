@@ -175,20 +175,15 @@ def _set_axis(panel: Panel, name: Literal["x", "y"], ends: Range, scale: Scale |
             for end in (axis.low, axis.high)
         ]
         axis = replace(axis, low=kept[0], high=kept[1], log=scale == "log")
-    old = _limits(panel, name, axis)
+    old = panel.limits(name, axis)
     low, high = ends
     axis = replace(axis, low=axis.low if low is None else low, high=axis.high if high is None else high)
-    new = _limits(panel, name, axis)
+    new = panel.limits(name, axis)
     if None in ends and (new[0] < new[1]) != (old[0] < old[1]):
         raise FigureError(
             f"{name}_range: the axis would end at {min(new):g} and begin at {max(new):g}: give both ends"
         )
     return axis
-
-
-def _limits(panel: Panel, name: Literal["x", "y"], axis: Axis) -> tuple[float, float]:
-    changed = replace(panel, x=axis) if name == "x" else replace(panel, y=axis)
-    return changed.limits(name)
 
 
 def figure_colours(figure: Figure) -> list[str]:
