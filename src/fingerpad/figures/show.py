@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -16,6 +15,8 @@ from fingerpad._arrays import broadcast
 from fingerpad.contact import Contact
 from fingerpad.exceptions import FingerpadError
 from fingerpad.figures.loading import law_lines, plot_load_indentation, plot_load_residuals, predicted_band
+from fingerpad.figures.marks import Axis, Line, Panel
+from fingerpad.figures.mpl import draw as draw_panel
 from fingerpad.figures.style import BLUE, in_style, new_figure
 from fingerpad.figures.wedge import plot_wedge
 from fingerpad.geometry import Placement
@@ -180,22 +181,19 @@ def _(result: Contact) -> Drawing:
     contacts = [array.ravel() for array in broadcast(result.semi_major, result.semi_minor, result.load)]
     if contacts[0].size > _MAX_CONTACTS:
         raise FingerpadError(f"up to {_MAX_CONTACTS} contacts can be drawn, found {contacts[0].size}")
-    figure, (ellipses, pressures) = new_figure(width_mm=140, columns=2)
-    _plot_contacts(ellipses, pressures, *contacts)
-    return Drawing(figure)
-
-
-@in_style
-def _plot_contacts(ellipses: Axes, pressures: Axes, majors: Any, minors: Any, loads: Any) -> None:
-    """Draw contact ellipses, and the pressure p0 √(1 − x²/ℓd²) along their long axes."""
+    ellipses = Panel(
+        x=Axis("short axis (unit of the radii)"), y=Axis("long axis (unit of the radii)"), equal=True
+    )
+    pressures = Panel(
+        x=Axis("along the long axis (unit of the radii)"), y=Axis("pressure (unit of E*)", low=0)
+    )
     t = np.linspace(0, 2 * np.pi, 181)
-    for major, minor, load in zip(majors, minors, loads, strict=True):
-        ellipses.plot(minor * np.cos(t), major * np.sin(t), color=BLUE)
+    for major, minor, load in zip(*contacts, strict=True):
+        ellipses.add(Line(minor * np.cos(t), major * np.sin(t), colour=BLUE))
+        # The pressure p0 √(1 − x²/ℓd²) along the long axis.
         peak = 1.5 * load / (np.pi * major * minor)
-        pressures.plot(major * np.cos(t[:91]), peak * np.sin(t[:91]), color=BLUE)
-    ellipses.set_aspect("equal")
-    ellipses.set_xlabel("short axis (unit of the radii)")
-    ellipses.set_ylabel("long axis (unit of the radii)")
-    pressures.set_xlabel("along the long axis (unit of the radii)")
-    pressures.set_ylabel("pressure (unit of E*)")
-    pressures.set_ylim(bottom=0)
+        pressures.add(Line(major * np.cos(t[:91]), peak * np.sin(t[:91]), colour=BLUE))
+    figure, every = new_figure(width_mm=140, columns=2)
+    for panel, axes in zip((ellipses, pressures), every, strict=True):
+        draw_panel(panel, axes)
+    return Drawing(figure)

@@ -263,35 +263,25 @@ class _Drawing:
         )
         path = ""
         for a, b, c in zip(low.tolist(), high.tolist(), place.tolist(), strict=True):
-            if math.isfinite(a + b + c):
-                caps = f"{c - CAP_PT:.2f}", f"{2 * CAP_PT}"
-                if axis == "x":
-                    path += (
-                        f"M{a:.2f} {c:.2f}H{b:.2f}M{a:.2f} {caps[0]}v{caps[1]}M{b:.2f} {caps[0]}v{caps[1]}"
-                    )
-                else:
-                    path += (
-                        f"M{c:.2f} {a:.2f}V{b:.2f}M{caps[0]} {a:.2f}h{caps[1]}M{caps[0]} {b:.2f}h{caps[1]}"
-                    )
+            if not math.isfinite(a + b + c):
+                continue
+            lines = [(a, c, b, c), *((end, c - CAP_PT, end, c + CAP_PT) for end in (a, b))]
+            if axis == "y":
+                lines = [(y0, x0, y1, x1) for x0, y0, x1, y1 in lines]
+            path += "".join(f"M{x0:.2f} {y0:.2f}L{x1:.2f} {y1:.2f}" for x0, y0, x1, y1 in lines)
         return path
 
     def _rule(self, mark: Rule) -> None:
-        ends = [
-            float((self.x if mark.axis == "x" else self.y)(end))
-            for end in (mark.at, mark.to)
-            if end is not None
-        ]
-        if len(ends) == 2:
-            low, high = sorted(ends)
-            sides = (
-                (low, self.top, high, self.bottom) if mark.axis == "x" else (self.left, low, self.right, high)
-            )
-            self._add(f"{_rectangle(*sides)} {_fill(mark)}/>")
+        scale = self.x if mark.axis == "x" else self.y
+        low, high = sorted(float(scale(end)) for end in (mark.at, mark.at if mark.to is None else mark.to))
+        if mark.axis == "x":
+            line, sides = f"M{low:.2f} {self.top:.2f}V{self.bottom:.2f}", (low, self.top, high, self.bottom)
         else:
-            (at,) = ends
-            line = f"M{at:.2f} {self.top:.2f}V{self.bottom:.2f}"
-            line = line if mark.axis == "x" else f"M{self.left:.2f} {at:.2f}H{self.right:.2f}"
+            line, sides = f"M{self.left:.2f} {low:.2f}H{self.right:.2f}", (self.left, low, self.right, high)
+        if mark.to is None:
             self._add(f'<path d="{line}" {_stroke(mark, mark.width, mark.dash)}/>')
+        else:
+            self._add(f"{_rectangle(*sides)} {_fill(mark)}/>")
 
     def _in_frame(self, x: float) -> float:
         return self.left + x * (self.right - self.left)
