@@ -6,8 +6,8 @@ import typer
 
 import fingerpad
 from fingerpad.cli import imports, measure, model, results, study
+from fingerpad.cli.commands import Command, Commands
 from fingerpad.cli.fit import fit
-from fingerpad.cli.shared import Command, Commands
 from fingerpad.cli.simulator import simulator
 
 __all__ = ["app"]

@@ -8,18 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from typer import Argument, Option, echo
 
 from fingerpad._plausible import unit_doubts
-from fingerpad.cli.shared import (
-    AsJson,
-    Columns,
-    WedgeAngle,
-    column_flags,
-    columns_of,
-    placement_of,
-    print_folder,
-    print_note,
-    print_result,
-    takes,
-)
+from fingerpad.cli import options, show
 from fingerpad.exceptions import FitError, LoadingError
 
 if TYPE_CHECKING:
@@ -63,7 +52,7 @@ def _thickness(text: str) -> float:
         raise LoadingError(f"--thickness-mm takes a thickness in mm or inf, found {text!r}") from None
 
 
-@takes(
+@options.takes(
     loading_radius=estimate_of(
         "--radius-mm", "Loading radius R_g, mm, where the curve has no area.", "mm", min=1e-6, max=1e6
     ),
@@ -89,7 +78,7 @@ def fit(
         Path, Argument(help="CSV, XLSX, MAT or TDMS file with force and displacement.", show_default=False)
     ],
     *,
-    column: Columns = None,
+    column: options.Columns = None,
     poisson_ratio: Annotated[float, Option(min=-0.99, max=0.5, help="Poisson's ratio of the pad.")] = 0.5,
     loading_radius: "Estimate | None",
     cycle: Annotated[int, Option(min=0, help="Which press of the record, from 0.")] = 0,
@@ -106,7 +95,7 @@ def fit(
         tuple[float, float, float] | None,
         Option(help="Palmar, distal and radial-ulnar semi-axes, mm: the thickness over bone is fitted, too."),
     ] = None,
-    wedge_deg: WedgeAngle = 0.0,
+    wedge_deg: options.WedgeAngle = 0.0,
     pad_radius_mm_std: Annotated[
         float, Option(min=0, help="Standard uncertainty of the pad's radius 1/H, mm.")
     ] = 0.0,
@@ -133,7 +122,7 @@ def fit(
         ),
     ] = None,
     plot: Annotated[Path | None, Option(help="Folder for the figures, as SVG and JSON.")] = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Fit radius, moduli, place of contact and exponents to a loading curve.
 
@@ -156,14 +145,14 @@ def fit(
             "--wedge-deg, --pad-radius-mm-std, --poisson-ratio-std and --load-relative-std go with "
             "--semi-axes-mm"
         )
-    columns = columns_of(column, "time", "force", "displacement", "area")
-    with columns_named_by(column_flags):
+    columns = options.columns_of(column, "time", "force", "displacement", "area")
+    with columns_named_by(options.column_flags):
         record = read_loading_curve(curve, columns)
     unread = unread_notes(
-        unread_curve_columns(curve, columns), lambda name, column: f": {column_flags({name: column})}"
+        unread_curve_columns(curve, columns), lambda name, column: f": {options.column_flags({name: column})}"
     )
     for note in (*unit_doubts(record.load, record.indentation, record.area), *unread):
-        print_note(note)
+        show.note(note)
     given: dict[str, Any] = {"cycle": cycle, "stage_compliance": stage_compliance, "area_delay": area_delay}
     given |= {} if area_relative_std is None else {"area_relative_std": area_relative_std}
     of_half_space = {**given, "poisson_ratio": poisson_ratio, "loading_radius": loading_radius}
@@ -182,7 +171,7 @@ def fit(
         wanted = {"--constraint": constraint, "--semi-axes-mm": semi_axes_mm, "--plot": plot}
         idle = " and ".join(flag for flag, value in wanted.items() if value is not None)
         without = f", without {idle}, for which the way in is needed" if idle else ""
-        print_note(f"the way in is not fitted, the way out alone is{without}: {error}")
+        show.note(f"the way in is not fitted, the way out alone is{without}: {error}")
         _show(alone.report(), {"file": str(curve), "law": alone.as_record()}, as_json=as_json)
         return
     if constraint is not None:
@@ -191,7 +180,7 @@ def fit(
     if semi_axes_mm is not None:
         layer = fit_layer_thickness(
             record,
-            placement=placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg),
+            placement=options.placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg),
             radius_std=pad_radius_mm_std,
             poisson_ratio=poisson_ratio,
             poisson_ratio_std=poisson_ratio_std,
@@ -210,11 +199,11 @@ def fit(
         make_folder(plot)
         save_plots(loading_plots(curve.stem, record, found, cycle=cycle), plot)
     _show("\n".join(lines), shown, as_json=as_json)
-    print_folder("Figures", plot, as_json)
+    show.folder("Figures", plot, as_json)
 
 
 def _show(text: str, record: Mapping[str, Any], *, as_json: bool) -> None:
-    print_result(record, as_json, lambda _: echo(text.replace("or loading_radius", "or --radius-mm")))
+    show.result(record, as_json, lambda _: echo(text.replace("or loading_radius", "or --radius-mm")))
 
 
 def _loads(text: str) -> tuple[float, float]:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 from typer import Argument, Option
 
+from fingerpad.cli import options, show
+from fingerpad.cli.commands import Group
 from fingerpad.cli.scale import WAYS, scale_of_flags
-from fingerpad.cli.shared import AsJson, Group, print_result, takes
 from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ _SHOWN = 5
 
 
 @app.command("fiji")
-@takes(scale=scale_of_flags)
+@options.takes(scale=scale_of_flags)
 def import_fiji(
     files: Annotated[
         list[Path],
@@ -54,7 +55,7 @@ def import_fiji(
     ] = 0.0,
     synthetic: Annotated[bool, Option("--synthetic", help="The pictures were rendered.")] = False,
     out: Annotated[Path, Option(help="Output CSV (must not exist).")] = Path("observations.csv"),
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
     scale: "Scale | None" = None,
 ) -> None:
     """Turn ellipses measured manually in Fiji or ImageJ into observations of a study.
@@ -81,7 +82,7 @@ def import_fiji(
     for ellipse in ellipses:
         for doubt in ellipse.doubts:
             typer.echo(f"doubtful: {ellipse.source}: {doubt}", err=True)
-    print_result([row.as_record() for row in rows], as_json, lambda _: _print_outcome(out, rows))
+    show.result([row.as_record() for row in rows], as_json, lambda _: _print_outcome(out, rows))
 
 
 def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> float:

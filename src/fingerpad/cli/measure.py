@@ -12,22 +12,9 @@ from typer import Argument, Option
 from fingerpad._files import make_folder
 from fingerpad._json import dumps
 from fingerpad._rounding import value_with_uncertainty
+from fingerpad.cli import options, show
+from fingerpad.cli.commands import Exit, Group
 from fingerpad.cli.scale import WAYS, numbers_of, scale_of_flags
-from fingerpad.cli.shared import (
-    AsJson,
-    Columns,
-    Exit,
-    Group,
-    column_flags,
-    columns_of,
-    print_flags,
-    print_folder,
-    print_note,
-    print_result,
-    print_text,
-    require_positive,
-    takes,
-)
 from fingerpad.exceptions import CalibrationError, ImageError, LoadingError, reason_of
 
 if TYPE_CHECKING:
@@ -73,7 +60,7 @@ def contact_options(
     """Return how a contact image is measured."""
     from fingerpad.image import read_colour_image, read_image, read_marks
 
-    require_positive("--threshold", threshold)
+    options.require_positive("--threshold", threshold)
     seed = None if seed_px is None else numbers_of("--seed-px", seed_px, 2)
     ground = None
     if background is not None:
@@ -101,13 +88,13 @@ def _region_of(text: str | None) -> tuple[int, int, int, int] | None:
 
 
 @app.command("print")
-@takes(options=contact_options, scale=scale_of_flags)
+@options.takes(settings=contact_options, scale=scale_of_flags)
 def measure_prints(
     *,
     images: Annotated[list[Path], Argument(help="Contact images.", show_default=False)],
-    options: "ContactImageOptions",
+    settings: "ContactImageOptions",
     overlay_dir: Overlay = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
     scale: "Scale | None",
 ) -> None:
     """Measure the contact region and its ellipse in fingerprint images.
@@ -123,8 +110,8 @@ def measure_prints(
     def measured(path: Path) -> dict[str, Any]:
         picture = read_image(path)
         used = scale or _stated_scale(path, picture)
-        pixels = read_colour_image(path) if options["surface"] == "smooth" else picture.pixels
-        contact_image = measure_contact_image(pixels, used, **options)
+        pixels = read_colour_image(path) if settings["surface"] == "smooth" else picture.pixels
+        contact_image = measure_contact_image(pixels, used, **settings)
         if path in overlays:
             write_overlay(overlays[path], picture.pixels, contact_image)
         return {
@@ -135,14 +122,14 @@ def measure_prints(
         }
 
     def print_block(record: dict[str, Any]) -> None:
-        print_text(record)
+        show.text(record)
         _print_if_exact(record.get("mm_per_px_std"))
-        print_flags(record, "contact", "scale")
+        show.flags(record, "contact", "scale")
         typer.echo()
 
     records = (_record_of(path, measured) for path in _tracked(images, len(images)))
     failed = ["error" in record for record in _printed(records, as_json, dict, print_block)]
-    print_folder("Overlays", overlay_dir, as_json)
+    show.folder("Overlays", overlay_dir, as_json)
     if any(failed):
         raise typer.Exit(Exit.SOME_FAILED)
 
@@ -157,7 +144,7 @@ def _stated_scale(path: Path, picture: "Picture") -> "Scale":
 
 
 @app.command("photo")
-@takes(scale=scale_of_flags)
+@options.takes(scale=scale_of_flags)
 def measure_photo(
     *,
     image: Annotated[Path, Argument(help="Photograph of one face.", show_default=False)],
@@ -173,7 +160,7 @@ def measure_photo(
         Path | None, Option(help="CSV of points on the pad's outline, with the header row_px,column_px.")
     ] = None,
     overlay_dir: Overlay = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
     scale: "Scale | None",
 ) -> None:
     """Measure two semi-axes of the pad in a photograph of a finger before a plain backdrop."""
@@ -206,24 +193,24 @@ def measure_photo(
 
     def print_block(record: dict[str, Any]) -> None:
         # By term it would fill the screen.
-        print_text({key: value for key, value in record.items() if key != "uncertainty_mm_std"})
+        show.text({key: value for key, value in record.items() if key != "uncertainty_mm_std"})
         _print_if_exact(None if "error" in record else scale.mm_per_px_std)
-        print_flags(record, "photograph", "scale")
+        show.flags(record, "photograph", "scale")
 
     record = _record_of(image, measured)
-    print_result(record, as_json, print_block)
-    print_folder("Overlays", overlay_dir, as_json)
+    show.result(record, as_json, print_block)
+    show.folder("Overlays", overlay_dir, as_json)
     if "error" in record:
         raise typer.Exit(Exit.SOME_FAILED)
 
 
 @app.command("sequence")
-@takes(options=contact_options, scale=scale_of_flags)
+@options.takes(settings=contact_options, scale=scale_of_flags)
 def measure_frames(
     *,
     path: Annotated[Path, Argument(help="Folder, TIFF or video.", show_default=False)],
     force: Annotated[Path | None, Option(help="CSV, XLSX, MAT or TDMS with time_s,force_N.")] = None,
-    column: Columns = None,
+    column: options.Columns = None,
     frames_per_second: Annotated[
         float | None, Option(min=1e-6, help="Frames per second, as they were taken.")
     ] = None,
@@ -233,9 +220,9 @@ def measure_frames(
         Option(help="Load, N, that the force passes in the first-contact frame: aligns the two."),
     ] = None,
     times: Annotated[Path | None, Option(help="CSV of the frames' own times, time_s.")] = None,
-    options: "ContactImageOptions",
+    settings: "ContactImageOptions",
     overlay_dir: Overlay = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
     scale: "Scale | None",
 ) -> None:
     """Measure the contact in every frame of a sequence, against time and force.
@@ -260,10 +247,10 @@ def measure_frames(
     if scale is None:
         raise CalibrationError(f"a sequence needs a scale: give {WAYS}")
     frames = open_frames(path)
-    columns = columns_of(column, "time", "force", "trigger", "displacement")
+    columns = options.columns_of(column, "time", "force", "trigger", "displacement")
     if columns and force is None:
         raise LoadingError("--column names columns of --force: give it too")
-    with columns_named_by(column_flags):
+    with columns_named_by(options.column_flags):
         signal = None if force is None else read_force_signal(force, columns)
     aligned = {
         "--frames-per-second": frames_per_second,
@@ -272,8 +259,8 @@ def measure_frames(
     }
     clock = _clock(frames.frames_per_second, aligned, signal, times)
     unread = {} if force is None else unread_force_columns(force, columns)
-    for note in unread_notes(unread, lambda name, column: f": {column_flags({name: column})}"):
-        print_note(note)
+    for note in unread_notes(unread, lambda name, column: f": {options.column_flags({name: column})}"):
+        show.note(note)
     if overlay_dir is not None:
         make_folder(overlay_dir)
 
@@ -282,14 +269,14 @@ def measure_frames(
             file = overlay_dir / f"frame_{index:06d}.png"
             write_overlay(file, pixels, contact_image, label=f"frame {index}")
 
-    results = measure_sequence(frames, scale, clock=clock, force=signal, watch=draw, **options)
+    results = measure_sequence(frames, scale, clock=clock, force=signal, watch=draw, **settings)
     shown = _printed(_tracked(results, len(frames)), as_json, FrameResult.as_record, _print_frame)
     summary = sequence_summary(shown, signal)
     if not as_json:
         _print_if_exact(scale.mm_per_px_std)
-    print_folder("Overlays", overlay_dir, as_json)
+    show.folder("Overlays", overlay_dir, as_json)
     for note in summary.notes:
-        print_note(note)
+        show.note(note)
     if summary.failed:
         raise typer.Exit(Exit.SOME_FAILED)
 

@@ -13,19 +13,7 @@ from typer import Option
 from fingerpad._files import make_folder
 from fingerpad._json import plain
 from fingerpad._plausible import load_doubts
-from fingerpad.cli.shared import (
-    AsJson,
-    PoissonRatio,
-    Thickness,
-    placement_of,
-    print_folder,
-    print_note,
-    print_result,
-    print_rows,
-    require_positive,
-    takes,
-    tissue_of,
-)
+from fingerpad.cli import options, show
 from fingerpad.exceptions import ConvergenceError, GeometryError
 from fingerpad.units import KPA_PER_MPA
 
@@ -64,7 +52,7 @@ def only_one(**given: float | None) -> dict[str, float]:
         *most, last = (_FLAGS[name] for name in given)
         raise typer.BadParameter(f"give exactly one of {', '.join(most)} and {last}")
     for name, value in found.items():
-        require_positive(_FLAGS[name], value)
+        options.require_positive(_FLAGS[name], value)
     return found
 
 
@@ -102,7 +90,7 @@ def print_side_by_side(records: Mapping[str, Mapping[str, Any]]) -> None:
     """Print records, a column each, with the lines of the first."""
     columns = [plain(record) for record in records.values()]
     lines = ([key, *(_cell(column[key]) for column in columns)] for key in columns[0])
-    print_rows([["", *records], *lines])
+    show.rows([["", *records], *lines])
 
 
 def _cell(value: str | float | None) -> str:
@@ -128,8 +116,8 @@ def print_if_too_large(size: float) -> None:
         )
 
 
-@takes(placement=placement_of)
-def geometry(*, placement: "Placement", as_json: AsJson = False) -> None:
+@options.takes(placement=options.placement_of)
+def geometry(*, placement: "Placement", as_json: options.AsJson = False) -> None:
     """Find where a pad on a wedge touches the platen, and how it is curved there.
 
     u and v are the parametric angles of the place of contact. The in-plane radius is that along the finger,
@@ -150,7 +138,7 @@ def geometry(*, placement: "Placement", as_json: AsJson = False) -> None:
         "principal_radii_mm": np.array(curvature.principal_radii),
         "principal_directions": curvature.principal_directions,
     }
-    print_result(record, as_json)
+    show.result(record, as_json)
 
 
 def hertz(
@@ -158,11 +146,11 @@ def hertz(
     reduced_modulus_kpa: Annotated[float, Option(help="Reduced modulus E*, kPa.")],
     load_n: Load = None,
     indentation_mm: Indentation = None,
-    thickness_mm: Thickness = None,
+    thickness_mm: options.Thickness = None,
     poisson_ratio: Annotated[
         float, Option(min=0, max=0.5, help="Poisson's ratio, which matters to a layer alone.")
     ] = 0.5,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Solve the elliptical Hertz contact under a load, or at an indentation.
 
@@ -172,9 +160,9 @@ def hertz(
     from fingerpad.geometry import Paraboloid
 
     pressed = only_one(load=load_n, indentation=indentation_mm)
-    require_positive("--reduced-modulus-kpa", reduced_modulus_kpa)
-    require_positive("--thickness-mm", thickness_mm)
-    require_positive("--radii-mm", *radii_mm)
+    options.require_positive("--reduced-modulus-kpa", reduced_modulus_kpa)
+    options.require_positive("--thickness-mm", thickness_mm)
+    options.require_positive("--radii-mm", *radii_mm)
     bodies, modulus = Paraboloid(*radii_mm), reduced_modulus_kpa / KPA_PER_MPA
     contact = hertz_contact(bodies, Tissue.of_reduced_modulus(modulus), **pressed)
     size = math.sqrt(contact.semi_major * contact.semi_minor / math.prod(radii_mm))
@@ -191,21 +179,21 @@ def hertz(
         on_layer = fast_contact(bodies, layer, **pressed)
         flag = str(on_layer.flags)
         record["on_layer"] = pressed_record(on_layer) | ({"flag": flag or None} if as_json or flag else {})
-    print_result(record, as_json)
+    show.result(record, as_json)
     if not as_json:
         print_if_too_large(size)
 
 
-@takes(placement=placement_of)
+@options.takes(placement=options.placement_of)
 def modulus(
     *,
     placement: "Placement",
     load_n: Annotated[float, Option(help="Normal force, N.")],
-    poisson_ratio: PoissonRatio = 0.5,
-    thickness_mm: Thickness = None,
+    poisson_ratio: options.PoissonRatio = 0.5,
+    thickness_mm: options.Thickness = None,
     area_mm2: Annotated[float | None, Option(help="Contact area, mm².")] = None,
     indentation_mm: Annotated[float | None, Option(help="Indentation, mm, instead of --area-mm2.")] = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Find Young's modulus from a load and the contact area or the indentation.
 
@@ -217,8 +205,8 @@ def modulus(
     from fingerpad.geometry import Paraboloid
 
     given = {"load": load_n, **only_one(area=area_mm2, indentation=indentation_mm)}
-    require_positive("--load-n", load_n)
-    require_positive("--thickness-mm", thickness_mm)
+    options.require_positive("--load-n", load_n)
+    options.require_positive("--thickness-mm", thickness_mm)
     gap = plate_gap(placement)
     paraboloid = plate_gap(Paraboloid(gap.first_radius, gap.second_radius))
     records, flag = [], ""
@@ -234,7 +222,7 @@ def modulus(
         )
     by_hertz, whole = records
     for doubt in load_doubts(load_n, by_hertz["youngs_modulus_kpa"]):
-        print_note(doubt)
+        show.note(doubt)
 
     def print_table(_: Mapping[str, Any]) -> None:
         print_side_by_side({"whole pad": whole, "Hertz": by_hertz})
@@ -243,17 +231,17 @@ def modulus(
         print_if_too_large(math.sqrt(area / (gap.first_radius * gap.second_radius)))
 
     record = {**whole, "flag": flag or None, "thickness_mm": thickness_mm, "hertz": by_hertz}
-    print_result(record, as_json, print_table)
+    show.result(record, as_json, print_table)
 
 
-@takes(placement=placement_of, tissue=tissue_of, pressed=pressed_of)
+@options.takes(placement=options.placement_of, tissue=options.tissue_of, pressed=pressed_of)
 def solve(
     *,
     placement: "Placement",
     tissue: "Tissue",
     pressed: dict[str, float],
     grid: Grid = 256,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Press a whole ellipsoidal pad against a flat plate, on deep tissue or on a layer over bone.
 
@@ -281,7 +269,7 @@ def solve(
     for name, contact, off in (("fast", fast, error_of_laws), ("hertz", by_hertz, departure)):
         flag = str(contact.flags) or None
         record[name] = {**contact_record(contact), "relative_error_estimate": off, "flag": flag}
-    print_result(record, as_json, _print_solved)
+    show.result(record, as_json, _print_solved)
 
 
 def _print_solved(record: Mapping[str, Any]) -> None:
@@ -294,7 +282,7 @@ def _print_solved(record: Mapping[str, Any]) -> None:
         typer.echo("Hertz theory takes the layer for deep tissue")
 
 
-@takes(placement=placement_of, tissue=tissue_of, pressed=pressed_of)
+@options.takes(placement=options.placement_of, tissue=options.tissue_of, pressed=pressed_of)
 def fields(
     *,
     placement: "Placement",
@@ -312,7 +300,7 @@ def fields(
     plot: Annotated[
         Path | None, Option(help="Folder for the section under the contact, as SVG and PNG.")
     ] = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Find stress and strain below the place of first contact, by Hertz theory and for the whole pad.
 
@@ -337,7 +325,7 @@ def fields(
             plot / "section",
             description="Contact pressure and maximum shear stress in the section along the finger.",
         )
-    print_result(record, as_json, _print_fields)
+    show.result(record, as_json, _print_fields)
 
 
 def _depths(given: list[float] | None, thickness: float) -> "FloatArray":
@@ -385,7 +373,7 @@ def _print_fields(record: dict[str, Any]) -> None:
             values = (f"{one[key][index]:.4g}" for key in _FIELD_COLUMNS.values())
             here = ", ".join(name for name, (low, high) in RECEPTORS.items() if low <= depth <= high)
             rows.append([f"{depth:.4g}", *values, here])
-        print_rows(rows)
+        show.rows(rows)
     typer.echo("\nStresses in kPa, energy in kJ/m³; --json gives all components, and strains.")
     typer.echo("Depths of receptors vary between people; those named here are from the literature.")
 
@@ -395,7 +383,7 @@ def correct(
         tuple[float, float], Option(help="Semi-major and semi-minor axis of the contact, mm.")
     ],
     radius_mm: Annotated[float, Option(help="Radius of curvature of the undeformed pad, mm.")],
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Correct a radius of curvature for the observed contact ellipse.
 
@@ -408,9 +396,9 @@ def correct(
     from fingerpad import contact
     from fingerpad.geometry import Ellipse
 
-    require_positive("--ellipse-mm", *ellipse_mm)
+    options.require_positive("--ellipse-mm", *ellipse_mm)
     observed = Ellipse(*ellipse_mm)
-    require_positive("--radius-mm", radius_mm)
+    options.require_positive("--radius-mm", radius_mm)
     k = observed.axis_ratio
     first, b, d = contact.complete_integrals(k)
     record = {
@@ -423,14 +411,14 @@ def correct(
         "radius_from_area_mm": contact.equivalent_radius_from_area(radius_mm, k),
         "radius_from_compliance_mm": contact.equivalent_radius_from_compliance(radius_mm, k),
     }
-    print_result(record, as_json)
+    show.result(record, as_json)
 
 
 def reproduce(
     figures: Annotated[
         Path | None, Option(help="Folder for Fig. 1 of Dzidek et al. (2017), 4, 5 and 6, as SVG and PNG.")
     ] = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Compute every number printed in Dzidek et al. (2017), and list which are reproduced.
 
@@ -445,8 +433,8 @@ def reproduce(
         make_folder(figures)
         for name, figure, caption in dzidek2017_figures():
             save_figure(figure, figures / name, description=caption)
-    print_result([asdict(item) for item in items], as_json, lambda _: _print_audit(items))
-    print_folder("Figures", figures, as_json)
+    show.result([asdict(item) for item in items], as_json, lambda _: _print_audit(items))
+    show.folder("Figures", figures, as_json)
 
 
 def _print_audit(items: "list[AuditItem]") -> None:
@@ -456,4 +444,4 @@ def _print_audit(items: "list[AuditItem]") -> None:
         computed = "–" if item.computed is None else f"{item.computed:.2f}"
         verdict = f"{item.verdict} (measured)" if item.computed is None else item.verdict
         rows.append((item.item, f"{printed:>7}", f"{computed:>8}", item.unit, verdict))
-    print_rows(rows)
+    show.rows(rows)

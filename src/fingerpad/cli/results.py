@@ -7,7 +7,8 @@ import typer
 from typer import Argument, Option
 
 from fingerpad._rounding import positive_with_uncertainty
-from fingerpad.cli.shared import AsJson, Exit, print_error, print_result, print_rows
+from fingerpad.cli import options, show
+from fingerpad.cli.commands import Exit
 from fingerpad.exceptions import FigureError, reason_of
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ def compare(
         ),
     ],
     out: Annotated[Path | None, Option(help="Folder for tables, figures and a page.")] = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Compare fingers and people: semi-axes, radii, moduli and exponents, with means over people.
 
@@ -38,7 +39,7 @@ def compare(
 
         write_comparison(found, out)
         page = write_comparison_page(found, out)
-    print_result(found.as_record() if as_json else found, as_json, _print_comparison)
+    show.result(found.as_record() if as_json else found, as_json, _print_comparison)
     if page is not None and not as_json:
         typer.echo(f"Page: {page}")
 
@@ -53,11 +54,11 @@ def _print_comparison(found: "Comparison") -> None:
         typer.echo(f"{name}: {kind.words}")
         rows = [(_who(value), _place(value), _value_text(value)) for value in values]
         rows += [(_mean_of(mean), _place(mean), _mean_text(mean)) for mean in means if len(mean.people) > 1]
-        print_rows(rows, "  ")
+        show.rows(rows, "  ")
     if found.verdicts:
         typer.echo("validity: whether the model holds, and which checks say so")
         verdicts = ((_who(v), _place(v), v.model, v.verdict, ", ".join(v.checks)) for v in found.verdicts)
-        print_rows(verdicts, "  ")
+        show.rows(verdicts, "  ")
     for note in found.notes:
         typer.echo(f"note: {note}")
 
@@ -169,7 +170,7 @@ def export(
         try:
             export_results(results, file)
         except Exception as error:  # one format may hold what another cannot
-            print_error(reason_of(error, f"{file}: cannot be written"))
+            show.error(reason_of(error, f"{file}: cannot be written"))
             failed += 1
         else:
             typer.echo(f"Wrote {file}")

@@ -8,19 +8,7 @@ import numpy as np
 import typer
 from typer import Argument, Option
 
-from fingerpad.cli.shared import (
-    AsJson,
-    PoissonRatio,
-    RollAngle,
-    Thickness,
-    WedgeAngle,
-    placement_of,
-    print_note,
-    print_result,
-    print_rows,
-    require_positive,
-    tissue_of,
-)
+from fingerpad.cli import options, show
 from fingerpad.exceptions import GeometryError
 from fingerpad.units import KPA_PER_MPA
 
@@ -31,7 +19,7 @@ _SHOWN = 6  # rows of the table on the terminal
 
 
 def simulator(
-    wedge_deg: WedgeAngle,
+    wedge_deg: options.WedgeAngle,
     results: Annotated[
         Path | None,
         Argument(help="Output folder of a finished run, in place of the pad's numbers.", show_default=False),
@@ -44,9 +32,9 @@ def simulator(
     youngs_modulus_kpa: Annotated[
         float | None, Option(help="Young's modulus E of the tissue, kPa.", show_default=False)
     ] = None,
-    thickness_mm: Thickness = None,
-    poisson_ratio: PoissonRatio = 0.5,
-    roll_deg: RollAngle = 0.0,
+    thickness_mm: options.Thickness = None,
+    poisson_ratio: options.PoissonRatio = 0.5,
+    roll_deg: options.RollAngle = 0.0,
     load_n: Annotated[
         tuple[float, float], Option(help="Lowest and highest load of the range that matters, N.")
     ] = (0.2, 3.0),
@@ -63,7 +51,7 @@ def simulator(
         Path | None,
         Option(help="Folder for MJCF, SDF, meshes and tables. finger.inp needs the package meshio."),
     ] = None,
-    as_json: AsJson = False,
+    as_json: options.AsJson = False,
 ) -> None:
     """Give a finger pad in the numbers that MuJoCo, Drake and Newton take, with the error of each.
 
@@ -73,8 +61,8 @@ def simulator(
     """
     from fingerpad.simulator import export_finger, simulator_law
 
-    require_positive("--mass-kg", mass_kg)
-    require_positive("--damping-ratio", damping_ratio)
+    options.require_positive("--mass-kg", mass_kg)
+    options.require_positive("--damping-ratio", damping_ratio)
     if not 0 < load_n[0] < load_n[1]:
         raise GeometryError(f"--load-n must ascend from above zero, found {load_n[0]:g} {load_n[1]:g}")
     source = ""
@@ -82,8 +70,8 @@ def simulator(
         if semi_axes_mm is None or youngs_modulus_kpa is None:
             missing = "--semi-axes-mm" if semi_axes_mm is None else "--youngs-modulus-kpa"
             raise typer.BadParameter(f"give {missing}, or the output folder of a finished run")
-        placement = placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg)
-        tissue = tissue_of(
+        placement = options.placement_of(semi_axes_mm=semi_axes_mm, wedge_deg=wedge_deg, roll_deg=roll_deg)
+        tissue = options.tissue_of(
             youngs_modulus_kpa=youngs_modulus_kpa, poisson_ratio=poisson_ratio, thickness_mm=thickness_mm
         )
         stds = {"youngs_modulus": youngs_modulus_kpa_std / KPA_PER_MPA, "thickness": thickness_mm_std}
@@ -106,7 +94,7 @@ def simulator(
         )
         placement, tissue, stds = pad.placement, pad.tissue, pad.stds
         source = f"{pad.source}."
-        print_note(pad.source)
+        show.note(pad.source)
     try:
         law = simulator_law(placement, tissue, load_n, stds=stds)
     except GeometryError as error:
@@ -120,7 +108,7 @@ def simulator(
         if export is not None
         else []
     )
-    print_result(record, as_json, _print)
+    show.result(record, as_json, _print)
     if files and not as_json:
         typer.echo(f"Files: {export}, {', '.join(file.name for file in files)}")
 
@@ -131,7 +119,7 @@ def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str,
 
     elements, reason = elements_or_reason(law)
     if reason:
-        print_note(reason)
+        show.note(reason)
     return {
         "pressure_by_depth": law.pressure_by_depth().as_record(),
         "newton": law.newton_kh().as_record(),
@@ -160,9 +148,9 @@ def _print(record: dict[str, Any]) -> None:
     columns = [table[key] for key in ("load_N", "indentation_mm", "area_mm2")]
     shown = np.linspace(0, len(columns[0]) - 1, _SHOWN).round().astype(int)
     rows = ([f"{column[place]:.4g}" for column in columns] for place in shown)
-    print_rows([("load_N", "indentation_mm", "area_mm2"), *rows])
+    show.rows([("load_N", "indentation_mm", "area_mm2"), *rows])
     typer.echo()
-    print_rows(
+    show.rows(
         [
             ("", "", "load within", "area"),
             _line("pressure by depth", f"{depths} depths, in --json and --export", pressure),
@@ -187,7 +175,7 @@ def _print(record: dict[str, Any]) -> None:
     for name, target in assumed.items():
         typer.echo(f"Assumed for {name}: {target['assumes']}")
     if mujoco["flag"]:
-        print_note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
+        show.note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
 
 
 def _line(name: str, value: str, target: dict[str, Any]) -> tuple[str, str, str, str]:

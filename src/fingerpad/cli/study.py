@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 from typer import Argument, Option
 
-from fingerpad.cli.shared import AsJson, Exit, print_error, print_result, require_positive
+from fingerpad.cli import options, show
+from fingerpad.cli.commands import Exit
 from fingerpad.exceptions import FingerpadError, ManifestError
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits
 
@@ -114,8 +115,8 @@ def run(
 
     out = out or results_folder(study)
     with progress_display(log) as progress:
-        require_positive("--time-limit-s", time_limit_s)
-        require_positive("--memory-gb", memory_gb)
+        options.require_positive("--time-limit-s", time_limit_s)
+        options.require_positive("--memory-gb", memory_gb)
         try:
             result = run_study(
                 study,
@@ -129,7 +130,7 @@ def run(
                 on_progress=progress.update,
             )
         except KeyboardInterrupt:
-            print_error("interrupted; what was measured is kept: run it again to go on")
+            show.error("interrupted; what was measured is kept: run it again to go on")
             raise typer.Exit(Exit.INTERRUPTED) from None
     _print_outcome(result, out / REPORT_NAME)
     if result.failures:
@@ -168,14 +169,14 @@ def _print_outcome(result: "StudyResult", report: Path) -> None:
     typer.echo(f"Report: {report}")
 
 
-def status(study: Manifest, out: Out = None, as_json: AsJson = False) -> None:
+def status(study: Manifest, out: Out = None, as_json: options.AsJson = False) -> None:
     """Show how much of a study is measured, failed, stale or left."""
     from fingerpad.study.results.result_set import results_folder
     from fingerpad.study.status import study_status
 
     found = study_status(study, out or results_folder(study))
     record = {**asdict(found), "total": found.total, "seconds_left": found.seconds_left}
-    print_result(record, as_json, lambda _: _print_status(found))
+    show.result(record, as_json, lambda _: _print_status(found))
     if found.faults:
         raise typer.Exit(Exit.SOME_FAILED)
 
@@ -191,7 +192,7 @@ def _print_status(found: "Status") -> None:
         typer.echo(f"fault: {fault}", err=True)
 
 
-def verify(study: Manifest, out: Out = None, as_json: AsJson = False) -> None:
+def verify(study: Manifest, out: Out = None, as_json: options.AsJson = False) -> None:
     """Check that all that is kept of a study is what was written: manifest, corrections, store, results.
 
     Nothing is written. The exit code is 3 where something is damaged.
@@ -200,7 +201,7 @@ def verify(study: Manifest, out: Out = None, as_json: AsJson = False) -> None:
     from fingerpad.study.status import verify_study
 
     found = verify_study(study, out or results_folder(study))
-    print_result(asdict(found), as_json, lambda _: _print_verified(found))
+    show.result(asdict(found), as_json, lambda _: _print_verified(found))
     if found.faults:
         raise typer.Exit(Exit.SOME_FAILED)
 

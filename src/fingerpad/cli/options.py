@@ -1,0 +1,119 @@
+"""Options that several commands take, and what they mean."""
+
+import math
+import shlex
+from collections.abc import Callable, Mapping
+from functools import wraps
+from inspect import Parameter, signature
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+from typer import Option
+
+from fingerpad._plausible import in_radians, semi_axes_doubt
+from fingerpad.cli import show
+from fingerpad.exceptions import GeometryError, LoadingError
+from fingerpad.units import KPA_PER_MPA
+
+if TYPE_CHECKING:
+    from fingerpad.contact import Tissue
+    from fingerpad.geometry import Placement
+
+AsJson: TypeAlias = Annotated[bool, Option("--json", help="Print one JSON document instead of text.")]
+Columns: TypeAlias = Annotated[
+    list[str] | None,
+    Option(metavar="QUANTITY=NAME:UNIT", help="A column of another name, as in force=Fz:mN. Repeatable."),
+]
+
+# A pad on its wedge, and how it is pressed.
+SemiAxes: TypeAlias = Annotated[
+    tuple[float, float, float],
+    Option(help="Palmar, distal and radial-ulnar semi-axes, mm: half of the finger's thickness and width."),
+]
+WedgeAngle: TypeAlias = Annotated[
+    float, Option(min=0, max=90, help="Wedge angle, degrees: 0 is flat, 90 on the fingertip.")
+]
+RollAngle: TypeAlias = Annotated[
+    float, Option(min=-90, max=90, help="Roll about the finger's long axis, degrees.")
+]
+YoungsModulus: TypeAlias = Annotated[float, Option(help="Young's modulus E of the tissue, kPa.")]
+Thickness: TypeAlias = Annotated[
+    float | None, Option(help="Effective thickness of the tissue over bone, mm.", show_default="half-space")
+]
+PoissonRatio: TypeAlias = Annotated[float, Option(min=0, max=0.5, help="Poisson's ratio of the tissue.")]
+
+
+def takes(**groups: Callable[..., Any]) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the flags of functions, and pass it what these return, each by its name.
+
+    Flags stand where the command has that name; those without a default come first.
+    """
+
+    def with_groups(command: Callable[..., None]) -> Callable[..., None]:
+        own, flags = signature(command), {name: signature(make).parameters for name, make in groups.items()}
+
+        @wraps(command)
+        def called(**given: Any) -> None:
+            values = {name: {flag: given.pop(flag) for flag in flags[name]} for name in groups}
+            command(**given, **{name: make(**values[name]) for name, make in groups.items()})
+
+        parts = (flags[name].values() if name in flags else [one] for name, one in own.parameters.items())
+        ordered = sorted(
+            (one for part in parts for one in part), key=lambda one: one.default is not one.empty
+        )
+        parameters = [one.replace(kind=Parameter.KEYWORD_ONLY) for one in ordered]
+        called.__signature__ = own.replace(parameters=parameters)  # type: ignore[attr-defined]
+        called.__annotations__ = {one.name: one.annotation for one in parameters}
+        return called
+
+    return with_groups
+
+
+def placement_of(*, semi_axes_mm: SemiAxes, wedge_deg: WedgeAngle, roll_deg: RollAngle = 0.0) -> "Placement":
+    """Return the pad of ``--semi-axes-mm``, each of which must be positive, on its wedge."""
+    from fingerpad.geometry import Ellipsoid, Placement
+
+    if in_radians(wedge_deg):
+        show.note("--wedge-deg: less than 1.6°: angles are in degrees, not radians")
+    require_positive("--semi-axes-mm", *semi_axes_mm)
+    if doubt := semi_axes_doubt(semi_axes_mm):
+        show.note(f"--semi-axes-mm: {doubt}")
+    wedge, roll = math.radians(wedge_deg), math.radians(roll_deg)
+    return Placement(Ellipsoid(*semi_axes_mm), wedge_angle=wedge, roll_angle=roll)
+
+
+def tissue_of(
+    *, youngs_modulus_kpa: YoungsModulus, poisson_ratio: PoissonRatio = 0.5, thickness_mm: Thickness = None
+) -> "Tissue":
+    """Return the tissue of ``--youngs-modulus-kpa`` and its other options, in MPa and mm."""
+    from fingerpad.contact import Tissue
+
+    require_positive("--youngs-modulus-kpa", youngs_modulus_kpa)
+    require_positive("--thickness-mm", thickness_mm)
+    return Tissue(
+        youngs_modulus=youngs_modulus_kpa / KPA_PER_MPA,
+        poisson_ratio=poisson_ratio,
+        thickness=math.inf if thickness_mm is None else thickness_mm,
+    )
+
+
+def columns_of(texts: list[str] | None, *known: str) -> dict[str, str]:
+    """Return the columns of ``--column`` by quantity."""
+    columns = {}
+    for text in texts or []:
+        quantity, _, column = text.partition("=")
+        if quantity not in known or ":" not in column:
+            raise LoadingError(f"--column takes QUANTITY=NAME:UNIT with {', '.join(known)}, found {text!r}")
+        columns[quantity] = column
+    return columns
+
+
+def column_flags(columns: Mapping[str, str]) -> str:
+    """Return what to write after the command to have columns read."""
+    return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
+
+
+def require_positive(flag: str, *values: float | None) -> None:
+    """Refuse a value that is given but not positive and finite."""
+    for value in values:
+        if value is not None and not (value > 0 and math.isfinite(value)):
+            raise GeometryError(f"{flag} must be positive and finite, found {value:g}")
