@@ -259,7 +259,7 @@ def test_corrected_radius_has_inner_bars_and_a_band(axes) -> None:
         measured_radius_std=0.5,
     )
     bars = [np.diff([end[:, 1] for end in one.get_segments()]) for one in axes.collections]
-    assert_allclose([one[0] / 2 for one in bars], [[0.8], [0.1]])
+    assert_allclose([one[0] / 2 for one in bars], [[0.1], [0.8]])  # behind the points
     (band,) = axes.patches
     assert_allclose(
         band.get_extents().transformed(axes.transData.inverted()).intervaly,

@@ -56,7 +56,7 @@ def test_everything_stated_is_said(tmp_path: Path) -> None:
         "wedge angles of 30 and 45° (± 3°) and a roll of 0° (± 3°)",
         "Assumed to be known: the roll angle to ± 3°.",
         "Normal loads of 0.5 to 1.5 N, measured by",
-        "were applied in 2 single contacts.",
+        "are those of 2 observations.",
         "The pad of f (1 person) was modelled as an ellipsoidal cap",
         "Its semi-axes were given.",
         "reader, 0.1000 ± 0.0010 mm/px",

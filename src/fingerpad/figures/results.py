@@ -53,6 +53,9 @@ def plot_corrected_radius(
     left_out: ArrayLike = False,
 ) -> None:
     """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017)."""
+    if fixed_geometry_std is not None:
+        look: dict[str, Any] = {"marker": "", "bar_width": 2.4, "label": "_geometry held exact"}
+        axes.add(*measured(load, corrected_radius, y_std=fixed_geometry_std, left_out=left_out, **look))
     axes.add(
         *measured(
             load,
@@ -63,9 +66,6 @@ def plot_corrected_radius(
             label=r"$R_\mathrm{g}^\mathrm{corr}$",
         )
     )
-    if fixed_geometry_std is not None:
-        look: dict[str, Any] = {"marker": "", "bar_width": 2.4, "label": "_geometry held exact"}
-        axes.add(*measured(load, corrected_radius, y_std=fixed_geometry_std, left_out=left_out, **look))
     axes.add(*synthetic_tag(synthetic))
     if compliance_radius is not None:
         # An outline wider than the circle, which would hide a square of nearly the same value.

@@ -112,14 +112,15 @@ def _contacts(result: StudyResult) -> Iterator[str]:
         f"{of.platen or 'a flat platen'} at {'a wedge angle' if alike else 'wedge angles'} of {wedge}° "
         f"({wedge_std}{jig}) and a roll of {roll}° ({roll_std})."
     )
-    counts = {"single contact": len(study.observations), "sequence": len(study.sequences)}
-    contacts = _joined([counted(count, noun) for noun, count in counts.items() if count])
+    # Not contacts: one may be given for each of two ways to measure its finger.
+    counts = {"observation": len(study.observations), "sequence": len(study.sequences)}
+    given = _joined([counted(count, noun) for noun, count in counts.items() if count])
     load = result.rows["load_N"].to_numpy()
     loads = f" of {_range(load)} N" if np.isfinite(load).any() else ""
     sensor = f", measured by {of.force_sensor}" if of.force_sensor else ""
     yield (
-        f"Normal loads{loads}{sensor} ({_doubt(100 * std.load_relative_std, ' %')}{gain_std}) were applied "
-        f"in {contacts}."
+        f"Normal loads{loads}{sensor} ({_doubt(100 * std.load_relative_std, ' %')}{gain_std}) are those "
+        f"of {given}."
     )
     if moved := " ".join(filter(None, (of.stage and f"by {of.stage}", _velocity(result)))):
         yield f"Finger and platen approached each other {moved}."
