@@ -15,9 +15,8 @@ import struct
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import IO, Final
 
@@ -285,30 +284,29 @@ def _limit_memory(idle_size: int, limits: Limits) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
 
 
-class LocalExecutor:
-    """Processes of this machine."""
+class LocalExecutor(IsolatedRunner):
+    """So many processes of this machine, for tasks whose inputs are in `folder`."""
 
-    def __init__(self, threads: ThreadPoolExecutor, workers: int, runner: IsolatedRunner) -> None:
+    def __init__(self, folder: Path, workers: int, limits: Limits) -> None:
+        super().__init__(folder, limits)
         self.capacity = 2 * workers
-        self.limits = runner.limits
-        self._threads, self._runner = threads, runner
+        self._threads = ThreadPoolExecutor(workers)
 
     def submit(self, task: Task) -> Future[TaskResult]:
         """Begin a task as soon as a process is free."""
-        return self._threads.submit(self._runner.perform, task)
+        return self._threads.submit(self.perform, task)
 
     def require_workers(self) -> None:
         """Do nothing: a process that dies is replaced."""
 
-
-@contextmanager
-def local_executor(folder: Path, workers: int, limits: Limits = DEFAULT_LIMITS) -> Iterator[LocalExecutor]:
-    """Provide so many processes of this machine, for tasks whose inputs are in `folder`."""
-    threads, runner = ThreadPoolExecutor(workers), IsolatedRunner(folder, limits)
-    try:
-        yield LocalExecutor(threads, workers, runner)
-    finally:
-        threads.shutdown(wait=False, cancel_futures=True)
-        runner.abandon()
-        threads.shutdown()
+    def close(self) -> None:
+        """End what is at work."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        self.abandon()
+        self._threads.shutdown()
         POOL.keep(1)
+
+
+def local_executor(folder: Path, workers: int, limits: Limits = DEFAULT_LIMITS) -> closing[LocalExecutor]:
+    """Return processes of this machine as an executor, which is closed in the end."""
+    return closing(LocalExecutor(folder, workers, limits))
