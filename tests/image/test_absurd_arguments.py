@@ -90,7 +90,7 @@ def test_pictures_of_nothing(name):
 
 
 def test_pictures_of_any_number_type():
-    levels = np.kron(RNG.integers(0, 2, (15, 15)), np.ones((40, 40), int)) * 200
+    levels = np.kron(RNG.integers(0, 2, (15, 15)), np.ones((20, 20), int)) * 200
     expected = guess_subject(levels).subjects.keys()
     for kind in (bool, np.uint32, np.float64):
         assert guess_subject(levels.astype(kind)).subjects.keys() == expected
