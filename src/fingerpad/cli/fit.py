@@ -131,7 +131,7 @@ def fit(
     curve does not determine it. With --semi-axes-mm the curve is also fitted by the whole pad on a layer of
     tissue over bone, and compared with a half-space.
     """
-    from fingerpad._columns import columns_named_by, unread_notes
+    from fingerpad._columns import columns_named_by
     from fingerpad.flags import flags_in
     from fingerpad.loading import fit_adhesion, fit_layer_thickness, fit_loading_curve, read_loading_curve
     from fingerpad.loading.curve import unread_curve_columns
@@ -148,11 +148,9 @@ def fit(
     columns = options.columns_of(column, "time", "force", "displacement", "area")
     with columns_named_by(options.column_flags):
         record = read_loading_curve(curve, columns)
-    unread = unread_notes(
-        unread_curve_columns(curve, columns), lambda name, column: f": {options.column_flags({name: column})}"
-    )
-    for note in (*unit_doubts(record.load, record.indentation, record.area), *unread):
-        show.note(note)
+    for doubt in unit_doubts(record.load, record.indentation, record.area):
+        show.note(doubt)
+    options.note_unread(unread_curve_columns(curve, columns))
     given: dict[str, Any] = {"cycle": cycle, "stage_compliance": stage_compliance, "area_delay": area_delay}
     given |= {} if area_relative_std is None else {"area_relative_std": area_relative_std}
     of_half_space = {**given, "poisson_ratio": poisson_ratio, "loading_radius": loading_radius}

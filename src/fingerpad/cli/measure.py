@@ -233,7 +233,7 @@ def measure_frames(
     Contacts without ridges, of silicone or a gel, take --surface smooth; the first frame, before touch, is
     the background where none is given.
     """
-    from fingerpad._columns import columns_named_by, unread_notes
+    from fingerpad._columns import columns_named_by
     from fingerpad.image import (
         FrameResult,
         measure_sequence,
@@ -258,9 +258,7 @@ def measure_frames(
         "--contact-load-n": contact_load_n,
     }
     clock = _clock(frames.frames_per_second, aligned, signal, times)
-    unread = {} if force is None else unread_force_columns(force, columns)
-    for note in unread_notes(unread, lambda name, column: f": {options.column_flags({name: column})}"):
-        show.note(note)
+    options.note_unread({} if force is None else unread_force_columns(force, columns))
     if overlay_dir is not None:
         make_folder(overlay_dir)
 

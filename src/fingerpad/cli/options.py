@@ -112,6 +112,14 @@ def column_flags(columns: Mapping[str, str]) -> str:
     return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
 
 
+def note_unread(columns: Mapping[str, str]) -> None:
+    """Say of columns that were not read how to have them read."""
+    from fingerpad._columns import unread_notes
+
+    for words in unread_notes(columns, lambda name, column: f": {column_flags({name: column})}"):
+        show.note(words)
+
+
 def require_positive(flag: str, *values: float | None) -> None:
     """Refuse a value that is given but not positive and finite."""
     for value in values:

@@ -49,12 +49,10 @@ def _print_comparison(found: "Comparison") -> None:
 
     for name, kind in QUANTITIES.items():
         values, means = found.of(name)
-        if not values:
-            continue
-        typer.echo(f"{name}: {kind.words}")
-        rows = [(_who(value), _place(value), _value_text(value)) for value in values]
-        rows += [(_mean_of(mean), _place(mean), _mean_text(mean)) for mean in means if len(mean.people) > 1]
-        show.rows(rows, "  ")
+        if values:
+            typer.echo(f"{name}: {kind.words}")
+            over_people = (_mean_line(mean) for mean in means if len(mean.people) > 1)
+            show.rows([*map(_value_line, values), *over_people], "  ")
     if found.verdicts:
         typer.echo("validity: whether the model holds, and which checks say so")
         verdicts = ((_who(v), _place(v), v.model, v.verdict, ", ".join(v.checks)) for v in found.verdicts)
@@ -73,21 +71,19 @@ def _place(item: "Value | Mean | ValidityVerdict") -> str:
     return f"{item.wedge_angle_deg:g}°" + (f", roll {item.roll_angle_deg:g}°" if item.roll_angle_deg else "")
 
 
-def _mean_of(mean: "Mean") -> str:
-    return f"mean of {len(mean.people)} people{'  (synthetic)' if mean.synthetic else ''}"
-
-
-def _value_text(value: "Value") -> str:
+def _value_line(value: "Value") -> tuple[str, str, str]:
     text = positive_with_uncertainty(value.value, value.std)
-    return f"{text} ({value.verdict})" if value.verdict else text
+    return _who(value), _place(value), f"{text} ({value.verdict})" if value.verdict else text
 
 
-def _mean_text(mean: "Mean") -> str:
+def _mean_line(mean: "Mean") -> tuple[str, str, str]:
     low, high = mean.interval or (float("nan"), float("nan"))
-    return (
+    text = (
         f"{positive_with_uncertainty(mean.value, mean.std)}  95 %: {low:.4g} to {high:.4g}, "
         f"between people {mean.between_people_std:.2g}"
     )
+    label = "  (synthetic)" if mean.synthetic else ""
+    return f"mean of {len(mean.people)} people{label}", _place(mean), text
 
 
 def figure(

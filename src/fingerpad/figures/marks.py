@@ -284,9 +284,7 @@ class Figure:
     def __post_init__(self) -> None:
         if len(self.panels) != self.rows * self.columns:
             raise ValueError(f"{len(self.panels)} panels are not {self.rows} × {self.columns}")
-        if not (
-            0 < self.width_mm < math.inf and 0 < self.height_mm < math.inf and 0 < self.font_pt < math.inf
-        ):
+        if not all(0 < size < math.inf for size in (self.width_mm, self.height_mm, self.font_pt)):
             raise ValueError("a figure has a size")
 
     def to_json(self) -> str:

@@ -23,14 +23,14 @@ Arguments = ParamSpec("Arguments")
 AnyAxes = TypeVar("AnyAxes", Axes, Panel)
 
 _LOWEST: Final = 2.6  # just over the axes
-_ABOVE: Final = {
-    "loc": "lower left",
-    "bbox_to_anchor": (-0.02, 1.0),
-    "borderaxespad": 0.1,
-    "labelspacing": 0.25,
-}
 _LEGENDS: Final[dict[str, dict[str, Any]]] = {
-    "above": {**_ABOVE, "labelspacing": 0.25, "columnspacing": 1.0},
+    "above": {
+        "loc": "lower left",
+        "bbox_to_anchor": (-0.02, 1.0),
+        "borderaxespad": 0.1,
+        "labelspacing": 0.25,
+        "columnspacing": 1.0,
+    },
     "inside": {"loc": "upper left"},
     "below": {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0)},
 }

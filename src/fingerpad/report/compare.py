@@ -22,6 +22,7 @@ from fingerpad.study.compare import QUANTITIES, Comparison, Mean, Value
 _LONGEST_LABEL: Final = 38
 # More fingers than these make no readable figure: their people are drawn in their place.
 _MOST_ROWS: Final = 100
+_KEY: Final = ", ".join(f"{verdict} {symbol}" for verdict, symbol in VERDICT_SYMBOLS.items())
 _SYMBOLS: Final = {
     "palmar_mm": "ℓ<sub>a</sub>",
     "distal_mm": "ℓ<sub>b</sub>",
@@ -119,14 +120,9 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
         + ("; diamonds: means over people with their 95 % interval, which may leave the frame; bar: one "
            "standard deviation between people" if any(len(mean.people) > 1 for mean in means) else "")
         + (". Hollow: synthetic" if any(value.synthetic for value in values) else "")
-        + (f". At the right: the model {_key()}" if any(value.verdict for value in values) else "")
+        + (f". At the right: the model {_KEY}" if any(value.verdict for value in values) else "")
         + ".",
     )  # fmt: skip
-
-
-def _key() -> str:
-    """Return what the symbols of the verdicts mean."""
-    return ", ".join(f"{verdict} {symbol}" for verdict, symbol in VERDICT_SYMBOLS.items())
 
 
 def _rows(
