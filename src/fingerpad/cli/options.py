@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
@@ -112,8 +112,8 @@ def column_flags(columns: Mapping[str, str]) -> str:
     return " ".join(f"--column {shlex.quote(f'{name}={column}')}" for name, column in columns.items())
 
 
-def note_unread(columns: Mapping[str, str]) -> None:
-    """Say of columns that were not read how to have them read."""
+def note_unread(columns: Mapping[str, Sequence[str]]) -> None:
+    """Say of columns that were not read, by the quantity that they may be, how to have them read."""
     from fingerpad._columns import unread_notes
 
     for words in unread_notes(columns, lambda name, column: f": {column_flags({name: column})}"):
