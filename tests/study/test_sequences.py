@@ -169,7 +169,7 @@ def test_a_sequence_without_a_contact_of_known_load_leaves_results(study_dir: Pa
     )
     assert not result.summaries
     text = " ".join(methods_section(result).paragraphs)
-    assert "in 1 sequence" in text
+    assert "of 1 sequence" in text
     assert "nan" not in text
     assert (out / "report.html").exists()
 
