@@ -276,9 +276,9 @@ def test_geometry_is_that_of_the_library(standing):
     assert found["u_deg"] == pytest.approx(np.degrees(placement.u))
     assert found["mean_curvature_radius_mm"] == pytest.approx(placement.curvature.mean_curvature_radius)
     assert found["mean_curvature_radius_mm_std"] is None
-    mesh = np.stack([np.array(found["mesh"][f"{axis}_mm"]) for axis in "xyz"], axis=-1)
+    mesh = np.array(found["mesh_mm"])
     np.testing.assert_allclose(((mesh / pad.semi_axes) ** 2).sum(axis=-1), 1)
-    corners = np.array(found["platen"]["corners_mm"]) - found["contact_point_mm"]
+    corners = np.array(found["platen_mm"]) - found["contact_point_mm"]
     np.testing.assert_allclose(corners @ found["normal"], 0, atol=1e-9)
     by_name = standing.tell("geometry", finger="left_index_ellipse", wedge_angle_deg=30)
     assert by_name["u_deg"] == pytest.approx(found["u_deg"])

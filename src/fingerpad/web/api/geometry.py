@@ -21,25 +21,11 @@ router = study_router()
 _Angles = Annotated[list[Annotated[float, Field(ge=-180, le=180)]], Field(max_length=50)]
 
 
-class Mesh(Answer):
-    """A grid of points, mm."""
-
-    x_mm: list[list[float]]
-    y_mm: list[list[float]]
-    z_mm: list[list[float]]
-
-
 class NamedLine(Answer):
     """A line to draw, mm."""
 
     name: str
     points_mm: list[Point3D]
-
-
-class Platen(Answer):
-    """The corners of the platen, mm."""
-
-    corners_mm: list[Point3D]
 
 
 class Wedge(Answer):
@@ -75,9 +61,9 @@ class PadGeometry(Quantities):
     contact_point_mm: Point3D
     normal: Point3D
     principal_directions: tuple[Point3D, Point3D]
-    mesh: Mesh
+    mesh_mm: list[list[Point3D]]
     lines: list[NamedLine]
-    platen: Platen
+    platen_mm: list[Point3D]
     wedge: Wedge
     points: list[SurfacePoint]
 
@@ -125,9 +111,9 @@ def geometry(opened: Opened, params: Body[GeometryParams]) -> PadGeometry:
         contact_point_mm=placement.point,
         normal=placement.normal,
         principal_directions=placement.curvature.principal_directions,
-        mesh={f"{name}_mm": mesh[..., k] for k, name in enumerate("xyz")},
+        mesh_mm=mesh,
         lines=_lines(pad, placement, float(max(axes))),
-        platen={"corners_mm": _platen(placement, float(max(axes)))},
+        platen_mm=_platen(placement, float(max(axes))),
         wedge=_wedge(pad, placement),
         points=[{"u_deg": u, "point_mm": pad.point(np.radians(u), np.pi / 2)} for u in params.u_deg],
     )

@@ -1,7 +1,13 @@
-// Pointers and keys, as several controls hear them.
+// Pointers, keys and points, as several controls have them.
 
 /** Rows and columns by which an arrow key moves. */
 export const ARROWS = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] };
+
+/** The distance of two points. @param {Point} one @param {Point} other */
+export const apart = (one, other) => Math.hypot(one[0] - other[0], one[1] - other[1]);
+
+/** A point to a hundredth of a pixel. @type {(point: Point) => Point} */
+export const rounded = ([row, column]) => [Math.round(row * 100) / 100, Math.round(column * 100) / 100];
 
 /**
  * Follow a pointer from its press on a node until it is released.

@@ -1,10 +1,9 @@
 // Tools that draw around an area: a lasso in one stroke, a polygon corner by corner.
 
 import { attributes, pathOf, s } from "../core/dom.js";
+import { apart, rounded } from "../core/gestures.js";
 
 const CLOSE_PX = 10;
-const round = (points) => points.map((point) => point.map((value) => Math.round(value * 100) / 100));
-const apart = (one, other) => Math.hypot(one[0] - other[0], one[1] - other[1]);
 
 /** Base of both: shows the points so far, and calls `done` with the area's points. */
 class Area {
@@ -50,7 +49,7 @@ class Area {
     this.points = null;
     this.kept = points && points.length > 2 ? points : null;
     this.draw();
-    if (this.kept) this.done({ action: this.now ?? this.action, points_px: round(this.kept) });
+    if (this.kept) this.done({ action: this.now ?? this.action, points_px: this.kept.map(rounded) });
   }
 
   cancel() {

@@ -1,6 +1,7 @@
 // Tools of a Stage: brush, line, box, and single points.
 
 import { attributes, pathOf, s } from "../core/dom.js";
+import { apart, rounded } from "../core/gestures.js";
 import { handle } from "./handle.js";
 
 /** A brush; `done` is called with each finished stroke. */
@@ -35,17 +36,15 @@ export class Brush {
   move(point, down) {
     attributes(this.tip, { cx: point[1], cy: point[0], visibility: "visible" });
     if (!down || !this.points) return;
-    const last = this.points.at(-1);
-    if (Math.hypot(point[0] - last[0], point[1] - last[1]) < Math.max(0.5, this.radius / 8)) return;
+    if (apart(point, this.points.at(-1)) < Math.max(0.5, this.radius / 8)) return;
     this.points.push(point);
     this.#draw();
   }
 
   up(point) {
     if (!this.points) return;
-    if (point && Math.hypot(point[0] - this.points.at(-1)[0], point[1] - this.points.at(-1)[1]) > 0.5)
-      this.points.push(point);
-    const points = this.points.map((point) => point.map((value) => Math.round(value * 100) / 100));
+    if (point && apart(point, this.points.at(-1)) > 0.5) this.points.push(point);
+    const points = this.points.map(rounded);
     this.points = null;
     this.done({ action: this.now, points_px: points, radius_px: this.radius });
   }
@@ -125,8 +124,7 @@ export class Line {
     if (!this.drawing) return;
     this.drawing = false;
     this.ends[1] = point;
-    const [from, to] = this.ends;
-    if (Math.hypot(to[0] - from[0], to[1] - from[1]) * this.stage.zoom < 4) {
+    if (apart(this.ends[0], this.ends[1]) * this.stage.zoom < 4) {
       this.set(this.kept ?? null);
       return;
     }
@@ -154,6 +152,14 @@ export class Line {
   }
 }
 
+/** Where the row and the column of each corner of a box stand. */
+const CORNERS = [
+  [0, 1],
+  [0, 3],
+  [2, 1],
+  [2, 3],
+];
+
 /** A box [row0, column0, row1, column1]; `changed(box)` is called once it is drawn. */
 export class Box {
   cursor = "crosshair";
@@ -168,12 +174,7 @@ export class Box {
       (this.casing = s("path.casing")),
       (this.stroke = s("path.roi")),
     );
-    this.handles = [
-      [0, 1],
-      [0, 3],
-      [2, 1],
-      [2, 3],
-    ].map(([row, column]) =>
+    this.handles = CORNERS.map(([row, column]) =>
       handle(stage, {
         label: `${row ? "Lower" : "Upper"} ${column === 3 ? "right" : "left"} corner of the region`,
         kind: "axis",
@@ -224,12 +225,8 @@ export class Box {
     const [row0, column0, row1, column1] = this.box;
     this.#draw();
     if (!final) return;
-    this.box = [
-      Math.min(row0, row1),
-      Math.min(column0, column1),
-      Math.max(row0, row1),
-      Math.max(column0, column1),
-    ];
+    const [left, right] = [Math.min(column0, column1), Math.max(column0, column1)];
+    this.box = [Math.min(row0, row1), left, Math.max(row0, row1), right];
     this.kept = [...this.box];
     this.#draw();
     this.layer.setAttribute("visibility", "visible");
@@ -240,14 +237,9 @@ export class Box {
     const [row0, column0, row1, column1] = this.box;
     for (const path of [this.casing, this.stroke])
       path.setAttribute("d", `M${column0} ${row0}H${column1}V${row1}H${column0}Z`);
-    const corners = [
-      [row0, column0],
-      [row0, column1],
-      [row1, column0],
-      [row1, column1],
-    ];
     this.handles.forEach((each, index) => {
-      each.put(corners[index]);
+      const [row, column] = CORNERS[index];
+      each.put([this.box[row], this.box[column]]);
     });
   }
 }
@@ -286,19 +278,17 @@ export class ThreePoints {
 
   /** Set the next point, or move the nearest. */
   down(point) {
-    const apart = (index) => Math.hypot(point[0] - this.points[index][0], point[1] - this.points[index][1]);
-    const index =
-      this.points.length < 3
-        ? this.points.length
-        : [0, 1, 2].sort((one, other) => apart(one) - apart(other))[0];
+    const far = (index) => apart(point, this.points[index]);
+    const { length } = this.points;
+    const index = length < 3 ? length : [0, 1, 2].sort((one, other) => far(one) - far(other))[0];
     this.points[index] = point;
     this.#draw();
     this.#report();
   }
 
   #report() {
-    const round = (value) => Math.max(0, Math.round(value * 100) / 100);
-    if (this.points.length === 3) this.changed(this.points.map((point) => point.map(round)));
+    const inside = (point) => rounded(point).map((value) => Math.max(0, value));
+    if (this.points.length === 3) this.changed(this.points.map(inside));
   }
 
   #draw() {

@@ -36,21 +36,17 @@ function faceOf(corners, colour) {
   };
 }
 
-/** The faces of the pad, whose normals point outwards. @returns {Face[]} */
-function padFaces({ x_mm: x, y_mm: y, z_mm: z }) {
-  /** @type {(row: number, column: number) => Vector} */
-  const at = (row, column) => [x[row][column], y[row][column], z[row][column]];
-  return x.slice(1).flatMap((line, row) =>
+/** The faces of the pad, whose normals point outwards. @param {Vector[][]} mesh @returns {Face[]} */
+const padFaces = (mesh) =>
+  mesh.slice(1).flatMap((line, row) =>
     line.slice(1).map((_, column) => {
-      /** @type {Vector[]} */
-      const corners = [at(row, column), at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)];
-      const face = faceOf(corners, SKIN);
+      const [before, after] = [mesh[row], line];
+      const face = faceOf([before[column], before[column + 1], after[column + 1], after[column]], SKIN);
       if (face.centre[0] < 0) face.colour = BACK;
       if (dot(face.normal, face.centre) < 0) face.normal = sum(-1, face.normal, 0, face.normal);
       return face;
     }),
   );
-}
 
 /** Edges of a solid, without those inside a flat face. */
 function sharpEdges({ vertices_mm: vertices, faces }) {
@@ -120,9 +116,9 @@ export class PadScene {
     this.scene = scene;
     this.root.setAttribute("aria-label", label);
     const { vertices_mm: vertices, faces } = scene.wedge;
-    this.pad = padFaces(scene.mesh);
+    this.pad = padFaces(scene.mesh_mm);
     this.around = [
-      faceOf(scene.platen.corners_mm, PLATEN),
+      faceOf(scene.platen_mm, PLATEN),
       ...faces.map((face) =>
         faceOf(
           face.map((index) => vertices[index]),
@@ -131,7 +127,7 @@ export class PadScene {
       ),
     ];
     this.edges = sharpEdges(scene.wedge);
-    this.reach = Math.max(...[...scene.platen.corners_mm, ...vertices].map((at) => Math.hypot(...at)));
+    this.reach = Math.max(...[...scene.platen_mm, ...vertices].map((at) => Math.hypot(...at)));
     this.draw();
   }
 
@@ -207,7 +203,7 @@ export class PadScene {
     const [x, y] = project(scene.contact_point_mm);
     render(
       this.marks,
-      line([...scene.platen.corners_mm, scene.platen.corners_mm[0]], "platen-edge"),
+      line([...scene.platen_mm, scene.platen_mm[0]], "platen-edge"),
       this.edges.map((edge) => line(edge, "wedge-edge")),
       scene.lines.map(({ name, points_mm: points }) => {
         if (!directions[name]) return line(points, `aid.${name.replace(" ", "-")}`);

@@ -12,14 +12,14 @@ import { Simulator } from "./results_simulator.js";
 import { Table } from "./results_table.js";
 
 /** @typedef {View & { load(): Promise<void>, search?(): void, theme?(): void }} Part */
-/** @type {[key: string, title: string, part: new (root: Element) => Part][]} */
+/** @type {[name: string, title: string, key: string, words: string, part: new (root: Element) => Part][]} */
 const PARTS = [
-  ["plot", "Plots", Plots],
-  ["table", "Table", Table],
-  ["figures", "Figures", Figures],
-  ["budget", "Uncertainty", Budget],
-  ["simulator", "Simulator", Simulator],
-  ["audit", "Audit", Audit],
+  ["plot", "Plots", "p", "Plots against load", Plots],
+  ["table", "Table", "t", "Table", Table],
+  ["figures", "Figures", "f", "All figures of the report", Figures],
+  ["budget", "Uncertainty", "b", "Uncertainty budget", Budget],
+  ["simulator", "Simulator", "s", "Numbers for robot simulators", Simulator],
+  ["audit", "Audit", "a", "Audit of the published tables", Audit],
 ];
 
 class Results {
@@ -46,11 +46,7 @@ class Results {
       this.body,
     );
     bindHere([
-      ["p", "Plots against load", () => (location.hash = "#/results/plot")],
-      ["t", "Table", () => (location.hash = "#/results/table")],
-      ["f", "All figures of the report", () => (location.hash = "#/results/figures")],
-      ["b", "Uncertainty budget", () => (location.hash = "#/results/budget")],
-      ["a", "Audit of the published tables", () => (location.hash = "#/results/audit")],
+      ...PARTS.map(([name, , key, words]) => [key, words, () => (location.hash = `#/results/${name}`)]),
       ["/", "Search the table", () => this.part?.search?.()],
     ]);
     this.removeListener = workspace.on("theme", () => this.part?.theme?.());
@@ -64,40 +60,15 @@ class Results {
 
   #show(part) {
     this.finished = workspace.study.results?.finished;
-    const [key, , Part] = PARTS.find(([name]) => name === part) ?? PARTS[0];
+    const [key, , , , Part] = PARTS.find(([name]) => name === part) ?? PARTS[0];
     this.key = key;
     this.tabs.show(key);
     this.part?.close?.();
     this.part = null;
     this.#sayFresh();
-    const { results } = workspace.study;
-    if (results?.faults?.length && key !== "audit") {
-      render(
-        this.body,
-        empty(
-          "These results cannot be shown",
-          `${results.faults.slice(0, 5).join("; ")}. Run the study again: finished measurements are reused.`,
-          h("a.button.primary", { href: "#/run/start" }, "Run the study"),
-        ),
-      );
-      return;
-    }
-    if (!results?.there && key !== "audit") {
-      render(
-        this.body,
-        empty(
-          "No results yet",
-          workspace.study.ready
-            ? "The study is complete and can run. A later run measures only what has changed."
-            : "The study is incomplete; see the Study page.",
-          h(
-            "a.button.primary",
-            { href: workspace.study.ready ? "#/run/start" : "#/study" },
-            workspace.study.ready ? "Run the study" : "Go to study",
-          ),
-          h("a.button", { href: "#/results/audit" }, "See the audit of the published tables"),
-        ),
-      );
+    const nothing = key !== "audit" && this.#nothing();
+    if (nothing) {
+      render(this.body, nothing);
       return;
     }
     // Each part has its own element, so that late answers of another part are not shown.
@@ -112,6 +83,28 @@ class Results {
           h("div.empty", { role: "alert" }, h("h2", "This cannot be shown"), h("p", error.message)),
         ),
       );
+  }
+
+  /** What stands in place of results that are not there, or damaged; nothing where they are good. */
+  #nothing() {
+    const { results, ready } = workspace.study;
+    if (results?.faults?.length)
+      return empty(
+        "These results cannot be shown",
+        `${results.faults.slice(0, 5).join("; ")}. Run the study again: finished measurements are reused.`,
+        h("a.button.primary", { href: "#/run/start" }, "Run the study"),
+      );
+    if (results?.there) return null;
+    return empty(
+      "No results yet",
+      ready
+        ? "The study is complete and can run. A later run measures only what has changed."
+        : "The study is incomplete; see the Study page.",
+      ready
+        ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
+        : h("a.button.primary", { href: "#/study" }, "Go to study"),
+      h("a.button", { href: "#/results/audit" }, "See the audit of the published tables"),
+    );
   }
 
   #sayFresh() {

@@ -262,49 +262,36 @@ export class Plots {
       opacity,
     };
     const bars = (array, color) => ({ type: "data", array, color, thickness: 1.4, width: crowded ? 0 : 4 });
+    const trace = (y, said, marker, errors) => ({
+      x: rows.load_N,
+      y: rows[y],
+      error_y: errors,
+      mode: "markers",
+      type: "scatter",
+      marker,
+      hovertemplate: rows.item.map(
+        (_, index) => `%{text}<br>W = %{x:.3g} N<br>${said(index)}<extra></extra>`,
+      ),
+      text: rows.item,
+    });
+    const worded = (of, column) => (index) => `${of}: ${group.point_words[column][index]}`;
+    const compared = "radius_from_compliance_mm";
+    const circle = {
+      color: group.synthetic ? panel : measured,
+      size: crowded ? 4 : 8.5,
+      line: { color: measured, width: 1.6 },
+      opacity,
+    };
     const traces = [
-      radius && {
-        x: rows.load_N,
-        y: rows.radius_from_compliance_mm,
-        mode: "markers",
-        type: "scatter",
-        marker: square,
-        hovertemplate: "%{text}<br>W = %{x:.3g} N<br>R_Aξ = %{y:.2f} mm<extra></extra>",
-        text: rows.item,
-      },
-      onLayer && {
-        x: rows.load_N,
-        y: rows[layerKey],
-        error_y: bars(rows[`${layerKey}_std`], compliance),
-        mode: "markers",
-        type: "scatter",
-        marker: square,
-        hovertemplate: rows.item.map(
-          (_, index) =>
-            `${"%{text}"}<br>W = %{x:.3g} N<br>${words} on layer: ` +
-            `${group.point_words[layerKey][index]}<extra></extra>`,
+      radius && trace(compared, (index) => `R_Aξ = ${group.point_words[compared][index]}`, square),
+      onLayer &&
+        trace(
+          layerKey,
+          worded(`${words} on layer`, layerKey),
+          square,
+          bars(rows[`${layerKey}_std`], compliance),
         ),
-        text: rows.item,
-      },
-      {
-        x: rows.load_N,
-        y: rows[key],
-        error_y: std && bars(std, measured),
-        mode: "markers",
-        type: "scatter",
-        marker: {
-          color: group.synthetic ? panel : measured,
-          size: crowded ? 4 : 8.5,
-          line: { color: measured, width: 1.6 },
-          opacity,
-        },
-        hovertemplate: rows.item.map(
-          (_, index) =>
-            `${"%{text}"}<br>W = %{x:.3g} N<br>${words}: ` +
-            `${group.point_words[given ? `${key}_fixed_geometry` : key][index]}<extra></extra>`,
-        ),
-        text: rows.item,
-      },
+      trace(key, worded(words, given ? `${key}_fixed_geometry` : key), circle, std && bars(std, measured)),
     ].filter(Boolean);
     const lines = !radius
       ? []

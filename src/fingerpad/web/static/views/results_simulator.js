@@ -85,7 +85,7 @@ const numbers = ({ source, model, targets, notes }) => [
     [
       "Simulator",
       "Value",
-      ...["Load within", "Area"].map((words) => h("th.number", { scope: "col" }, words)),
+      ...["Largest error of load", "Area factor"].map((words) => h("th.number", { scope: "col" }, words)),
     ],
     targets.map(({ name, value, worst_relative_error: error, area_factor: factor, assumes }) =>
       h(

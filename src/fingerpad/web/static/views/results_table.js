@@ -44,16 +44,8 @@ const KIND = { measured: "good", failed: "bad", rejected: "bad" };
 export class Table {
   constructor(root) {
     this.root = root;
-    this.asked = {
-      offset: 0,
-      limit: LIMIT,
-      sort: "",
-      finger: "",
-      status: "",
-      flag: "",
-      text: "",
-      wedge_angle_deg: "",
-    };
+    /** @type {Record<string, any>} */
+    this.asked = { offset: 0, limit: LIMIT };
     this.all = false;
   }
 
@@ -64,7 +56,14 @@ export class Table {
       ...new Set([...study.observations, ...study.sequences].map((each) => each.wedge_angle_deg)),
     ]
       .filter((each) => each !== null)
-      .sort((a, b) => a - b);
+      .sort((a, b) => a - b)
+      .map((angle) => [String(angle), `${angle}°`]);
+    const names = study.fingers.map(({ name }) => name);
+    const flags = ["contact", "scale", "frame"]
+      .flatMap((kind) => Object.keys(study.words?.flags[kind] ?? {}))
+      .map((code) => [code, code.replaceAll("_", " ")]);
+    const filter = (label, key, none, options) =>
+      choiceField(label, { options: [["", none], ...options], onset: set(key) });
     const search = h("input", {
       type: "search",
       placeholder: "name, reason …",
@@ -84,27 +83,10 @@ export class Table {
       h(
         "div.filters",
         field("Search", search),
-        choiceField("Finger", {
-          options: [["", "all"], ...study.fingers.map(({ name }) => name)],
-          onset: set("finger"),
-        }),
-        choiceField("Wedge", {
-          options: [["", "all"], ...angles.map((angle) => [String(angle), `${angle}°`])],
-          onset: set("wedge_angle_deg"),
-        }),
-        choiceField("Status", {
-          options: [["", "all"], "measured", "failed", "rejected"],
-          onset: set("status"),
-        }),
-        choiceField("Flag", {
-          options: [
-            ["", "any"],
-            ...["contact", "scale", "frame"]
-              .flatMap((kind) => Object.keys(study.words?.flags[kind] ?? {}))
-              .map((code) => [code, code.replaceAll("_", " ")]),
-          ],
-          onset: set("flag"),
-        }),
+        filter("Finger", "finger", "all", names),
+        filter("Wedge", "wedge_angle_deg", "all", angles),
+        filter("Status", "status", "all", ["measured", "failed", "rejected"]),
+        filter("Flag", "flag", "any", flags),
         check("All columns", { onset: (on) => ((this.all = on), this.#draw()) }),
         h("span.grow"),
         h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),
@@ -123,11 +105,7 @@ export class Table {
     Object.assign(this.asked, change);
     const number = (this.number = (this.number ?? 0) + 1);
     this.table.classList.add("waiting");
-    const { wedge_angle_deg: wedge, ...asked } = this.asked;
-    const answer = await get("/results/rows", {
-      ...asked,
-      wedge_angle_deg: wedge === "" ? null : Number(wedge),
-    });
+    const answer = await get("/results/rows", this.asked);
     if (number !== this.number) return;
     this.answer = answer;
     this.table.classList.remove("waiting");

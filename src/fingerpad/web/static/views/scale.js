@@ -2,6 +2,7 @@
 
 import { get, LatestRequest, post } from "../core/api.js";
 import { h, pathOf, render, s } from "../core/dom.js";
+import { rounded } from "../core/gestures.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { short } from "../core/quantity.js";
@@ -282,7 +283,7 @@ class Scales {
   }
 
   #drawn(ends) {
-    this.table.line = ends.map((point) => point.map((value) => Math.round(value * 100) / 100));
+    this.table.line = ends.map(rounded);
     if (this.table.length_mm === undefined) this.fields.querySelector("input")?.focus();
     this.#ask();
   }
