@@ -2,8 +2,7 @@
 
 import { h } from "../core/dom.js";
 import { describeCode, workspace } from "../core/workspace.js";
-import { chip, choose, number, synthetic } from "../parts/forms.js";
-import { scaleChoice } from "../parts/scale_ways.js";
+import { chip, synthetic } from "../parts/forms.js";
 import { card, cell, paged, row, statusChip, table } from "../parts/tables.js";
 
 const PAGE = 50;
@@ -68,13 +67,7 @@ export class ContactTable {
 
   /** @param {Observation} one @param {boolean} rolled */
   #observation(one, rolled) {
-    const set = (key) => (value) => this.tables.change("observation", one.item, { [key]: value });
-    const num = (key, words, more) =>
-      h(
-        "td",
-        { "data-empty": (one[key] === null || one[key] === undefined) && key !== "roll_angle_deg" },
-        number({ value: one[key], min: 0, label: `${words} of ${one.item}`, onset: set(key), ...more }),
-      );
+    const cells = this.tables.cells("observation", one.item, one);
     return row(
       cell(
         one.file ? h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item) : one.item,
@@ -82,32 +75,11 @@ export class ContactTable {
         synthetic(one.synthetic),
         one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(describeCode).join("; "))],
       ),
-      cell(
-        choose({
-          value: one.finger ?? "",
-          options: [
-            ...(one.finger ? [] : [["", "– select –"]]),
-            ...workspace.study.fingers.map(({ name }) => name),
-          ],
-          label: `Finger of ${one.item}`,
-          onset: set("finger"),
-        }),
-      ),
-      num("wedge_angle_deg", "Wedge angle", { max: 90 }),
-      rolled && num("roll_angle_deg", "Roll angle", { min: undefined }),
-      num("load_N", "Load"),
-      one.file
-        ? h(
-            "td",
-            { "data-empty": !one.scale },
-            scaleChoice({
-              value: one.scale,
-              words: one.scale_words,
-              label: `Scale of ${one.item}`,
-              onset: set("scale"),
-            }),
-          )
-        : h("td.soft", "ellipse given"),
+      cells.finger(),
+      cells.number("wedge_angle_deg", "Wedge angle", { max: 90 }),
+      rolled && cells.number("roll_angle_deg", "Roll angle", { min: undefined }, false),
+      cells.number("load_N", "Load"),
+      one.file ? cells.scale() : h("td.soft", "ellipse given"),
       cell(statusChip(one)),
       cell(this.tables.removal("observation", one.item, one.item, one.item)),
     );

@@ -40,15 +40,9 @@ export class CurveTable {
     return row(
       cell(one.file ?? "from elsewhere", " ", synthetic(one.synthetic)),
       cell(one.finger ?? "–"),
-      cell(
-        number({
-          value: one.wedge_angle_deg,
-          min: 0,
-          max: 90,
-          label: `Wedge angle of curve ${one.key}`,
-          onset: (value) => this.tables.change("curve", one.key, { wedge_angle_deg: value }),
-        }),
-      ),
+      this.tables
+        .cells("curve", one.key, one, `curve ${one.key}`)
+        .number("wedge_angle_deg", "Wedge angle", { max: 90 }),
       h("td.number", one.loading_radius_mm ? one.words.loading_radius_mm : one.file ? "from the curve" : "–"),
       cell(statusChip(one)),
       cell(this.tables.removal("curve", one.key, `curve ${one.key}`, one.file ?? "this radius")),

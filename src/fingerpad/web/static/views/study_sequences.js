@@ -3,7 +3,6 @@
 import { h } from "../core/dom.js";
 import { workspace } from "../core/workspace.js";
 import { choose, number, synthetic } from "../parts/forms.js";
-import { scaleChoice } from "../parts/scale_ways.js";
 import { card, cell, row, statusChip, table } from "../parts/tables.js";
 
 /** @param {import("./study_tables.js").StudyTables} tables @param {Sequence[]} sequences */
@@ -22,7 +21,7 @@ export function sequenceTable(tables, sequences) {
 
 /** @param {import("./study_tables.js").StudyTables} tables @param {Sequence} one */
 function sequenceRow(tables, one) {
-  const set = (key) => (value) => tables.change("sequence", one.name, { [key]: value });
+  const cells = tables.cells("sequence", one.name, one);
   const files = workspace.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);
   const force = [...new Set([one.force, ...files].filter(Boolean))];
   return row(
@@ -32,29 +31,14 @@ function sequenceRow(tables, one) {
       synthetic(one.synthetic),
       one.frames && h("div.soft.number", `${one.frames} frames`),
     ),
-    cell(
-      choose({
-        value: one.finger ?? "",
-        options: workspace.study.fingers.map(({ name }) => name),
-        label: `Finger of ${one.name}`,
-        onset: set("finger"),
-      }),
-    ),
-    cell(
-      number({
-        value: one.wedge_angle_deg,
-        min: 0,
-        max: 90,
-        label: `Wedge angle of ${one.name}`,
-        onset: set("wedge_angle_deg"),
-      }),
-    ),
+    cells.finger(),
+    cells.number("wedge_angle_deg", "Wedge angle", { max: 90 }),
     cell(
       choose({
         value: one.force ?? "",
         options: [["", "– select table –"], ...force.map((file) => [file, file.split("/").at(-1)])],
         label: `Force of ${one.name}`,
-        onset: set("force"),
+        onset: cells.set("force"),
       }),
       h(
         "div.control.below",
@@ -62,19 +46,12 @@ function sequenceRow(tables, one) {
           value: one.frames_per_second,
           min: 0,
           label: `Frames per second of ${one.name}`,
-          onset: set("frames_per_second"),
+          onset: cells.set("frames_per_second"),
         }),
         h("span.unit", "frames/s"),
       ),
     ),
-    cell(
-      scaleChoice({
-        value: one.scale,
-        words: one.scale_words,
-        label: `Scale of ${one.name}`,
-        onset: set("scale"),
-      }),
-    ),
+    cells.scale(),
     cell(statusChip(one)),
     cell(tables.removal("sequence", one.name, one.name, one.name)),
   );
