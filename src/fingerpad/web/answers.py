@@ -4,6 +4,7 @@ Every key is required, so that the page finds what the types promise; what may b
 a picture are pairs (row, column) in pixels.
 """
 
+import json
 from collections.abc import Mapping
 from typing import Any, ClassVar, Final, Literal, Self, TypeAlias
 
@@ -35,11 +36,17 @@ class Answer(BaseModel):
         """
         rest = cls.model_fields.keys() - content.keys() if source is not None else ()
         if isinstance(source, Mapping):
-            found = {name: source.get(name) for name in rest}
+            found = {name: source.get(name) for name in rest} | content
         else:
-            found = {name: getattr(source, name) for name in rest}
+            found = {name: getattr(source, name) for name in rest} | content
+        checked = {name: found.pop(name) for name in list(found) if _is_checked(found[name])}
         # A file's name may hold bytes that are not text.
-        return cls.model_validate_json(dumps(found | content).encode(errors="replace"))
+        return cls.model_validate(json.loads(dumps(found).encode(errors="replace")) | checked)
+
+
+def _is_checked(value: object) -> bool:
+    """Tell whether something is an answer itself, or a list of them."""
+    return isinstance(value[0] if isinstance(value, list) and value else value, Answer)
 
 
 # Units by the ending of a key.

@@ -515,11 +515,11 @@ def _files(opened: StudySession) -> list[FileEntry]:
         kind = kind_of_file(name)
         if name not in unused:
             used = not name.startswith(folders)
-            return FileEntry(file=name, kind=kind, bytes=size, used=used, reading=None)
+            return FileEntry.of(file=name, kind=kind, bytes=size, used=used, reading=None)
         if Path(name).suffix.lower() in TIFF_SUFFIXES and (opened.count_frames(name) or 1) > 1:
             kind = "sequence"
         reading = FileReading.of(named_file(name, kind, fingers))
-        return FileEntry(file=name, kind=kind, bytes=size, used=False, reading=reading)
+        return FileEntry.of(file=name, kind=kind, bytes=size, used=False, reading=reading)
 
     return [entry(name, status.st_size) for name, status in opened.files().items()]
 
