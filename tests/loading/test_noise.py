@@ -56,7 +56,7 @@ def test_likelihood_equals_dense_matrix(drift_std: float) -> None:
 
 
 @pytest.mark.parametrize(
-    "drift", [Drift.long_range(0.01, np.diff(TIME)), Drift.random_walk(0.01, np.diff(TIME))]
+    "drift", [Drift.of(kind, 0.01, 1.0, np.diff(TIME)) for kind in ("long_range", "random_walk")]
 )
 def test_slow_drift_equals_dense_matrix(drift: Drift) -> None:
     lags = np.abs(TIME[:, None] - TIME)
@@ -71,7 +71,7 @@ def test_slow_drift_equals_dense_matrix(drift: Drift) -> None:
 
 def test_long_range_drift_has_the_spectrum_of_one_over_f() -> None:
     """Its correlation written out, in a periodic record longer than any of its times."""
-    drift = Drift.long_range(1.0, np.ones(1000))
+    drift = Drift.of("long_range", 1.0, 1.0, np.ones(1000))
     lags = np.minimum(np.arange(2**17), 2**17 - np.arange(2**17))
     correlation = sum(s**2 * np.exp(-lags / t) for s, t in zip(drift.stds, drift.times, strict=True))
     frequency = np.geomspace(2e-3, 0.05, 9)
@@ -84,7 +84,7 @@ def test_covariance_equals_dense_sandwich(drift_std: float) -> None:
     covariance, seen = written_out(drift_std), noise(drift_std)
     jacobian = np.random.default_rng(2).standard_normal((len(covariance), 3))
     identity = np.eye(len(covariance))
-    scaling = seen.scaled(identity[:COUNT], identity[COUNT:])
+    scaling = seen.scaling()(identity[:COUNT], identity[COUNT:])
     weighed = scaling @ jacobian
     estimator = np.linalg.solve(weighed.T @ weighed, weighed.T @ scaling)
     found = seen.parameter_covariance(jacobian[:COUNT], jacobian[COUNT:])
@@ -208,7 +208,7 @@ def test_of_likely_drifts_the_least_favourable_is_taken() -> None:
     other = estimate_noise(start, residuals, jacobians, ("long_range",))
     columns = [np.column_stack(pair) for pair in zip(residuals, jacobians, strict=True)]
     assert other.negative_log_likelihood(*columns) < found.negative_log_likelihood(*columns)
-    truth = Drift.random_walk(0.02, np.ones(199)).slow_variance
+    truth = Drift.of("random_walk", 0.02, 1.0, np.ones(199)).slow_variance
     assert 0.5 < found.slow_variance / truth < 2
     assert other.slow_variance < 0.2 * truth
 
@@ -216,9 +216,9 @@ def test_of_likely_drifts_the_least_favourable_is_taken() -> None:
 @pytest.mark.parametrize(
     "drift",
     [
-        Drift.exponential(0.02, 3.0, np.ones(11)),
-        Drift.long_range(0.02, np.ones(11)),
-        Drift.random_walk(0.02, np.ones(11)),
+        Drift.of("exponential", 0.02, 3.0, np.ones(11)),
+        Drift.of("long_range", 0.02, 1.0, np.ones(11)),
+        Drift.of("random_walk", 0.02, 1.0, np.ones(11)),
     ],
 )
 def test_simulated_drift_has_its_covariance(drift: Drift) -> None:

@@ -166,8 +166,8 @@ class JointFit(Displayed):
 
     @property
     def _jacobians(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        derivatives = _jacobians(self.record, self.law, list(self.fit.names), self.values)
-        return *derivatives, self.prior.information(self.fit.names)
+        model = _Model(record=self.record, law=self.law, names=self.fit.names, given={}, prior=self.prior)
+        return model.jacobians(self.values)
 
     def residuals(self) -> tuple[FloatArray, FloatArray]:
         """Return the residuals of force (N) and area (mm²)."""
@@ -221,8 +221,35 @@ def fit_joint(
     """
     if noise is None:
         noise, start = find_noise(record, law, start, held, prior=prior)
-    prior = prior.with_tilt(record.tilt_std, start.keys() - held.keys())
-    return _fit(record, law, start, held, noise, prior=prior)
+    model = _Model.of(record, law, start, held, prior)
+    names, residuals = model.names, model.scaled_residuals(noise)
+    # A law that does not suit the record can have its minimum at infinity.
+    fit = fit_least_squares(
+        residuals, [start[name] for name in names], names, evaluations=300, bounds=model.bounds
+    )
+    response: dict[str, FloatArray] = {}
+    for name, one in held.items():
+        if one.std > 0:
+            step = 1e-4 * max(abs(one.value), one.std) or 1e-6
+            moved = (model.with_given(name, one.value + way * step) for way in (1, -1))
+            up, down = (each.scaled_residuals(noise)(fit.values) for each in moved)
+            change = (up - down) / (2 * step)
+            response[name] = as_float_array(-np.linalg.lstsq(fit.jacobian, change)[0])
+    whole = model.values(fit.values)
+    jacobians = model.jacobians(whole)
+    of_noise = noise_uncertainty(noise, _residuals(record, law, whole), jacobians)
+    inverse = noise.inverse_information(*jacobians)
+    return JointFit(
+        law=law,
+        fit=fit,
+        held=held,
+        noise=noise,
+        noise_uncertainty=of_noise,
+        covariance=of_noise.parameter_covariance(noise, jacobians) + inverse @ jacobians[-1] @ inverse,
+        record=record,
+        response=response,
+        prior=model.prior,
+    )
 
 
 def find_noise(
@@ -234,23 +261,78 @@ def find_noise(
     prior: Prior = NO_PRIOR,
 ) -> tuple[Noise, dict[str, float]]:
     """Return the noise of a record about a law, and the parameters that fit it nearly."""
-    names = [name for name in start if name not in held]
-    prior = prior.with_tilt(record.tilt_std, names)
-    whole = {**start, **{name: given.value for name, given in held.items()}}
+    model = _Model.of(record, law, start, held, prior)
+    whole = {**start, **model.given}
     noise = _first_noise(record, law, whole)
     for kinds in (("white",), KINDS, None):
         noise = replace(
             noise, slope=_slope(record, law, whole), radius=_area_slope(record, law, whole) / math.pi
         )
-        jacobians = *_jacobians(record, law, names, whole), prior.information(names)
         found = (noise.kind if noise.drift_std > 0 else "white",)
-        noise = estimate_noise(noise, _residuals(record, law, whole), jacobians, kinds or found)
+        noise = estimate_noise(noise, _residuals(record, law, whole), model.jacobians(whole), kinds or found)
         if kinds:
-            _, residuals = _scaled_residuals(record, law, whole, held, noise, prior=prior)
-            begin = [whole[name] for name in names]
-            found_values = minimum(residuals, begin, names, bounds=_bounds(law, names))
-            whole |= zip(names, found_values.tolist(), strict=True)
+            begin = [whole[name] for name in model.names]
+            nearest = minimum(model.scaled_residuals(noise), begin, model.names, bounds=model.bounds)
+            whole |= model.values(nearest)
     return noise, whole
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Model:
+    """A law on a record as a function of its free parameters; the others are given."""
+
+    record: FitData
+    law: str
+    names: tuple[str, ...]
+    given: Mapping[str, float]
+    prior: Prior
+
+    @classmethod
+    def of(
+        cls, record: FitData, law: str, start: Values, held: Mapping[str, Estimate], prior: Prior
+    ) -> "_Model":
+        names = tuple(name for name in start if name not in held)
+        given = {name: one.value for name, one in held.items()}
+        prior = prior.with_tilt(record.tilt_std, names)
+        return cls(record=record, law=law, names=names, given=given, prior=prior)
+
+    def with_given(self, name: str, value: float) -> "_Model":
+        return replace(self, given={**self.given, name: value})
+
+    def values(self, free: FloatArray) -> dict[str, float]:
+        """Return all parameters, free and given."""
+        return {**self.given, **dict(zip(self.names, free.tolist(), strict=True))}
+
+    def scaled_residuals(self, noise: Noise) -> Residuals:
+        """Return the residuals over their spread as a function of the free parameters."""
+        scaled = noise.scaling()
+
+        def residuals(free: FloatArray) -> FloatArray:
+            values = self.values(free)
+            force, area = _residuals(self.record, self.law, values)
+            return np.append(scaled(force[:, None], area[:, None])[:, 0], self.prior.residuals(values))
+
+        return residuals
+
+    def jacobians(self, values: Values) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return derivatives of the residuals of force and area, and what is known beforehand, (p, p).
+
+        They are taken where the smooth displacement is.
+        """
+        smooth = replace(self.record, displacement=self.record.smooth_displacement)
+        both = differences(
+            lambda each: np.concatenate(_residuals(smooth, self.law, each)), values, self.names
+        )
+        count = self.record.load.size
+        return both[:count], both[count:], self.prior.information(self.names)
+
+    @property
+    def bounds(self) -> Bounds | None:
+        """Bounds of the free parameters, None for a law without any."""
+        if not LAWS[self.law].is_bounded:
+            return None
+        ends = [LAWS[self.law].parameters.get(name, (-math.inf, math.inf)) for name in self.names]
+        return np.array([low for low, _ in ends]), np.array([high for _, high in ends])
 
 
 def sum_of_squares(record: FitData, law: str, values: Values) -> float:
@@ -285,73 +367,6 @@ def _area(record: FitData, law: str, values: Values, xi: FloatArray) -> FloatArr
     return np.asarray(area + values.get("area_offset", 0.0))
 
 
-def _scaled_residuals(
-    record: FitData,
-    law: str,
-    start: Values,
-    held: Mapping[str, Estimate],
-    noise: Noise,
-    *,
-    prior: Prior,
-) -> tuple[list[str], Residuals]:
-    """Return the free parameters, and the residuals over their spread as a function of these."""
-    names = [name for name in start if name not in held]
-    given = {name: estimate.value for name, estimate in held.items()}
-    scaled = noise.scaling()
-
-    def residuals(free: FloatArray) -> FloatArray:
-        values = dict(zip(names, free.tolist(), strict=True))
-        force, area = _residuals(record, law, {**given, **values})
-        return np.append(scaled(force[:, None], area[:, None])[:, 0], prior.residuals(values))
-
-    return names, residuals
-
-
-def _fit(
-    record: FitData,
-    law: str,
-    start: Values,
-    held: Mapping[str, Estimate],
-    noise: Noise,
-    *,
-    prior: Prior,
-) -> JointFit:
-    given = {name: estimate.value for name, estimate in held.items()}
-    names, residuals = _scaled_residuals(record, law, start, held, noise, prior=prior)
-    # A law that does not suit the record can have its minimum at infinity.
-    begin = [start[name] for name in names]
-    fit = fit_least_squares(residuals, begin, names, evaluations=300, bounds=_bounds(law, names))
-    response: dict[str, FloatArray] = {}
-    for name, estimate in held.items():
-        if not estimate.std > 0:
-            continue
-        step = 1e-4 * max(abs(estimate.value), estimate.std) or 1e-6
-        moved = [
-            _scaled_residuals(
-                record, law, start, {**held, name: replace(estimate, value=value)}, noise, prior=prior
-            )[1](fit.values)
-            for value in (estimate.value + step, estimate.value - step)
-        ]
-        change = (moved[0] - moved[1]) / (2 * step)
-        response[name] = as_float_array(-np.linalg.lstsq(fit.jacobian, change)[0])
-    whole = {**given, **dict(zip(names, map(float, fit.values), strict=True))}
-    known = prior.information(fit.names)
-    jacobians = *_jacobians(record, law, names, whole), known
-    of_noise = noise_uncertainty(noise, _residuals(record, law, whole), jacobians)
-    inverse = noise.inverse_information(*jacobians)
-    return JointFit(
-        law=law,
-        fit=fit,
-        held=held,
-        noise=noise,
-        noise_uncertainty=of_noise,
-        covariance=of_noise.parameter_covariance(noise, jacobians) + inverse @ known @ inverse,
-        record=record,
-        response=response,
-        prior=prior,
-    )
-
-
 def _slope(record: FitData, law: str, values: Values) -> FloatArray:
     """Return dW/dξ of the rows, zero before contact."""
     floor = pull_off_of(values, law, record.poisson_ratio)
@@ -372,14 +387,6 @@ def _area_slope(record: FitData, law: str, values: Values) -> float:
     return float(np.ptp(_area(record, law, values, xi)) / np.ptp(xi))
 
 
-def _bounds(law: str, names: Sequence[str]) -> Bounds | None:
-    """Return the bounds of parameters, None for a law without any."""
-    if not LAWS[law].is_bounded:
-        return None
-    ends = [LAWS[law].parameters.get(name, (-math.inf, math.inf)) for name in names]
-    return np.array([low for low, _ in ends]), np.array([high for _, high in ends])
-
-
 def _first_noise(record: FitData, law: str, values: Values) -> Noise:
     """Return deviations to begin a search with."""
     force, area = _residuals(record, law, values)
@@ -395,13 +402,6 @@ def _first_noise(record: FitData, law: str, values: Values) -> Noise:
         steps=np.diff(record.clock),
         with_area=record.with_area,
     )
-
-
-def _jacobians(record: FitData, law: str, names: list[str], values: Values) -> tuple[FloatArray, FloatArray]:
-    """Return derivatives of the residuals of force and of area, where the smooth displacement is."""
-    smooth = replace(record, displacement=record.smooth_displacement)
-    both = differences(lambda each: np.concatenate(_residuals(smooth, law, each)), values, names)
-    return both[: record.load.size], both[record.load.size :]
 
 
 def bounded(estimate: Estimate) -> Estimate:

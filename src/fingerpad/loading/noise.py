@@ -47,23 +47,21 @@ class Drift(Displayed):
     steps: FloatArray
 
     @classmethod
-    def exponential(cls, std: float, time: float, steps: FloatArray) -> Self:
-        """Return one process, which forgets within `time`."""
-        return cls(stds=np.array([std]), times=np.array([time]), steps=steps)
+    def of(cls, kind: str, std: float, time: float, steps: FloatArray) -> Self:
+        """Return the slow noise of a kind, of a standard deviation (N) over the record.
 
-    @classmethod
-    def long_range(cls, std: float, steps: FloatArray) -> Self:
-        """Return 1/f noise, from the rows' own rate to the record's, of standard deviation `std`."""
+        ``exponential`` forgets within `time`, a ``random_walk`` moves by `std` and forgets nothing, and
+        ``long_range`` is 1/f noise from the rows' own rate to the record's.
+        """
         shortest, whole = float(np.median(steps)), float(steps.sum())
-        count = 1 + math.ceil(math.log(whole / shortest, _RATIO))
-        times = as_float_array(shortest * _RATIO ** np.arange(count))
+        count = 1
+        if kind == "long_range":
+            count = 1 + math.ceil(math.log(whole / shortest, _RATIO))
+            time = shortest
+        elif kind == "random_walk":
+            std, time = std * math.sqrt(_FORGOTTEN / 2), _FORGOTTEN * whole
+        times = as_float_array(time * _RATIO ** np.arange(count))
         return cls(stds=np.full(count, std / math.sqrt(count)), times=times, steps=steps)
-
-    @classmethod
-    def random_walk(cls, std: float, steps: FloatArray) -> Self:
-        """Return noise that moves by `std` over the record, and forgets nothing of it."""
-        longest = _FORGOTTEN * float(steps.sum())
-        return cls.exponential(std * math.sqrt(_FORGOTTEN / 2), longest, steps)
 
     @property
     def slow_variance(self) -> float:
@@ -132,18 +130,10 @@ class Noise(Displayed):
         """Return the slow noise, None where there is none."""
         if not self.drift_std > 0:
             return None
-        if self.kind == "long_range":
-            return Drift.long_range(self.drift_std, self.steps)
-        if self.kind == "random_walk":
-            return Drift.random_walk(self.drift_std, self.steps)
-        return Drift.exponential(self.drift_std, self.drift_time, self.steps)
-
-    def scaled(self, force: FloatArray, area: FloatArray) -> FloatArray:
-        """Return columns of residuals divided by their spread, those of the area after those of the force."""
-        return self.scaling()(force, area)
+        return Drift.of(self.kind, self.drift_std, self.drift_time, self.steps)
 
     def scaling(self) -> Callable[[FloatArray, FloatArray], FloatArray]:
-        """Return what divides columns of residuals by their spread, for fits that do it often.
+        """Return what divides columns of residuals of force and area by their spread, one below the other.
 
         Drift counts by its density at low frequency, where the parameters' traces lie. To filter it out
         of the fit would leave differences of neighbouring rows, which noise of the displacement biases.
@@ -175,9 +165,9 @@ class Noise(Displayed):
         """Return how each parameter answers to each residual of force and of area, (n, p) and (m, p).
 
         These are the columns of K J (JᵀKJ + P)⁻¹, with the derivatives J of the residuals, the weights K of
-        `scaled`, and the information P that is known of the parameters beforehand, (p, p).
+        `scaling`, and the information P that is known of the parameters beforehand, (p, p).
         """
-        scaled = self.scaled(force, area)
+        scaled = self.scaling()(force, area)
         answer = scaled @ self.inverse_information(force, area, known)
         white, share_of_area, area_std = self._parts
         by_force = answer[: len(force)] / np.sqrt(white + self.slow_variance)[:, None]
@@ -188,7 +178,7 @@ class Noise(Displayed):
         self, force: FloatArray, area: FloatArray, known: FloatArray | float = 0.0
     ) -> FloatArray:
         """Return (JᵀKJ + P)⁻¹, as `estimator` has them."""
-        scaled = self.scaled(force, area)
+        scaled = self.scaling()(force, area)
         length = np.sqrt(np.sum(scaled**2, axis=0) + np.diagonal(known + np.zeros(2 * scaled.shape[1:])))
         whole = (scaled / length).T @ (scaled / length) + known / np.outer(length, length)
         return np.asarray(np.linalg.inv(whole) / np.outer(length, length))
