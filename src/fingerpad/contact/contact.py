@@ -159,15 +159,6 @@ class Contact(Displayed):
         Contact area A.
     flag_code : ndarray
         Index in `FLAGS` of what takes a contact out of the theory's range; 0 within.
-
-    Examples
-    --------
-    >>> from fingerpad.contact import hertz_contact
-    >>> from fingerpad.geometry import Ellipsoid
-    >>> place = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
-    >>> contact = hertz_contact(place, Tissue(youngs_modulus=0.1024), load=2.0)  # mm, N, MPa
-    >>> print(f"{contact.area:.1f} mm², {1000 * contact.peak_pressure:.1f} kPa, {bool(contact.along)}")
-    88.5 mm², 33.9 kPa, False
     """
 
     load: FloatArray

@@ -7,17 +7,14 @@ Green's functions. The convolution is zero-padded, so that no periodic images ta
 
 import math
 from functools import lru_cache
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import fft
 from scipy.special import j0
 
-from fingerpad._arrays import (
-    ArrayLike,
-    FloatArray,
-    as_float_array,
-)
+from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
@@ -56,41 +53,28 @@ def _green_difference(poisson_ratio: float) -> "CubicSpline":
     return CubicSpline(radius, value, bc_type=((1, 0.0), "not-a-knot"))
 
 
-def half_space_influence(spacing: tuple[float, float], shape: tuple[int, int]) -> FloatArray:
-    """Return the displacement at the centres of cells under unit pressure on the first, for E* = 1."""
-    x, y = (step * (np.arange(count + 1) - 0.5) for step, count in zip(spacing, shape, strict=True))
-    x, y = x[:, None], y[None, :]
-    corner = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
-    return np.asarray(np.diff(np.diff(corner, axis=0), axis=1) / np.pi)
-
-
-def layer_influence(
-    spacing: tuple[float, float], shape: tuple[int, int], thickness: float, poisson_ratio: float
-) -> FloatArray:
-    """Return what `half_space_influence` does, for a layer bonded to a rigid base."""
-    difference = np.zeros(shape)
-    table = _green_difference(poisson_ratio)
-    x, y = (step * np.arange(count) for step, count in zip(spacing, shape, strict=True))
-    for shift_x in (-_GAUSS, _GAUSS):
-        for shift_y in (-_GAUSS, _GAUSS):
-            radius = np.hypot((x + shift_x * spacing[0])[:, None], (y + shift_y * spacing[1])[None, :])
-            scaled = radius / thickness
-            beyond = -1 / np.maximum(scaled, _TABLE_END)
-            difference += np.where(scaled < _TABLE_END, table(np.minimum(scaled, _TABLE_END)), beyond)
-    cell = spacing[0] * spacing[1]
-    return half_space_influence(spacing, shape) + difference * cell / (4 * np.pi * thickness)
-
-
 def influence(
     spacing: tuple[float, float], shape: tuple[int, int], thickness: float, poisson_ratio: float
 ) -> FloatArray:
-    """Return the displacement of each cell under unit pressure on the first, times E*.
+    """Return the displacement at the centres of cells under unit pressure on the first, times E*.
 
     `spacing` are the sides of a cell; an infinite thickness is a half-space, to which ν does not matter.
     """
+    x, y = (step * (np.arange(count + 1) - 0.5) for step, count in zip(spacing, shape, strict=True))
+    x, y = x[:, None], y[None, :]
+    corner = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
+    deep = np.asarray(np.diff(np.diff(corner, axis=0), axis=1) / np.pi)
     if math.isinf(thickness):
-        return half_space_influence(spacing, shape)
-    return layer_influence(spacing, shape, thickness, poisson_ratio)
+        return deep
+    difference = np.zeros(shape)
+    table = _green_difference(poisson_ratio)
+    x, y = (step * np.arange(count) for step, count in zip(spacing, shape, strict=True))
+    for shift_x, shift_y in product((-_GAUSS, _GAUSS), repeat=2):
+        radius = np.hypot((x + shift_x * spacing[0])[:, None], (y + shift_y * spacing[1])[None, :])
+        scaled = radius / thickness
+        beyond = -1 / np.maximum(scaled, _TABLE_END)
+        difference += np.where(scaled < _TABLE_END, table(np.minimum(scaled, _TABLE_END)), beyond)
+    return deep + difference * (spacing[0] * spacing[1]) / (4 * np.pi * thickness)
 
 
 class Convolution:

@@ -58,16 +58,6 @@ class SolvedContact(Contact):
         Estimated bound: the largest relative change of load, indentation and area from a grid half as fine,
         or the uncertainty of the edge of a Hertz contact if that is larger. It bounds the error of the area;
         those of load and indentation are far smaller.
-
-    Examples
-    --------
-    A sphere of radius 10 mm on deep tissue, Hertz: W = (4/3)E* R^{1/2} ξ^{3/2} = 0.4216 N, A = πRξ:
-
-    >>> from fingerpad.geometry import Paraboloid
-    >>> tissue = Tissue(youngs_modulus=0.075)
-    >>> contact = solve_contact(Paraboloid(10.0, 10.0), tissue, indentation=1.0, points=64)
-    >>> print(f"{contact.load:.4f} N, {contact.area_over_pi_indentation:.3f} mm")
-    0.4217 N, 10.011 mm
     """
 
     tissue: Tissue

@@ -392,12 +392,8 @@ def pad_uncertainty(
     >>> max(shares, key=shares.get)
     'wedge angle'
 
-    The same inputs by Monte Carlo, and on a layer over bone:
+    On a layer over bone:
 
-    >>> from fingerpad.uncertainty import run_monte_carlo
-    >>> simulated = run_monte_carlo(pad_model, result.inputs)
-    >>> print(f"{simulated['radius_from_indentation']:.2f} mm")
-    13.80 ± 0.18 mm
     >>> layered = pad_uncertainty(**measured, thickness=(8.0, 1.5))
     >>> for name in ("youngs_modulus", "youngs_modulus_on_layer"):
     ...     print(f"{1000 * layered[name].value:.0f} ± {1000 * layered[name].std:.0f} kPa")
