@@ -15,7 +15,7 @@ from fingerpad.exceptions import LoadingError
 from fingerpad.figures.show import draw
 from fingerpad.loading import ContactLaw, LoadingCurve, contact_law
 from fingerpad.loading.law_registry import LAWS, find_law
-from fingerpad.loading.laws import load_at, shape_factors
+from fingerpad.loading.laws import AppliedLaw, shape_factors
 from fingerpad.report.loading import loading_plots
 from fingerpad.report.plot import save_plots
 from fingerpad.simulate import simulate_loading_curve
@@ -124,9 +124,8 @@ def test_layer_multiplies_an_own_law() -> None:
     xi, on_bone = np.linspace(0, 2, 9), {**values, "inverse_thickness": 1 / 8}
     factor, _ = shape_factors("stiffening", on_bone, xi, 0.5)
     assert factor[-1] > 1.5
-    assert_allclose(
-        load_at(on_bone, "stiffening", xi, 0.5), factor * load_at(values, "stiffening", xi, 0.5), rtol=1e-12
-    )
+    layered, deep = (AppliedLaw(law="stiffening", values=at, poisson_ratio=0.5) for at in (on_bone, values))
+    assert_allclose(layered.load_at(xi), factor * deep.load_at(xi), rtol=1e-12)
 
 
 LOAD = "lambda x, *, youngs_modulus: youngs_modulus * "

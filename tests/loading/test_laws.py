@@ -8,7 +8,7 @@ from fingerpad.contact import Tissue, hertz_contact, indentation_factor, size_fa
 from fingerpad.geometry import Paraboloid
 from fingerpad.loading import FittedForceModel, secant_modulus, sphere_ratio
 from fingerpad.loading.law_registry import LAWS
-from fingerpad.loading.laws import area_at, hertz, load_dependent
+from fingerpad.loading.laws import AppliedLaw, hertz, load_dependent
 from fingerpad.published import dzidek2017
 
 GIVEN = {"loading_radius": 14.5, "poisson_ratio": 0.5}
@@ -36,7 +36,8 @@ def test_hertz_without_load_coefficient() -> None:
     found = load_dependent(contact.indentation, **pad, poisson_ratio=0.5)
     assert_allclose(found, 2.0, rtol=1e-12)
     assert_allclose(hertz(contact.indentation, youngs_modulus=0.04, **GIVEN), 2.0, rtol=1e-12)
-    area = area_at(pad, "load_dependent", np.atleast_1d(contact.indentation), 0.5)
+    law = AppliedLaw(law="load_dependent", values=pad, poisson_ratio=0.5)
+    area = law.area_at(np.atleast_1d(contact.indentation))
     assert_allclose(area, contact.area, rtol=1e-12)
 
 
@@ -63,7 +64,8 @@ def test_area_exponent_falls_as_the_modulus_grows() -> None:
     xi = np.geomspace(0.01, 3, 30)
     step = 1e-5
     steps = [xi * np.exp(way * step) for way in (1, -1)]
-    area = [area_at(PAD, "load_dependent", at, 0.5) for at in steps]
+    law = AppliedLaw(law="load_dependent", values=PAD, poisson_ratio=0.5)
+    area = [law.area_at(at) for at in steps]
     load = [load_dependent(at, **PAD, poisson_ratio=0.5) for at in steps]
     slope = np.log(area[0] / area[1]) / np.log(load[0] / load[1])
     at = load_dependent(xi, **PAD, poisson_ratio=0.5)

@@ -29,14 +29,9 @@ from fingerpad.loading.curve import (
 )
 from fingerpad.loading.law_registry import LAWS, PAD_FORM, Values
 from fingerpad.loading.laws import (
+    AppliedLaw,
     FittedForceModel,
-    area_at,
-    force_zero,
     hertz_stiffness,
-    indentation_of,
-    load_on,
-    pull_off_of,
-    slope_at,
 )
 from fingerpad.loading.least_squares import (
     Bounds,
@@ -150,7 +145,7 @@ class JointFit(Displayed):
     def simulated(self, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
         """Return displacement and force of one more record like this, with new noise."""
         record, noise = self.record, self.noise
-        load = self.load(record.smooth_displacement) + force_zero(self.values, record.clock)
+        load = self.load(record.smooth_displacement) + self.fitted_law().force_zero(record.clock)
         load = load + noise.force_std * rng.standard_normal(load.size)
         if noise.drift:
             load = load + noise.drift.simulated(rng)
@@ -342,11 +337,15 @@ def sum_of_squares(record: FitData, law: str, values: Values) -> float:
     return total if math.isfinite(total) else math.inf
 
 
-def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
+def _applied(record: FitData, law: str, values: Values) -> AppliedLaw:
     nu = values.get("poisson_ratio", record.poisson_ratio)
-    xi = indentation_of(values, law, record.displacement, nu, record.attached)
-    load = load_on(values, law, xi, nu, record.attached)
-    force = record.load - load - force_zero(values, record.clock)
+    return AppliedLaw(law=law, values=values, poisson_ratio=nu)
+
+
+def _residuals(record: FitData, law: str, values: Values) -> tuple[FloatArray, FloatArray]:
+    at = _applied(record, law, values)
+    xi = at.indentation(record.displacement, record.attached)
+    force = record.load - at.load_on(xi, record.attached) - at.force_zero(record.clock)
     return force, record.area - _area(record, law, values, xi[record.with_area])
 
 
@@ -356,8 +355,7 @@ def _area(record: FitData, law: str, values: Values, xi: FloatArray) -> FloatArr
     if delay != 0:
         before = np.interp(record.clock - delay, record.clock, record.smooth_displacement)
         xi = xi - (record.smooth_displacement - before)[record.with_area]
-    nu = values.get("poisson_ratio", record.poisson_ratio)
-    area = values.get("area_gain", 1.0) * area_at(values, law, xi, nu)
+    area = values.get("area_gain", 1.0) * _applied(record, law, values).area_at(xi)
     if "area_growth" in values and xi.size:
         middle = max(0.5 * float(xi.max()), 1e-9)
         growth = float(np.clip(values["area_growth"], -0.95, 5.0))
@@ -369,9 +367,9 @@ def _area(record: FitData, law: str, values: Values, xi: FloatArray) -> FloatArr
 
 def _slope(record: FitData, law: str, values: Values) -> FloatArray:
     """Return dW/dξ of the rows, zero before contact."""
-    floor = pull_off_of(values, law, record.poisson_ratio)
-    xi = np.maximum(record.smooth_displacement - values["contact_offset"], floor)
-    slope = slope_at(values, law, xi, record.poisson_ratio)
+    at = AppliedLaw(law=law, values=values, poisson_ratio=record.poisson_ratio)
+    xi = np.maximum(record.smooth_displacement - values["contact_offset"], at.pull_off)
+    slope = at.slope_at(xi)
     if record.attached is None:
         return slope
     # Next to the pull-off it has no end, and one row would say how large the noise of the displacement is.

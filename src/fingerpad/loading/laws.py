@@ -27,7 +27,7 @@ from fingerpad.loading.law_registry import (
     NEAR_HERTZ,
     PAD_FORM,
     Bound,
-    Values,
+    Law,
     arguments_of,
     contact_law,
     evaluate,
@@ -450,128 +450,112 @@ def jkr(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class FittedForceModel(Displayed):
-    """A law of `LAWS` with the values that fit a record: mm, N, s, MPa.
-
-    `aicc` is the corrected Akaike criterion χ² + 2k + 2k(k+1)/(n−k−1), to compare models under one noise.
-    """
+class AppliedLaw(Displayed):
+    """A law of `LAWS` with values of all parameters: mm, N, s, MPa."""
 
     law: str
-    values: dict[str, float]
+    values: Mapping[str, float]
     poisson_ratio: float
-    aicc: float
 
     def load(self, displacement: FloatArray) -> FloatArray:
-        """Return the fitted load W (N) at readings of the displacement (mm), from the instrument's zero."""
-        xi = indentation_of(self.values, self.law, displacement, self.poisson_ratio)
-        return load_on(self.values, self.law, xi, self.poisson_ratio)
+        """Return the load W (N) at readings of the displacement (mm), from the instrument's zero."""
+        return self.load_on(self.indentation(displacement))
 
     def corrected_load(self, clock: FloatArray, load: FloatArray) -> FloatArray:
         """Return measured forces (N) at times from the start of the record (s) with zero and tilt removed."""
-        return load - force_zero(self.values, clock)
+        return load - self.force_zero(clock)
+
+    def force_zero(self, clock: FloatArray) -> FloatArray:
+        """Return what the sensor shows without contact, N."""
+        line = self.values.get("force_zero", 0.0) + self.values.get("force_tilt", 0.0) * clock
+        bend = self.values.get("force_bend", 0.0)
+        return line + bend * (clock / clock[-1]) ** 2 if bend else line
+
+    @property
+    def pull_off(self) -> float:
+        """The least indentation with contact: zero, or that of an adhesive pull-off."""
+        pull_off = LAWS[self.law].pull_off
+        return 0.0 if pull_off is None else float(self._evaluate(pull_off)) * (1 - 1e-9)
+
+    def load_on(self, xi: FloatArray, attached: BoolArray | None = None) -> FloatArray:
+        """Return the load (N) at indentations of any sign; `attached`: rows of an adhesive law in contact."""
+        floor = self.pull_off
+        if attached is None:
+            return self.load_at(xi if floor < 0 else np.maximum(xi, 0.0))
+        return np.where(attached, self.load_at(np.maximum(xi, floor)), 0.0)
+
+    def load_at(self, xi: FloatArray) -> FloatArray:
+        """Return the load W (N) at indentations ξ (mm), none of them before contact."""
+        function = LAWS[self.law].function
+        factor, _ = shape_factors(self.law, self.values, xi, self.poisson_ratio)
+        load = np.asarray(self._evaluate(function, xi, shape_factor=factor))
+        if load.shape != xi.shape:
+            raise FitError(
+                f"the contact law {self.law} returns shape {load.shape} for indentations of shape {xi.shape}"
+            )
+        return load if "shape_factor" in arguments_of(function) else load * factor
+
+    def area_at(self, xi: FloatArray) -> FloatArray:
+        """Return the contact area (mm²) at indentations; below zero before contact, where it is π R ξ."""
+        area = LAWS[self.law].area
+        _, factor = shape_factors(self.law, self.values, np.maximum(xi, 0.0), self.poisson_ratio)
+        if area is None:
+            return np.asarray(np.pi * self.values["loading_radius"] * xi * factor)
+        return np.asarray(self._evaluate(area, np.maximum(xi, self.pull_off))) * factor
+
+    def slope_at(self, xi: FloatArray) -> FloatArray:
+        """Return dW/dξ at indentations in contact, as the law states it, without the factor of a shape."""
+        slope = LAWS[self.law].slope
+        if slope is not None and PAD_FORM[0] not in self.values:
+            return np.asarray(self._evaluate(slope, xi))
+        floor = self.pull_off
+        step = 0.01 * np.maximum(np.abs(xi) if floor == 0 else 0.1 * np.abs(xi).max(), 1e-12)
+        up, down = (self.load_at(np.maximum(xi + way * step, floor)) for way in (1, -1))
+        return np.asarray((up - down) / (2 * step))
+
+    def indentation(self, displacement: FloatArray, attached: BoolArray | None = None) -> FloatArray:
+        """Return ξ, negative before contact: the displacement from contact on, less what the stage yields."""
+        whole = displacement - self.values["contact_offset"]
+        compliance = self.values.get("stage_compliance", 0.0)
+        if compliance == 0:
+            return whole
+        if LAWS[self.law].pull_off is not None:
+            return self._on_yielding_stage(whole, compliance, attached)
+        xi = np.maximum(whole, 0.0)
+        for _ in range(LAWS[self.law].steps):
+            load = self.load_at(xi)
+            rise = 1.5 * load / np.maximum(xi, 1e-9)
+            left = xi + compliance * load - whole
+            xi = np.maximum(xi - left / np.maximum(1 + compliance * rise, 0.2), 0.0)
+        return np.where(whole > 0, xi, whole)
+
+    def _on_yielding_stage(
+        self, whole: FloatArray, compliance: float, attached: BoolArray | None
+    ) -> FloatArray:
+        """Return ξ of an adhesive law, whose contact a yielding stage tears off earlier than a rigid one."""
+        floor = self.pull_off
+        knots = floor + (max(float(whole.max()), 0.0) - 3 * floor) * np.linspace(0, 1, _ADHESIVE_KNOTS) ** 2
+        moved = knots + compliance * self.load_at(knots)
+        first = int(np.argmin(moved))  # before it the contact is not stable
+        knots, moved = knots[first:], np.maximum.accumulate(moved[first:])
+        rising = np.append(True, np.diff(moved) > 0)
+        xi = np.interp(whole, moved[rising], knots[rising])
+        return xi if attached is not None else np.where(whole >= moved[0], xi, np.minimum(whole, 2 * floor))
+
+    def _evaluate(self, function: Law, *given: FloatArray, **more: FloatArray) -> Any:
+        radius = max(self.values["loading_radius"], 1e-9)
+        known: dict[str, Any] = {"loading_radius": radius, "poisson_ratio": self.poisson_ratio, **more}
+        return evaluate(LAWS[self.law], function, self.values, *given, **known)
 
 
-def load_on(
-    values: Values, law: str, xi: FloatArray, poisson_ratio: float, attached: BoolArray | None = None
-) -> FloatArray:
-    """Return the load (N) at indentations of any sign; `attached`: rows of an adhesive law in contact."""
-    floor = pull_off_of(values, law, poisson_ratio)
-    if attached is None:
-        return load_at(values, law, xi if floor < 0 else np.maximum(xi, 0.0), poisson_ratio)
-    return np.where(attached, load_at(values, law, np.maximum(xi, floor), poisson_ratio), 0.0)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class FittedForceModel(AppliedLaw):
+    """A law with the values that fit a record, and its corrected Akaike criterion under a noise.
 
+    That is χ² + 2k + 2k(k+1)/(n−k−1), to compare models under one noise.
+    """
 
-def load_at(values: Values, law: str, xi: FloatArray, poisson_ratio: float) -> FloatArray:
-    """Return the load W (N) at indentations ξ (mm), none of them before contact."""
-    found = LAWS[law]
-    factor, _ = shape_factors(law, values, xi, poisson_ratio)
-    given = _given_to_laws(values, poisson_ratio)
-    load = np.asarray(evaluate(found, found.function, values, xi, **given, shape_factor=factor))
-    if load.shape != xi.shape:
-        raise FitError(
-            f"the contact law {law} returns shape {load.shape} for indentations of shape {xi.shape}"
-        )
-    if "shape_factor" not in arguments_of(found.function):
-        load = load * factor
-    return load
-
-
-def area_at(values: Values, law: str, xi: FloatArray, poisson_ratio: float) -> FloatArray:
-    """Return the contact area (mm²) at indentations; below zero before contact, where it is π R ξ."""
-    found, radius = LAWS[law], values["loading_radius"]
-    _, factor = shape_factors(law, values, np.maximum(xi, 0.0), poisson_ratio)
-    if found.area is None:
-        return np.asarray(np.pi * radius * xi * factor)
-    floor, given = pull_off_of(values, law, poisson_ratio), _given_to_laws(values, poisson_ratio)
-    return np.asarray(evaluate(found, found.area, values, np.maximum(xi, floor), **given)) * factor
-
-
-def pull_off_of(values: Values, law: str, poisson_ratio: float) -> float:
-    """Return the least indentation that a law has contact at: zero, or that of an adhesive pull-off."""
-    found = LAWS[law]
-    if found.pull_off is None:
-        return 0.0
-    given = _given_to_laws(values, poisson_ratio)
-    return float(evaluate(found, found.pull_off, values, **given)) * (1 - 1e-9)
-
-
-def indentation_of(
-    values: Values,
-    law: str,
-    displacement: FloatArray,
-    poisson_ratio: float,
-    attached: BoolArray | None = None,
-) -> FloatArray:
-    """Return ξ, negative before contact: the displacement from contact on, less what the stage yields."""
-    whole = displacement - values["contact_offset"]
-    compliance = values.get("stage_compliance", 0.0)
-    if compliance == 0:
-        return whole
-    if LAWS[law].pull_off is not None:
-        return _on_yielding_stage(values, law, whole, poisson_ratio, attached)
-    xi = np.maximum(whole, 0.0)
-    for _ in range(LAWS[law].steps):
-        load = load_at(values, law, xi, poisson_ratio)
-        rise = 1.5 * load / np.maximum(xi, 1e-9)
-        xi = np.maximum(xi - (xi + compliance * load - whole) / np.maximum(1 + compliance * rise, 0.2), 0.0)
-    return np.where(whole > 0, xi, whole)
-
-
-def _on_yielding_stage(
-    values: Values, law: str, whole: FloatArray, poisson_ratio: float, attached: BoolArray | None
-) -> FloatArray:
-    """Return ξ of an adhesive law, whose contact a yielding stage tears off earlier than a rigid one."""
-    floor = pull_off_of(values, law, poisson_ratio)
-    knots = floor + (max(float(whole.max()), 0.0) - 3 * floor) * np.linspace(0, 1, _ADHESIVE_KNOTS) ** 2
-    moved = knots + values["stage_compliance"] * load_at(values, law, knots, poisson_ratio)
-    first = int(np.argmin(moved))  # before it the contact is not stable
-    knots, moved = knots[first:], np.maximum.accumulate(moved[first:])
-    rising = np.append(True, np.diff(moved) > 0)
-    xi = np.interp(whole, moved[rising], knots[rising])
-    return xi if attached is not None else np.where(whole >= moved[0], xi, np.minimum(whole, 2 * floor))
-
-
-def slope_at(values: Values, law: str, xi: FloatArray, poisson_ratio: float) -> FloatArray:
-    """Return dW/dξ at indentations in contact, as the law states it, without the factor of a shape."""
-    found = LAWS[law]
-    if found.slope is not None and PAD_FORM[0] not in values:
-        given = _given_to_laws(values, poisson_ratio)
-        return np.asarray(evaluate(found, found.slope, values, xi, **given))
-    floor = pull_off_of(values, law, poisson_ratio)
-    step = 0.01 * np.maximum(np.abs(xi) if floor == 0 else 0.1 * np.abs(xi).max(), 1e-12)
-    up, down = (load_at(values, law, np.maximum(xi + way * step, floor), poisson_ratio) for way in (1, -1))
-    return np.asarray((up - down) / (2 * step))
-
-
-def _given_to_laws(values: Values, poisson_ratio: float) -> dict[str, Any]:
-    return {"loading_radius": max(values["loading_radius"], 1e-9), "poisson_ratio": poisson_ratio}
-
-
-def force_zero(values: Values, clock: FloatArray) -> FloatArray:
-    """Return what the sensor shows without contact, N."""
-    line = values.get("force_zero", 0.0) + values.get("force_tilt", 0.0) * clock
-    bend = values.get("force_bend", 0.0)
-    return line + bend * (clock / clock[-1]) ** 2 if bend else line
+    aicc: float
 
 
 # --- what rows of a curve say of a sphere, one by one ---

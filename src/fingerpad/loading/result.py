@@ -16,7 +16,7 @@ from fingerpad.flags import flags_in
 from fingerpad.loading.curve import Cycle, Hysteresis
 from fingerpad.loading.joint import FitData
 from fingerpad.loading.law_registry import LAWS
-from fingerpad.loading.laws import MAIN, FittedForceModel, indentation_of, load_at, secant_modulus
+from fingerpad.loading.laws import MAIN, FittedForceModel, secant_modulus
 from fingerpad.loading.least_squares import differences
 from fingerpad.loading.rivals import EXPLANATIONS, NORMAL, akaike_weights, mixture_point
 from fingerpad.units import KPA_PER_MPA
@@ -258,8 +258,7 @@ class LoadingFit(Recorded):
     @property
     def indentation(self) -> FloatArray:
         """ξ of each row, mm, less what the stage yields; negative before the fitted place of contact."""
-        main = self.main
-        return indentation_of(main.values, main.law, self.rows.displacement, main.poisson_ratio)
+        return self.main.indentation(self.rows.displacement)
 
     @property
     def preferred_model(self) -> str:
@@ -307,7 +306,7 @@ class LoadingFit(Recorded):
             return np.zeros_like(load)
         laws = self.models.values()
         weights = akaike_weights([(1 - self.unexplained) * law.aicc for law in laws])
-        apart = np.array([_load(law, law.values, xi) - load for law in laws])
+        apart = np.array([law.load_at(xi) - load for law in laws])
         return np.asarray(np.sqrt(np.array(weights) @ apart**2))
 
     def divide_by_constraint(self, coefficient: Estimate) -> Self:
@@ -407,20 +406,16 @@ class LoadingFit(Recorded):
         yield from _flag_lines(self.flags, self.notes)
 
 
-def _load(law: FittedForceModel, values: Mapping[str, float], xi: FloatArray) -> FloatArray:
-    return load_at(values, law.law, xi, law.poisson_ratio)
-
-
 def load_gradient(law: FittedForceModel, names: tuple[str, ...], xi: FloatArray) -> FloatArray:
     """Return the derivatives of the load at indentations by parameters of a law, (n, p)."""
-    return differences(lambda values: _load(law, values, xi), law.values, names)
+    return differences(lambda values: replace(law, values=values).load_at(xi), law.values, names)
 
 
 def _load_with_std(law: FittedForceModel, of: LawUncertainty, xi: FloatArray) -> tuple[FloatArray, ...]:
     """Return the load of a law, its standard uncertainty, and half of its 95 % interval."""
     slope = load_gradient(law, of.names, xi) if of.names else np.zeros((xi.size, 0))
     std = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slope, of.covariance, slope), 0.0))
-    return _load(law, law.values, xi), std, of.coverage_factor * std
+    return law.load_at(xi), std, of.coverage_factor * std
 
 
 def _shown(name: str, found: Estimate, unit: str) -> dict[str, Any]:
