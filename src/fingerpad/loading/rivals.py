@@ -140,9 +140,11 @@ class Comparison(Displayed):
     def too_thin(self) -> str:
         """Why no modulus is known: a layer thinner than tissue can be is far ahead; empty where none is."""
         name = "inverse_thickness"
+        # Without areas a layer's shape is more easily that of something else.
+        ahead = FLAGGED if self.main.record.area.size else DECISIVE
         for rival in self.rivals.values():
             at_bound = name in rival.held and name not in self.main.held
-            if at_bound and self.main.aicc - rival.aicc > FLAGGED:
+            if at_bound and self.main.aicc - rival.aicc > ahead:
                 thinnest = 1 / rival.values[name]
                 return (
                     f"the curve has the shape of a layer on bone thinner than {thinnest:.2g} mm and does not "
