@@ -82,15 +82,8 @@ PLAIN = {
     "PronyTerm",
 }
 PACKAGES = (
-    "geometry",
-    "contact",
-    "image",
-    "loading",
-    "published",
-    "simulate",
-    "uncertainty",
-    "study.manifest",
-)
+    "geometry", "contact", "image", "loading", "published", "simulate", "uncertainty", "study.manifest",
+)  # fmt: skip
 
 
 def public_classes() -> dict[str, type]:

@@ -122,14 +122,9 @@ def cells(name: str, some: Iterable[Compared], *, flags: bool = False) -> tuple[
 
 
 HEAD: Final = (
-    "n",
-    "gross area: bias, rms error",
+    "n", "gross area: bias, rms error", "stated, held", "ridge area", "stated, held", "semi-axes",
     "stated, held",
-    "ridge area",
-    "stated, held",
-    "semi-axes",
-    "stated, held",
-)
+)  # fmt: skip
 
 
 def report(count: int = 3, seed: int = 7) -> None:

@@ -39,15 +39,9 @@ def circles() -> None:
             ratios = (f"{one:.3f}" for one in (1 / depth[i], load[i] / depth[i] ** 1.5, load[i]))
             rows.append((f"{size:g}", f"{nu:g}", *ratios, *errors))
     columns = (
-        "a/t",
-        "ν",
-        "A/(πRξ)",
-        "W over Hertz at ξ",
-        "at A",
-        "Hertz: errors of A, ξ at W",
-        "fast law",
+        "a/t", "ν", "A/(πRξ)", "W over Hertz at ξ", "at A", "Hertz: errors of A, ξ at W", "fast law",
         "solver",
-    )
+    )  # fmt: skip
     table(columns, rows, "A circular contact on a bonded layer, by one integral equation to ten digits")
 
 

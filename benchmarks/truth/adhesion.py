@@ -247,18 +247,9 @@ def follow_curve(X, d, F, a, k, ht):
 
 # ------------------------------------------------------------------- records
 KINDS = (
-    "pad",
-    "pad_compliant",
-    "afm",
-    "afm_stage",
-    "hertz",
-    "hysteresis",
-    "rate",
-    "md",
-    "truncated",
-    "no_contact",
-    "rough_noise",
-)
+    "pad", "pad_compliant", "afm", "afm_stage", "hertz", "hysteresis", "rate", "md", "truncated",
+    "no_contact", "rough_noise",
+)  # fmt: skip
 
 
 def _stage(rng, n, x0, x1, x2, speed, dwell):

@@ -15,15 +15,9 @@ from fingerpad.cli import app
 from fingerpad.simulate import simulate_loading_curve
 
 NUMBERS = (
-    "loading_radius_mm",
-    "reduced_modulus_kpa",
-    "youngs_modulus_kpa",
-    "contact_offset_mm",
-    "initial_modulus_kpa",
-    "load_coefficient_kpa_per_N",
-    "load_exponent",
-    "area_exponent",
-)
+    "loading_radius_mm", "reduced_modulus_kpa", "youngs_modulus_kpa", "contact_offset_mm",
+    "initial_modulus_kpa", "load_coefficient_kpa_per_N", "load_exponent", "area_exponent",
+)  # fmt: skip
 run = partial(command.run, "fit")
 
 

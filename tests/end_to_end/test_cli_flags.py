@@ -17,33 +17,16 @@ from fingerpad.figures import new_panels, plot_uncertainty_budget
 from fingerpad.simulate import render_coin, render_contact_image, render_finger, simulate_loading_curve
 
 ABSURD = (
-    "nan",
-    "inf",
-    "-inf",
-    "-1",
-    "0",
-    "1e300",
-    "-1e300",
-    "1e-300",
-    "",
-    "text",
-    "1e999",
-    "½",
-    "0x10",
+    "nan", "inf", "-inf", "-1", "0", "1e300", "-1e300", "1e-300", "", "text", "1e999", "½", "0x10",
     "1,2",
-)
+)  # fmt: skip
 # Flags of numbers that are given as text.
 OF_TEXT = {"--roi-px", "--seed-px", "--scale-line", "--scale-circle", "--grid-points", "--load-range-n"}
 # Possible numbers that what is measured contradicts, in words of its own.
 IN_PLAIN_WORDS = {
-    "--load-range-n",
-    "--seed-px",
-    "--contact-load-n",
-    "--port",
-    "--cycle",
-    "--threshold",
+    "--load-range-n", "--seed-px", "--contact-load-n", "--port", "--cycle", "--threshold",
     "--radius-mm",
-}
+}  # fmt: skip
 STUDY = (
     'title = "t"\n[uncertainty]\nwedge_angle_deg_std = 0.3\n'
     '[[fingers]]\nname = "f"\nsemi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n'

@@ -14,17 +14,9 @@ from fingerpad.geometry import Ellipsoid, Placement
 
 PAD = ("--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--youngs-modulus-kpa", 102.375)
 KEYS = {
-    "load_N",
-    "area_mm2",
-    "semi_major_mm",
-    "semi_minor_mm",
-    "aspect_ratio",
-    "long_axis_along",
-    "indentation_mm",
-    "area_over_pi_indentation_mm",
-    "peak_pressure_kpa",
-    "relative_error_estimate",
-}
+    "load_N", "area_mm2", "semi_major_mm", "semi_minor_mm", "aspect_ratio", "long_axis_along",
+    "indentation_mm", "area_over_pi_indentation_mm", "peak_pressure_kpa", "relative_error_estimate",
+}  # fmt: skip
 run = partial(command.run, "solve")
 run_json = partial(command.run_json, "solve")
 
@@ -67,17 +59,9 @@ def test_a_layer_is_what_the_library_solves() -> None:
 @pytest.mark.parametrize("thickness", [(), ("--thickness-mm", 8), ("--thickness-mm", 4)])
 def test_fast_laws_keep_the_error_they_state(thickness: tuple[object, ...]) -> None:
     rolled = (
-        "--semi-axes-mm",
-        7.9,
-        13.8,
-        11.8,
-        "--wedge-deg",
-        45,
-        "--roll-deg",
-        20,
-        "--youngs-modulus-kpa",
+        "--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 45, "--roll-deg", 20, "--youngs-modulus-kpa",
         100,
-    )
+    )  # fmt: skip
     record = run_json(*rolled, "--load-n", 1.5, *thickness, "--grid", 128)
     fast = record["fast"]
     assert fast["flag"] is None

@@ -19,18 +19,9 @@ UP = np.array([0.0, 0.0, 1.0])
 SHAPE = (360, 480)
 OVERSAMPLING = 2
 KINDS = (
-    "plain",
-    "texture",
-    "uneven light",
-    "low contrast",
-    "hard shadow",
-    "partly shadowed",
-    "strong relief",
-    "touching a finger",
-    "touching an edge",
-    "oblique",
-    "washer on a prism",
-)
+    "plain", "texture", "uneven light", "low contrast", "hard shadow", "partly shadowed",
+    "strong relief", "touching a finger", "touching an edge", "oblique", "washer on a prism",
+)  # fmt: skip
 NOT_ONE_COIN = ("two coins", "cut by the frame", "no coin", "a square")
 
 

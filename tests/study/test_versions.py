@@ -80,15 +80,9 @@ FRAMES = ("press#8", "press#12", "press#16")
 # Where in summary.json the numbers of each kind of measurement stand.
 PLACES = {"image": ("fingers",), "loading": ("curves",), "uncertainty": ("summaries",)}
 IMAGE_COLUMNS = (
-    "semi_major_mm",
-    "semi_minor_mm",
-    "edge_offset_mm_std",
-    "gross_area_mm2",
-    "gross_area_mm2_noise_std",
-    "ridge_area_mm2",
-    "ridge_area_mm2_std",
-    "ridge_period_mm",
-)
+    "semi_major_mm", "semi_minor_mm", "edge_offset_mm_std", "gross_area_mm2",
+    "gross_area_mm2_noise_std", "ridge_area_mm2", "ridge_area_mm2_std", "ridge_period_mm",
+)  # fmt: skip
 
 
 def make_study(folder: Path) -> Path:

@@ -27,59 +27,20 @@ UNITS = {
 }
 # Pure numbers and counts, and what holds numbers that follow units of their own.
 PURE = {
-    "aspect_ratio",
-    "bits",
-    "bytes",
-    "chi_square",
-    "columns_px",
-    "contact_radius_ratio",
-    "degrees_of_freedom",
+    "aspect_ratio", "bits", "bytes", "chi_square", "columns_px", "contact_radius_ratio",
+    "degrees_of_freedom", "exponent_std", "relative_difference", "draws", "between_relative_std",
+    "ellipse_iou", "frame", "frames", "id", "indentation_over_thickness", "last_id",
+    "load_gain_relative_std", "load_relative_std", "matching", "milliseconds", "orientation", "p_value",
+    "poisson_ratio", "poisson_ratio_std", "predicted_aspect_ratio", "relative_std", "rows", "rows_px",
+    "shares", "pooled", "total", "threshold", "version", "used_by", "corrected", "rejected", "reviewed",
+    "contacts", "contacts_pooled", "contacts_rejected", "frames_pooled", "scale", "frames_per_second",
+    "flags", "missing", "history",
     "exponent",  # of a superellipse
-    "exponent_std",
-    "relative_difference",
     "deviations",  # in standard uncertainties
     "difference",  # relative
-    "draws",
     "disagreements",  # relative differences, shown in percent
-    "between_relative_std",
-    "ellipse_iou",
-    "frame",
-    "frames",
-    "id",
-    "indentation_over_thickness",
-    "last_id",
-    "load_gain_relative_std",
-    "load_relative_std",
-    "matching",
-    "milliseconds",
-    "orientation",
-    "p_value",
-    "poisson_ratio",
-    "poisson_ratio_std",
-    "predicted_aspect_ratio",
-    "relative_std",
-    "rows",
-    "rows_px",
-    "shares",
-    "pooled",
-    "total",
-    "threshold",
-    "version",
-    "used_by",
-    "corrected",
-    "rejected",
-    "reviewed",
-    "contacts",
-    "contacts_pooled",
-    "contacts_rejected",
-    "frames_pooled",
     "table",  # as the manifest states it, under its own keys
-    "scale",
-    "frames_per_second",
-    "flags",
-    "missing",
-    "history",
-} | {"normal", "principal_directions", "range_notes", "faces", "counts", "run", "limits"}
+} | {"normal", "principal_directions", "range_notes", "faces", "counts", "run", "limits"}  # fmt: skip
 RELATIVE = {"disagreements", "shares"}
 # Of a unit that an item beside them names, or that stands in the sentence beside them.
 NAMED_BESIDE = {"printed", "computed", "low", "high", "with_misprint", "value", "std"} | {
