@@ -6,21 +6,22 @@ import { rounded } from "../core/gestures.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { short } from "../core/quantity.js";
-import { adviseCode, workspace } from "../core/workspace.js";
+import { workspace } from "../core/workspace.js";
 import { Stage } from "../editor/stage.js";
 import { Line, ThreePoints } from "../editor/tools.js";
 import {
   button,
   chip,
   choiceField,
+  empty,
   faultList,
   field,
-  list,
   namePattern,
   segments,
   text,
 } from "../parts/forms.js";
 import { definitionOf, lackingOf, startOf, WAYS, wayOf } from "../parts/scale_ways.js";
+import { flagNote } from "./inspector.js";
 import { gridWords, rectification } from "./scale_grid.js";
 import { ScaleImages } from "./scale_images.js";
 
@@ -30,6 +31,8 @@ const unsavedScale = () => {
   const draft = JSON.parse(sessionStorage.getItem(UNSAVED) ?? "null");
   return draft?.study === workspace.study?.name ? draft : null;
 };
+
+const scaleNamed = (wanted) => workspace.study.scales.find(({ name }) => name === wanted) ?? null;
 
 class Scales {
   constructor(root, rest) {
@@ -70,11 +73,9 @@ class Scales {
           "div.scale-main",
           this.list,
           this.stage.root,
-          (this.plainWords = h(
-            "div.empty",
-            { hidden: true },
-            h("h2", "This scale needs no image"),
-            h("p", "See the data sheet of the scanner or camera. The uncertainty enters every result."),
+          (this.plainWords = empty(
+            "This scale needs no image",
+            "See the data sheet of the scanner or camera. The uncertainty enters every result.",
           )),
         ),
         h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, this.form, this.footer),
@@ -86,8 +87,7 @@ class Scales {
       ["+ - 0", "Zoom in, zoom out, fit the image", null],
       ["Space", "Start and end the line at the cross-hair", null],
     ]);
-    const first = workspace.study.scales.find(({ name }) => name === rest[0]) ?? workspace.study.scales[0];
-    this.#start(unsavedScale() ? null : (first ?? null));
+    this.#start(unsavedScale() ? null : (scaleNamed(rest[0]) ?? workspace.study.scales[0] ?? null));
     this.leaving = () => this.#keepDraft();
     addEventListener("pagehide", this.leaving);
   }
@@ -146,7 +146,7 @@ class Scales {
           {
             type: "button",
             "aria-pressed": String(this.old?.name === name),
-            onclick: () => this.#start(workspace.study.scales.find((scale) => scale.name === name)),
+            onclick: () => this.#start(scaleNamed(name)),
           },
           h("strong", name),
           h("span.soft", words),
@@ -325,16 +325,12 @@ class Scales {
           answer.coin.words.radius_px,
         ),
       answer.grid && gridWords(answer.grid),
-      answer.flags?.length > 0 &&
-        list(
-          answer.flags.map((flag) => adviseCode(flag)),
-          "ul.note",
-        ),
+      flagNote(answer.flags),
       answer.grid &&
         rectification(
           this.old?.name,
           () => definitionOf(this.table, this.way),
-          (name) => this.#start(workspace.study.scales.find((scale) => scale.name === name) ?? null),
+          (name) => this.#start(scaleNamed(name)),
           (error) => render(this.problem, faultList(error)),
         ),
     );
@@ -365,7 +361,7 @@ class Scales {
           : `Scale ${this.name} saved.`,
         { kind: "good" },
       );
-      this.#start(workspace.study.scales.find(({ name }) => name === this.name) ?? null);
+      this.#start(scaleNamed(this.name));
     } catch (error) {
       render(this.problem, faultList(error));
     }
