@@ -9,7 +9,7 @@ from PIL import Image
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale, draw_overlay, measure_contact_image, write_overlay
-from fingerpad.image.contact_image.overlay import ELLIPSE_COLOUR
+from fingerpad.image.overlay import ELLIPSE_COLOUR
 from fingerpad.simulate import render_contact_image
 
 

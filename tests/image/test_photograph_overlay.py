@@ -9,9 +9,8 @@ from PIL import Image
 
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale, draw_photograph_overlay, measure_photograph, write_photograph_overlay
-from fingerpad.image._canvas import write_text
+from fingerpad.image.overlay import POINT_COLOUR, write_text
 from fingerpad.image.photograph import overlay
-from fingerpad.image.photograph.overlay import POINT_COLOUR
 from fingerpad.simulate import render_finger
 
 

@@ -7,17 +7,21 @@ from fingerpad.image.contact_image.measure import (
     measure_contact_image,
     prepare_contact_image,
 )
-from fingerpad.image.contact_image.overlay import draw_overlay, write_overlay
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.contact_image.view import ContactImageOptions
 from fingerpad.image.ellipse import ImageEllipse, PlaneEllipse, ellipse_of_polygon, interpolated_ellipse
-from fingerpad.image.ellipse_fit import EllipseFit, fit_aligned_ellipse, fit_ellipse
+from fingerpad.image.ellipse_fit import fit_aligned_ellipse, fit_ellipse
 from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.levels import MEMORY_LIMIT
+from fingerpad.image.overlay import (
+    draw_overlay,
+    draw_photograph_overlay,
+    write_overlay,
+    write_photograph_overlay,
+)
 from fingerpad.image.photograph.faces import (
     FACE_AXES,
     SEMI_AXES,
-    Direction,
     Face,
     FaceSemiAxes,
     PadSemiAxes,
@@ -30,11 +34,10 @@ from fingerpad.image.photograph.manual import (
     with_marked_points,
 )
 from fingerpad.image.photograph.measure import measure_photograph
-from fingerpad.image.photograph.overlay import draw_photograph_overlay, write_photograph_overlay
 from fingerpad.image.photograph.points import face_from_outline, read_marks, read_outline
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.read import Picture, read_colour_image, read_image
-from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM, Scale
+from fingerpad.image.scale import Scale
 from fingerpad.image.sequence.force import (
     ForceSignal,
     FrameClock,
@@ -46,25 +49,28 @@ from fingerpad.image.sequence.force import (
     read_frame_stamps,
 )
 from fingerpad.image.sequence.frames import Frame, Frames, open_frames
-from fingerpad.image.sequence.measure import assign_times, measure_frames, measure_sequence
+from fingerpad.image.sequence.measure import (
+    SequenceSettings,
+    TextureScan,
+    assign_times,
+    estimate_settings,
+    measure_frames,
+    measure_sequence,
+    scan_texture,
+)
 from fingerpad.image.sequence.phases import PHASES, Phase, PhaseIntervals, phase_intervals, phases_of
 from fingerpad.image.sequence.result import FrameResult, SequenceSummary, sequence_summary
-from fingerpad.image.sequence.settings import SequenceSettings, TextureScan, estimate_settings, scan_texture
-from fingerpad.image.subject import SUBJECTS, Subject, SubjectGuess, guess_subject
+from fingerpad.image.subject import Subject, guess_subject
 
 __all__ = [
     "FACE_AXES",
     "MEMORY_LIMIT",
     "PHASES",
-    "PLAUSIBLE_RIDGE_PERIOD_MM",
     "SEMI_AXES",
-    "SUBJECTS",
     "BrushStroke",
     "Coin",
     "ContactImageOptions",
     "ContactImageResult",
-    "Direction",
-    "EllipseFit",
     "Face",
     "FaceSemiAxes",
     "ForceSignal",
@@ -88,7 +94,6 @@ __all__ = [
     "SequenceSettings",
     "SequenceSummary",
     "Subject",
-    "SubjectGuess",
     "TextureScan",
     "alignment_scatter",
     "assign_times",

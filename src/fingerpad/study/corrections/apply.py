@@ -30,7 +30,7 @@ from fingerpad.image import (
     with_marked_points,
 )
 from fingerpad.image.read import grey_levels
-from fingerpad.image.sequence.settings import with_first_frame
+from fingerpad.image.sequence.measure import with_first_frame
 from fingerpad.study.corrections.changes import (
     ContactCorrection,
     ManualContactEllipse,

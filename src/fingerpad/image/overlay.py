@@ -1,0 +1,392 @@
+"""Draw what was measured over contact images and photographs, and write it as a file."""
+
+import math
+from os import PathLike
+from pathlib import Path
+from typing import Final, TypeAlias
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from fingerpad._arrays import FloatArray, as_float_array
+from fingerpad.exceptions import ImageError
+from fingerpad.image.contact_image.result import ContactImageResult
+from fingerpad.image.ellipse import ImageEllipse
+from fingerpad.image.levels import eight_bit, picture_levels, storable
+from fingerpad.image.photograph.result import PhotographFit
+
+Colour: TypeAlias = tuple[int, int, int]
+Canvas: TypeAlias = npt.NDArray[np.uint8]
+
+INK: Final[Colour] = (20, 20, 20)
+PAPER: Final[Colour] = (255, 255, 255)
+
+_SUBPIXEL_BITS: Final = 4
+# A third of the time of zlib's default, 6, for files an eighth larger. JPEG and TIFF have no such level.
+_PNG_LEVEL: Final = 2
+# Okabe and Ito's colours, safe for colour-blind readers; red, green, blue.
+REGION_COLOUR: Colour = (0, 158, 115)
+ELLIPSE_COLOUR: Colour = (213, 94, 0)
+RIDGE_COLOUR: Colour = (86, 180, 233)
+POINT_COLOUR: Colour = (0, 158, 115)
+OUTLIER_COLOUR: Colour = (230, 60, 160)
+FITTED_COLOUR: Colour = (240, 200, 20)
+
+_MIN_SIDE_PX, _MAX_SIDE_PX = 1000, 8000
+_SIDE_PX = 1100
+# The report shows the picture about 300 px wide: letters are as large as that needs.
+_WIDTH = 3
+_LINE_PX, _LETTER_PX = 40, 14
+# Before OpenCV 5, its fonts had ASCII only.
+_ASCII = str.maketrans({} if int(cv2.__version__.partition(".")[0]) >= 5 else {"±": "+/-", "°": " deg"})
+_AXIS_LABELS = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-ulnar"}
+
+
+def draw_overlay(
+    pixels: npt.ArrayLike,
+    contact_image: ContactImageResult,
+    *,
+    label: str | None = None,
+    ridge_tint: float = 0.45,
+) -> Canvas:
+    """Draw the measurement of a contact image over the image.
+
+    Green: the outline whose inside is the gross area. Orange: equal-area ellipse, its axes and the
+    centroid. Blue tint: ridges. Small images are enlarged by a whole number, so that lines stay thin beside
+    the ridges; those of more than 8000 px on a side are reduced to that.
+
+    Parameters
+    ----------
+    pixels : array_like, (rows, columns)
+        The picture that was measured.
+    contact_image : ContactImageResult
+        Its measurement.
+    label : str, optional
+        Text for the upper left corner, such as ``synthetic``. Latin letters, digits and signs only.
+    ridge_tint : float
+        Strength of the ridges' tint, 0 to 1.
+
+    Returns
+    -------
+    ndarray of uint8, (rows, columns, 3)
+        Red, green, blue.
+
+    Raises
+    ------
+    ImageError
+        If the picture is not the one that was measured.
+
+    Examples
+    --------
+    >>> from fingerpad.image import measure_contact_image
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
+    >>> truth.pixels.shape, draw_overlay(truth.pixels, contact).shape
+    ((197, 177), (1182, 1062, 3))
+    """
+    grey = _stretch_levels(pixels)
+    if grey.shape != contact_image.shape:
+        raise ImageError(
+            f"pixels must have the measured picture's shape {contact_image.shape}, found {grey.shape}"
+        )
+    longest = max(grey.shape)
+    zoom = min(max(1, math.ceil(_MIN_SIDE_PX / longest)), _MAX_SIDE_PX / longest)
+    canvas = _tint_ridges(grey, contact_image, zoom, ridge_tint)
+    width = max(2, round(max(canvas.shape) / 600))
+    outline = canvas_points(contact_image.outline, zoom)
+    draw_line(canvas, np.concatenate([outline, outline[:1]]), REGION_COLOUR, width)
+    _draw_ellipse(canvas, contact_image, zoom, width)
+    draw_scale_bar(canvas, contact_image.mm_per_px / zoom, width)
+    if label:
+        write_text(canvas, label, (3 * width, 0), width)
+    return canvas
+
+
+def write_overlay(
+    path: str | PathLike[str],
+    pixels: npt.ArrayLike,
+    contact_image: ContactImageResult,
+    *,
+    label: str | None = None,
+    ridge_tint: float = 0.45,
+) -> Path:
+    """Draw an overlay and write it as a PNG, JPEG or TIFF file, by its ending.
+
+    Parameters
+    ----------
+    path : path-like
+        The file to write.
+    pixels, contact_image, label, ridge_tint
+        As for `draw_overlay`.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    ImageError
+        If the picture is not the one measured, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from fingerpad.image import measure_contact_image
+    >>> from fingerpad.simulate import render_contact_image
+    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
+    >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_overlay(f"{folder}/overlay.png", truth.pixels, contact).name
+    'overlay.png'
+    """
+    return write_canvas(path, draw_overlay(pixels, contact_image, label=label, ridge_tint=ridge_tint))
+
+
+def _stretch_levels(pixels: npt.ArrayLike) -> Canvas:
+    values = picture_levels(pixels, "pixels")
+    if values.ndim != 2 or not values.size:
+        raise ImageError(f"pixels must be a grey (rows, columns) array, found shape {values.shape}")
+    if values.dtype == np.uint8:
+        return np.asarray(values, dtype=np.uint8)
+    low, high = float(values.min()), float(values.max())
+    return np.asarray(np.rint((values - low) * (255 / max(high - low, 1e-30))), dtype=np.uint8)
+
+
+def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float, strength: float) -> Canvas:
+    size = (max(1, round(grey.shape[1] * zoom)), max(1, round(grey.shape[0] * zoom)))
+    large = cv2.resize(grey, size, interpolation=cv2.INTER_CUBIC if zoom >= 1 else cv2.INTER_AREA)
+    ridges = contact_image.ridges.view(np.uint8) * np.uint8(255)
+    way = cv2.INTER_LINEAR if zoom >= 1 else cv2.INTER_AREA
+    share = np.asarray(cv2.resize(ridges, size, interpolation=way), dtype=np.uint16)
+    # Each pair of a share of ridge and a grey level has one colour, four bytes that are looked up at once.
+    shares, levels = np.meshgrid(*[np.arange(256, dtype=np.float32)] * 2, indexing="ij")
+    colours = np.zeros((256, 256, 4), dtype=np.uint8)
+    for channel, colour in enumerate(RIDGE_COLOUR):
+        tinted = levels + shares / 255 * np.float32(strength) * (np.float32(colour) - levels)
+        colours[..., channel] = np.rint(tinted).clip(0, 255)
+    pairs = np.asarray(share * np.uint16(256) + large, dtype=np.uint16)
+    found = np.take(colours.view(np.uint32), pairs).view(np.uint8).reshape(*large.shape, 4)
+    return np.asarray(cv2.cvtColor(found, cv2.COLOR_RGBA2RGB), dtype=np.uint8)
+
+
+def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float, width: int) -> None:
+    lengths = contact_image.ellipse.semi_major, contact_image.ellipse.semi_minor
+    major, minor = (float(length) / contact_image.mm_per_px for length in lengths)
+    centre, orientation = contact_image.centroid, contact_image.orientation
+    ellipse = ImageEllipse(centre=centre, semi_axes=(major, minor), orientation=orientation)
+    outline = canvas_points(ellipse.points(360), zoom)
+    draw_line(canvas, np.concatenate([outline, outline[:1]]), ELLIPSE_COLOUR, width)
+    for end in (0, 90):
+        draw_line(canvas, outline[[end, end + 180]], ELLIPSE_COLOUR, max(1, width // 2))
+    middle = canvas_points(as_float_array(centre), zoom)
+    draw_dot(canvas, middle, 3 * width, PAPER)
+    draw_dot(canvas, middle, 2 * width, ELLIPSE_COLOUR)
+
+
+def draw_photograph_overlay(
+    pixels: npt.ArrayLike, found: PhotographFit, *, label: str | None = None
+) -> Canvas:
+    """Draw a photograph's measurement over it.
+
+    Green points: the arc that was used. Pink crosses: points left out. Yellow: the fitted ellipse, solid over
+    the arc and dashed beyond it, with the semi-axes by name, their lengths and standard uncertainties. The
+    picture is scaled to 1100 px, so that lines and letters have one size.
+
+    Parameters
+    ----------
+    pixels : array_like, (rows, columns) or (rows, columns, 3)
+        The photograph that was measured.
+    found : PhotographFit
+        Its measurement.
+    label : str, optional
+        Text for the upper left corner, such as ``synthetic``. Latin letters, digits and signs only.
+
+    Returns
+    -------
+    ndarray of uint8, (rows, columns, 3)
+        Red, green, blue.
+
+    Raises
+    ------
+    ImageError
+        If the points measured do not lie in the picture.
+
+    Examples
+    --------
+    >>> from fingerpad.image import Scale, photograph_from_ellipse
+    >>> fit = photograph_from_ellipse("palmar", Scale(0.1), centre=(200, 160), semi_axes=(118, 138))
+    >>> draw_photograph_overlay(np.full((400, 320), 128, np.uint8), fit).shape
+    (1100, 880, 3)
+    """
+    values = np.asarray(pixels)
+    if values.ndim not in (2, 3) or not values.size:
+        raise ImageError(f"pixels must be grey or colour, found shape {values.shape}")
+    levels = eight_bit(storable(values))
+    colour = levels[..., :3] if levels.ndim == 3 else np.repeat(levels[..., None], 3, axis=2)
+    if len(found.points) and (found.points.max(axis=0) > np.array(colour.shape[:2])).any():
+        raise ImageError(
+            f"pixels must be the photograph that was measured, found {colour.shape[0]} rows and "
+            f"{colour.shape[1]} columns, and points beyond them"
+        )
+    zoom = _SIDE_PX / max(colour.shape[:2])
+    size = (round(colour.shape[1] * zoom), round(colour.shape[0] * zoom))
+    way = cv2.INTER_AREA if zoom < 1 else cv2.INTER_CUBIC
+    canvas = np.ascontiguousarray(cv2.resize(colour, size, interpolation=way), dtype=np.uint8)
+    _draw_fitted_ellipse(canvas, found, zoom)
+    _draw_points(canvas, found, zoom)
+    _draw_axes(canvas, found, zoom)
+    draw_scale_bar(canvas, found.scale.mm_per_px / zoom, _WIDTH)
+    for k, (text, text_colour) in enumerate(_legend(found, label)):
+        write_text(canvas, text.translate(_ASCII), (14, _LINE_PX * (k + 1)), _WIDTH, text_colour)
+    return canvas
+
+
+def write_photograph_overlay(
+    path: str | PathLike[str], pixels: npt.ArrayLike, found: PhotographFit, *, label: str | None = None
+) -> Path:
+    """Draw a photograph's overlay and write it as a PNG, JPEG or TIFF file, by its ending.
+
+    Parameters
+    ----------
+    path : path-like
+        The file to write.
+    pixels, found, label
+        As for `draw_photograph_overlay`.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    ImageError
+        If the picture is not the one measured, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from fingerpad.image import photograph_from_ellipse
+    >>> fit = photograph_from_ellipse("palmar", 0.1, centre=(200, 160), semi_axes=(118, 138))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_photograph_overlay(f"{folder}/palmar.png", np.full((400, 320), 128, np.uint8), fit).name
+    'palmar.png'
+    """
+    return write_canvas(path, draw_photograph_overlay(pixels, found, label=label))
+
+
+def _draw_fitted_ellipse(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
+    t = np.linspace(0, 2 * math.pi, 721)
+    points = canvas_points(found.ellipse_points(t.size), zoom)
+    solid = (t - found.arc[0]) % (2 * math.pi) <= found.arc[1] - found.arc[0]
+    drawn = [k for k in range(len(t) - 1) if solid[k] or (k // 8) % 2]
+    for colour, margin in ((INK, 2), (FITTED_COLOUR, 0)):
+        for k in drawn:
+            draw_line(canvas, points[k : k + 2], colour, margin + 1 + int(solid[k]))
+
+
+def _draw_points(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
+    """Draw about sixty of the points used and eighty of those left out."""
+    for point in canvas_points(found.points[:: max(1, len(found.points) // 60)], zoom):
+        draw_dot(canvas, point, 4, PAPER)
+        draw_dot(canvas, point, 3, POINT_COLOUR)
+    for point in canvas_points(found.outliers[:: max(1, len(found.outliers) // 80)], zoom):
+        for diagonal in ((5, 5), (5, -5)):
+            draw_line(canvas, np.stack([point - diagonal, point + diagonal]), OUTLIER_COLOUR, 2)
+
+
+def _draw_axes(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
+    """Draw the semi-axes, then their names over them."""
+    middle, *sides = canvas_points(found.handles, zoom)
+    ends = np.array(sides)
+    for end in ends:
+        draw_line(canvas, np.stack([middle, end]), INK, 5)
+        draw_line(canvas, np.stack([middle, end]), PAPER, 2)
+        draw_dot(canvas, end, 6, INK)
+        draw_dot(canvas, end, 4, PAPER)
+    draw_dot(canvas, middle, 7, INK)
+    draw_dot(canvas, middle, 5, FITTED_COLOUR)
+    stds = found.semi_axes_mm_std
+    for end, (name, length) in zip(ends, found.semi_axes_mm.items(), strict=True):
+        text = f"{_AXIS_LABELS[name]} {length:.2f} ± {stds[name]:.2f} mm".translate(_ASCII)
+        x, y = middle + 0.45 * (end - middle)
+        level = abs(end[1] - middle[1]) < abs(end[0] - middle[0])
+        # Across an upright axis, so that the outline stays free; beside a level one, away from the other.
+        below = 44 if ends[:, 1].sum() < 2 * middle[1] else -20
+        corner = round(x) - _LETTER_PX * len(text) // 2, round(y) + (below if level else 0)
+        write_text(canvas, text, corner, _WIDTH)
+
+
+def _legend(found: PhotographFit, label: str | None) -> list[tuple[str, Colour]]:
+    lines = [(label, INK)] if label else []
+    tilt = f"tilt {math.degrees(found.tilt):z.1f}°"
+    if len(found.points):
+        lines += [
+            (f"{found.face} face, arc {found.arc_deg:.0f}°, {tilt}", INK),
+            (f"{len(found.points)} points used", POINT_COLOUR),
+            (f"{len(found.outliers)} left out ({found.outlier_fraction:.0%})", OUTLIER_COLOUR),
+        ]
+    else:
+        lines.append((f"{found.face} face, ellipse placed manually, {tilt}", INK))
+    lines += [(flag.replace("_", " "), (200, 30, 30)) for flag in sorted(found.flags)]
+    return lines
+
+
+def canvas_points(points: FloatArray, zoom: float) -> FloatArray:
+    """Return points (x, y) of a canvas for (row, column) of the image that it enlarges."""
+    # Pixel centres are whole numbers: enlarging keeps edges in place, not centres.
+    return np.asarray((points[..., ::-1] + 0.5) * zoom - 0.5, dtype=np.float64)
+
+
+def draw_line(canvas: Canvas, points: FloatArray, colour: Colour, width: int) -> None:
+    """Draw straight lines from point to point (x, y)."""
+    fixed = np.rint(points * 2**_SUBPIXEL_BITS).astype(np.int32).reshape(-1, 1, 2)
+    cv2.polylines(canvas, [fixed], False, colour, width, cv2.LINE_AA, _SUBPIXEL_BITS)
+
+
+def draw_dot(canvas: Canvas, centre: FloatArray, radius: int, colour: Colour) -> None:
+    """Draw a filled circle round a point (x, y)."""
+    x, y = np.rint(centre * 2**_SUBPIXEL_BITS).astype(int).tolist()
+    cv2.circle(canvas, (x, y), radius * 2**_SUBPIXEL_BITS, colour, cv2.FILLED, cv2.LINE_AA, _SUBPIXEL_BITS)
+
+
+def write_text(canvas: Canvas, text: str, corner: tuple[int, int], width: int, colour: Colour = INK) -> None:
+    """Write text on a pale patch, its lower left corner at (x, y), moved inside the image where needed."""
+    font, size, thickness = cv2.FONT_HERSHEY_SIMPLEX, 0.31 * width, max(1, width // 2)
+    (columns, rows), base = cv2.getTextSize(text, font, size, thickness)
+    margin = 2 * width
+    x = max(margin, min(corner[0], canvas.shape[1] - columns - 2 * margin))
+    y = max(rows + margin, min(corner[1], canvas.shape[0] - base - margin))
+    patch = canvas[max(0, y - rows - margin) : y + base + width, max(0, x - margin) : x + columns + margin]
+    patch[:] = np.rint(0.15 * patch + 0.85 * 255).astype(np.uint8)
+    cv2.putText(canvas, text, (x, y), font, size, colour, thickness, cv2.LINE_AA)
+
+
+def draw_scale_bar(canvas: Canvas, mm_per_px: float, width: int) -> None:
+    """Draw a bar of a round length, at most a quarter of the image's width, in the lower right corner."""
+    limit = canvas.shape[1] * mm_per_px / 4
+    decade = 10.0 ** math.floor(math.log10(limit))
+    length = max(step * decade for step in (1, 2, 5) if step * decade <= limit)
+    pixels = round(length / mm_per_px)
+    right, bottom = canvas.shape[1] - 6 * width, canvas.shape[0] - 6 * width
+    cv2.rectangle(
+        canvas, (right - pixels - width, bottom - 3 * width), (right + width, bottom + width), PAPER, -1
+    )
+    cv2.rectangle(canvas, (right - pixels, bottom - 2 * width), (right, bottom), INK, cv2.FILLED)
+    write_text(canvas, f"{length:g} mm", (right - pixels, bottom - 8 * width), width)
+
+
+def write_canvas(path: str | PathLike[str], canvas: Canvas) -> Path:
+    """Write an overlay as a PNG, JPEG or TIFF file, by its ending."""
+    path = Path(path)
+    try:
+        Image.fromarray(canvas).save(path, compress_level=_PNG_LEVEL)
+    except (OSError, ValueError) as error:
+        raise ImageError(
+            f"{path}: cannot be written ({error}): check the folder and end the name in .png"
+        ) from error
+    return path
