@@ -8,9 +8,14 @@ import pytest
 from PIL import Image
 
 from fingerpad.exceptions import ImageError
-from fingerpad.image import Scale, draw_photograph_overlay, measure_photograph, write_photograph_overlay
+from fingerpad.image import (
+    Scale,
+    draw_photograph_overlay,
+    measure_photograph,
+    overlay,
+    write_photograph_overlay,
+)
 from fingerpad.image.overlay import POINT_COLOUR, write_text
-from fingerpad.image.photograph import overlay
 from fingerpad.simulate import render_finger
 
 

@@ -387,8 +387,8 @@ class _Curve(NamedTuple):
     def _slopes(self, values: FloatArray) -> FloatArray:
         """Return the derivatives of what is off, from all values stepped at once."""
         step = 1e-7
-        stepped = self._off(values + step * np.eye(values.size))
-        return np.asarray((stepped - self._off(values)).T / step)
+        here, *stepped = self._off(np.vstack([values, values + step * np.eye(values.size)]))
+        return np.asarray((np.array(stepped) - here).T / step)
 
 
 def _quadrants(x: FloatArray, y: FloatArray) -> npt.NDArray[np.intp]:
