@@ -149,12 +149,9 @@ class Grid(Displayed):
             return self._project(matrix).ravel(), local_middle(self._log_scale(matrix))
 
         steps = _STEP * np.maximum(np.abs(flat[:8]), 1e-6)
-        changes = [
-            (np.subtract(one[0], other[0]) / (2 * step), (one[1] - other[1]) / (2 * step))
-            for k, step in enumerate(steps)
-            for one, other in [(at(flat[:8] + step * np.eye(8)[k]), at(flat[:8] - step * np.eye(8)[k]))]
-        ]
-        design, gradient = (np.array(part) for part in zip(*changes, strict=True))
+        more, less = ([at(flat[:8] + way * row) for row in np.diag(steps)] for way in (1, -1))
+        (one, scale), (other, smaller) = (map(np.array, zip(*found, strict=True)) for found in (more, less))
+        design, gradient = (one - other) / (2 * steps[:, None]), (scale - smaller) / (2 * steps)
         size = np.linalg.norm(design, axis=1)
         scaled, gradient = design / size[:, None], gradient / size
         return self.residual * math.sqrt(float(gradient @ np.linalg.solve(scaled @ scaled.T, gradient)))
@@ -287,9 +284,9 @@ def measure_grid(
         raise CalibrationError(f"the picture must be grey, (rows, columns), found shape {grey.shape}")
     low, high = float(grey.min()), float(grey.max())
     levels = np.rint((grey - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)
-    places = _corners(levels, points) if pattern == "checkerboard" else _dots(levels, points)
+    find, what = (_corners, "inner corners") if pattern == "checkerboard" else (_dots, "dots")
+    places = find(levels, points)
     if places is None:
-        what = "inner corners" if pattern == "checkerboard" else "dots"
         raise CalibrationError(
             f"no grid of {rows} × {columns} {what} found: count them down and along, and show all of them on "
             "a light margin"

@@ -34,6 +34,9 @@ from fingerpad.image.tiff import is_reduced_copy, levels_of_page, tifffile_warni
 
 _FORMATS: Final = ("PNG", "JPEG", "BMP", "PPM")
 _READABLE = "PNG, TIFF, JPEG, BMP or PGM"
+_SEVERAL: Final = (
+    "holds {} pictures: save the one to measure in its own file, or measure them all as a sequence"
+)
 _TIFF_STARTS: Final = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _ORIENTATION_TAG: Final = 274
 # Files without a true resolution carry 0 or 1 here.
@@ -180,9 +183,8 @@ def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, f
         try:
             levels, resolution = (_tiff if start in _TIFF_STARTS else _decode)(path, memory_limit)
         except UnidentifiedImageError as error:
-            raise ImageError(
-                f"{path}: is not a picture this library reads: save it as {_READABLE}"
-            ) from error
+            what = f"{path}: is not a picture this library reads: save it as {_READABLE}"
+            raise ImageError(what) from error
         except ImageError as error:
             raise error if str(path) in str(error) else ImageError(f"{path}: {error}") from error
         except (Image.DecompressionBombError, MemoryError) as error:
@@ -236,10 +238,7 @@ def _tiff(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
     with tifffile_warnings(), tifffile.TiffFile(path) as tiff:
         page = tiff.pages[0]
         if any(not is_reduced_copy(tiff.pages[number]) for number in range(1, len(tiff.pages))):
-            raise ImageError(
-                f"holds {len(tiff.pages)} pictures: "
-                "save the one to measure in its own file, or measure them all as a sequence"
-            )
+            raise ImageError(_SEVERAL.format(len(tiff.pages)))
         return levels_of_page(path, 0, page, memory_limit), resolution_of_page(page)
 
 
@@ -252,10 +251,7 @@ def _decode(path: Path, memory_limit: int) -> tuple[Pixels, float | None]:
         check_memory(path, image.size, memory_limit, channels=channels, sample_bytes=sample_bytes)
         count = getattr(image, "n_frames", 1)
         if count > 1 and image.format != "MPO":  # a telephone's JPEG, followed by a preview
-            raise ImageError(
-                f"holds {count} pictures: "
-                "save the one to measure in its own file, or measure them all as a sequence"
-            )
+            raise ImageError(_SEVERAL.format(count))
         # Without a unit JPEG and PNG state the shape of a pixel alone.
         shape = image.info.get("aspect") or image.info.get("jfif_density")
         resolution = plausible_resolution(

@@ -50,8 +50,17 @@ def levels_of_page(path: Path, index: int, page: Any, memory_limit: int) -> Pixe
     photometric = int(page.tags.valueof("PhotometricInterpretation", default=PHOTOMETRIC.MINISBLACK))
     _check_kind(page, photometric)
     if page.compression in _BY_PILLOW or photometric not in _PLAIN:
-        return _decode_by_pillow(path, index)
-    _check_segments(page)
+        with Image.open(path, formats=["TIFF"]) as image:
+            image.seek(index)
+            if image.mode not in _PILLOW_MODES:
+                raise ImageError(f"a picture of mode {image.mode} is not read: {_WAY_OUT}")
+            return levels_of_image(ImageOps.exif_transpose(image))
+    # tifffile would fill in missing strips or tiles silently.
+    count = math.prod(page.chunked)
+    places = list(zip(page.dataoffsets, page.databytecounts, strict=False))[:count]
+    held = sum(offset > 0 and size > 0 for offset, size in places)
+    if held < count:
+        raise ImageError(f"the file is cut short, it has {held} of {count} strips or tiles: copy it again")
     if page.compression in _PACKERS and page.fillorder == 1 and not page.is_tiled:
         page.decode = _decode_padded(page)
     # Planes, slices, rows, columns, samples side by side.
@@ -109,20 +118,11 @@ def _name(kinds: Any, value: int) -> str:
     return f"{kinds(value).name}" if value in kinds.__members__.values() else f"number {value}"
 
 
-def _check_segments(page: Any) -> None:
-    """Refuse a page without all its strips or tiles: tifffile would fill them in silently."""
-    count = math.prod(page.chunked)
-    places = list(zip(page.dataoffsets, page.databytecounts, strict=False))[:count]
-    held = sum(offset > 0 and size > 0 for offset, size in places)
-    if held < count:
-        raise ImageError(f"the file is cut short, it has {held} of {count} strips or tiles: copy it again")
-
-
 def _decode_padded(page: Any) -> Callable[..., Any]:
     """Return the decoder of a page's strips, which drops what follows a strip's last row.
 
-    Many programs pack the last strip as long as the others, or pad it by some bytes, which imagecodecs takes
-    for damage. What holds more than another strip more has other rows than its tags say.
+    Many programs pad the last strip, which imagecodecs takes for damage. What holds more than another strip
+    more has other rows than its tags say.
     """
     decode, (unpack, pack) = page.decode, _PACKERS[page.compression]
     height = page.tags.valueof("RowsPerStrip", default=page.rowsperstrip)
@@ -157,14 +157,6 @@ def _levels(samples: npt.NDArray[Any], page: Any, photometric: int) -> Pixels:
             raise ImageError(f"transparency of {bits}-bit integers is not read: {_WAY_OUT}")
         return on_white(colour, samples[..., channels], premultiplied=extra == _ASSOCIATED_ALPHA)
     return storable(np.ascontiguousarray(colour))
-
-
-def _decode_by_pillow(path: Path, index: int) -> Pixels:
-    with Image.open(path, formats=["TIFF"]) as image:
-        image.seek(index)
-        if image.mode not in _PILLOW_MODES:
-            raise ImageError(f"a picture of mode {image.mode} is not read: {_WAY_OUT}")
-        return levels_of_image(ImageOps.exif_transpose(image))
 
 
 def is_reduced_copy(page: Any) -> bool:

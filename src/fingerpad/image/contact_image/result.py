@@ -152,9 +152,8 @@ class ContactImageResult(Recorded):
     @property
     def values(self) -> FloatArray:
         """(semi_major, semi_minor, gross_area, ridge_area), mm and mm²."""
-        return np.array(
-            [self.ellipse.semi_major, self.ellipse.semi_minor, self.gross_area, self.ridge_area], dtype=float
-        )
+        axes = self.ellipse.semi_major, self.ellipse.semi_minor
+        return np.array([*axes, self.gross_area, self.ridge_area], dtype=float)
 
     @property
     def covariance(self) -> FloatArray:

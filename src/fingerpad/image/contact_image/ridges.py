@@ -213,7 +213,11 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
         valley, rise = _local_levels(means, view.contrast, period / step)
         amount = as_float32((means - valley) / rise)
         grain = _excess_grain(as_float32((values - means) / rise), amount, inside)
-        clipped = _clipped_share(box, inside & (amount < level), dark_on_light=view.dark_on_light)
+        # The share of valleys at the end of the range of 8 or 16 bits.
+        end = float(box.max()) if view.dark_on_light else 0.0
+        valleys = inside & (amount < level)
+        if end in {0.0, 255.0, 65535.0}:
+            clipped = np.count_nonzero((box == end) & valleys) / max(np.count_nonzero(valleys), 1)
         level -= RIDGE_LEVEL.by_grain * grain + RIDGE_LEVEL.by_clipping * clipped**2
     within = np.compress(inside.ravel(), amount)
     if threshold is None:
@@ -295,14 +299,6 @@ def _blur_shift(amount: Float32Array) -> float:
     pixels = max(amount.size, 1)
     off = 0.5 - np.count_nonzero(amount > 0.5) / pixels
     return RIDGE_LEVEL.by_blur * (off + RIDGE_LEVEL.cubic * off**3) * _change_with_level(amount, 0.5) / pixels
-
-
-def _clipped_share(box: Float32Array, valleys: BoolArray, *, dark_on_light: bool) -> float:
-    """Return the share of valleys at the end of the range of 8 or 16 bits."""
-    end = float(box.max()) if dark_on_light else 0.0
-    if end not in {0.0, 255.0, 65535.0}:
-        return 0.0
-    return int(np.count_nonzero((box == end) & valleys)) / max(int(np.count_nonzero(valleys)), 1)
 
 
 def _mean_along_ridges(values: Float32Array, period: float) -> Float32Array:

@@ -98,20 +98,14 @@ def find_steps(
             contour = longest_contour(patch).reshape(-1, 2).astype(np.float64)
             step = _refined((contour + 0.5) * factor - 0.5, signal, inside, sign)
             if step is not None:
-                steps.append(replace(step, cut=_is_cut(step, patch, signal.shape)))
+                # The frame cuts a contact whose outline reaches it, or hides where its patch does.
+                reach = np.array(signal.shape[::-1]) - 2.5
+                at_frame = bool(((step.points < 1.5) | (step.points > reach)).any())
+                beside = np.count_nonzero(patch) - np.count_nonzero(patch[1:-1, 1:-1]) > 3
+                steps.append(replace(step, cut=at_frame or (step.seen < _SEEN and beside)))
                 if step.score > _VERY_CLEAR:
                     break
     return sorted(steps, key=lambda step: -step.score)
-
-
-def _is_cut(step: Step, patch: BoolArray, shape: tuple[int, ...]) -> bool:
-    """Return whether the frame cuts a contact: its outline reaches it, or hides where its patch does."""
-    reach = np.array(shape[::-1]) - 2.5
-    if ((step.points < 1.5) | (step.points > reach)).any():
-        return True
-    frame = np.ones_like(patch)
-    frame[1:-1, 1:-1] = False
-    return step.seen < _SEEN and int(np.count_nonzero(patch & frame)) > 3
 
 
 def _signals(
@@ -286,14 +280,17 @@ def _step_across(
     spacing = max(0.5, far / 200)
     across = np.arange(-far, far + spacing / 2, spacing)
     places = points[:, None] + _normals(points)[:, None] * across[:, None]
-    profiles = _sampled(signal, inside, places)
+    x, y = (np.ascontiguousarray(places[..., k], dtype=np.float32) for k in (0, 1))
+    values = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    # Zero outside the picture.
+    counts = cv2.remap(inside.astype(np.uint8), x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT)
+    profiles = np.where(counts > 0, values, np.nan).astype(np.float64)
     seen = np.isfinite(profiles).mean(axis=0) > 0.3
     if not seen.all():
         across, profiles = across[seen], profiles[:, seen]
     if len(across) < 12:
         return None
-    with np.errstate(all="ignore"):
-        typical = _nanmedian(profiles, axis=0)
+    typical = _nanmedian(profiles, axis=0)
     sigma = max(0.7, 0.6 / spacing)
     smooth = gaussian_filter1d(typical, sigma, mode="nearest", radius=math.ceil(3 * sigma))
     place, width, others, ring = _edge_of(smooth, across, sign)
@@ -325,6 +322,9 @@ def _step_across(
     beyond = smooth[outer]
     bottom = float(np.median(beyond))
     top = float(np.nanmedian(high)) if np.isfinite(high).any() else math.nan  # of a ring no plateau is seen
+    # A ring is narrow where the profile falls to half of its crest not far inside.
+    floor = smooth[(across < place) & (across > place - 0.2 * radius)]
+    narrow = bool(ring and len(floor) and floor.min() < 0.5 * smooth[np.abs(across - place).argmin()])
     trough = (across > place) & (across < place + near + 2 * width + 3)
     least = float(smooth[trough].min())
     overshoot = max(0.0, (bottom - least) / max(top - bottom, 1e-9))
@@ -337,7 +337,7 @@ def _step_across(
         width=width,
         sign=sign,
         ring=ring,
-        narrow=ring and _is_narrow(smooth, across, place, 0.2 * radius),
+        narrow=narrow,
         outer_edge=max((at - place for at in others if at > place), default=0.0),
         inner_edge=max((place - at for at in others if at < place), default=0.0),
         overshoot=overshoot,
@@ -358,15 +358,6 @@ def _ground_spread(signal: Float32Array, inside: BoolArray, points: FloatArray, 
     if len(ground) < 20:
         return 0.0
     return float(np.subtract(*np.percentile(ground, (84, 16)))) / 2
-
-
-def _sampled(signal: Float32Array, inside: BoolArray, places: FloatArray) -> FloatArray:
-    x, y = (np.ascontiguousarray(places[..., k], dtype=np.float32) for k in (0, 1))
-    values = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    counts = cv2.remap(
-        inside.astype(np.uint8), x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT, borderValue=0
-    )
-    return np.where(counts > 0, values, np.nan).astype(np.float64)
 
 
 def _nanmedian(values: FloatArray, axis: int) -> FloatArray:
@@ -427,13 +418,6 @@ def _crest_of(profile: FloatArray, across: FloatArray) -> tuple[float, float] | 
     slope = -np.gradient(profile, spacing)
     flank = k + int(slope[k : k + max(3, len(slope) // 4)].argmax())
     return float(across[k] + shift * spacing), float(2 * (across[flank] - across[k]) + spacing)
-
-
-def _is_narrow(profile: FloatArray, across: FloatArray, place: float, depth: float) -> bool:
-    """Return whether a profile falls to half of its crest within a depth inside it."""
-    k = int(np.abs(across - place).argmin())
-    inner = profile[(across < place) & (across > place - depth)]
-    return bool(len(inner) and inner.min() < 0.5 * profile[k])
 
 
 def _width_at(values: FloatArray, k: int) -> float:

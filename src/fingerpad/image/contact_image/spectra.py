@@ -101,7 +101,10 @@ def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -
     """
     copies = [(pixels, inside)]
     while min(copies[-1][0].shape) >= _WINDOW:
-        copies.append(_halve(*copies[-1]))
+        fine, where = copies[-1]
+        rows, columns = (n // 2 * 2 for n in fine.shape)
+        small = cv2.resize(fine[:rows, :columns], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        copies.append((_as_pixels(small), None if where is None else where[:rows:2, :columns:2]))
     middle = math.floor(math.log2(max(expected / _MIDDLE, 1.0)) + 0.5)
     likely = range(max(0, middle - 1), min(len(copies), middle + 2))
     for levels, count in ((likely, _FEW), (range(len(copies)), _MANY)):
@@ -117,12 +120,6 @@ def ridge_period_px(pixels: Pixels, inside: BoolArray | None, expected: float) -
             more = _window_periods(rest)
             return 2.0**best * _median_period(*map(np.append, found, more))[0]
     return math.nan
-
-
-def _halve(pixels: Pixels, inside: BoolArray | None) -> tuple[Pixels, BoolArray | None]:
-    rows, columns = (n // 2 * 2 for n in pixels.shape)
-    small = cv2.resize(pixels[:rows, :columns], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-    return _as_pixels(small), None if inside is None else inside[:rows:2, :columns:2]
 
 
 def _as_pixels(values: npt.NDArray[Any]) -> Pixels:
@@ -166,7 +163,10 @@ def _median_period(periods: FloatArray, shares: FloatArray) -> tuple[float, floa
     clear = shares > _MIN_CONCENTRATION
     if np.count_nonzero(clear) < 3:
         return math.nan, 0.0
-    return _weighted_median(periods[clear], shares[clear]), float(shares[clear].sum()) / shares.size
+    order = np.argsort(periods[clear])
+    total = np.cumsum(shares[clear][order])
+    median = float(periods[clear][order][np.searchsorted(total, total[-1] / 2)])
+    return median, float(shares[clear].sum()) / shares.size
 
 
 def _window_periods(windows: npt.NDArray[Any]) -> tuple[FloatArray, FloatArray]:
@@ -188,12 +188,6 @@ def _window_periods(windows: npt.NDArray[Any]) -> tuple[FloatArray, FloatArray]:
     return weight / moment, _BAND[peak] * weight / total
 
 
-def _weighted_median(values: FloatArray, weights: FloatArray) -> float:
-    order = np.argsort(values)
-    total = np.cumsum(weights[order])
-    return float(values[order][np.searchsorted(total, total[-1] / 2)])
-
-
 def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step: float) -> bool:
     """Return whether ridges as far apart as a finger's fill at least a quarter of an outline, (x, y).
 
@@ -204,8 +198,14 @@ def shows_ridges(copy: Float32Array, outline: FloatArray, mm_per_px: float, step
     if mm_per_px > _COARSEST_MM:
         return True
     pitch = mm_per_px * step
-    centres, apart = _centres(outline)
-    inside = _is_inside(outline, centres)
+    # The windows' centres, (rows, columns, 2), and how far apart they are, px.
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    apart = _STEP if np.prod(high - low) > _ENOUGH * _STEP**2 else _STEP // 2
+    x, y = (np.arange(a + (b - a) % apart / 2, b + 1e-6, apart) for a, b in zip(low, high, strict=True))
+    centres = np.stack(np.meshgrid(x, y), axis=-1)
+    columns, rows = np.ceil(np.maximum(high, centres.max(axis=(0, 1)))).astype(int) + 2
+    place = np.rint(centres).astype(int).clip(0)
+    inside = filled_polygon(outline, (int(rows), int(columns)))[place[..., 1], place[..., 0]] > 0
     if np.count_nonzero(inside) * (apart * pitch) ** 2 < _TELLING_MM2:
         return True
     short = [max(0, _SIDE - n) for n in copy.shape]
@@ -250,21 +250,6 @@ def _lines_of_copy(copy: Float32Array) -> LineTexture:
     if np.count_nonzero(lined) < _FEWEST:
         return LineTexture(0.0, 0.0, 0.0)
     return LineTexture(float(np.count_nonzero(lined) / busy.size), *_alike(waves[lined]))
-
-
-def _centres(places: FloatArray) -> tuple[FloatArray, int]:
-    """Return the centres of the windows, (rows, columns, 2), and how far apart they are, px."""
-    low, high = places.min(axis=0), places.max(axis=0)
-    step = _STEP if np.prod(high - low) > _ENOUGH * _STEP**2 else _STEP // 2
-    x, y = (np.arange(a + (b - a) % step / 2, b + 1e-6, step) for a, b in zip(low, high, strict=True))
-    return np.stack(np.meshgrid(x, y), axis=-1), step
-
-
-def _is_inside(places: FloatArray, centres: FloatArray) -> BoolArray:
-    size = np.ceil(np.maximum(places.max(axis=0), centres.max(axis=(0, 1)))).astype(int) + 2
-    canvas = filled_polygon(places, (int(size[1]), int(size[0])))
-    x, y = np.moveaxis(np.rint(centres).astype(int).clip(0), -1, 0)
-    return np.asarray(canvas[y, x] > 0)
 
 
 def _waves(copy: Float32Array, centres: FloatArray, pitch: float) -> tuple[FloatArray, FloatArray]:

@@ -166,28 +166,20 @@ class View:
 
         Scanners leave a blank margin of a few px: ten periods of outline within one of it are a cut too.
         """
-        at_side = self._length_near(points, lengths, self.shown, _AT_SIDE, border=0.5 * self.period)
-        near = self._length_near(points, lengths, self.shown, self.period, border=self.period)
+        at_side = self._length_near(points, lengths, self.shown, (_AT_SIDE, 0.5 * self.period), own=True)
+        near = self._length_near(points, lengths, self.shown, (self.period, self.period), own=True)
         return at_side > 2 * self.period or near > 10 * self.period
 
     def cut_by_mask(self, points: FloatArray, lengths: FloatArray) -> bool:
         """Return whether an outline reaches the edge of the caller's mask."""
-        near = self._length_near(points, lengths, self.inside, _AT_SIDE, border=2.0, own=False)
+        near = self._length_near(points, lengths, self.inside, (_AT_SIDE, 2.0), own=False)
         return near > 2 * self.period
 
     def _length_near(
-        self,
-        points: FloatArray,
-        lengths: FloatArray,
-        mask: BoolArray,
-        margin: float,
-        *,
-        border: float,
-        own: bool = True,
+        self, points: FloatArray, lengths: FloatArray, mask: BoolArray, reach: tuple[float, float], own: bool
     ) -> float:
         """Return the length of outline near what a mask leaves out, or near sides of one kind."""
-        rows, columns = mask.shape
-        x, y = points.T
+        (rows, columns), (margin, border), (x, y) = mask.shape, reach, points.T
         off = np.stack([y + 0.5, x + 0.5, rows - 0.5 - y, columns - 0.5 - x])
         of_kind = np.array([cut is not own for cut in self.cut])
         near = (off[of_kind] < margin).any(axis=0)

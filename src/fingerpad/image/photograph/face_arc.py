@@ -67,33 +67,19 @@ class FaceArc:
     border: tuple[float, float, float] | None = None  # last row, last column, how near the frame cuts an arc
 
     @classmethod
-    def given(
-        cls,
-        face: Face,
-        points: FloatArray,
-        *,
-        scale: Scale,
-        frame: tuple[FloatArray, FloatArray],
-        tilt: tuple[float, float],
-        start: FloatArray,
-        alike: int = 8,
-    ) -> Self:
-        """Return the arc of points that are all pad, without a picture."""
+    def given(cls, face: Face, points: FloatArray, **known: Any) -> Self:
+        """Return the arc of points that are all pad, without a picture; the scale and more are known."""
         every = np.ones(len(points), dtype=bool)
         return cls(
             face=face,
-            scale=scale,
-            frame=frame,
-            tilt=tilt,
             points=points,
             step_ratio=np.full(len(points), math.nan),
             pad=every,
             used=every,
             rejected=~every,
             marked=~every,
-            start=start,
             ends_known=True,
-            alike=alike,
+            **known,
         )
 
     @property

@@ -262,21 +262,16 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
     >>> round(found.palmar, 3), round(found.distal, 3), found.degrees_of_freedom, round(found.p_value, 2)
     (7.95, 13.75, 3, 0.8)
     """
-    given = tuple(faces)
-    for one in given:
+    faces = tuple(faces)
+    for one in faces:
         if not isinstance(one, FaceSemiAxes):
             raise FitError(f"give face_semi_axes of a measured photograph, found {type(one).__name__}")
-    seen = {axis for one in given for axis in FACE_AXES[one.face]}
+    seen = {axis for one in faces for axis in FACE_AXES[one.face]}
     for axis in SEMI_AXES:
         if axis not in seen:
             showing = ", ".join(face for face, axes in FACE_AXES.items() if axis in axes)
-            found = ", ".join(one.face for one in given) or "no face"
+            found = ", ".join(one.face for one in faces) or "no face"
             raise FitError(f"no face given shows the {axis} semi-axis, found {found}: add one of {showing}")
-    return _combine(given)
-
-
-def _combine(faces: tuple[FaceSemiAxes, ...]) -> PadSemiAxes:
-    """Combine the semi-axes of all faces, once they are sound."""
     values = np.concatenate([one.semi_axes for one in faces])
     design = np.array([[axis == name for name in SEMI_AXES] for one in faces for axis in FACE_AXES[one.face]])
     stated = _relative_covariance(faces, values)

@@ -56,8 +56,8 @@ class Silhouette(NamedTuple):
             return np.empty((0, 2))
         if framed.any():
             # The longest stretch between two meetings with the frame.
-            turned = np.roll(longest, -int(np.argmax(framed)), axis=0)
-            cuts = np.flatnonzero(np.roll(framed, -int(np.argmax(framed))))
+            first = int(np.argmax(framed))
+            turned, cuts = np.roll(longest, -first, axis=0), np.flatnonzero(np.roll(framed, -first))
             stretches = np.diff(np.append(cuts, len(turned)))
             k = int(np.argmax(stretches))
             longest = turned[cuts[k] + 1 : cuts[k] + stretches[k]]
@@ -147,7 +147,12 @@ def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tup
     y, x = (np.broadcast_to(part, border.shape)[border] for part in (down, across))
     design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
     colours = small[border].astype(np.float64)
-    good = _nearest_half(colours)
+    # To begin with, those nearest to the commonest colour.
+    far = np.abs(colours - np.median(colours, axis=0)).sum(axis=1)
+    for _ in range(5):
+        near = far <= np.quantile(far, 0.6)
+        far = np.abs(colours - colours[near].mean(axis=0)).sum(axis=1)
+    good = far <= np.quantile(far, 0.6)
     floor = np.eye(colours.shape[1]) * 1e-6
     for order in (1, 3, 3, 6, 6, 6):
         factors = np.linalg.lstsq(design[good, :order], colours[good], rcond=None)[0]
@@ -166,15 +171,6 @@ def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tup
     ]
     off = cv2.subtract(small, cv2.merge(surfaces), dtype=cv2.CV_64F).reshape(small.shape)
     return np.asarray(off, dtype=np.float64), noise
-
-
-def _nearest_half(colours: FloatArray) -> BoolArray:
-    """Return which colours lie nearest to the commonest one."""
-    far = np.abs(colours - np.median(colours, axis=0)).sum(axis=1)
-    for _ in range(5):
-        near = far <= np.quantile(far, 0.6)
-        far = np.abs(colours - colours[near].mean(axis=0)).sum(axis=1)
-    return np.asarray(far <= np.quantile(far, 0.6), dtype=bool)
 
 
 def _finger(distance: FloatArray) -> BoolArray:

@@ -74,11 +74,8 @@ class ForceSignal(Displayed):
         displacement: ArrayLike | None = None,
     ) -> None:
         given = {"time": time, "load": load, "trigger": trigger, "displacement": displacement}
-        channels = {
-            name: as_float_array(values, name, LoadingError)
-            for name, values in given.items()
-            if values is not None
-        }
+        there = {name: values for name, values in given.items() if values is not None}
+        channels = {name: as_float_array(values, name, LoadingError) for name, values in there.items()}
         time = channels["time"]
         if time.ndim == 1 and time.size < _MIN_SAMPLES:
             raise LoadingError(f"a signal over time needs {_MIN_SAMPLES} samples or more, found {time.size}")
@@ -89,9 +86,8 @@ class ForceSignal(Displayed):
                     f"found shape {values.shape}"
                 )
             if not np.isfinite(values).all():
-                raise LoadingError(
-                    f"{name} is not finite at sample {_first(~np.isfinite(values))}: fill it or cut it off"
-                )
+                at = int(np.argmin(np.isfinite(values)))
+                raise LoadingError(f"{name} is not finite at sample {at}: fill it or cut it off")
         _require_increasing(time, "time")
         set_fields(self, **{name: channels.get(name) for name in given})
 
@@ -128,9 +124,8 @@ class ForceSignal(Displayed):
         ndarray
             mm, NaN outside the signal and where none was recorded.
         """
-        return self._at(
-            time, np.full_like(self.time, np.nan) if self.displacement is None else self.displacement
-        )
+        missing = np.full_like(self.time, np.nan)
+        return self._at(time, missing if self.displacement is None else self.displacement)
 
     def _at(self, time: ArrayLike, values: FloatArray) -> FloatArray:
         found = np.interp(as_float_array(time), self.time, values, left=np.nan, right=np.nan)
@@ -322,16 +317,12 @@ def _require_increasing(time: FloatArray, name: str) -> None:
     steps = np.diff(time)
     if (steps > 0).all():
         return
-    at = _first(~(steps > 0))
+    at = int(np.argmin(steps > 0))
     what = "is repeated" if steps[at] == 0 else f"falls to {time[at + 1]:g} s"
     raise LoadingError(
         f"{name} must increase from row to row: after row {at + 1} ({time[at]:g} s) it {what}: "
         "sort the rows and drop repeated ones"
     )
-
-
-def _first(mask: np.ndarray) -> int:
-    return int(np.flatnonzero(mask)[0])
 
 
 def _first_rise(time: FloatArray, values: FloatArray, level: float) -> float | None:
@@ -399,26 +390,23 @@ def read_force_signal(path: str | PathLike[str], columns: Mapping[str, str] | No
             "compression: reverse its sign"
         )
     if signal.displacement is not None:
-        _require_pressing(path, signal.load, signal.displacement)
+        off, load = signal.displacement - signal.displacement.mean(), signal.load - signal.load.mean()
+        if np.ptp(signal.displacement) == 0:
+            raise LoadingError(
+                f"{path}: the displacement is {signal.displacement[0]:g} mm throughout: give the column "
+                "another name if nothing was recorded"
+            )
+        if np.dot(load, off) < 0:
+            raise LoadingError(
+                f"{path}: the displacement falls while the force rises; it grows into the pad: reverse its "
+                "sign"
+            )
     return signal
 
 
 def unread_force_columns(path: Path, columns: Mapping[str, str] | None = None) -> dict[str, list[str]]:
     """Return the columns that `read_force_signal` leaves alone, and that may be a trigger or displacement."""
     return unread_columns(path, (*_REQUIRED, *_OPTIONAL), columns)
-
-
-def _require_pressing(path: Path, load: FloatArray, displacement: FloatArray) -> None:
-    """Raise if a displacement cannot be that of a platen that presses a pad."""
-    if np.ptp(displacement) == 0:
-        raise LoadingError(
-            f"{path}: the displacement is {displacement[0]:g} mm throughout: give the column another name "
-            "if nothing was recorded"
-        )
-    if np.dot(load - load.mean(), displacement - displacement.mean()) < 0:
-        raise LoadingError(
-            f"{path}: the displacement falls while the force rises; it grows into the pad: reverse its sign"
-        )
 
 
 def read_frame_stamps(path: str | PathLike[str], columns: Mapping[str, str] | None = None) -> FrameStamps:

@@ -78,10 +78,10 @@ def with_first_frame(frames: Iterable[Frame], options: ContactImageOptions) -> C
     """Return a sequence's options: the first frame, before touch, is the background of smooth contacts."""
     if options.get("surface") != "smooth" or options.get("background") is not None:
         return options
+    alone: ContactImageOptions = {**options, "background": None}
     first = next((frame for frame in frames if frame.pixels is not None), None)
     if first is None or first.pixels is None:
-        return {**options, "background": None}
-    alone: ContactImageOptions = {**options, "background": None}
+        return alone
     # The scale does not decide whether there is a contact; a reflection alone is doubtful.
     prepared = prepare_contact_image(first.pixels, 1.0, **alone)
     if prepared.reason is None and not prepared.measure().flags:
