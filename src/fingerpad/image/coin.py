@@ -199,11 +199,8 @@ def measure_coin(image: ImageLike) -> Coin:
     small = cv2.resize(values, None, fx=1 / step, fy=1 / step, interpolation=cv2.INTER_AREA)
     chosen, shadowed = _coin_outline(np.asarray(small, dtype=np.float32))
     # Pixel centres of the small image lie at whole numbers of its own.
-    start = replace(
-        chosen.ellipse.scaled(step),
-        x=(chosen.ellipse.x + 0.5) * step - 0.5,
-        y=(chosen.ellipse.y + 0.5) * step - 0.5,
-    )
+    x, y = ((place + 0.5) * step - 0.5 for place in (chosen.ellipse.x, chosen.ellipse.y))
+    start = replace(chosen.ellipse.scaled(step), x=x, y=y)
     outline = fit_edge(_smooth(values), start, 3.0 * step, 3.0)
     if outline is None or outline.support < _MIN_SUPPORT:
         raise CalibrationError("no coin found: no circumference shows a sharp edge all round")
@@ -350,9 +347,8 @@ def _contour_ellipses(image: Float32Array) -> list[PlaneEllipse]:
     rng = np.random.default_rng(0)
     found: list[PlaneEllipse] = []
     for level in np.linspace(low, high, _LEVELS + 2)[1:-1]:
-        contours, _ = cv2.findContours(
-            (smooth > level).astype(np.uint8), cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE
-        )
+        above = (smooth > level).astype(np.uint8)
+        contours, _ = cv2.findContours(above, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)
         for contour in contours:
             points = contour[steep[contour[:, 0, 1], contour[:, 0, 0]], 0]
             if len(points) < 2 * math.pi * _MIN_RADIUS_PX:
@@ -444,8 +440,5 @@ def _edge_points(
     rows, columns = image.shape
     inside = (np.abs(points - (columns / 2, rows / 2)) < (columns / 2 - 2, rows / 2 - 2)).all(axis=1)
     found = inside & (here >= before) & (here >= after) & (here > 0.3 * np.median(here))
-    return (
-        points + (out[best] + _PROFILE_STEP * peak)[:, None] * normals,
-        as_float_array(here),
-        np.asarray(found),
-    )
+    edge = points + (out[best] + _PROFILE_STEP * peak)[:, None] * normals
+    return edge, as_float_array(here), np.asarray(found)

@@ -38,8 +38,8 @@ class Edge:
     points: FloatArray  # (n, 2); (x, y), about evenly spaced, in order
     normals: FloatArray  # (n, 2); outward
     steps: FloatArray  # (n,); length of outline that each point stands for
-    # (n,); How far the outline follows one ridge (1) or crosses ridges (0), near each point: by how much the
-    # ridge amount 0.3 periods inside exceeds that 0.8 inside
+    # (n,); How far the outline follows one ridge (1) or crosses ridges (0): by how much the ridge amount 0.3
+    # periods inside exceeds that 0.8 inside
     along: FloatArray
     period: float  # ridge period
     noise: float  # standard deviation of the noise, in parts of the rise from valley to ridge
@@ -49,15 +49,13 @@ class Edge:
     # (n,); Standard deviation of how far the edge lies further out than elsewhere (or in, below 0), one for
     # all points, by how the contrast inside differs from that along the rest of the outline
     differs: FloatArray
-    # How far further out the edge lies because the contact fades towards it; below 0 where it is sharp
-    fade: float = 0.0
-    # How much ridges beyond the outline vary along it, in parts of the interior's contrast
-    beyond: float = 0.0
-    # By how much ridges stand out less at the outline than inside because a halo or a meniscus covers them,
-    # from 0 to 1; squared
+    fade: float = 0.0  # how far further out the edge of a contact that fades lies; below 0 where it is sharp
+    beyond: float = (
+        0.0  # how much ridges beyond the outline vary along it, in parts of the interior's contrast
+    )
+    # How much less ridges stand out at the outline than inside, under a halo or a meniscus, 0 to 1; squared
     rim: float = 0.0
-    # Standard deviation along the outline of the contrast just outside it, in parts of the interior's
-    unevenness: float = 0.0
+    unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
 
     @classmethod
     def of(cls, points: FloatArray, view: View, **known: Any) -> Self:
@@ -128,16 +126,12 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
 class FadeSigns(NamedTuple):
     """What shows how a contact ends."""
 
-    # By how much less ridge there is in the last period inside the outline than in the one before, as a part
-    # of that
-    thinning: float
+    thinning: float  # how much less ridge the last period inside has than the one before, as a part of that
     outside: float  # how much ridges vary along the outline just outside it, in parts of that inside
     beyond: float  # the same further out, in parts of the interior's contrast
     rim: float  # as in `Edge`
     unevenness: float  # as in `Edge`
-    # (n,); By how much the contrast inside is less than elsewhere along the outline, in parts of the
-    # interior's
-    differs: FloatArray
+    differs: FloatArray  # (n,); how much less the contrast inside is than elsewhere, of the interior's
 
 
 def fade_signs(edge: Edge, contact: Float32Array, amount: UInt8, patch: BoolArray) -> FadeSigns:

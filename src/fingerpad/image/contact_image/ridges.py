@@ -140,8 +140,7 @@ class RidgeMap:
     corner: tuple[int, int]  # (row, column) of the box in the whole picture
     step: int  # pixels of the picture in one of the map
     softness: float  # relative change of the ridges' area for a change of their level, in parts of the rise
-    # By how much ridges vary along themselves, beyond noise and what is usual, in parts of the rise
-    grain: float
+    grain: float  # how much ridges vary along themselves, beyond noise and what is usual, of the rise
     clipped: float  # share of the valleys that the device shows as white, or as black where ridges are bright
     has_print: bool  # whether letters, or other marks darker than ridges, are counted as ridges
 

@@ -82,23 +82,19 @@ def evaluate_smooth(view: View, region: Region, edge: Edge, *, edited: bool) -> 
     outline = view.to_picture(edge.points)
     moments = polygon_moments(outline)
     weights = axis_weights(moments, outline) * view.step**2
-    noise, offset = _outline_noise(edge, weights), 0.0
+    noise, offset, doubts = _outline_noise(edge, weights), 0.0, {"edited_manually"} if edited else set()
     if isinstance(edge, SmoothEdge):
         offset = edge.shared * float(1 - edge.manual.mean()) * view.step
+        doubts |= edge.doubts
     extents = np.ptp(outline @ moments.axes.T, axis=0)
     other = extents / 2 - moments.semi_axes
     noise[:2, :2] += np.outer(other, other) / 3
-    doubts = set(edge.doubts) if isinstance(edge, SmoothEdge) else set()
-    if edited:
-        doubts.add("edited_manually")
-    covariance = np.full((4, 4), math.nan)
-    covariance[:3, :3] = noise
     return contact_result(
         view,
         region,
         edge,
         moments,
-        noise=covariance,
+        noise=np.pad(noise, (0, 1), constant_values=math.nan),
         edge_effect=np.array([offset, offset, offset * edge.steps.sum() * view.step, math.nan]),
         threshold=view.contrast / 2,
         doubts=doubts,
@@ -128,9 +124,7 @@ def _parts(
 
 def _channels(pixels: npt.ArrayLike) -> list[npt.NDArray[Any]]:
     array = np.asarray(pixels)
-    if array.ndim == 3 and array.shape[2] == 3:
-        return [array[..., k] for k in range(3)]
-    return [array]
+    return list(np.moveaxis(array, 2, 0)) if array.ndim == 3 and array.shape[2] == 3 else [array]
 
 
 def _wanted(step: Step, part: Crop, options: ContactImageOptions) -> bool:

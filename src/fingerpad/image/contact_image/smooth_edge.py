@@ -48,20 +48,17 @@ class Step:
     """The step of a picture along an outline, px of the picture."""
 
     points: FloatArray  # (n, 2); (x, y) of the outline, evenly spaced
-    # (n,); How far out from it the edge lies in the profile at each point; NaN where none is seen
-    off: FloatArray
+    off: FloatArray  # (n,); how far out from it the edge lies in each profile; NaN where none is seen
     seen: float  # share of the outline at which the edge is seen
     height: float  # level of the contact above what lies around it, median along the outline, grey levels
     noise: float  # standard deviation of the level around the contact, grey levels
     width: float  # width of the step at half height of its slope
-    # +1 where the contact is brighter than the ground, -1 where darker, 0 where only its colour differs
-    sign: int
+    sign: int  # +1 where the contact is brighter than the ground, -1 where darker, 0 where of another colour
     ring: bool  # whether the edge is a crest, not a step
     narrow: bool  # whether that crest is a narrow ring round a level floor
     outer_edge: float  # how far outside a second edge lies, 0 for none
     inner_edge: float  # how far inside, 0 for none
-    # How far the first fringe outside rises beyond the ground, in parts of the height; 0 for none
-    overshoot: float
+    overshoot: float  # how far the first fringe outside rises beyond the ground, over the height; 0 for none
     fringe: float  # how far outside the edge it lies
     cut: bool = False  # whether the contact leaves the picture
 
@@ -155,15 +152,15 @@ def _even_ground(values: Float32Array, inside: BoolArray) -> Float32Array:
     def terms(u: FloatArray, v: FloatArray) -> FloatArray:
         return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
 
-    base, level = terms(x[some], y[some]), values[some]
-    weight = _rim(inside)[some].astype(np.float64)
+    base, level, rim = terms(x[some], y[some]), values[some], _rim(inside)[some]
+    weight = rim.astype(np.float64)
     ground = np.zeros(len(level))
     for _ in range(12):
         found = np.linalg.lstsq(base * weight[:, None], level * weight, rcond=None)[0]
         ground = base @ found
         rest = level - ground
         spread = 1.4826 * np.median(np.abs(rest[weight > 0.1])) + 1e-6
-        weight = np.where(_rim(inside)[some], 1.0, 0.5) / (1 + (rest / (2 * spread)) ** 2)
+        weight = np.where(rim, 1.0, 0.5) / (1 + (rest / (2 * spread)) ** 2)
     return as_float32(terms(x, y) @ found)
 
 

@@ -105,15 +105,13 @@ class View:
     scale: Scale  # millimetres per pixel of the picture
     ridge_period: float  # found or given, px of the picture; NaN where no ridges are resolved
     contact: Float32Array  # (rows, columns); the copy: how far each place lies above the ground, grey levels
-    # (rows, columns); The level that was subtracted, of the picture turned so that contact is bright
-    ground: Float32Array
+    ground: Float32Array  # (rows, columns); the level subtracted from the picture with contact bright
     noise: float  # standard deviation of the quiet ground, grey levels
     contrast: float  # level of the contact above the ground, grey levels
     dark_on_light: bool  # whether contact is darker than the ground in the picture
     shown: BoolArray  # (rows, columns); where the picture shows anything: all but an added even border
     inside: BoolArray  # (rows, columns); where the caller lets it count
-    # Whether the top, left, bottom and right side are the caller's, not the picture's own
-    cut: tuple[bool, bool, bool, bool]
+    cut: tuple[bool, bool, bool, bool]  # whether top, left, bottom and right side are the caller's
     period: float  # ridge period, px of the copy; where it is not resolved, that of usual fingers
     steps: tuple[float, float]  # pixels of the picture in one of the copy, along rows and columns
 
