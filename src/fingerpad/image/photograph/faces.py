@@ -297,7 +297,7 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
         shift, joint, _ = solved(between_variance)
     between_std = math.sqrt(between_variance)
     if between_std > _MAX_BETWEEN_STD:
-        raise _contradiction(faces, design, off)
+        raise FitError(_contradiction(faces, design, off))
     semi_axes = np.exp(means + shift)
     palmar, distal, radial_ulnar = map(float, semi_axes)
     return PadSemiAxes(
@@ -323,15 +323,15 @@ def _relative_covariance(faces: tuple[FaceSemiAxes, ...], values: FloatArray) ->
     return np.asarray(covariance + _MIN_RELATIVE_STD**2 * np.eye(values.size))
 
 
-def _contradiction(faces: tuple[FaceSemiAxes, ...], design: FloatArray, off: FloatArray) -> FitError:
-    """Return the error that names the semi-axis about which faces disagree most, and its values."""
+def _contradiction(faces: tuple[FaceSemiAxes, ...], design: FloatArray, off: FloatArray) -> str:
+    """Return the words that name the semi-axis about which faces disagree most, and its values."""
     axis = SEMI_AXES[int(design[np.argmax(np.abs(off))].argmax())]
     values = ", ".join(
         f"{one.semi_axes[FACE_AXES[one.face].index(axis)]:.3g} mm in the {one.face} face"
         for one in faces
         if axis in FACE_AXES[one.face]
     )
-    return FitError(
+    return (
         f"the faces contradict each other: the {axis} semi-axis is {values}: check that each picture shows "
         "the face given, in the directions and the scale given, or leave one out"
     )
