@@ -216,7 +216,7 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
         end = float(box.max()) if view.dark_on_light else 0.0
         valleys = inside & (amount < level)
         if end in {0.0, 255.0, 65535.0}:
-            clipped = np.count_nonzero((box == end) & valleys) / max(np.count_nonzero(valleys), 1)
+            clipped = int(np.count_nonzero((box == end) & valleys)) / max(int(np.count_nonzero(valleys)), 1)
         level -= RIDGE_LEVEL.by_grain * grain + RIDGE_LEVEL.by_clipping * clipped**2
     within = np.compress(inside.ravel(), amount)
     if threshold is None:

@@ -98,7 +98,7 @@ def find_steps(
                 # The frame cuts a contact whose outline reaches it, or hides where its patch does.
                 reach = np.array(signal.shape[::-1]) - 2.5
                 at_frame = bool(((step.points < 1.5) | (step.points > reach)).any())
-                beside = np.count_nonzero(patch) - np.count_nonzero(patch[1:-1, 1:-1]) > 3
+                beside = int(np.count_nonzero(patch)) - int(np.count_nonzero(patch[1:-1, 1:-1])) > 3
                 steps.append(replace(step, cut=at_frame or (step.seen < _SEEN and beside)))
                 if step.score > _VERY_CLEAR:
                     break
