@@ -1,6 +1,6 @@
 """Figures that compare fingers and people."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
 from typing import TYPE_CHECKING, Any, Final
@@ -14,7 +14,7 @@ from fingerpad.figures.mpl import on_axes
 from fingerpad.figures.style import BLUE, GREEN, GREY, ORANGE, SKY, VERMILLION
 
 if TYPE_CHECKING:
-    from fingerpad.study.compare import Mean
+    from fingerpad.study.compare import Mean, Value
 
 _COLOURS: Final = (BLUE, ORANGE, GREEN, VERMILLION, SKY, "#CC79A7", GREY)
 MOST_NAMES: Final = 8
@@ -46,25 +46,25 @@ def colours_of(people: Sequence[str]) -> dict[str, str]:
 @on_axes
 def plot_forest(
     axes: Panel,
-    place: ArrayLike,
-    value: ArrayLike,
-    std: ArrayLike,
+    rows: "Sequence[tuple[int, Value]]",
     *,
-    colours: Sequence[str],
-    synthetic: ArrayLike,
-    symbols: Sequence[str] = (),
+    colours: Mapping[str, str],
+    symbols: Mapping[str, str],
     means: Sequence[tuple[float, "Mean"]] = (),
     title: str = "",
 ) -> None:
     """Draw values in rows, each with its standard uncertainty, and means below them.
 
     A mean is a diamond on its 95 % interval; the bar round it is one standard deviation between people.
+    `colours` are those of people; of `symbols` that of a value's verdict stands at the end of its row.
     """
-    y, x, spread = as_float_array(place), as_float_array(value), as_float_array(std)
-    for colour in dict.fromkeys(colours):
-        chosen = np.array([each == colour for each in colours])
-        hollow = np.broadcast_to(synthetic, x.shape)[chosen]
-        axes.add(*measured(x[chosen], y[chosen], x_std=spread[chosen], synthetic=hollow, colour=colour))
+    y, x, spread = np.array([(row, one.value, one.std) for row, one in rows]).reshape(-1, 3).T
+    people = np.array([one.person.name for _, one in rows])
+    hollow = np.array([one.synthetic for _, one in rows])
+    for person in dict.fromkeys(people.tolist()):
+        mine = people == person
+        look = {"synthetic": hollow[mine], "colour": colours[person]}
+        axes.add(*measured(x[mine], y[mine], x_std=spread[mine], **look))
     ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]
     for line, mean in means:
         if np.isfinite(mean.between_people_std):
@@ -78,8 +78,8 @@ def plot_forest(
     if every.size:
         room = 0.08 * (np.ptp(every) or abs(every[0]) or 1.0)
         axes.x = Axis(low=float(every.min() - room), high=float(every.max() + room))
-    for line, symbol in zip(y.tolist(), symbols, strict=bool(symbols)):
-        axes.add(Text(symbol, 1.015, line, frame="x", vertical="center"))
+    for row, one in rows:
+        axes.add(Text(symbols.get(one.verdict, ""), 1.015, row, frame="x", vertical="center"))
     axes.y = Axis(lines=False)
     axes.title = title
 

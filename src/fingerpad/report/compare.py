@@ -95,12 +95,9 @@ def forest_plot(comparison: Comparison, quantity: str) -> Iterator[Plot]:
         here = [row for row in rows if (row[1].wedge_angle_deg, row[1].roll_angle_deg) == (wedge, roll)]
         plot_forest(
             axes,
-            [place for place, _ in here],
-            [value.value for _, value in here],
-            [value.std for _, value in here],
-            colours=[colours[value.person.name] for _, value in here],
-            synthetic=[value.synthetic for _, value in here],
-            symbols=[VERDICT_SYMBOLS.get(value.verdict, "") for _, value in here],
+            here,
+            colours=colours,
+            symbols=VERDICT_SYMBOLS,
             means=[
                 (places[mean.synthetic], mean)
                 for mean in means
