@@ -92,8 +92,7 @@ def render_sequence(
     Raises
     ------
     GeometryError
-        If a load is negative or not finite, the resolution is not positive, or the second radius is the
-        larger.
+        If a load is negative or not finite, the resolution is not positive, or the radii are swapped.
 
     Examples
     --------
