@@ -111,6 +111,8 @@ def simulator(
     show.result(record, as_json, _print)
     if files and not as_json:
         typer.echo(f"Files: {export}, {', '.join(file.name for file in files)}")
+    if record["mujoco"]["flag"]:
+        show.note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
 
 
 def _record(law: "SimulatorLaw", mass: float, damping_ratio: float) -> dict[str, Any]:
@@ -174,8 +176,6 @@ def _print(record: dict[str, Any]) -> None:
         assumed["finite elements"] = elements
     for name, target in assumed.items():
         typer.echo(f"Assumed for {name}: {target['assumes']}")
-    if mujoco["flag"]:
-        show.note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
 
 
 def _line(name: str, value: str, target: dict[str, Any]) -> tuple[str, str, str, str]:
