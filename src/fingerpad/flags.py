@@ -25,6 +25,11 @@ class Flag:
 
 _REVIEW: Final = "look at its outline on the page, and accept or correct it"
 _CHECK_UNITS: Final = "check the scale, and the units of what was given"
+# With them a layer is fitted to a curve.
+GIVE_SEMI_AXES: Final = (
+    "give the pad's semi-axes (semi_axes_mm or photographs of the finger in study.toml, or fingerpad fit "
+    "--semi-axes-mm)"
+)
 
 _CONTACT: Final = (
     Flag(
@@ -245,8 +250,8 @@ _CURVE: Final = (
     Flag(
         "modulus_depends_on_load",
         "a modulus that grows with load fits better than one modulus",
-        "state the modulus with the load that it holds at; give the pad's semi-axes (--semi-axes-mm; "
-        "photographs or semi_axes_mm of the finger in study.toml) to fit a layer, which may explain it",
+        f"state the modulus with the load that it holds at; {GIVE_SEMI_AXES} to fit a layer, which may "
+        "explain it",
     ),
     Flag(
         "modulus_partly_decreases",
@@ -272,8 +277,7 @@ _CURVE: Final = (
     Flag(
         "untested_without_area",
         "without areas a layer on bone or a yielding stage looks like a changing modulus",
-        "record areas too, and give the pad's semi-axes (--semi-axes-mm; photographs or semi_axes_mm of the "
-        "finger in study.toml); or state thickness and compliance of the stage",
+        f"record areas too, and {GIVE_SEMI_AXES}; or state thickness and compliance of the stage",
     ),
     Flag(
         "constraint_assumed",

@@ -15,6 +15,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad._display import Displayed
 from fingerpad.estimate import Estimate
 from fingerpad.exceptions import FitError
+from fingerpad.flags import GIVE_SEMI_AXES
 from fingerpad.loading.joint import FitData, JointFit, find_noise, fit_joint
 from fingerpad.loading.laws import MAIN
 from fingerpad.loading.least_squares import effective_count
@@ -32,11 +33,7 @@ _CORRELATED: Final = 2.0
 _MIN_AREAS = 20
 FAILURES = (FitError, ArithmeticError, np.linalg.LinAlgError, ValueError)
 
-# How to have the layer that a curve shows fitted, on the command line and in a study.
-GIVE_SEMI_AXES: Final = (
-    "give the pad's semi-axes (--semi-axes-mm; photographs or semi_axes_mm of the finger in study.toml), and "
-    "thickness and modulus of the layer are fitted"
-)
+_FIT_LAYER: Final = f"{GIVE_SEMI_AXES}, and thickness and modulus of the layer are fitted"
 # What each says of the curve; all but the sphere add the parameter of that name.
 EXPLANATIONS: Final = {
     "area_offset": "areas with an offset at contact, as from a late camera",
@@ -148,7 +145,7 @@ class Comparison(Displayed):
                 thinnest = 1 / rival.values[name]
                 return (
                     f"the curve has the shape of a layer on bone thinner than {thinnest:.2g} mm and does not "
-                    f"tell its modulus: {GIVE_SEMI_AXES}"
+                    f"tell its modulus: {_FIT_LAYER}"
                 )
         return ""
 
@@ -244,7 +241,7 @@ def compare(main: JointFit) -> Comparison:
             "uncertainty holds what follows from it"
         )
         if name.endswith("inverse_thickness"):
-            doubts["misfit"] += f"; {GIVE_SEMI_AXES}"
+            doubts["misfit"] += f"; {_FIT_LAYER}"
         best, best_name = _refitted(rivals[name]), name
     if smoothed := smoothed_note(best.residuals()[1]):
         doubts["correlated_area"] = smoothed

@@ -92,7 +92,7 @@ def perform(work: Work, file: str, folder: Path, limits: Limits) -> TaskResult:
                 stopped_by = limits
                 reason = (
                     f"{file}: measuring it takes more than {limits.memory_gb:g} GB of memory: crop or shrink "
-                    "it, or raise the limit (--memory-gb)"
+                    "it, or raise the limit (fingerpad run --memory-gb)"
                 )
             else:
                 reason = in_study(reason_of(error, f"{file}: cannot be measured"), folder)

@@ -178,7 +178,7 @@ class IsolatedRunner:
             seconds = self.limits.seconds
             reason = (
                 f"{task.file}: measuring it takes longer than {seconds:g} s: crop or shrink it, or raise "
-                "the limit (--time-limit-s)"
+                "the limit (fingerpad run --time-limit-s)"
             )
             return TaskResult({"reason": reason}, {}, seconds * max(1, task.reads), self.limits)
         except WorkerDied:

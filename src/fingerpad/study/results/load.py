@@ -272,8 +272,8 @@ def _of_contacts(
             return modulus, 0.0 if math.isnan(relative) else relative * modulus, one.load_N
     raise FingerpadError(
         f"{found.finger} at {found.wedge_angle_deg:g}°: neither a loading curve nor a contact "
-        "within the range of the laws gives its modulus; give --semi-axes-mm and --youngs-modulus-kpa in "
-        "place of the folder"
+        "within the range of the laws gives its modulus: add a loading curve to the study, or give fingerpad "
+        "simulator --semi-axes-mm and --youngs-modulus-kpa in place of the folder"
     )
 
 
