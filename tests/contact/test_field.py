@@ -71,6 +71,6 @@ def test_refuses() -> None:
     for given in ({}, {"load": 1.0, "area": 3.0}):
         with pytest.raises(GeometryError, match="exactly one of load, area, indentation"):
             ContactField.of_hertz(BALL, Tissue(0.1), **given)
-    for given in ({"load": -1.0}, {"area": np.nan}, {"load": [1.0, 2.0]}):
-        with pytest.raises(GeometryError, match="one contact under a positive load"):
+    for given in ({"load": -1.0}, {"load": np.inf}, {"area": np.nan}, {"load": [1.0, 2.0]}):
+        with pytest.raises(GeometryError, match="one contact under a positive, finite load"):
             ContactField.of_hertz(BALL, Tissue(0.1), **given)

@@ -87,6 +87,7 @@ def test_pressure_by_depth_has_the_load_over_the_overlap(law) -> None:
     assert table.worst_relative_error < 1e-3
     assert (np.diff(table.pressure) > 0).all()
     assert table.pressure_at([-1.0, 0.0]).tolist() == [0, 0]
+    assert round(table.pressure_at(0)) == 0  # a number for a number
     assert table.pressure_at(2 * table.depth[-1]) > table.pressure[-1]
 
 

@@ -179,8 +179,7 @@ def size_factor(axis_ratio: ArrayLike) -> FloatArray:
 def indentation_factor(axis_ratio: ArrayLike) -> FloatArray:
     r"""Return Johnson's F2: the indentation over that of the sphere of radius √(R'R'') at the same load.
 
-    F2 = (2/π) √k K/F1 ≤ 1 (Johnson 1985, Eq. 4.26c). The "F1" of Dzidek et al. (2017) lacks the factor (2/π)
-    √k.
+    F2 = (2/π) √k K/F1 ≤ 1 (Johnson 1985, Eq. 4.26c). The "F1" of Dzidek et al. (2017) is without (2/π) √k.
     """
     cube, product = factor_products(axis_ratio)
     return product / np.cbrt(cube)

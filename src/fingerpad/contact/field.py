@@ -135,8 +135,8 @@ class ContactField(Displayed):
             If a value is impossible.
         """
         contact = hertz_contact(placement, tissue, load=load, area=area, indentation=indentation)
-        if np.ndim(contact.load) or not contact.load > 0:
-            raise GeometryError("the field is that of one contact under a positive load")
+        if np.ndim(contact.load) or not 0 < contact.load < math.inf:
+            raise GeometryError("the field is that of one contact under a positive, finite load")
         angle = float(placement.gap.angle) + (0.0 if contact.along else math.pi / 2)
         pressure = HertzPressure.of_contact(contact, angle)
         deep = Tissue(tissue.youngs_modulus, tissue.poisson_ratio)

@@ -78,9 +78,9 @@ def influence(
 
 
 class Convolution:
-    """Zero-padded convolution with an even kernel, the influence of the first cell on each, and its inverse.
+    """Zero-padded convolution of a grid with an even kernel, and its approximate inverse.
 
-    The inverse is approximate.
+    The kernel is the influence of the first cell on each.
     """
 
     def __init__(self, kernel: FloatArray) -> None:

@@ -23,9 +23,10 @@ def solve_pressure(
     total: float | None = None,
     indentation: float | None = None,
 ) -> tuple[FloatArray, float]:
-    """Return the pressure over E* and the indentation, of which one, or the sum of the pressures, is given.
+    """Return the pressure over E* and the indentation.
 
-    `gap` is that of the undeformed surfaces, `start` a guess of the pressure in any unit, positive somewhere.
+    Exactly one of `total`, the sum of the pressures, and `indentation` is given. `gap` is that of the
+    undeformed surfaces, `start` a first guess of the pressure in any unit, positive somewhere.
     """
     pressure = _scaled(start, convolution, gap, total, indentation)
     search: FloatArray | None = None

@@ -24,10 +24,11 @@ def inverse_of(curvatures: FloatArray) -> PrincipalRadii:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class SurfaceCurvature(Displayed):
-    """Principal radii and directions (..., 2, 3) of a surface at points of it, positive where it is convex.
+    """Principal radii and directions (..., 2, 3) of a surface at points of it.
 
-    The radii keep their identity: on a finger pad the first is the one whose direction lies nearer to the
-    finger's long axis (in-plane), the second the one across it (transverse).
+    The radii are positive where the surface is convex. They are not sorted but keep their identity: on a
+    finger pad the first is the one whose direction lies nearer to the finger's long axis (in-plane), the
+    second the one across it (transverse).
     """
 
     principal_radii: PrincipalRadii

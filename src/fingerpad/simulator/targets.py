@@ -89,7 +89,7 @@ class PressureByDepth(Target):
         at = as_float_array(depth, "depth")
         slope = (self.pressure[-1] - self.pressure[-2]) / (self.depth[-1] - self.depth[-2])
         beyond = slope * np.maximum(at - self.depth[-1], 0)
-        return np.asarray(np.interp(at, self.depth, self.pressure) + beyond)
+        return np.asarray(np.interp(at, self.depth, self.pressure) + beyond)[()]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
