@@ -11,6 +11,9 @@ from fingerpad.image import (
     Frame,
     Scale,
     draw_overlay,
+    ellipse_of_polygon,
+    fit_aligned_ellipse,
+    fit_ellipse,
     guess_subject,
     measure_coin,
     measure_contact_image,
@@ -84,6 +87,7 @@ def test_pictures_of_nothing(name):
         measure_coin,
         lambda picture: measure_grid(picture, (3, 3), 1.0),
         lambda picture: draw_overlay(picture, whole_contact()),
+        lambda picture: measure_contact_image(picture, SCALE, surface="smooth"),
     ):
         with suppress(FingerpadError):  # a guess may be made of any picture, but no other error raised
             measure(PICTURES[name])
@@ -108,6 +112,12 @@ def test_invalid_counts_of_grid_points(points):
 def test_invalid_records_of_phases(time, values):
     with pytest.raises(LoadingError, match="time|values"):
         phases_of(time, values)
+
+
+@pytest.mark.parametrize("fit", [fit_ellipse, fit_aligned_ellipse, ellipse_of_polygon])
+def test_outlines_of_no_numbers(fit):
+    with pytest.raises(FingerpadError, match="must be numeric, found 'abc'"):
+        fit("abc")
 
 
 def test_no_record_has_no_phases():

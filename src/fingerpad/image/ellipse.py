@@ -245,7 +245,7 @@ def ellipse_of_polygon(corners: ArrayLike) -> ImageEllipse:
 
     Corners are (row, column), in order, open or closed, in either direction.
     """
-    points = as_float_array(corners)
+    points = as_float_array(corners, "corners", ImageError)
     if points.ndim != 2 or points.shape[-1] != 2 or len(points) < 3 or not np.isfinite(points).all():
         raise ImageError(f"an outline needs three corners or more, all finite; found shape {points.shape}")
     if not abs(signed_area(points - points.mean(axis=0))) > 1e-9 * np.ptp(points, axis=0).max() ** 2:

@@ -72,7 +72,7 @@ def _fitted(
 
 
 def _check_points(points: ArrayLike, min_count: int) -> FloatArray:
-    points = as_float_array(points)
+    points = as_float_array(points, "points", FitError)
     if points.ndim != 2 or points.shape[1] != 2:
         raise FitError(f"points must have shape (n, 2), found {points.shape}")
     if not np.isfinite(points).all():

@@ -149,9 +149,12 @@ class Grid(Displayed):
             return self._project(matrix).ravel(), local_middle(self._log_scale(matrix))
 
         steps = _STEP * np.maximum(np.abs(flat[:8]), 1e-6)
-        more, less = ([at(flat[:8] + way * row) for row in np.diag(steps)] for way in (1, -1))
-        (one, scale), (other, smaller) = (map(np.array, zip(*found, strict=True)) for found in (more, less))
-        design, gradient = (one - other) / (2 * steps[:, None]), (scale - smaller) / (2 * steps)
+        design, gradient = np.empty((8, self.points.size)), np.empty(8)
+        for k, step in enumerate(steps):
+            change = step * np.eye(8)[k]
+            (places, scale), (places_before, scale_before) = at(flat[:8] + change), at(flat[:8] - change)
+            design[k] = (places - places_before) / (2 * step)
+            gradient[k] = (scale - scale_before) / (2 * step)
         size = np.linalg.norm(design, axis=1)
         scaled, gradient = design / size[:, None], gradient / size
         return self.residual * math.sqrt(float(gradient @ np.linalg.solve(scaled @ scaled.T, gradient)))

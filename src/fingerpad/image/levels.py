@@ -143,9 +143,10 @@ def levels_of_image(image: Image.Image) -> Pixels:
 
 
 def linear_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:
-    """Return the light that sRGB levels stand for, 1 at the top of the type's range or of floats above 1.
+    """Return the light that sRGB levels stand for, 1 at the top of the type's range.
 
-    A blurred edge lies where half the light is, not half the level.
+    A blurred edge lies where half the light is, not half the level. Levels of floating point are taken as
+    shares of the largest, or of 1 if none is larger.
     """
     if pixels.dtype.kind in "ui":
         top = np.iinfo(pixels.dtype).max

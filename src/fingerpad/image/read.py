@@ -60,7 +60,8 @@ class Picture(Displayed):
     pixels : ndarray, shape (rows, columns)
         Grey levels, uint8, uint16 or float32 as the file had them.
     dots_per_inch : float or None
-        As the file states it, None where it does not.
+        As the file states it; None where it states none, or no unit. Cameras and editors write 72 or 96
+        without meaning it: `Scale.of_picture` refuses those.
     """
 
     pixels: Pixels

@@ -277,14 +277,16 @@ class LoadingFit(Recorded):
         return Secant(load=load, indentation=depth, modulus=modulus)
 
     def predict(self, indentation: ArrayLike) -> Estimate:
-        """Return the load W (N) at indentations ξ (mm) from first contact on, with its uncertainty.
+        """Return the load W (N) at indentations ξ (mm), with its uncertainty and 95 % interval.
 
-        It is that of a growing modulus, with the uncertainty of its parameters and of the `alternatives` by
-        their Akaike weights; the scale of the force and the noise of one reading are not in it. NaN at the
-        law's pole.
+        The value is that of the law with a growing modulus, on which all quantities here rest; NaN where it
+        has no finite load. Its uncertainty is that of the law's parameters, and of what else could have made
+        the curve: the `alternatives` by their Akaike weights, and where there is no area the laws that depart
+        from each other. Indentation counts from first contact, wherever that was; before it, the load is
+        zero. Neither the scale of the force nor the noise of a single reading is in the uncertainty.
         """
         shape = np.shape(indentation)
-        xi = np.maximum(as_float_array(indentation).ravel(), 0.0)
+        xi = np.maximum(as_float_array(indentation, "indentation", LoadingError).ravel(), 0.0)
         laws = [self.main, *(self.alternatives[name] for name in self.uncertainty if name != MAIN)]
         weights = np.array([of.weight for of in self.uncertainty.values()])
         load, std, half = np.array(

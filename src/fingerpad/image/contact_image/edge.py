@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Final, NamedTuple, Self
+from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -50,29 +50,11 @@ class Edge:
     # all points, by how the contrast inside differs from that along the rest of the outline
     differs: FloatArray
     fade: float = 0.0  # how far further out the edge of a contact that fades lies; below 0 where it is sharp
-    beyond: float = (
-        0.0  # how much ridges beyond the outline vary along it, in parts of the interior's contrast
-    )
+    # How much ridges beyond the outline vary along it, in parts of the interior's contrast
+    beyond: float = 0.0
     # How much less ridges stand out at the outline than inside, under a halo or a meniscus, 0 to 1; squared
     rim: float = 0.0
     unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
-
-    @classmethod
-    def of(cls, points: FloatArray, view: View, **known: Any) -> Self:
-        """Return an edge (x, y) of the copy, found automatically and even unless known otherwise."""
-        none = np.zeros(len(points))
-        usual: dict[str, Any] = {
-            "normals": outward_normals(points, view.period),
-            "steps": point_spacings(points),
-            "along": none,
-            "period": view.period,
-            "noise": view.relative_noise,
-            "softness": 0.0,
-            "resolved": view.resolved,
-            "manual": none.astype(bool),
-            "differs": none,
-        }
-        return cls(points=points, **usual | known)
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
@@ -81,7 +63,25 @@ class Edge:
 
 def drawn_edge(points: FloatArray, view: View) -> Edge:
     """Return an edge (x, y) of the copy that was drawn manually all round."""
-    return Edge.of(points, view, resolved=True, manual=np.ones(len(points), dtype=bool))
+    edge = _even_edge(points, view)
+    return replace(edge, resolved=True, manual=np.ones(len(points), dtype=bool))
+
+
+def _even_edge(points: FloatArray, view: View) -> Edge:
+    """Return an edge (x, y) of the copy, found automatically and alike all round."""
+    none = np.zeros(len(points))
+    return Edge(
+        points=points,
+        normals=outward_normals(points, view.period),
+        steps=point_spacings(points),
+        along=none,
+        period=view.period,
+        noise=view.relative_noise,
+        softness=0.0,
+        resolved=view.resolved,
+        manual=none.astype(bool),
+        differs=none,
+    )
 
 
 def trace_edge(view: View, ridges: Ridges, region: Region) -> Edge:
@@ -111,16 +111,16 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
         off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
         points = points + normals * off[:, None]
     points = evenly_spaced(running_mean(points, 2))
-    normals = outward_normals(points, period)
+    edge = _even_edge(points, view)
     depths = np.array([_FIRST_RIDGE, _FIRST_VALLEY])[:, None, None] * period
-    ridge, valley = _sample(as_float32(ridges.amount), points - normals * depths)
+    ridge, valley = _sample(as_float32(ridges.amount), points - edge.normals * depths)
     along = running_mean((ridge - valley) / 255, round(EDGE.followed * period))
     # By what share the ridges' area would change if their level moved by the whole rise.
     inside = patch.astype(np.uint8)
     counts = cv2.calcHist([ridges.amount], [0], inside, [256], [0, 256]).ravel().astype(np.float64)
     near_half = float(counts[128 - _RAMP // 2 : 128 + _RAMP // 2].sum())
     softness = near_half * 255 / _RAMP / max(float(counts[128:].sum()), 1.0)
-    return Edge.of(points, view, normals=normals, along=along, softness=softness)
+    return replace(edge, along=along, softness=softness)
 
 
 class FadeSigns(NamedTuple):
@@ -238,8 +238,9 @@ def _sample(field: Float32Array, points: FloatArray) -> FloatArray:
 def edge_shift(edge: Edge) -> float:
     """Return how far the true edge lies beyond the closed ridges on average, px.
 
-    The outline sags between the ends of ridges that it crosses, and beyond a ridge that it follows may lie a
-    valley: half of it without resolved ridges. A contact that fades reaches further.
+    The outline sags between the rounded ends of ridges that it crosses, and the edge may lie in a valley
+    beyond a ridge that it follows. Without resolved ridges there may be such ends or none: half of it. A
+    contact that fades reaches further.
     """
     return EDGE.ends * edge.period * (1.0 if edge.resolved else 0.5) + edge.fade
 
@@ -256,8 +257,9 @@ def axis_weights(moments: AreaMoments, points: FloatArray) -> FloatArray:
 def edge_offset_std(edge: Edge) -> float:
     """Return the standard uncertainty of the edge's place that all of the outline shares, px.
 
-    The definition of a fading edge and, without resolved ridges, all of the shift. Other images of the device
-    share it, and so does an edge that a person drew, who sees no more of it.
+    It holds the definition of the edge of a contact that fades and, where no ridges are resolved, all of the
+    shift for them. Other images of the same device share it too, and so does an edge that a person drew, who
+    sees no more of it.
     """
     terms = (
         EDGE.shared_std * edge.period,
@@ -274,7 +276,8 @@ def outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
 
     Each stretch has an independent error: where it follows a ridge, that of an edge at random on valleys of
     half the period, √(v³/3 − v⁴/4) P = 0.16 P; everywhere that of the local level, which grows with the blur.
-    An edge that fades does so unevenly, as the contrast inside shows. Drawn parts have the error of drawing.
+    An edge that fades does so unevenly, as the contrast inside shows. Where it was drawn manually, the error
+    of drawing replaces these; half of its variance is shared by all that was drawn.
     """
     along = edge.along.clip(0, 1)
     soft = EDGE.softness_std * edge.softness

@@ -29,6 +29,19 @@ from fingerpad.image.contact_image.view import ContactImageOptions, Surface, Vie
 from fingerpad.image.ellipse import AreaMoments, polygon_moments
 from fingerpad.image.scale import PLAUSIBLE_RIDGE_PERIOD_MM
 
+# Contrast over noise below which the contact hardly stands out from noise.
+LOW_CONTRAST: Final = 5.0
+_POOR_OVERLAP: Final = 0.85
+# Share of the contact beyond which its ridges may have been joined by sweat or ink.
+_MANY_RIDGES: Final = 0.59
+# Over windows of so many periods resolved ridges spread by more than so many levels of 255; where their mean
+# is below this, nothing touches.
+_WINDOW: Final = 3.0
+_MIN_SPREAD: Final = 76.0
+_NOTHING: Final = 64.0
+# Dimension of (semi_major, semi_minor, gross_area, ridge_area) in lengths.
+_POWERS: Final = np.array([1, 1, 2, 2])
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class ContactImageResult(Recorded):
@@ -213,20 +226,6 @@ class ContactImageResult(Recorded):
             "dark_on_light": self.dark_on_light,
         }
         return settings if self.surface == "ridged" else {**settings, "surface": self.surface}
-
-
-# Contrast over noise below which the contact hardly stands out from noise.
-LOW_CONTRAST: Final = 5.0
-_POOR_OVERLAP: Final = 0.85
-# Share of the contact beyond which its ridges may have been joined by sweat or ink.
-_MANY_RIDGES: Final = 0.59
-# Over windows of so many periods resolved ridges spread by more than so many levels of 255; where their mean
-# is below this, nothing touches.
-_WINDOW: Final = 3.0
-_MIN_SPREAD: Final = 76.0
-_NOTHING: Final = 64.0
-# Dimension of (semi_major, semi_minor, gross_area, ridge_area) in lengths.
-_POWERS: Final = np.array([1, 1, 2, 2])
 
 
 def evaluate(view: View, ridges: Ridges, region: Region, edge: Edge, *, edited: bool) -> ContactImageResult:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from fingerpad._arrays import BoolArray, FloatArray, as_float32
 from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import filled_polygon
+from fingerpad.image.contact_image.background import without_added_border
 from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.edge import (
     MANUAL,
@@ -29,6 +30,7 @@ from fingerpad.image.contact_image.result import ContactImageResult, contact_res
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps
 from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, crop, reduced_shape
 from fingerpad.image.ellipse import polygon_moments
+from fingerpad.image.levels import picture_array
 from fingerpad.image.scale import Scale
 
 # Longer side of the copy, px, in which regions are drawn.
@@ -82,7 +84,8 @@ def evaluate_smooth(view: View, region: Region, edge: Edge, *, edited: bool) -> 
     outline = view.to_picture(edge.points)
     moments = polygon_moments(outline)
     weights = axis_weights(moments, outline) * view.step**2
-    noise, offset, doubts = _outline_noise(edge, weights), 0.0, {"edited_manually"} if edited else set()
+    noise, offset = _outline_noise(edge, weights), 0.0
+    doubts = {"edited_manually"} if edited else set()
     if isinstance(edge, SmoothEdge):
         offset = edge.shared * float(1 - edge.manual.mean()) * view.step
         doubts |= edge.doubts
@@ -107,7 +110,7 @@ def _parts(
     """Return the part that is measured, its colours, and those of the background there."""
     background = options.get("background")
     limits: ContactImageOptions = {**options, "background": None}
-    crops = [crop(channel, **limits) for channel in _channels(pixels)]
+    crops = [crop(channel, **limits) for channel in _channels(pixels, "pixels")]
     grey = crops[0]
     if len(crops) > 1:
         grey = grey._replace(pixels=as_float32(np.mean([each.pixels for each in crops], axis=0)))
@@ -116,15 +119,17 @@ def _parts(
         raise ImageError(f"no contact found: every pixel has the same level, {values.flat[0]:g}")
     if background is None:
         return grey, values, None
-    lights = [crop(channel, **limits) for channel in _channels(background)]
+    lights = [crop(channel, **limits) for channel in _channels(background, "background")]
     if lights[0].shape != grey.shape:
         raise ImageError(f"background must have the picture's shape {grey.shape}, found {lights[0].shape}")
     return grey, values, np.stack([as_float32(each.pixels) for each in lights], axis=-1)
 
 
-def _channels(pixels: npt.ArrayLike) -> list[npt.NDArray[Any]]:
-    array = np.asarray(pixels)
-    return list(np.moveaxis(array, 2, 0)) if array.ndim == 3 and array.shape[2] == 3 else [array]
+def _channels(pixels: npt.ArrayLike, name: str) -> list[npt.NDArray[Any]]:
+    """Return the three colours of a picture, or its grey levels alone."""
+    array = picture_array(pixels, name)
+    is_colour = array.ndim == 3 and array.shape[2] == 3
+    return list(np.moveaxis(array, 2, 0)) if is_colour else [array]
 
 
 def _wanted(step: Step, part: Crop, options: ContactImageOptions) -> bool:
@@ -189,16 +194,18 @@ def _view(
     ground = np.full_like(copy, np.median(turned))
     in_copy = cv2.resize(inside.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
     rows, columns = (whole / own for whole, own in zip(part.pixels.shape, shape, strict=True))
-    return View.of(
-        part,
-        scale,
-        shape,
+    return View(
+        picture=part.pixels,
+        corner=part.corner,
+        shape=part.shape,
+        scale=scale,
         ridge_period=math.nan,
         contact=as_float32(turned - ground),
         ground=ground,
         noise=0.0 if step is None else step.noise,
         contrast=0.0 if step is None else step.height,
         dark_on_light=dark,
+        shown=without_added_border(part.pixels, shape),
         inside=np.asarray(in_copy),
         period=max(_DRAWN_PX, _DRAWN_MM / scale.mm_per_px / math.sqrt(rows * columns)),
     )
@@ -222,12 +229,20 @@ def _edge(step: Step, view: View) -> SmoothEdge:
     hidden = SMOOTH.hidden * step.radius * (1 - step.seen) ** 1.5
     if step.cut:
         hidden = SMOOTH.cut * step.radius
-    return SmoothEdge.of(
-        points,
-        view,
+    steps, none = point_spacings(points), np.zeros(len(points))
+    return SmoothEdge(
+        points=points,
         normals=outward_normals(points, 1.0),
+        steps=steps,
+        along=none,
+        period=view.period,
+        noise=view.relative_noise,
+        softness=0.0,
+        resolved=False,
+        manual=none.astype(bool),
+        differs=none,
         own=own / view.step,
-        stretch=run * float(point_spacings(points).mean()),
+        stretch=run * float(steps.mean()),
         hidden=hidden / view.step,
         shared=shared / view.step,
         doubts=frozenset(doubts),
@@ -237,20 +252,24 @@ def _edge(step: Step, view: View) -> SmoothEdge:
 def _beyond(step: Step) -> tuple[float, float, bool]:
     """Return how far out from a step the contact ends, its standard uncertainty, and whether that is unclear.
 
-    Light passes gaps thinner than its wavelength, water fills them: the edge seen lies outside the contact.
+    Light passes gaps thinner than its wavelength and water fills those at the edge: the visible edge lies
+    outside the contact.
     """
     terms = [SMOOTH.pixel, SMOOTH.by_width * step.width, SMOOTH.by_scatter * step.scatter]
-    shift, more, second = 0.0, 0.0, max(step.outer_edge, step.inner_edge)
+    shift, unclear = 0.0, True
     if step.ring:
         # The slope of a gel is steepest at the edge, and its skin rounds that.
-        shift, more = (-1 if step.narrow else 1) * SMOOTH.crest * step.width, SMOOTH.crest_std * step.width
+        shift = (-1 if step.narrow else 1) * SMOOTH.crest * step.width
+        terms.append(SMOOTH.crest_std * step.width)
     elif step.overshoot > SMOOTH.least_overshoot:
         # Fringes tell the gap: a quarter of a wavelength at the first, a twelfth at half level.
-        shift, more = -SMOOTH.fringe * step.fringe, SMOOTH.fringe_std * step.fringe
-    elif second > 0:
-        more = SMOOTH.second * second
-    unclear = step.ring or step.overshoot > SMOOTH.least_overshoot or second > 0
-    return shift, math.hypot(*terms, more), unclear
+        shift = -SMOOTH.fringe * step.fringe
+        terms.append(SMOOTH.fringe_std * step.fringe)
+    elif (second := max(step.outer_edge, step.inner_edge)) > 0:
+        terms.append(SMOOTH.second * second)
+    else:
+        unclear = False
+    return shift, math.hypot(*terms), unclear
 
 
 def _scatter(step: Step) -> tuple[float, float]:

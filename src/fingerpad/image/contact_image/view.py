@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final, Literal, NamedTuple, Self, TypeAlias, TypedDict, Unpack
+from typing import Any, Final, Literal, NamedTuple, TypeAlias, TypedDict, Unpack
 
 import cv2
 import numpy as np
@@ -111,24 +111,19 @@ class View:
     dark_on_light: bool  # whether contact is darker than the ground in the picture
     shown: BoolArray  # (rows, columns); where the picture shows anything: all but an added even border
     inside: BoolArray  # (rows, columns); where the caller lets it count
-    cut: tuple[bool, bool, bool, bool]  # whether top, left, bottom and right side are the caller's
     period: float  # ridge period, px of the copy; where it is not resolved, that of usual fingers
-    steps: tuple[float, float]  # pixels of the picture in one of the copy, along rows and columns
 
-    @classmethod
-    def of(cls, part: Crop, scale: Scale, shape: tuple[int, int], **seen: Any) -> Self:
-        """Return the view of a part of a picture, with a copy of some shape and what is seen there."""
-        (row, column), (rows, columns) = part.corner, part.pixels.shape
-        return cls(
-            picture=part.pixels,
-            corner=part.corner,
-            shape=part.shape,
-            scale=scale,
-            steps=(rows / shape[0], columns / shape[1]),
-            shown=without_added_border(part.pixels, shape),
-            cut=(row > 0, column > 0, row + rows < part.shape[0], column + columns < part.shape[1]),
-            **seen,
-        )
+    @property
+    def steps(self) -> tuple[float, float]:
+        """Pixels of the picture in one of the copy, along rows and columns."""
+        (rows, columns), (few_rows, few_columns) = self.picture.shape, self.contact.shape
+        return rows / few_rows, columns / few_columns
+
+    @property
+    def _cut(self) -> tuple[bool, bool, bool, bool]:
+        """Whether the top, left, bottom and right side are the caller's, not the picture's own."""
+        (row, column), (rows, columns) = self.corner, self.picture.shape
+        return row > 0, column > 0, row + rows < self.shape[0], column + columns < self.shape[1]
 
     @property
     def resolved(self) -> bool:
@@ -164,22 +159,30 @@ class View:
 
         Scanners leave a blank margin of a few px: ten periods of outline within one of it are a cut too.
         """
-        at_side = self._length_near(points, lengths, self.shown, (_AT_SIDE, 0.5 * self.period), own=True)
-        near = self._length_near(points, lengths, self.shown, (self.period, self.period), own=True)
+        at_side = self._length_near(points, lengths, self.shown, _AT_SIDE, border=0.5 * self.period, own=True)
+        near = self._length_near(points, lengths, self.shown, self.period, border=self.period, own=True)
         return at_side > 2 * self.period or near > 10 * self.period
 
     def cut_by_mask(self, points: FloatArray, lengths: FloatArray) -> bool:
         """Return whether an outline reaches the edge of the caller's mask."""
-        near = self._length_near(points, lengths, self.inside, (_AT_SIDE, 2.0), own=False)
+        near = self._length_near(points, lengths, self.inside, _AT_SIDE, border=2.0, own=False)
         return near > 2 * self.period
 
     def _length_near(
-        self, points: FloatArray, lengths: FloatArray, mask: BoolArray, reach: tuple[float, float], own: bool
+        self,
+        points: FloatArray,
+        lengths: FloatArray,
+        mask: BoolArray,
+        margin: float,
+        *,
+        border: float,
+        own: bool,
     ) -> float:
         """Return the length of outline near what a mask leaves out, or near sides of one kind."""
-        (rows, columns), (margin, border), (x, y) = mask.shape, reach, points.T
+        rows, columns = mask.shape
+        x, y = points.T
         off = np.stack([y + 0.5, x + 0.5, rows - 0.5 - y, columns - 0.5 - x])
-        of_kind = np.array([cut is not own for cut in self.cut])
+        of_kind = np.array([cut is not own for cut in self._cut])
         near = (off[of_kind] < margin).any(axis=0)
         if not mask.all():
             plain = cv2.erode(mask.astype(np.uint8), disk(max(1.0, border)))
@@ -224,16 +227,18 @@ def view_of(pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageO
         dark_on_light=options.get("dark_on_light"),
         contrast=options.get("contrast"),
     )
-    view = View.of(
-        part,
-        scale,
-        shape,
+    view = View(
+        picture=part.pixels,
+        corner=part.corner,
+        shape=part.shape,
+        scale=scale,
         ridge_period=found,
         contact=flat.values,
         ground=as_float32((-copy if flat.dark_on_light else copy) - flat.values),
         noise=flat.noise,
         contrast=flat.contrast,
         dark_on_light=flat.dark_on_light,
+        shown=without_added_border(part.pixels, shape),
         inside=inside,
         period=period_of_copy,
     )

@@ -95,9 +95,10 @@ def fit_arc_ellipse(
 ) -> ArcFit:
     """Fit the ellipse of least orthogonal distance to ordered, evenly spaced points (x, y) of an outline.
 
-    `tilt` is the finger's axis as known beforehand, and its std. `places` are the points' in the outline,
-    where some are left out; `start` is (x, y, semi_x, semi_y, tilt); `beyond` how far each point lies past an
-    end of the arc, negative before the first.
+    `tilt` is the turn of the finger's axis from x towards y as known beforehand, and its standard
+    uncertainty, radians. `places` are those of the points in the outline, rising, where some are left out.
+    `start` is (x, y, semi_x, semi_y, tilt), the least-squares conic if left out. `beyond` is how far along
+    the outline each point lies past an end of the arc: negative before the first, positive after the last.
     """
     points = as_float_array(points)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 8 or not np.isfinite(points).all():
@@ -184,11 +185,14 @@ def _whitening(on_arc: BoolArray, density: float, bends: FloatArray) -> Callable
 
 
 def bend_covariance(beyond: FloatArray, radii: tuple[float, ...]) -> FloatArray:
-    """Return the covariance of an outline's distance from the ellipse at places beyond the ends of its arc.
+    """Return the covariance of an outline's distance from the ellipse beyond the ends of its arc.
 
-    Curvature, in units of the ellipse's, jumps at the end by a normal deviate and then follows a random walk,
-    both of standard deviation one. Integrated twice, with distances s < t in radii R of the ends, that is
+    The outline has no corner. Its curvature, in units of the ellipse's at the end, jumps there by a normal
+    deviate and then follows a random walk, both of standard deviation one (the walk's after one radian).
+    Integrated twice, with s < t two distances in radii of curvature R of the end, the covariance is
     R² [s² t² / 4 + (s⁵/5 + (t − s) s⁴/2 + (t − s)² s³/3) / 4]; the two ends are independent.
+
+    `beyond` is the distance past the arc, negative before its first end; `radii` are those at both ends.
     """
     radius = np.where(beyond < 0, *radii)
     angle = np.abs(beyond) / radius
@@ -312,7 +316,8 @@ def initial_ellipse(points: FloatArray, face: Face) -> FloatArray:
 def finger_tilt(points: FloatArray, face: Face) -> tuple[float, float]:
     """Return the tilt of the finger from x towards y, and its standard uncertainty, radians.
 
-    That of the middle line between the sides below the pad; where none show, upright within 5 degrees.
+    That of the middle line between the two sides below the pad; where they do not show, as of a finger seen
+    end on, upright within 5 degrees.
     """
     if face == "distal":
         return 0.0, _UPRIGHT_STD

@@ -47,7 +47,11 @@ _LOW_CONTRAST = 30.0
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FaceArc:
-    """The arc, one piece of a face's outline, in the face's frame, px, and what is known beside it."""
+    """The arc of a face's outline, in the outline, and what is known beside it.
+
+    Lengths are px of the picture. The outline's n points are in the face's frame, in order; the arc is one
+    piece of them.
+    """
 
     face: Face
     scale: Scale
@@ -67,19 +71,33 @@ class FaceArc:
     border: tuple[float, float, float] | None = None  # last row, last column, how near the frame cuts an arc
 
     @classmethod
-    def given(cls, face: Face, points: FloatArray, **known: Any) -> Self:
-        """Return the arc of points that are all pad, without a picture; the scale and more are known."""
+    def given(
+        cls,
+        face: Face,
+        points: FloatArray,
+        *,
+        scale: Scale,
+        frame: tuple[FloatArray, FloatArray],
+        tilt: tuple[float, float],
+        start: FloatArray,
+        alike: int = 8,
+    ) -> Self:
+        """Return the arc of points that are all pad, without a picture."""
         every = np.ones(len(points), dtype=bool)
         return cls(
             face=face,
+            scale=scale,
+            frame=frame,
+            tilt=tilt,
             points=points,
             step_ratio=np.full(len(points), math.nan),
             pad=every,
             used=every,
             rejected=~every,
             marked=~every,
+            start=start,
             ends_known=True,
-            **known,
+            alike=alike,
         )
 
     @property

@@ -35,7 +35,7 @@ from fingerpad.image.photograph.silhouette import (
     opponent_light,
 )
 from fingerpad.image.read import ImageLike, colour_levels
-from fingerpad.image.scale import ScaleLike, as_scale
+from fingerpad.image.scale import Scale, ScaleLike, as_scale
 
 _MIN_POINTS = 24
 _MAX_POINTS = 1000
@@ -120,7 +120,7 @@ def measure_photograph(
                 faced: dict[Face, tuple[Direction, ...]] = {"palmar": (tip,), "distal": (side,)}
                 silhouette.check_not_cut(faced.get(face, (tip, side)), tip)
             axes = face_axes(face, tip, side)
-            arc = _pad_arc(edges, face, axes, window, marks, scale=scale, border=border)
+            arc = _pad_arc(edges, face, axes, scale, window=window, marks=marks, border=border)
             tried.append(face_from_arc(arc))
         except (FitError, ImageError) as error:
             errors.append(error)
@@ -153,11 +153,13 @@ def _pad_arc(
     edges: SubpixelOutline,
     face: Face,
     axes: FloatArray,
+    scale: Scale,
+    *,
     window: Window | None,
     marks: FloatArray | None,
-    **known: Any,
+    border: tuple[float, float, float],
 ) -> FaceArc:
-    """Return the pad's arc: the longest that one ellipse fits, or as marked; scale and border are known."""
+    """Return the pad's arc: the longest that one ellipse fits, or as marked."""
     place = edges.points.mean(axis=0)
     local = (edges.points - place) @ axes.T
     tilt, pad = finger_tilt(local, face), candidate_points(local, face)
@@ -174,13 +176,15 @@ def _pad_arc(
     every = every[edges.found[every]]
     points, candidates = local[every], np.flatnonzero(np.isin(every, order))
     rough = np.append(initial_ellipse(local, face)[:4], tilt[0])
-    ends_known, numbers = marks is not None or window is not None, np.arange(len(every))
+    ends_known = marks is not None or window is not None
     if ends_known:
         arc = fit_arc(points, candidates, tilt, rough_start(points[candidates], tilt, rough))
     else:
         arc = longest_arc(points, candidates, PAD_MIDDLE[face], tilt, rough)
+    numbers = np.arange(len(every))
     return FaceArc(
         face=face,
+        scale=scale,
         frame=(axes, place),
         tilt=tilt,
         points=points,
@@ -192,7 +196,7 @@ def _pad_arc(
         start=arc.fit.ellipse.parameters,
         ends_known=ends_known,
         blur=edges.blur,
-        **known,
+        border=border,
     )
 
 

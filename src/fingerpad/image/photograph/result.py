@@ -216,12 +216,17 @@ class PhotographFit(Displayed):
         """
         if self.face not in ("radial", "ulnar"):
             return []
-        names = "wedge_angle_deg", "outline_mm", "outline_mm_std", "ellipse_mm"
-        seen = [
-            (wedge, *self.outline_radius(math.radians(wedge)), self.ellipse_radius(math.radians(wedge)))
-            for wedge in wedges_deg
+        seen = [(wedge, *self.outline_radius(math.radians(wedge))) for wedge in wedges_deg]
+        return [
+            {
+                "wedge_angle_deg": wedge,
+                "outline_mm": radius,
+                "outline_mm_std": std,
+                "ellipse_mm": self.ellipse_radius(math.radians(wedge)),
+            }
+            for wedge, radius, std in seen
+            if math.isfinite(radius)
         ]
-        return [dict(zip(names, one, strict=True)) for one in seen if math.isfinite(one[1])]
 
     def without_picture(self) -> Self:
         """Return the same without the picture that was measured, to save memory."""

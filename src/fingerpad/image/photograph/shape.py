@@ -40,11 +40,14 @@ def contradicted_by_lengths(
     tilt_std: float,
     ellipse: float = 1.0,
 ) -> FloatArray:
-    """Return by how much, relatively, an outline's lengths differ from semi-axes beyond chance, or 0.
+    """Return by how much, relatively, an outline's lengths differ from semi-axes beyond chance.
 
-    Where the outline reaches farther than the ellipse of an arc, or less far, nothing tells which is the pad.
-    Points (x, y) are about the ellipse's centre, along its axes, whose std is `tilt_std`; of a palmar face
-    with the shaft, in `pad` without. `ellipse` is the probability that the pad is one.
+    The ellipse follows an arc. Where the outline beyond it reaches farther than the ellipse, or less far,
+    nothing tells which of the two is the pad. Zero where the outline does not show a length.
+
+    Points (x, y) are about the ellipse's centre, in order, along its axes: of a palmar face with the shaft,
+    in `pad` those that can be pad. The ellipse's axis has the standard uncertainty `tilt_std`, radians; it
+    describes the pad's arc with the probability `ellipse`.
     """
     if len(points) < _MIN_POINTS_OF_LENGTHS:
         return np.zeros(2)
@@ -80,7 +83,8 @@ class HalfWidth(NamedTuple):
 def half_width(points: FloatArray, pad: FloatArray, across: float, along: float, face: Face) -> HalfWidth:
     """Return half of an outline's width; arguments are those of `contradicted_by_lengths`.
 
-    Below the ellipse's centre a shaft may be wider than the pad: what is not common of that is the pad's.
+    Of a palmar face the widest place lies at the ellipse's centre or above: below, the shaft may be wider
+    than the pad. How much wider it is beyond what is common, is the pad's.
     """
     top = int(points[:, 1].argmax())
     way = math.copysign(1, points[-1, 0] - points[0, 0])
@@ -247,8 +251,10 @@ def average_over_shapes(
     """Fit a superellipse whose quadrants have exponents of their own, and average with the ellipse by odds.
 
     |X/a|^p + |Y/b|^p = 1, where p differs from 2 by normal deviates, one for all quadrants and one for each.
-    `covariance` is that of the ellipse's semi-axes; `half_width` half of the finger's, of which `hidden` is
-    not seen; `noise` the points' std; `alike` neighbours share an error. Lengths are px.
+    The semi-axes of both curves are the extents to which they continue the arc; those of the ellipse have the
+    covariance given. `half_width` is half of the finger's width, NaN where this face does not show the pad's,
+    of which the outline does not show the part `hidden`. `noise` is the standard deviation of the points on
+    the arc; `alike` neighbouring points share an error. Lengths are px. None where the points are too few.
     """
     size = math.sqrt(ellipse.semi_x * ellipse.semi_y)
     blocks, counts = _blocks(points / size, alike)

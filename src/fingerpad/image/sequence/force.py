@@ -74,8 +74,11 @@ class ForceSignal(Displayed):
         displacement: ArrayLike | None = None,
     ) -> None:
         given = {"time": time, "load": load, "trigger": trigger, "displacement": displacement}
-        there = {name: values for name, values in given.items() if values is not None}
-        channels = {name: as_float_array(values, name, LoadingError) for name, values in there.items()}
+        channels = {
+            name: as_float_array(values, name, LoadingError)
+            for name, values in given.items()
+            if values is not None
+        }
         time = channels["time"]
         if time.ndim == 1 and time.size < _MIN_SAMPLES:
             raise LoadingError(f"a signal over time needs {_MIN_SAMPLES} samples or more, found {time.size}")
@@ -278,7 +281,9 @@ def frame_clock(
     """
     if start_time is not None and contact_load is not None:
         raise LoadingError("give either the time of the first frame or the load of first contact, not both")
-    if force is not None and contact_load is not None:  # a frame late, and by what shows in the pictures
+    if force is not None and contact_load is not None:
+        # Pictures show contact from some ridges on: the frame is late by that and up to one frame more, and
+        # so are all times.
         return FrameRate(frames_per_second, anchor_time=force.contact_time(contact_load), anchor_frame=None)
     if force is not None and start_time is None:
         start_time = force.span[0] if force.trigger is None else force.trigger_time()

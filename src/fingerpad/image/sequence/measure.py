@@ -331,13 +331,13 @@ def _measure_frame(
 
 
 def _phase(
-    result: FrameResult, first_contact: int | None, found: PhaseIntervals, count: int, *, given: bool
+    result: FrameResult, first_contact: int | None, found: PhaseIntervals, count: int | None, *, given: bool
 ) -> Phase | None:
     """Return the phase of a frame whose time is known, None outside the record.
 
-    Phases found in the texture are by the numbers of its `count` frames, all others by time.
+    Phases found in the texture are by the numbers of its `count` frames; all others, without one, by time.
     """
-    if count:
+    if count is not None:
         if result.index >= count:
             return None
         phase = found.at(result.index)
@@ -361,10 +361,10 @@ def assign_times(
 ) -> Iterator[FrameResult]:
     """Yield all results of a sequence with time, load and phase, once the first contact is known.
 
-    `texture` (`SequenceSettings.texture`) gives the phases where there is neither force nor `phases` on its
-    clock.
+    Phases are those given, on the clock of the force; or those of the force; or, without it, those of
+    `texture` (`SequenceSettings.texture`).
     """
-    count = 0
+    count: int | None = None
     if phases is not None:
         found = phases
     elif force is not None:
@@ -378,8 +378,11 @@ def assign_times(
     def placed(result: FrameResult) -> FrameResult:
         time = math.nan if clock is None else clock.time_of(result.index, first_contact)
         load = math.nan if force is None else float(force.load_at(time))
-        no_time, no_force = clock is not None and math.isnan(time), force is not None and math.isnan(load)
-        flags = (*result.flags, *["no_time"] * no_time, *["no_force"] * no_force)
+        doubts = {
+            "no_time": clock is not None and math.isnan(time),
+            "no_force": force is not None and math.isnan(load),
+        }
+        flags = (*result.flags, *(flag for flag, doubted in doubts.items() if doubted))
         timed = replace(result, time=time, load=load, flags=flags)
         phase = _phase(timed, first_contact, found, count, given=phases is not None)
         return replace(timed, phase=phase, is_first_contact=result.index == first_contact)
