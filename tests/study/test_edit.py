@@ -16,7 +16,7 @@ from fingerpad.study.editing.edit import Edit, change_study, create_study, title
 from fingerpad.study.editing.template import write_template
 from fingerpad.study.journal import JOURNAL_NAME
 from fingerpad.study.manifest import load_study, read_study
-from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.manifest.load import STUDY_NAME, is_as_read
 from fingerpad.study.status import missing
 
 MANIFEST = """\
@@ -303,6 +303,18 @@ def test_rows_of_a_spreadsheet_are_changed_there(folder):
     assert kept(folder) == before
     changed(folder, ("observation", "row_2", None))
     assert "row_2" not in (folder / "more.csv").read_text()
+
+
+def test_a_spreadsheet_that_was_missing_is_read_once_it_is_there(folder):
+    text = MANIFEST.replace('title = "Ours"', 'observations_csv = "more.csv"\ntitle = "Ours"')
+    (folder / STUDY_NAME).write_text(text)
+    before = loaded(folder)
+    assert any("more.csv" in issue for issue in before.issues)
+    (folder / "more.csv").write_text(
+        "name,finger,wedge_angle_deg,load_N,file,ppi\nrow_1,left,30,1.5,a.png,500\n"
+    )
+    assert not is_as_read(before)
+    assert is_as_read(loaded(folder))
 
 
 def test_decimal_commas_and_semicolons_of_a_spreadsheet_stay(folder):

@@ -305,6 +305,7 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
     top, wrong = _top_level(document, path)
     tables, digests = list(_tables(document, path.name)), {path.name: hashlib.sha256(content).hexdigest()}
     if top.observations_csv is not None:
+        digests[top.observations_csv] = ""  # as of a file that cannot be read: `is_as_read` sees it come back
         try:
             rows = read(top.observations_csv)
             digests[top.observations_csv] = hashlib.sha256(rows).hexdigest()
