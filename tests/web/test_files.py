@@ -198,6 +198,15 @@ def test_files_are_kept_and_restored_where_there_are_no_hard_links(client, studi
         assert (studies_folder / "demo" / name).read_bytes() == png(level=level)
 
 
+def test_an_upload_that_cannot_be_placed_leaves_nothing_behind(client, studies_folder, monkeypatch):
+    def refuse(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("fingerpad.web.api.files.placed", refuse)
+    assert upload(client, "a.png", png()).status_code >= 400
+    assert not list((studies_folder / "demo" / "uploads").iterdir())
+
+
 def test_a_removed_frame_is_restored_to_its_sequence(client, studies_folder):
     upload(client, "1.png", png(), folder="press1")
     file = {"file": "uploads/press1/1.png"}

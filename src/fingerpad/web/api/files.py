@@ -92,9 +92,12 @@ async def upload(
     path, digest = await stored(request, workspace.upload_limit, folder)
 
     def keep() -> UploadedFile:
-        target = placed(path, folder / name, digest)
-        new = not path.exists()
-        path.unlink(missing_ok=True)
+        try:
+            target = placed(path, folder / name, digest)
+            new = not path.exists()
+        finally:
+            with suppress(OSError):
+                path.unlink()
         try:
             found = _described(opened, target)
         except FingerpadError as error:
