@@ -152,14 +152,15 @@ def verify_study(manifest: Path, out: Path) -> Verification:
         except FingerpadError as error:
             faults.append(str(error))
     if (out / STORE_NAME).is_file():
+        found: list[str] = []
         try:
             with Store.reading(out / STORE_NAME) as store:
-                found = list(_store_faults(store))
+                found.extend(_store_faults(store))  # those before an error are kept
                 if not found:
                     intact[STORE_NAME] = counted(len(store.statuses()), "result")
-                faults += found
         except FingerpadError as error:
-            faults.append(str(error))
+            found.append(str(error))
+        faults += found
     listed = result_files(out)
     found = result_set_faults(out, digest_of)
     if listed and not found:
