@@ -93,7 +93,8 @@ class FigureFileParams(FigureParams):
 def figures(opened: Opened) -> Figures:
     """Return the report's figures with their captions."""
     require_results(opened)
-    files = result_files(opened.out)
+    names = result_files(opened.out)
+    files = set(names)
 
     def entry(drawing: str) -> FigureEntry:
         name = Path(drawing).stem
@@ -107,7 +108,7 @@ def figures(opened: Opened) -> Figures:
         )
 
     return Figures(
-        figures=[entry(one) for one in files if one.startswith("figures/") and one.endswith(".svg")]
+        figures=[entry(one) for one in names if one.startswith("figures/") and one.endswith(".svg")]
     )
 
 

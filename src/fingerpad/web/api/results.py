@@ -4,7 +4,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import numpy as np
 import pandas as pd
@@ -136,7 +136,7 @@ class PlottedGroup(Group):
     mean_curvature_radius_mm_std: float | None
     loading_radius_mm: float | None
     loading_radius_mm_std: float | None
-    rows: dict[str, list[Any]]
+    rows: dict[str, list[Cell]]
     point_words: dict[str, list[str]]
     range_notes: list[RangeNote]
     verdict: str
@@ -177,7 +177,13 @@ class AuditedNumber(Answer):
     """A number printed by Dzidek et al. (2017), and what the equations give."""
 
     item: str
+    printed: float | None
+    unit: str
     verdict: str
+    computed: float | None
+    low: float | None
+    high: float | None
+    with_misprint: float | None
     words: AuditWords
     formula: str
     remark: str
