@@ -252,12 +252,7 @@ def measure_frames(
         raise LoadingError("--column names columns of --force: give it too")
     with columns_named_by(options.column_flags):
         signal = None if force is None else read_force_signal(force, columns)
-    aligned = {
-        "--frames-per-second": frames_per_second,
-        "--start-s": start_s,
-        "--contact-load-n": contact_load_n,
-    }
-    clock = _clock(frames.frames_per_second, aligned, signal, times)
+    clock = _clock(frames.frames_per_second, frames_per_second, signal, start_s, contact_load_n, times)
     options.note_unread({} if force is None else unread_force_columns(force, columns))
     if overlay_dir is not None:
         make_folder(overlay_dir)
@@ -289,22 +284,28 @@ def _print_frame(result: "FrameResult") -> None:
 
 def _clock(
     played: float | None,
-    aligned: Mapping[str, float | None],
+    frames_per_second: float | None,
     signal: "ForceSignal | None",
+    start_s: float | None,
+    contact_load: float | None,
     times: Path | None,
 ) -> "FrameClock | None":
     """Return the frames' clock, or None where no rate is known."""
     from fingerpad.image import frame_clock, read_frame_stamps
 
+    aligned = {
+        "--frames-per-second": frames_per_second,
+        "--start-s": start_s,
+        "--contact-load-n": contact_load,
+    }
     idle = [flag for flag, value in aligned.items() if value is not None]
     if times is not None:
         if idle:
             raise LoadingError(f"--times gives each frame its time: there is no use for {idle[0]} beside it")
         return read_frame_stamps(times)
-    rate, start_time, contact_load = aligned.values()
-    rate = played if rate is None else rate
+    rate = played if frames_per_second is None else frames_per_second
     if rate is not None:
-        return frame_clock(rate, signal, start_time=start_time, contact_load=contact_load)
+        return frame_clock(rate, signal, start_time=start_s, contact_load=contact_load)
     if signal is not None:
         raise LoadingError("--force needs the times of the frames: give --frames-per-second or --times")
     return None

@@ -39,9 +39,8 @@ def compare(
 
         write_comparison(found, out)
         page = write_comparison_page(found, out)
-    show.result(found.as_record() if as_json else found, as_json, _print_comparison)
-    if page is not None and not as_json:
-        typer.echo(f"Page: {page}")
+    show.result(found.as_record(), as_json, lambda _: _print_comparison(found))
+    show.folder("Page", page, as_json)
 
 
 def _print_comparison(found: "Comparison") -> None:

@@ -31,7 +31,7 @@ def result(record: Any, as_json: bool, as_text: Callable[[Any], None] | None = N
 
 
 def folder(title: str, path: Path | None, as_json: bool) -> None:
-    """Say where pictures were written, if any were, unless scripts read the output."""
+    """Say where pictures or a page were written, if any were, unless scripts read the output."""
     if path is not None and not as_json:
         typer.echo(f"{title}: {path}")
 

@@ -103,11 +103,9 @@ def simulator(
         record = _record(law, mass_kg, damping_ratio)
     except GeometryError as error:
         raise GeometryError(f"--mass-kg {mass_kg:g}: {error}") from None
-    files = (
-        export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
-        if export is not None
-        else []
-    )
+    files: tuple[Path, ...] = ()
+    if export is not None:
+        files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
     show.result(record, as_json, _print)
     if files and not as_json:
         typer.echo(f"Files: {export}, {', '.join(file.name for file in files)}")

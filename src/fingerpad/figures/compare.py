@@ -63,8 +63,8 @@ def plot_forest(
     hollow = np.array([one.synthetic for _, one in rows])
     for person in dict.fromkeys(people.tolist()):
         mine = people == person
-        look = {"synthetic": hollow[mine], "colour": colours[person]}
-        axes.add(*measured(x[mine], y[mine], x_std=spread[mine], **look))
+        points = x[mine], y[mine]
+        axes.add(*measured(*points, x_std=spread[mine], synthetic=hollow[mine], colour=colours[person]))
     ends = [x - np.nan_to_num(spread), x + np.nan_to_num(spread)]
     for line, mean in means:
         if np.isfinite(mean.between_people_std):

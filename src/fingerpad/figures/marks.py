@@ -10,7 +10,18 @@ import re
 from collections.abc import Iterator
 from dataclasses import KW_ONLY, MISSING, dataclass, field, fields
 from types import NoneType
-from typing import Annotated, Any, Final, Literal, Self, TypeAlias, get_args, get_origin
+from typing import (
+    Annotated,
+    Any,
+    Final,
+    Literal,
+    Self,
+    TypeAlias,
+    TypedDict,
+    Unpack,
+    get_args,
+    get_origin,
+)
 
 import numpy as np
 
@@ -325,6 +336,17 @@ def new_panels(
     return Figure(width_mm=width_mm, height_mm=height_mm, rows=rows, columns=columns, panels=panels), panels
 
 
+class Look(TypedDict, total=False):
+    """What may be set of measured points, as in `Points`."""
+
+    colour: Colour
+    face: Colour
+    marker: Marker
+    size: float
+    edge_width: float
+    bar_width: float
+
+
 def measured(
     x: ArrayLike,
     y: ArrayLike,
@@ -334,7 +356,7 @@ def measured(
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
     label: str = "measured",
-    **look: Any,
+    **look: Unpack[Look],
 ) -> Iterator[Points]:
     """Yield points with bars of one standard uncertainty, synthetic ones hollow, left-out ones faded."""
     stds = {"x_std": x_std, "y_std": y_std}
@@ -342,16 +364,17 @@ def measured(
     x, y, hollow, faded, *bars = (
         one.ravel() for one in broadcast(x, y, synthetic, left_out, *known.values())
     )
-    usual = {"size": 1.8, "edge_width": 0.5} if x.size > 80 else {"size": 4.2}
+    usual: Look = {"size": 1.8, "edge_width": 0.5} if x.size > 80 else {"size": 4.2}
     for out in (False, True):
         for made in (False, True):
             chosen = ((hollow != 0) == made) & ((faded != 0) == out)
             if chosen.any():
+                own: Look = {"colour": BLUE, "face": "white" if made else "", **usual, **look}
                 yield Points(
                     x[chosen],
                     y[chosen],
                     **{name: std[chosen] for name, std in zip(known, bars, strict=True)},
-                    **{"colour": BLUE, "face": "white" if made else "", **usual, **look},
+                    **own,
                     label=f"{label}{', left out' if out else ''}{' (synthetic)' if made else ''}",
                     alpha=FADED if out else 1.0,
                 )

@@ -19,6 +19,7 @@ from fingerpad.figures.marks import (
     Dash,
     Ellipses,
     Line,
+    Look,
     Panel,
     Points,
     Rule,
@@ -54,8 +55,13 @@ def plot_corrected_radius(
 ) -> None:
     """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017)."""
     if fixed_geometry_std is not None:
-        look: dict[str, Any] = {"marker": "", "bar_width": 2.4, "label": "_geometry held exact"}
-        axes.add(*measured(load, corrected_radius, y_std=fixed_geometry_std, left_out=left_out, **look))
+        bars: Look = {"marker": "", "bar_width": 2.4}
+        label = "_geometry held exact"  # not in the legend
+        axes.add(
+            *measured(
+                load, corrected_radius, y_std=fixed_geometry_std, left_out=left_out, label=label, **bars
+            )
+        )
     axes.add(
         *measured(
             load,
@@ -69,9 +75,9 @@ def plot_corrected_radius(
     axes.add(*synthetic_tag(synthetic))
     if compliance_radius is not None:
         # An outline wider than the circle, which would hide a square of nearly the same value.
-        look = {"marker": "s", "size": 6.5, "colour": GREY, "face": "none"}
+        squares: Look = {"marker": "s", "size": 6.5, "colour": GREY, "face": "none"}
         label = r"$R_{A\xi}$, to compare with $R_\mathrm{g}$"
-        axes.add(*measured(load, compliance_radius, left_out=left_out, label=label, **look))
+        axes.add(*measured(load, compliance_radius, left_out=left_out, label=label, **squares))
     if printed is not None:
         at = printed.load_N, printed.corrected_radius_mm.value
         label = r"$R_\mathrm{g}^\mathrm{corr}$, printed in Dzidek et al. (2017)"

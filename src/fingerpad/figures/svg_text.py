@@ -134,10 +134,8 @@ class TextBox(NamedTuple):
         step, ascent = LINE_HEIGHT * self.size, _ASCENT * self.size
         count = self.text.count("\n")
         height = step * count + ascent
-        above = {"top": 0.0, "center": height / 2, "bottom": height + 0.2 * self.size, "baseline": height}[
-            self.vertical
-        ]
-        return [self.y - above + ascent + step * number for number in range(count + 1)]
+        above = {"top": 0.0, "center": height / 2, "bottom": height + 0.2 * self.size, "baseline": height}
+        return [self.y - above[self.vertical] + ascent + step * number for number in range(count + 1)]
 
     def box(self) -> tuple[float, float, float, float]:
         """Return left, right, top and bottom."""

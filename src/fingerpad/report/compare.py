@@ -43,31 +43,28 @@ def write_comparison_page(comparison: Comparison, out: Path) -> Path:
     make_folder(out / "figures")
     path = out / "compare.html"
     try:
-        page = (
-            templates()
-            .get_template("compare.html.jinja")
-            .render(
-                interval=_interval,
-                two=_two_digits,
-                comparison=comparison,
-                version=fingerpad.__version__,
-                quantities=[
-                    {
-                        "name": name,
-                        "symbol": Markup(_SYMBOLS[name]),  # noqa: S704 (written here)
-                        "unit": kind.unit,
-                        "words": kind.words,
-                        "values": comparison.of(name)[0],
-                        "means": comparison.of(name)[1],
-                        "judged": any(value.verdict for value in comparison.of(name)[0]),
-                        "figures": save_plots(forest_plot(comparison, name), out / "figures"),
-                    }
-                    for name, kind in QUANTITIES.items()
-                    if comparison.of(name)[0]
-                ],
-                by_wedge=save_plots(wedge_plot(comparison), out / "figures"),
-                synthetic=any(value.synthetic for value in comparison.values),
-            )
+        template = templates().get_template("compare.html.jinja")
+        page = template.render(
+            interval=_interval,
+            two=_two_digits,
+            comparison=comparison,
+            version=fingerpad.__version__,
+            quantities=[
+                {
+                    "name": name,
+                    "symbol": Markup(_SYMBOLS[name]),  # noqa: S704 (written here)
+                    "unit": kind.unit,
+                    "words": kind.words,
+                    "values": comparison.of(name)[0],
+                    "means": comparison.of(name)[1],
+                    "judged": any(value.verdict for value in comparison.of(name)[0]),
+                    "figures": save_plots(forest_plot(comparison, name), out / "figures"),
+                }
+                for name, kind in QUANTITIES.items()
+                if comparison.of(name)[0]
+            ],
+            by_wedge=save_plots(wedge_plot(comparison), out / "figures"),
+            synthetic=any(value.synthetic for value in comparison.values),
         )
         path.write_text(page, encoding="utf-8")
     except OSError as error:

@@ -57,38 +57,35 @@ def write_page(
     try:
         for folder in (out / "figures", path.parent):
             folder.mkdir(parents=True, exist_ok=True)
-        page = (
-            templates()
-            .get_template("report.html.jinja")
-            .stream(
-                result=result,
-                picture_of=lambda overlay: _picture(overlays / overlay),
-                home=home,
-                pages=pages,
-                failed=result.failed_contacts,
-                odd=[*result.notes, *text.implausible_values(result), *text.moduli_apart(found)],
-                most_failed=_MOST_FAILED,
-                corrected=list(records(result.corrected[:_MOST_FAILED])),
-                corrections=len(result.corrected),
-                answers=found,
-                most_answers=_MOST_ANSWERS,
-                colours=colours_of([one.label for one in found]) if len(found) <= MOST_NAMES else {},
-                without=list(text.fingers_without_results(result)),
-                overview=draw(plots.answer_plots(result, found, f"{path.stem}_" if home else "")),
-                by_wedge=draw(plots.wedge_plot(result)) if pages else [],
-                **(_tabled(result, found) if pages else _drawn_in_full(result, found, draw)),
-                curve_doubts=text.doubtful_curves(result),
-                most_presses=_MOST_PRESSES,
-                synthetic=bool(result.rows["synthetic"].any()),
-                repeats=repeatability_section(result, with_loads=not pages),
-                operators=[] if home else result.operators,
-                agreement_figures=[] if home else draw(plots.agreement_plots(result)),
-                quantity_words=QUANTITY_WORDS,
-                missing=list(_missing(result, found)),
-                first_order=result.study.uncertainty.method == "first_order",
-                methods=None if home else methods_section(result),
-                thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
-            )
+        template = templates().get_template("report.html.jinja")
+        page = template.stream(
+            result=result,
+            picture_of=lambda overlay: _picture(overlays / overlay),
+            home=home,
+            pages=pages,
+            failed=result.failed_contacts,
+            odd=[*result.notes, *text.implausible_values(result), *text.moduli_apart(found)],
+            most_failed=_MOST_FAILED,
+            corrected=list(records(result.corrected[:_MOST_FAILED])),
+            corrections=len(result.corrected),
+            answers=found,
+            most_answers=_MOST_ANSWERS,
+            colours=colours_of([one.label for one in found]) if len(found) <= MOST_NAMES else {},
+            without=list(text.fingers_without_results(result)),
+            overview=draw(plots.answer_plots(result, found, f"{path.stem}_" if home else "")),
+            by_wedge=draw(plots.wedge_plot(result)) if pages else [],
+            **(_tabled(result, found) if pages else _drawn_in_full(result, found, draw)),
+            curve_doubts=text.doubtful_curves(result),
+            most_presses=_MOST_PRESSES,
+            synthetic=bool(result.rows["synthetic"].any()),
+            repeats=repeatability_section(result, with_loads=not pages),
+            operators=[] if home else result.operators,
+            agreement_figures=[] if home else draw(plots.agreement_plots(result)),
+            quantity_words=QUANTITY_WORDS,
+            missing=list(_missing(result, found)),
+            first_order=result.study.uncertainty.method == "first_order",
+            methods=None if home else methods_section(result),
+            thick=any(finger.effective_thickness is not None for finger in result.fingers.values()),
         )
         page.enable_buffering()
         with path.with_suffix(".part").open("w", encoding="utf-8") as file:

@@ -70,7 +70,8 @@ def answer_plots(result: StudyResult, found: Sequence[Answer], prefix: str) -> I
         return
     colours = colours_of([one.label for one in found])
     beside = "; points at one load stand side by side" if len(pairs) <= MOST_NAMES else ", of each contact"
-    moduli = dict.fromkeys("{0} ({2}s)".format(*_MODULI[one.on_bone]) for one in found)
+    shown = (_MODULI[one.on_bone] for one in found)
+    moduli = dict.fromkeys(f"{kind} ({mark}s)" for kind, _, mark in shown)
     loading = "" if all(np.isnan(one.of.loading_radius_mm) for one in found) else "loading radius R_g and "
     for name, label, caption, values in (
         ("area", "contact area A (mm²)", f"Contact area against load{beside}.", _areas),

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -126,11 +126,11 @@ def measure_observation(
     correction: ContactCorrection = NOTHING,
 ) -> Measurement:
     """Measure one observation and write its overlay; the person's verdict is added by `reviewed`."""
-    known: dict[str, Any] = {"observation": observation.name, "load_N": observation.load_N}
+    nothing = Measurement(observation=observation.name, load_N=observation.load_N)
     if observation.ellipse_mm is not None:
         ellipse = observation.ellipse_mm
-        return Measurement(
-            **known,
+        return replace(
+            nothing,
             semi_major_mm=ellipse.semi_major,
             semi_minor_mm=ellipse.semi_minor,
             covariance_mm2=ellipse.std**2 * np.eye(2),
@@ -143,14 +143,19 @@ def measure_observation(
     seen = corrected_contact_image(pixels, found.scale, observation, folder, correction)
     if seen.contact_image is None:
         assert seen.reason is not None  # one of the two
-        return with_automatic_axes(Measurement(**known, reason=in_study(seen.reason, folder)), seen)
+        return with_automatic_axes(replace(nothing, reason=in_study(seen.reason, folder)), seen)
     overlay = Path("overlays") / f"{file_stem(observation.name)}.png"
     make_folder((out / overlay).parent)
     write_overlay(
         out / overlay, pixels, seen.contact_image, label="synthetic" if observation.synthetic else None
     )
     measured = from_contact_image(seen.contact_image, observation, found)
-    return replace(with_automatic_axes(measured, seen), **known, overlay=str(overlay))
+    return replace(
+        with_automatic_axes(measured, seen),
+        observation=observation.name,
+        load_N=observation.load_N,
+        overlay=str(overlay),
+    )
 
 
 def with_automatic_axes(measured: Measurement, seen: CorrectedContactImage) -> Measurement:

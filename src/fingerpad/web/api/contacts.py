@@ -200,13 +200,14 @@ def measure(opened: Opened, params: Body[ContactParams]) -> ContactMeasurement:
     waits = params.soon and image.complete and known_finger(opened, image.contact.finger) is None
     model = image.model(measured) if image.complete and not waits else None
     own, error = image.automatic() if change.edits else (seen, None)
+    automatic = None if own is None else {**_numbers(own), "outline_px": own.outline.round(2)}
     return ContactMeasurement.of(
         item=image.item,
         by="manual" if change.ellipse_px is not None else "corrected" if change.edits else "automatic",
         outline_px=seen.outline.round(2),
         **_drawn(seen, image.found),
         numbers=_numbers(seen),
-        automatic=own and _numbers(own) | {"outline_px": own.outline.round(2)},
+        automatic=automatic,
         automatic_error=error,
         model=model,
         waits=waits,

@@ -3,7 +3,7 @@
 import math
 import time
 from dataclasses import replace
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
@@ -166,10 +166,24 @@ def measure(opened: Opened, params: Body[PhotographParams]) -> PhotographMeasure
     manual = params.handles is not None or change.ellipse_px is not None
     edited = manual or bool(change.edits)
     automatic = _automatic(opened, params.item, photograph) if edited else None
-    return _measurement(
+    centre, across, along = fit.handles
+    tilt, size = math.degrees(fit.tilt), fit.scale.mm_per_px
+    return PhotographMeasurement.of(
         fit,
         item=params.item,
         by="manual" if manual else "corrected" if edited else "automatic",
+        axes=FACE_AXES[fit.face],
+        ellipse_px=FaceEllipse.of(centre=fit.centre, semi_axes=fit.semi_axes / size, tilt_deg=tilt),
+        handles=FaceHandles.of(centre_px=centre, across_end_px=across, along_end_px=along),
+        points_px=fit.points.round(2),
+        outliers_px=fit.outliers.round(2),
+        uncertainty_words={axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
+        exponent_std=None if math.isnan(fit.exponent) else fit.exponent_std,
+        radii=fit.side_radii(),
+        tilt_deg=tilt,
+        flags=sorted(fit.flags),
+        mm_per_px=size,
+        mm_per_px_std=fit.scale.mm_per_px_std,
         automatic=automatic and FaceAxes.of(automatic),
         finger=together,
         finger_error=error,
@@ -186,30 +200,6 @@ def _table(opened: StudySession, params: PhotographParams) -> tuple[Finger | Non
     if params.face is None or params.scale is None:
         raise RequestError.impossible(f"{params.item}: state its face and its scale")
     return None, Photograph(face=params.face, file=params.item.removeprefix("file:"), scale=params.scale)
-
-
-def _measurement(fit: PhotographFit, **more: Any) -> PhotographMeasurement:
-    """Return the numbers and the drawing of a fit."""
-    centre, across, along = fit.handles
-    tilt, no_exponent = math.degrees(fit.tilt), math.isnan(fit.exponent)
-    return PhotographMeasurement.of(
-        fit,
-        **more,
-        axes=FACE_AXES[fit.face],
-        ellipse_px=FaceEllipse.of(
-            centre=fit.centre, semi_axes=fit.semi_axes / fit.scale.mm_per_px, tilt_deg=tilt
-        ),
-        handles=FaceHandles.of(centre_px=centre, across_end_px=across, along_end_px=along),
-        points_px=fit.points.round(2),
-        outliers_px=fit.outliers.round(2),
-        uncertainty_words={axis: _terms(fit, axis) for axis in FACE_AXES[fit.face]},
-        exponent_std=None if no_exponent else fit.exponent_std,
-        radii=fit.side_radii(),
-        tilt_deg=tilt,
-        flags=sorted(fit.flags),
-        mm_per_px=fit.scale.mm_per_px,
-        mm_per_px_std=fit.scale.mm_per_px_std,
-    )
 
 
 def _terms(fit: PhotographFit, axis: str) -> str:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, NamedTuple, Self
+from typing import Final, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -42,13 +42,12 @@ class ValidityCheck(Displayed):
     quantities: tuple[str, ...]
     verdict: str = NOT_TESTED  # ``holds``, ``strained``, ``fails`` or ``not tested``
     unit: str = ""  # of the values; empty for pure numbers
-    # value, value_std: what the model gives, with its standard uncertainty; NaN where there is none
+    # What the model gives, and what it is compared with; NaN where there is none.
     value: float = math.nan
     value_std: float = math.nan
-    # reference, reference_std: what it is compared with
     reference: float = math.nan
     reference_std: float = math.nan
-    # size of the difference: of the results that it concerns, relative to them, signed
+    # Of the results that it concerns, signed.
     relative_difference: float = math.nan
     difference_of: str = ""  # the result that this is of; empty where it is what is compared
     relative_std: float = math.nan  # standard uncertainty of that, as of a logarithm; NaN for a known error
@@ -80,8 +79,19 @@ class ValidityCheck(Displayed):
         """
         spread = math.hypot(value[1] / value[0], reference[1] / reference[0]) if log_std is None else log_std
         ratio = math.log(value[0] / reference[0])
-        found = {"relative_difference": math.expm1(ratio), "relative_std": spread, "note": note}
-        return self._of(value, reference, _deviations(ratio, spread), math.inf, **found)
+        deviations = _deviations(ratio, spread)
+        return replace(
+            self,
+            value=value[0],
+            value_std=value[1],
+            reference=reference[0],
+            reference_std=reference[1],
+            relative_difference=math.expm1(ratio),
+            relative_std=spread,
+            deviations=deviations,
+            p_value=p_value_of(deviations),
+            note=note,
+        ).judged()
 
     def of_difference(
         self,
@@ -99,34 +109,19 @@ class ValidityCheck(Displayed):
         concerns, `effect_on` which in words.
         """
         difference = value[0] - reference
-        return self._of(
-            value,
-            (reference, 0.0),
-            _deviations(difference, value[1]),
-            degrees_of_freedom,
-            relative_difference=math.expm1(effect * difference),
-            difference_of=effect_on,
-            relative_std=abs(effect) * value[1],
-            note=note,
-        )
-
-    def _of(
-        self,
-        value: tuple[float, float],
-        reference: tuple[float, float],
-        deviations: float,
-        degrees_of_freedom: float,
-        **found: Any,
-    ) -> Self:
+        deviations = _deviations(difference, value[1])
         return replace(
             self,
             value=value[0],
             value_std=value[1],
-            reference=reference[0],
-            reference_std=reference[1],
+            reference=reference,
+            reference_std=0.0,
+            relative_difference=math.expm1(effect * difference),
+            difference_of=effect_on,
+            relative_std=abs(effect) * value[1],
             deviations=deviations,
             p_value=p_value_of(deviations, degrees_of_freedom),
-            **found,
+            note=note,
         ).judged()
 
     def of_known_error(self, value: float, reference: float, note: str) -> Self:

@@ -42,9 +42,8 @@ Discrepancies = Mapping[str, ModelDiscrepancy | None]
 class Headline:
     """A result with its uncertainty from what was measured and from the model."""
 
-    # value, std: with the standard uncertainty of what was measured; NaN where it is not known
     value: float
-    std: float
+    std: float  # from what was measured; NaN where it is not known
     model_std: float  # standard uncertainty from the model's discrepancy; NaN where nothing tells it
     model_from: str  # what that was estimated from, or why it was not
     verdict: str  # the worst of the checks that concern it
