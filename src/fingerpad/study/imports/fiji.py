@@ -45,10 +45,10 @@ class MeasuredEllipse:
 
     label: str  # what Fiji calls it: the picture's name, or the ROI's
     source: str  # file and line, or file and ROI, for messages
-    # semi_major, semi_minor: semi-axes: half of what Fiji's Major and Minor are
+    # Half of what Fiji's Major and Minor are.
     semi_major: float
     semi_minor: float
-    # long axis from straight up in the picture, counter-clockwise, in (−90, 90]; None where not known
+    # Of the long axis from straight up in the picture, counter-clockwise, in (−90, 90]; None if unknown.
     orientation_deg: float | None = None
     doubts: tuple[str, ...] = ()  # what should be looked at
 
@@ -258,11 +258,9 @@ class ManualObservation(Displayed):
 
     name: str  # made from the label, like no other
     values: Mapping[str, str | float]  # those of `FIELDS` that are known
-    # semi_major_mm, semi_minor_mm, ellipse_mm_std: the ellipse, and the standard uncertainty of either semi-
-    # axis
     semi_major_mm: float
     semi_minor_mm: float
-    ellipse_mm_std: float
+    ellipse_mm_std: float  # standard uncertainty of either semi-axis
     long_axis: str | None  # where it lies, if the picture tells
     synthetic: bool  # whether the picture was rendered
     notes: str  # where it comes from, and doubts

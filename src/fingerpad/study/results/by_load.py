@@ -36,17 +36,15 @@ _ON_LAYER: Final = "youngs_modulus_on_layer"
 class LoadMean:
     """The geometric mean of a quantity over the contacts of one finger under one load."""
 
-    # value, std: the mean and its standard uncertainty from all parts together
     value: float
-    std: float
-    # 95 % interval, with Student's t for noise, repeatability and sessions where these are known
+    std: float  # from all parts together
+    # 95 % interval, with Student's t for noise, repeatability and sessions where these are known.
     interval: tuple[float, float]
-    # noise_std, repeatability_std: standard uncertainty from what no contacts share, divided by √n: noise (in
-    # a modulus with the load's), and the scatter of repeats beyond it; NaN where the study has too few
-    # repeats
+    # From what no contacts share, divided by √n: noise (in a modulus with the load's), and the scatter of
+    # repeats beyond it; NaN where the study has too few repeats.
     noise_std: float
     repeatability_std: float
-    # from the difference between sessions, divided by the root of their number; NaN where it is not known
+    # From the difference between sessions, divided by the root of their number; NaN where it is not known.
     session_std: float
     edge_std: float  # from the place of the contact's edge, which all contacts share
     other_std: float  # from what else they share: scale, and in a modulus geometry and Poisson's ratio
@@ -111,14 +109,13 @@ class AtLoad:
     roll_angle_deg: float
     synthetic: bool
     load: float  # mean of their loads, N
-    # count, sessions: number of contacts, and of sessions in which they were made
-    count: int
-    sessions: int
+    count: int  # of contacts
+    sessions: int  # number of those in which they were made
     area: LoadMean  # contact area, mm²
     modulus: LoadMean  # Young's modulus from load and area by Hertz theory, kPa
     verdict: str
-    # Young's modulus on the finger's layer of tissue, over the contacts in the range of its laws, kPa; None
-    # without any
+    # Young's modulus on the finger's layer of tissue, kPa, over the contacts in the range of its laws; None
+    # without any.
     modulus_on_layer: LoadMean | None
     layer_verdict: str  # whether the layer holds; empty without one
 

@@ -154,8 +154,7 @@ def layer_columns(
 class LayerQuantity:
     """A quantity with its uncertainty, in the unit of the tables."""
 
-    # value, std: in kPa or mm; NaN where it is out of the range of the laws
-    value: float
+    value: float  # kPa or mm; NaN, as its uncertainty, where it is out of the range of the laws
     std: float
     budget: dict[str, float]  # share of each source in the variance
 
@@ -188,14 +187,12 @@ class CurveOnLayer:
     """What the highest load of a loading curve and its indentation tell of the pad."""
 
     load: float  # highest load fitted, N
-    # indentation, indentation_std: its indentation from the place of contact that Hertz theory fits, with its
-    # uncertainty, mm
-    indentation: float
+    indentation: float  # under it, from the place of contact that Hertz theory fits, mm
     indentation_std: float
-    # by how much it is larger from the place of contact that the law of the layer fits, mm
+    # By how much that is larger from the place of contact that the law of the layer fits, mm.
     contact_shift: float
     flag: str  # what takes it out of the range of the laws; empty where nothing does
-    # Young's modulus by Hertz theory and on the layer, and A/(πξ) on the layer; NaN where it is flagged
+    # Young's modulus by Hertz theory and on the layer, and A/(πξ) on the layer; NaN where it is flagged.
     quantities: dict[str, LayerQuantity]
 
 

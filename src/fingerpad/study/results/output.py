@@ -20,7 +20,7 @@ from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading
 from fingerpad.study.measuring.fingers import FingerResult, PhotographResult
 from fingerpad.study.measuring.operators import OperatorAgreement
 from fingerpad.study.measuring.sequences import SequenceResult
-from fingerpad.study.results import summary_file as file
+from fingerpad.study.results import summary_file
 from fingerpad.study.results.by_load import AtLoad, LoadMean
 from fingerpad.study.results.layer import CurveOnLayer, LayerQuantity, unit_of
 from fingerpad.study.results.methods import methods_section
@@ -106,15 +106,15 @@ def _literals(rows: pd.DataFrame, name: str, cells: Sequence[str]) -> list[str]:
     return [cell or "null" for cell in cells]
 
 
-def summary_of(result: StudyResult) -> file.SummaryFile:
+def summary_of(result: StudyResult) -> summary_file.SummaryFile:
     """Return the content of ``summary.json``."""
     gain = result.study.uncertainty.load_gain_relative_std
-    return file.SummaryFile(
+    return summary_file.SummaryFile(
         **({"load_gain_relative_std": gain} if gain else {}),
         title=result.study.title,
         fingers=[_finger(finger) for finger in result.fingers.values()],
         summaries=_placements(result),
-        repeatability=file.RepeatabilityRecord(
+        repeatability=summary_file.RepeatabilityRecord(
             contact=[
                 _contact_repeatability(one, synthetic=synthetic)
                 for synthetic, one in result.repeatability.items()
@@ -129,9 +129,9 @@ def summary_of(result: StudyResult) -> file.SummaryFile:
             for sequence, frames in zip(result.sequences, result.frames(), strict=True)
         ],
         scales={
-            name: file.ScaleRecord(reason=scale)
+            name: summary_file.ScaleRecord(reason=scale)
             if isinstance(scale, str)
-            else file.ScaleRecord(
+            else summary_file.ScaleRecord(
                 mm_per_px=scale.scale.mm_per_px,
                 mm_per_px_std=scale.scale.mm_per_px_std,
                 flags=list(scale.flags),
@@ -144,21 +144,21 @@ def summary_of(result: StudyResult) -> file.SummaryFile:
         ],
         failures=result.failures,
         methods=methods_section(result),
-        provenance=file.ProvenanceRecord.model_validate(result.provenance),
+        provenance=summary_file.ProvenanceRecord.model_validate(result.provenance),
     )
 
 
-def _placements(result: StudyResult) -> list[file.PlacementRecord]:
+def _placements(result: StudyResult) -> list[summary_file.PlacementRecord]:
     return [
         _placement(summary, check, validity, loading_radius(result.curves, summary.finger_and_wedge))
         for summary, check, validity in zip(result.summaries, result.checks, result.validities, strict=True)
     ]
 
 
-def _finger(finger: FingerResult) -> file.FingerRecord:
+def _finger(finger: FingerResult) -> summary_file.FingerRecord:
     outlines = finger.outlines
     palmar, distal, radial_ulnar = finger.semi_axes.tolist()
-    return file.FingerRecord.of(
+    return summary_file.FingerRecord.of(
         finger,
         outlines,
         finger=finger.name,
@@ -172,10 +172,10 @@ def _finger(finger: FingerResult) -> file.FingerRecord:
     )
 
 
-def _faces(outlines: PadSemiAxes) -> list[file.FaceRecord]:
+def _faces(outlines: PadSemiAxes) -> list[summary_file.FaceRecord]:
     """Return the semi-axes of each face, and by how much they exceed the joint ones, relative to them."""
     return [
-        file.FaceRecord(
+        summary_file.FaceRecord(
             face=one.face,
             **{f"{axis}_mm": length for axis, length in zip(off, one.semi_axes.tolist(), strict=True)},
             **{f"{axis}_relative_difference": value for axis, value in off.items()},
@@ -185,22 +185,22 @@ def _faces(outlines: PadSemiAxes) -> list[file.FaceRecord]:
     ]
 
 
-def _photograph(one: PhotographResult) -> file.PhotographRecord:
+def _photograph(one: PhotographResult) -> summary_file.PhotographRecord:
     exponent, exponent_std = one.exponent or (None, None)
-    return file.PhotographRecord.of(
+    return summary_file.PhotographRecord.of(
         one, one.manifest, uncertainty_mm_std=one.uncertainty, exponent=exponent, exponent_std=exponent_std
     )
 
 
 def _placement(
     summary: Summary,
-    check: file.UncertaintyCheckRecord | None,
+    check: summary_file.UncertaintyCheckRecord | None,
     validity: Validity,
     loading: LoadingRadius | None,
-) -> file.PlacementRecord:
+) -> summary_file.PlacementRecord:
     first, framed = summary.first, summary.column("frame").notna()
     radius = validity.headlines[RADIUS]
-    return file.PlacementRecord.of(
+    return summary_file.PlacementRecord.of(
         summary,
         count=int((~framed).sum()),
         frames=int(framed.sum()),
@@ -243,19 +243,19 @@ def _pooled(name: str, pooled: PooledRadius | None) -> dict[str, Any]:
     }
 
 
-def _on_layer(layer: LayerSummary) -> file.OnLayerRecord:
+def _on_layer(layer: LayerSummary) -> summary_file.OnLayerRecord:
     means: dict[str, Any] = {}
     for name, pooled in layer.pooled.items():
         means |= _on_layer_quantity(name, pooled)
         means[f"{name}_birge_ratio"] = pooled and pooled.birge_ratio
         means[f"{name}_count"] = pooled.count if pooled else 0
-    return file.OnLayerRecord(
+    return summary_file.OnLayerRecord(
         effective_thickness_mm=layer.thickness,
         effective_thickness_mm_std=layer.thickness_std,
-        highest_load=file.HighestLoadOnLayer.of(
+        highest_load=summary_file.HighestLoadOnLayer.of(
             layer, layer_flag=layer.flag, **_on_layer_quantities(layer.at_highest_load)
         ),
-        pooled=file.PooledOnLayerRecord(**means),
+        pooled=summary_file.PooledOnLayerRecord(**means),
     )
 
 
@@ -272,28 +272,32 @@ def _on_layer_quantity(name: str, quantity: LayerQuantity | None) -> dict[str, A
     }
 
 
-def _validity(validity: Validity) -> file.ValidityRecord:
+def _validity(validity: Validity) -> summary_file.ValidityRecord:
     layer = [_check(one) for one in validity.layer_checks]
-    return file.ValidityRecord.of(
+    return summary_file.ValidityRecord.of(
         validity,
         model="Hertz theory",
         headlines={
-            name: file.HeadlineRecord.of(
+            name: summary_file.HeadlineRecord.of(
                 one, value_std=one.std, model_relative_std=validity.relative_stds[name]
             )
             for name, one in validity.headlines.items()
         },
         checks=[_check(one) for one in validity.checks],
-        on_layer=file.LayerValidityRecord(verdict=validity.layer_verdict, checks=layer) if layer else None,
+        on_layer=summary_file.LayerValidityRecord(verdict=validity.layer_verdict, checks=layer)
+        if layer
+        else None,
     )
 
 
-def _check(one: ValidityCheck) -> file.CheckRecord:
-    return file.CheckRecord.of(one, check=one.name, headlines=one.quantities)
+def _check(one: ValidityCheck) -> summary_file.CheckRecord:
+    return summary_file.CheckRecord.of(one, check=one.name, headlines=one.quantities)
 
 
-def _contact_repeatability(one: ContactRepeatability, *, synthetic: bool) -> file.ContactRepeatabilityRecord:
-    return file.ContactRepeatabilityRecord.of(
+def _contact_repeatability(
+    one: ContactRepeatability, *, synthetic: bool
+) -> summary_file.ContactRepeatabilityRecord:
+    return summary_file.ContactRepeatabilityRecord.of(
         one,
         synthetic=synthetic,
         contact_area_log_std=one.area_std if one.known else None,
@@ -303,7 +307,7 @@ def _contact_repeatability(one: ContactRepeatability, *, synthetic: bool) -> fil
     )
 
 
-def scatter_record(one: StudyScatter) -> file.ScatterRecord:
+def scatter_record(one: StudyScatter) -> summary_file.ScatterRecord:
     """Return how a quantity scatters, by level.
 
     The limit of agreement is that of two contacts in different groups of the level: of two repeats in one
@@ -312,12 +316,12 @@ def scatter_record(one: StudyScatter) -> file.ScatterRecord:
     components = one.scatter.components
     outwards = np.array([level.std for level in reversed(components.values())])
     limits = LIMIT_FACTOR * np.sqrt(np.nancumsum(outwards**2))[::-1]
-    return file.ScatterRecord.of(
+    return summary_file.ScatterRecord.of(
         one,
         icc=one.scatter.icc,
         icc_ci95=one.scatter.icc_interval,
         levels=[
-            file.ScatterLevelRecord.of(
+            summary_file.ScatterLevelRecord.of(
                 one,
                 found,
                 level=level,
@@ -334,15 +338,15 @@ def scatter_record(one: StudyScatter) -> file.ScatterRecord:
     )
 
 
-def _agreement(one: OperatorAgreement) -> file.OperatorAgreementRecord:
+def _agreement(one: OperatorAgreement) -> summary_file.OperatorAgreementRecord:
     first, second = one.operators
-    return file.OperatorAgreementRecord.of(
+    return summary_file.OperatorAgreementRecord.of(
         one, first_operators=first, second_operators=second, count=len(one.pairs), **one.quantities
     )
 
 
-def _at_load(one: AtLoad) -> file.AtLoadRecord:
-    return file.AtLoadRecord.of(
+def _at_load(one: AtLoad) -> summary_file.AtLoadRecord:
+    return summary_file.AtLoadRecord.of(
         one,
         contacts=one.count,
         **_mean("contact_area_mm2", one.area),
@@ -367,7 +371,7 @@ def _mean(name: str, mean: LoadMean | None) -> dict[str, Any]:
     }
 
 
-def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> file.SequenceRecord:
+def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> summary_file.SequenceRecord:
     of, summary, phases = sequence.manifest, sequence.summary, sequence.phases
     counts: dict[str, Any] = {"notes": []}  # the manifest has notes of its own
     if summary is not None:
@@ -380,7 +384,7 @@ def _sequence(sequence: SequenceResult, frames: pd.DataFrame) -> file.SequenceRe
             "first_contact_frame": summary.first_contact,
             "notes": list(summary.notes),
         }
-    return file.SequenceRecord.of(
+    return summary_file.SequenceRecord.of(
         of,
         sequence=of.name,
         **counts,
@@ -401,12 +405,12 @@ def _exponent(rows: pd.DataFrame) -> dict[str, Any]:
     return {"area_exponent": exponent.value, "area_exponent_std": exponent.std}
 
 
-def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> file.CurveRecord:
+def _curve(curve: CurveResult, layered: CurveOnLayer | None) -> summary_file.CurveRecord:
     on_layer = None
     if layered is not None:
         quantities = _on_layer_quantities(layered.quantities)
-        on_layer = file.CurveOnLayerRecord.of(layered, layer_flag=layered.flag, **quantities)
-    return file.CurveRecord.of(
+        on_layer = summary_file.CurveOnLayerRecord.of(layered, layer_flag=layered.flag, **quantities)
+    return summary_file.CurveRecord.of(
         curve,
         curve.manifest,
         fit=curve.fit and curve.fit.as_record(),
@@ -431,18 +435,13 @@ _COMPARED: Final = {
 class Answer:
     """What was found of a finger at a placement."""
 
-    of: file.PlacementRecord  # the placement, its corrected radius, R_g and checks
+    of: summary_file.PlacementRecord  # the placement, its corrected radius, R_g and checks
     load: float  # its highest load, N; NaN where no contact counts
-    # area, area_std: contact area there, mm², with its standard uncertainty; NaN where single contacts have
-    # none
-    area: float
+    area: float  # contact area there, mm²; NaN where single contacts have none
     area_std: float
-    # modulus, modulus_std: Young's modulus there, kPa, with its standard uncertainty, the model's part
-    # included
-    modulus: float
-    modulus_std: float
-    # whether that is of tissue of the stated thickness over bone; otherwise it is by Hertz theory
-    on_bone: bool
+    modulus: float  # Young's modulus there, kPa
+    modulus_std: float  # with the model's part
+    on_bone: bool  # whether that is of tissue of the stated thickness over bone, not by Hertz theory
 
     @property
     def angles(self) -> str:
@@ -485,13 +484,15 @@ class Answer:
         return f"{self.label}{' (synthetic)' if self.of.synthetic else ''}: {self.text}."
 
 
-def answers(placements: Iterable[file.PlacementRecord], by_load: Iterable[file.AtLoadRecord]) -> list[Answer]:
+def answers(
+    placements: Iterable[summary_file.PlacementRecord], by_load: Iterable[summary_file.AtLoadRecord]
+) -> list[Answer]:
     """Return what was found at each placement."""
     highest = {one.key: one for one in sorted(by_load, key=lambda one: one.load_N)}
     return [_answer(one, highest.get(one.key)) for one in placements]
 
 
-def _answer(of: file.PlacementRecord, highest: file.AtLoadRecord | None) -> Answer:
+def _answer(of: summary_file.PlacementRecord, highest: summary_file.AtLoadRecord | None) -> Answer:
     if highest is None:  # frames alone: of the one at the highest load
         modulus = of.validity.headlines[MODULUS]
         return Answer(
@@ -522,7 +523,7 @@ def _quantity(words: str, value: float, std: float, unit: str) -> str:
     return f"{words} {positive_with_uncertainty(value, std)} {unit}"
 
 
-def _largest(verdict: str, checks: Sequence[file.CheckRecord]) -> str:
+def _largest(verdict: str, checks: Sequence[summary_file.CheckRecord]) -> str:
     """Return the largest difference that a verdict rests on; empty where it rests on none."""
     concerned = [one for one in checks if one.verdict == verdict and math.isfinite(one.relative_difference)]
     if verdict not in {STRAINED, FAILS} or not concerned:

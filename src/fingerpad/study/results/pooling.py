@@ -72,12 +72,11 @@ class PressSlope(NamedTuple):
 
     value: float
     weights: FloatArray  # that of each frame in it
-    # scatter_std, freedom: its standard uncertainty with degrees of freedom, as the bends of presses and the
-    # difference between their slopes tell: an error that bends a press by a quadratic and a cubic part tilts
-    # it as much
+    # Its standard uncertainty with degrees of freedom, as the bends of presses and the difference between
+    # their slopes tell: an error that bends a press by a quadratic and a cubic part tilts it as much.
     scatter_std: float
     freedom: float
-    # the same if the stated uncertainty of a press's areas is one error, independent at its two ends
+    # The same if the stated uncertainty of a press's areas is one error, independent at its two ends.
     own_std: float
 
     @property
@@ -357,9 +356,8 @@ class PooledOnLayer(LayerQuantity):
 class LayerSummary:
     """What the contacts of a finger at one angle tell of it on its layer of tissue."""
 
-    # thickness, thickness_std: effective thickness as stated, mm; the uncertainty is NaN where none is stated
-    thickness: float
-    thickness_std: float
+    thickness: float  # effective, as stated, mm
+    thickness_std: float  # NaN where none is stated
     observation: str  # the contact at the highest load that is in the range of the laws, if any is
     load: float
     flag: str  # what takes it out of the range of the laws; empty where nothing does
@@ -394,20 +392,19 @@ class LayerSummary:
 class Summary:
     """All good rows of one finger at one placement."""
 
-    # finger, wedge_angle_deg, roll_angle_deg, synthetic: what the rows have in common
+    # What the rows have in common.
     finger: str
     wedge_angle_deg: float
     roll_angle_deg: float
     synthetic: bool
     table: pd.DataFrame  # all rows of the study, of which `rows` are some
     places: Indices  # where `rows` are in it
-    # pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a
-    # sound row
+    # Pooled ``radius_from_indentation_mm``, the combined R_g^corr of Dzidek et al. (2017); None without a row
+    # that counts, as the other two.
     corrected_radius: PooledRadius | None
-    # pooled ``radius_from_compliance_mm``, the one to compare with R_g
+    # Pooled ``radius_from_compliance_mm``, the one to compare with R_g.
     compliance_radius: PooledRadius | None
-    # the same contacts on the finger's layer of tissue; None without a thickness, or without a sound row
-    layer: LayerSummary | None
+    layer: LayerSummary | None  # the same contacts on the finger's layer; None also without a thickness
 
     @property
     def key(self) -> PlacementKey:

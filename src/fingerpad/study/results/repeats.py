@@ -79,9 +79,8 @@ class ContactRepeatability:
 
     covariance: FloatArray  # of ln √(ℓd ℓe) and ln(ℓd/ℓe) of one impression; zero if it is not known
     freedom: int  # degrees of freedom from which it is known
-    # groups, count: contacts that were repeated, and their repeats in all
-    groups: int
-    count: int
+    groups: int  # contacts that were repeated
+    count: int  # their repeats in all
 
     @property
     def known(self) -> bool:
