@@ -304,7 +304,7 @@ class LocalExecutor(IsolatedRunner):
         self._threads.shutdown(wait=False, cancel_futures=True)
         self.abandon()
         self._threads.shutdown()
-        POOL.keep(1)
+        POOL.keep(1)  # with which the next run begins at once
 
 
 def local_executor(folder: Path, workers: int, limits: Limits = DEFAULT_LIMITS) -> closing[LocalExecutor]:
