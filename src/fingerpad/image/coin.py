@@ -28,13 +28,14 @@ _MIN_SHARPNESS, _STEP_SHARPNESS = 0.8, 2.2
 # Two ellipses are one, or touch, when no further apart than this share of their size.
 _SAME, _TOUCHING, _MIN_TOUCHING = 0.004, 0.012, 0.15
 _DEEP_SHADOW, _DEEPEST_SHADOW, _SHADOW_SECTORS = 0.15, 0.5, 36
-# Ellipses through contours: levels, least size and shape, draws of six points, and when two are one.
-_MIN_AXIS_RATIO = 0.6
-_LEVELS = 16
-_MIN_RADIUS_PX = 10.0
-_DRAWS = 25
-_PROFILE_STEP, _CLIMB = 0.25, 8
+# Contours are drawn at so many levels, and ellipses fitted to so many draws of six points of each.
+_LEVELS, _DRAWS = 16, 25
+_MIN_RADIUS_PX, _MIN_AXIS_RATIO = 10.0, 0.6
+# Ellipses through two contours are one when no further apart than this share of their size.
 _SAME_CONTOUR = 0.025
+# Samples across an edge, px apart, and how many of them the search for the steepest may climb.
+_PROFILE_STEP, _CLIMB = 0.25, 8
+# An edge is as strong as all but this share of its circumference.
 _WEAKEST = 0.35
 
 

@@ -184,8 +184,9 @@ def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, f
         try:
             levels, resolution = (_tiff if start in _TIFF_STARTS else _decode)(path, memory_limit)
         except UnidentifiedImageError as error:
-            what = f"{path}: is not a picture this library reads: save it as {_READABLE}"
-            raise ImageError(what) from error
+            raise ImageError(
+                f"{path}: is not a picture this library reads: save it as {_READABLE}"
+            ) from error
         except ImageError as error:
             raise error if str(path) in str(error) else ImageError(f"{path}: {error}") from error
         except (Image.DecompressionBombError, MemoryError) as error:
@@ -298,7 +299,7 @@ def plausible_resolution(pair: Any, per_inch: float | None = 1.0) -> float | Non
         return None
     if not math.isclose(across, down, rel_tol=_SQUARE):
         raise ImageError(
-            f"states a resolution of {across:g} across and {down:g} down: its pixels are not square, and "
+            f"states a resolution of {across:.5g} across and {down:.5g} down: its pixels are not square, and "
             "lengths in it would be wrong: resample it to square pixels, or save it without a resolution if "
             "what it states is wrong"
         )

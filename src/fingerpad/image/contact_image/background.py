@@ -131,9 +131,10 @@ def flattened(
     rim[1 : values.shape[0] // side - 1, 1 : values.shape[1] // side - 1] = False
     rim = rim if rim.any() else quiet
     if dark_on_light is None:
-        # Ridges raise the texture, and their mean differs from the quiet ground's.
-        dark_on_light = not (busy.any() and rim.any())
-        dark_on_light = dark_on_light or float(means[busy].mean()) < quantile(means[rim], 0.5)
+        dark_on_light = True
+        if busy.any() and rim.any():
+            # Ridges raise the texture, and their mean differs from the quiet ground's.
+            dark_on_light = float(means[busy].mean()) < quantile(means[rim], 0.5)
     sign = -1.0 if dark_on_light else 1.0
     places = np.flatnonzero(quiet)
     places = places[:: max(1, places.size // _MAX_QUIET)]
