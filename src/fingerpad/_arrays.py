@@ -187,6 +187,7 @@ def apply_blockwise(
 ) -> tuple[FloatArray, ...]:
     """Apply an elementwise kernel to `values` block by block, silently.
 
+    It is given one-dimensional arrays, and returns so many `outputs` of their length.
     A kernel of many steps over a large array is limited by memory; over blocks that fit the cache it is
     limited by arithmetic, and runs three to five times faster.
     """

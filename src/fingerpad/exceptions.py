@@ -76,7 +76,10 @@ def is_interrupt(error: BaseException | None) -> bool:
 
 
 def reason_of(error: Exception, otherwise: str) -> str:
-    """Return why something went wrong, in one line where the error is not one of fingerpad's."""
+    """Return why something went wrong, in one line where the error is not one of fingerpad's.
+
+    `otherwise` begins that line, and names the file or the step.
+    """
     if isinstance(error, FingerpadError):
         return str(error)
     if isinstance(error, OSError) and error.strerror:

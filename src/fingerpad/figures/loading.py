@@ -272,7 +272,10 @@ def plot_relaxation(
     time_constants: ArrayLike = (),
     synthetic: bool = False,
 ) -> None:
-    """Draw the load against time since the hold began, on a logarithmic axis."""
+    """Draw the load against time since the hold began, s, on a logarithmic axis; what is before is left out.
+
+    Nothing faster than the ramp, which lasted `ramp_time`, can be resolved.
+    """
     t, y = broadcast(time, load)
     after = t > 0
     if ramp_time is not None and after.any() and ramp_time > t[after].min():

@@ -77,7 +77,11 @@ def plot_pad_with_contact(
     measured_long_axis_angle: float = 0.0,
     synthetic: bool = False,
 ) -> None:
-    """Draw the pad as seen through the platen: place of contact, principal directions, contact ellipses."""
+    """Draw the pad as seen through the platen: place of contact, principal directions, contact ellipses.
+
+    Angles are in radians; that of the measured long axis is from the finger's axis, which points upwards,
+    counter-clockwise. The predicted one lies along the larger principal radius.
+    """
     placement = Placement(pad, wedge_angle=wedge_angle, roll_angle=roll_angle)
     # The finger's axis as it lies on the platen, ∂n/∂θ: regular even where the finger stands on its tip.
     rise: FloatArray = np.array([-np.sin(wedge_angle) * np.cos(roll_angle), np.cos(wedge_angle)])

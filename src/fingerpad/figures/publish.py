@@ -89,7 +89,10 @@ class FigureSettings:
 
 
 def figure_file(figure: Figure, kind: Format, settings: FigureSettings) -> bytes:
-    """Return a figure as a file: SVG, PDF or PNG, or the data behind it as CSV; the same bytes each time."""
+    """Return a figure as a file: SVG, PDF or PNG, or the data behind it as CSV; the same bytes each time.
+
+    The CSV has all data, whatever the axes show.
+    """
     if kind == "csv":
         return figure_csv(figure).encode()
     wanted = with_settings(figure, settings)

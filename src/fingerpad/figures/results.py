@@ -53,7 +53,11 @@ def plot_corrected_radius(
     synthetic: ArrayLike = False,
     left_out: ArrayLike = False,
 ) -> None:
-    """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017)."""
+    """Draw R_g^corr against load, as in Fig. 6 of Dzidek et al. (2017).
+
+    Thick bars are `fixed_geometry_std`, the part of the uncertainty that remains with the pad held exact;
+    squares are `compliance_radius`, R_Aξ, to compare with R_g.
+    """
     if fixed_geometry_std is not None:
         bars: Look = {"marker": "", "bar_width": 2.4}
         label = "_geometry held exact"  # not in the legend
@@ -168,7 +172,7 @@ def plot_aspect_ratio(
     """Draw the aspect ratio ℓd/ℓe of contacts against load, each as an ellipse of its own shape.
 
     The ellipses stand as seen through the platen with the fingertip upwards, so that they show the direction
-    of the long axis too.
+    of the long axis too: its angle is from the finger's axis, counter-clockwise, radians.
     """
     W, ratio, angle, flags, out = (
         array.ravel()

@@ -43,7 +43,10 @@ _DASHES: Final = {"--": (3.7, 1.6), ":": (1.0, 1.65), "-.": (6.4, 1.6, 1.0, 1.6)
 
 
 def svg(figure: Figure, name: str, *, description: str = "") -> str:
-    """Return a figure as an ``<svg>`` element that can stand in an HTML page beside others."""
+    """Return a figure as an ``<svg>`` element that can stand in an HTML page beside others.
+
+    The `name` tells it from others that look the same.
+    """
     width, height = _POINTS_PER_MM * figure.width_mm, _POINTS_PER_MM * figure.height_mm
     factor = figure.font_pt / FONT_PT
     drawings = [_Drawing(panel, f"@clip{number}", factor) for number, panel in enumerate(figure.panels)]

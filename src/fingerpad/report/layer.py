@@ -90,7 +90,10 @@ def _comparison(
 
 
 def layer_plots(result: StudyResult, summary: Summary, *, with_section: bool) -> Iterator[Plot]:
-    """Draw the section under the contact at the highest load; without a thickness, what one would change."""
+    """Draw the section under the contact at the highest load; without a thickness, what one would change.
+
+    The section takes longer than all else of a report.
+    """
     if result.fingers[summary.finger].effective_thickness is None:
         yield from _conditional(result, summary)
     elif with_section:

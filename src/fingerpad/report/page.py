@@ -51,7 +51,11 @@ def write_page(
     pages: Mapping[str, str] = MappingProxyType({}),
     on_drawn: Callable[[str], None] = lambda _: None,
 ) -> None:
-    """Write a page and its figures, ``figures/*.svg, *.json``."""
+    """Write a page and its figures, ``figures/*.svg, *.json``.
+
+    `overlays` is the run's output folder, which has the overlays. The page of one finger has the address of
+    that over it, `home`; that over fingers has those of theirs, `pages`, and tables all but draws none.
+    """
     path, found = out / name, answers_of(result)
     draw = partial(save_plots, folder=out / "figures", on_drawn=on_drawn)
     try:

@@ -188,7 +188,7 @@ class ValidityVerdict(OfFinger):
 def _owners(
     study: FinishedStudy,
 ) -> Callable[[FingerRecord | PlacementRecord | CurveRecord], dict[str, Any]]:
-    """Return what tells of a part of a summary whose it is."""
+    """Return a function that gives the first fields of an `OfFinger` from a part of a summary."""
     persons = {
         one.finger: Person(one.person or study.title, bool(one.person)) for one in study.summary.fingers
     }

@@ -322,6 +322,9 @@ def similar_images(item: str, study: Study) -> list[str]:
 
 
 def with_settings_of(source: ContactCorrection, target: ContactCorrection) -> ContactCorrection:
-    """Return a correction with another one's settings where that has them, without a verdict."""
+    """Return a correction with another one's settings where that has them, without a verdict.
+
+    What was drawn on its own image stays.
+    """
     settings = {name: value for name in SHARED_SETTINGS if (value := getattr(source, name)) is not None}
     return target.model_copy(update={**settings, "accepted": False, "rejected": None})

@@ -74,7 +74,7 @@ def run_plans(
     store_result: Callable[[Task, TaskResult], None],
     is_done: Callable[[Task], bool],
 ) -> None:
-    """Perform all tasks of some plans.
+    """Perform all tasks of some plans; results are stored in this thread, in the order in which they come.
 
     After an interrupt, by the keyboard or raised by `store_result`, no further task is started; those at work
     are finished and stored. A second one by the keyboard does not wait for them.

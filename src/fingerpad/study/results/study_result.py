@@ -129,7 +129,8 @@ class StudyResult(Displayed):
     study: Study
     folder: Path
     fingers: dict[str, FingerResult]  # semi-axes by finger
-    rows: pd.DataFrame  # one per observation, and one per frame in contact of a sequence
+    # One per observation, and one per frame in contact of a sequence. Cells can be set in a copy alone.
+    rows: pd.DataFrame
     sequences: list[SequenceResult]
     scales: dict[str, FoundScale | str]  # named scales, or why there is none
     summaries: list[Summary]  # one per finger and placement
