@@ -48,7 +48,8 @@ def guess_subject(image: ImageLike) -> SubjectGuess:
     """Guess what a picture shows; no scale is needed.
 
     Lines of one spacing that turn are ridges, straight ones marks of a ruler; a circular edge is a coin. Skin
-    colour, or a smooth body before a plain backdrop, is a finger, whose middle line is bent from the side.
+    colour, or a smooth body before a plain backdrop, is a finger, and its outline tells the face: end-on it
+    is closed, from the front its middle line is straight, from the side it is bent.
     """
     levels = picture_levels(colour_levels(image), "image")
     if levels.ndim not in {2, 3} or min(levels.shape[:2]) < 2 or (levels.ndim == 3 and levels.shape[2] < 3):

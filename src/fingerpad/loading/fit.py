@@ -202,8 +202,8 @@ def fit_loading_curve(
 def fit_contact_compliance(curve: LoadingCurve, *, cycle: int = 0) -> Estimate:
     """Fit R_g (mm), the slope of contact area against πξ ("contact compliance"), to one loading.
 
-    The zero of displacement is free. A smooth sphere or ellipse gives R = A/(πξ) at every load, whatever its
-    modulus and however it varies with load.
+    The rows are those from where the area is well above zero, and the zero of displacement is free. A smooth
+    sphere or ellipse gives R = A/(πξ) at every load, whatever its modulus and however it varies with load.
     """
     if curve.area is None:
         raise FitError("the loading curve has no contact area; R_g needs a column area_mm2")

@@ -78,9 +78,11 @@ def average_models(
 ) -> Estimate:
     """Return a quantity with the uncertainty of all its models (Burnham and Anderson 2002, 4.3).
 
-    They are a mixture of distributions with weights w: its mean is Σ w θ, its variance Σ w (u² + (θ −
-    value)²), and its interval lies between its 2.5 and 97.5 % points. `value` is that of a chosen model, and
-    in the interval; the mean without it. An end that a model of considerable weight leaves open is open.
+    Together the models θ ± u give a mixture of their distributions, each with its weight w. Its mean is
+    Σ w θ, its variance Σ w (u² + (θ − value)²), and its interval lies between its 2.5 and 97.5 % points.
+    `value`, such as that of one chosen model, is what the uncertainty is stated of, and the interval holds
+    it; without it that is the mean. Where a model of considerable weight leaves an end of its interval open,
+    this one is open too.
     """
     parts = [(one.value, one.std, one.lower, one.upper) for one in models]
     theta, std, lower, upper = np.array(parts).T

@@ -89,7 +89,8 @@ def render_finger(
     face : {"palmar", "distal", "radial", "ulnar"}
         The face that looks at the camera.
     semi_axes : (float, float), optional
-        Semi-axes across and along (see `FACE_AXES`), mm; by default those of Dzidek et al.'s index finger.
+        Semi-axes across and along (see `FACE_AXES`), mm; by default those of the index finger in Dzidek et
+        al. (2017).
     arc_deg : float
         Extent of the exactly elliptic arc round the pad, parametric degrees, 20 to 180.
     departure : float

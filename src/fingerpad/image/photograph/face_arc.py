@@ -239,8 +239,8 @@ def _contradicted(
 ) -> tuple[FloatArray, float]:
     """Return by how much the outline's lengths and the finger's axis differ from an ellipse beyond chance.
 
-    An ellipse tilted otherwise than the finger is another curve: its axis is uncertain by that turn, and its
-    semi-axes by about as many radians.
+    Where the ellipse is tilted otherwise than the finger, another curve was taken for a turned ellipse: its
+    axis is uncertain by that turn, and its semi-axes by about as many radians.
     """
     outline, pad = arc.about(ellipse, ellipse.angle)
     lengths = contradicted_by_lengths(

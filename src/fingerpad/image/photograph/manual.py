@@ -120,8 +120,9 @@ def with_marked_points(
 ) -> PhotographFit:
     """Fit the ellipse again with points added to the outline or erased from it, (row, column), px.
 
-    All is that of `measure_photograph` for the arc as it is then, however many steps led there. `erased` are
-    strokes of an eraser, each with its radius, px; where one takes the end of the arc, the pad ends there.
+    Fit, uncertainty and flags are those that `measure_photograph` gives for the arc as it is then; several
+    changes one after another are the same as all at once. `erased` are strokes of an eraser, each with its
+    radius, px; where one takes the end of the arc, the pad ends there.
     """
     marks = _check_points("added points", added)
     arc: FaceArc = found._arc

@@ -295,8 +295,10 @@ def alignment_scatter(
 ) -> FloatArray:
     """Return the scatter of ln(area) about a power law of the load, for frames displaced by each shift, s.
 
-    Frames that are late have an area of a smaller load while it grows, of a greater one while it falls. So in
-    part has a pad that creeps: the least scatter is where frames and force agree best, but no proof.
+    It is the root mean square of the residuals, NaN where fewer than five frames lie in the signal. Where
+    frames are late, an area while the load grows is that of a smaller load, and one while it falls that of a
+    greater one. A pad that creeps or dissipates does the same in part: the least scatter is where frames and
+    force agree best, which is no proof that they do.
     """
     time, area = as_float_array(time), as_float_array(area)
     if time.ndim != 1 or time.shape != area.shape:

@@ -97,7 +97,8 @@ def scan_texture(
 ) -> TextureScan:
     """Measure the texture of each frame, to find those of the largest contact.
 
-    Of smooth contacts it is what differs from the background. Options count that say where to look.
+    Of smooth contacts it is what differs from the background. Of the options background, mask and region of
+    interest count.
     """
     scale = as_scale(scale)
     index, texture, reason = [], [], None
