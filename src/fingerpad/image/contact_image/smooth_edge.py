@@ -277,11 +277,7 @@ def _step_across(
     spacing = max(0.5, far / 200)
     across = np.arange(-far, far + spacing / 2, spacing)
     places = points[:, None] + _normals(points)[:, None] * across[:, None]
-    x, y = (np.ascontiguousarray(places[..., k], dtype=np.float32) for k in (0, 1))
-    values = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    # Zero outside the picture.
-    counts = cv2.remap(inside.astype(np.uint8), x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT)
-    profiles = np.where(counts > 0, values, np.nan).astype(np.float64)
+    profiles = _sampled(signal, inside, places)
     seen = np.isfinite(profiles).mean(axis=0) > 0.3
     if not seen.all():
         across, profiles = across[seen], profiles[:, seen]
@@ -298,9 +294,7 @@ def _step_across(
     outer = (across > place + near) & (across < place + near + max(4.0, 0.12 * radius))
     if (inner.sum() < 3 and not ring) or outer.sum() < 3:
         return None
-    # Medians over nine neighbours.
-    medians = (_nanmedian(profiles[:, band], axis=1) for band in (inner, outer))
-    high, low = (_nanmedian(np.stack([np.roll(m, k) for k in range(-4, 5)]), axis=0) for m in medians)
+    high, low = (_running_median(_nanmedian(profiles[:, band], axis=1)) for band in (inner, outer))
     # Along each profile only.
     blur = max(0.5, 0.25 * width / spacing)
     blurred = as_float32(cv2.GaussianBlur(as_float32(np.nan_to_num(profiles)), (0, 0), blur, sigmaY=1e-3))
@@ -319,9 +313,6 @@ def _step_across(
     beyond = smooth[outer]
     bottom = float(np.median(beyond))
     top = float(np.nanmedian(high)) if np.isfinite(high).any() else math.nan  # of a ring no plateau is seen
-    # A ring is narrow where the profile falls to half of its crest not far inside.
-    floor = smooth[(across < place) & (across > place - 0.2 * radius)]
-    narrow = bool(ring and len(floor) and floor.min() < 0.5 * smooth[np.abs(across - place).argmin()])
     trough = (across > place) & (across < place + near + 2 * width + 3)
     least = float(smooth[trough].min())
     overshoot = max(0.0, (bottom - least) / max(top - bottom, 1e-9))
@@ -334,7 +325,7 @@ def _step_across(
         width=width,
         sign=sign,
         ring=ring,
-        narrow=narrow,
+        narrow=ring and _is_narrow(smooth, across, place, 0.2 * radius),
         outer_edge=max((at - place for at in others if at > place), default=0.0),
         inner_edge=max((place - at for at in others if at < place), default=0.0),
         overshoot=overshoot,
@@ -355,6 +346,19 @@ def _ground_spread(signal: Float32Array, inside: BoolArray, points: FloatArray, 
     if len(ground) < 20:
         return 0.0
     return float(np.subtract(*np.percentile(ground, (84, 16)))) / 2
+
+
+def _sampled(signal: Float32Array, inside: BoolArray, places: FloatArray) -> FloatArray:
+    """Return a signal at places (x, y), NaN where it does not count, as outside the picture."""
+    x, y = (np.ascontiguousarray(places[..., k], dtype=np.float32) for k in (0, 1))
+    values = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    counts = cv2.remap(inside.astype(np.uint8), x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT)
+    return np.where(counts > 0, values, np.nan).astype(np.float64)
+
+
+def _running_median(values: FloatArray) -> FloatArray:
+    """Return medians over nine neighbours along a closed outline."""
+    return _nanmedian(np.stack([np.roll(values, k) for k in range(-4, 5)]), axis=0)
 
 
 def _nanmedian(values: FloatArray, axis: int) -> FloatArray:
@@ -415,6 +419,13 @@ def _crest_of(profile: FloatArray, across: FloatArray) -> tuple[float, float] | 
     slope = -np.gradient(profile, spacing)
     flank = k + int(slope[k : k + max(3, len(slope) // 4)].argmax())
     return float(across[k] + shift * spacing), float(2 * (across[flank] - across[k]) + spacing)
+
+
+def _is_narrow(profile: FloatArray, across: FloatArray, place: float, depth: float) -> bool:
+    """Return whether a profile falls to half of its crest within a depth inside it."""
+    crest = profile[np.abs(across - place).argmin()]
+    inner = profile[(across < place) & (across > place - depth)]
+    return bool(len(inner) and inner.min() < 0.5 * crest)
 
 
 def _width_at(values: FloatArray, k: int) -> float:
