@@ -127,11 +127,28 @@ HEAD: Final = (
 )  # fmt: skip
 
 
-def report(count: int = 3, seed: int = 7) -> None:
-    """Print errors and coverage of each set, then of each condition."""
+# Conditions in which liquid beside ridges counts as ridge.
+WET: Final = {
+    "moist, pressure field": [("pressure field", "prism, moist")],
+    "moist, elastic ridges": [("elastic ridges", "prism, moist")],
+    "moist, stripes": [("stripes", "prism, moist"), ("stripes", "scanner, moist")],
+    "much ink, elastic ridges": [("elastic ridges", "ink, much")],
+}
+
+
+def report(count: int = 3, seed: int = 7, wet: int = 8) -> None:
+    """Print errors and coverage of each set, of more images of wet skin and ink, then of each condition."""
     found = {name: [compare(one) for one in of] for name, of in images(count, seed)}
     every = [one for some in found.values() for one in some]
     table(("set", *HEAD), (cells(name, some) for name, some in [*found.items(), ("all", every)]))
+    liquid = (
+        (name, [compare(one) for of, condition in some for one in of_condition(of, condition, wet, seed)])
+        for name, some in WET.items()
+    )
+    table(
+        ("condition", *HEAD, "flagged"), (cells(*one, flags=True) for one in liquid), "Moist skin, much ink"
+    )
+    print("\n<details><summary>Each condition</summary>")
     for name, some in found.items():
         conditions = dict.fromkeys(one.condition for one in some)
         table(
@@ -139,6 +156,7 @@ def report(count: int = 3, seed: int = 7) -> None:
             (cells(c, [one for one in some if one.condition == c], flags=True) for c in conditions),
             name[0].upper() + name[1:],
         )
+    print("\n</details>")
 
 
 def of_condition(name: str, condition: str, count: int, seed: int) -> Iterator[Image]:
