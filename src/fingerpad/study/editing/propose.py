@@ -22,6 +22,7 @@ from fingerpad.study.imports.names import (
     scale_in,
 )
 from fingerpad.study.manifest import LoadedStudy
+from fingerpad.study.manifest.load import Kind
 
 Use: TypeAlias = Role | Literal["coin", "ruler", "force", "sheet", ""]
 
@@ -274,7 +275,7 @@ class _Proposing:
                 del values["finger"]
                 self._edit("photograph", f"{new.finger}/{new.file}", **values, outline=outline, **self.own)
 
-    def _edit(self, kind: Any, key: str, **values: Any) -> None:
+    def _edit(self, kind: Kind, key: str, **values: Any) -> None:
         said = {name: value for name, value in values.items() if value not in (None, "")}
         self.edits.append(Edit(kind=kind, key=key, set=said))
 

@@ -142,10 +142,8 @@ class TableChecks:
         faults = (*faults, *self._name_faults(table))
         if model is not None:
             faults = (*faults, *self._reference_faults(model), *_file_faults(model, self._folder))
-        complete = model is not None and not faults
-        if model is not None and complete:
-            referred = {(kind, name) for _, kind, name in _references(model)}
-            complete = self._incomplete.isdisjoint(referred)
+        referred = set() if model is None else {(kind, name) for _, kind, name in _references(model)}
+        complete = model is not None and not faults and self._incomplete.isdisjoint(referred)
         if not complete:
             self._incomplete.add((table.kind, table.key))
         return replace(table, faults=faults, model=model, complete=complete)
