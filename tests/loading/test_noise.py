@@ -233,5 +233,6 @@ def test_of_one_deviation_the_degrees_of_freedom_are_those_of_its_chi_square() -
     white = replace(noise(0.0), displacement_std=0.0, with_area=np.zeros(COUNT, dtype=bool))
     jacobians = np.stack([np.ones(COUNT), TIME], axis=-1), np.zeros((0, 2))
     known = NoiseUncertainty(names=("force_std",), covariance=np.array([[1 / (2 * 17)]]))
+    moved = known.moved_covariances(white, jacobians)
     for gradient in np.eye(2):
-        assert_allclose(known.degrees_of_freedom(white, jacobians, gradient), 17)
+        assert_allclose(known.degrees_of_freedom(moved, gradient), 17)

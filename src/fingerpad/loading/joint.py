@@ -9,6 +9,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -36,6 +37,7 @@ from fingerpad.loading.laws import (
 from fingerpad.loading.least_squares import (
     Bounds,
     LeastSquaresFit,
+    Linear,
     Residuals,
     differences,
     fit_least_squares,
@@ -49,6 +51,8 @@ _ZERO_ROWS, _TILT_ROWS = 2, 4
 _DRIFT = 0.03
 _CONTACT_DEVIATIONS = 5.0
 _MIN_LOADING = 5
+# Parameters in which the residuals are linear.
+_ZEROS: Final = frozenset({"force_zero", "force_tilt", "area_offset"})
 NO_AREA = "no contact area in the curve"
 NO_RADIUS = f"{NO_AREA}, so its radius is not known: give a column area_mm2, or loading_radius"
 
@@ -75,10 +79,10 @@ class Prior:
     values: Mapping[str, float]
     covariance: FloatArray
 
-    def residuals(self, free: Values) -> FloatArray:
-        """Return how far parameters are from it, in independent standard deviations."""
-        apart = [free[name] - value for name, value in self.values.items()]
-        return np.linalg.solve(np.linalg.cholesky(self.covariance), apart)
+    @property
+    def weights(self) -> FloatArray:
+        """What makes of the errors of its values independent standard deviations."""
+        return np.linalg.inv(np.linalg.cholesky(self.covariance))
 
     def information(self, names: Sequence[str]) -> FloatArray:
         """Return the information that it is on the free parameters, (p, p)."""
@@ -98,7 +102,7 @@ class Prior:
 NO_PRIOR: Final = Prior(values={}, covariance=np.empty((0, 0)))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class JointFit(Displayed):
     """A law of `LAWS` fitted to a record, with all that its uncertainty follows from."""
 
@@ -109,6 +113,7 @@ class JointFit(Displayed):
     noise_uncertainty: NoiseUncertainty
     covariance: FloatArray  # (p, p), with drifting noise and with the uncertainty of the noise itself
     record: FitData
+    jacobians: tuple[FloatArray, FloatArray, FloatArray]  # of force and area, and the prior's information
     response: Mapping[str, FloatArray]  # derivatives (p,) by each held parameter that is uncertain
     prior: Prior
 
@@ -159,10 +164,9 @@ class JointFit(Displayed):
         k = self.fit.values.size
         return self.fit.sum_of_squares + 2 * k + 2 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
 
-    @property
-    def _jacobians(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        model = _Model(record=self.record, law=self.law, names=self.fit.names, given={}, prior=self.prior)
-        return model.jacobians(self.values)
+    @cached_property
+    def _moved_covariances(self) -> FloatArray:
+        return self.noise_uncertainty.moved_covariances(self.noise, self.jacobians)
 
     def residuals(self) -> tuple[FloatArray, FloatArray]:
         """Return the residuals of force (N) and area (mm²)."""
@@ -175,7 +179,7 @@ class JointFit(Displayed):
 
     def estimator(self) -> tuple[FloatArray, FloatArray]:
         """Return how each free parameter falls with each residual of force and area, (n, p) and (m, p)."""
-        return self.noise.estimator(*self._jacobians)
+        return self.noise.estimator(*self.jacobians)
 
     def estimate(self, name: str) -> Estimate:
         """Return one parameter with a 95 % interval: its profile, widened by noise and by what is held."""
@@ -191,7 +195,7 @@ class JointFit(Displayed):
     def combined(self, value: float, gradient: Values) -> Estimate:
         """Return a function of the parameters from its gradient, to first order (GUM Eq. 13 and G.4)."""
         slope = np.array([gradient.get(name, 0.0) for name in self.fit.names])
-        freedom = self.noise_uncertainty.degrees_of_freedom(self.noise, self._jacobians, slope)
+        freedom = self.noise_uncertainty.degrees_of_freedom(self._moved_covariances, slope)
         own = Estimate.symmetric(value, math.sqrt(float(slope @ self.covariance @ slope)), freedom)
         shifts = [
             (gradient.get(key, 0.0) + float(slope @ change)) * self.held[key].std
@@ -217,17 +221,22 @@ def fit_joint(
     if noise is None:
         noise, start = find_noise(record, law, start, held, prior=prior)
     model = _Model.of(record, law, start, held, prior)
-    names, residuals = model.names, model.scaled_residuals(noise)
+    names, (residuals, linear) = model.names, model.scaled_residuals(noise)
     # A law that does not suit the record can have its minimum at infinity.
     fit = fit_least_squares(
-        residuals, [start[name] for name in names], names, evaluations=300, bounds=model.bounds
+        residuals,
+        [start[name] for name in names],
+        names,
+        evaluations=300,
+        bounds=model.bounds,
+        linear=linear,
     )
     response: dict[str, FloatArray] = {}
     for name, one in held.items():
         if one.std > 0:
             step = 1e-4 * max(abs(one.value), one.std) or 1e-6
             moved = (model.with_given(name, one.value + way * step) for way in (1, -1))
-            up, down = (each.scaled_residuals(noise)(fit.values) for each in moved)
+            up, down = (each.scaled_residuals(noise)[0](fit.values) for each in moved)
             change = (up - down) / (2 * step)
             response[name] = as_float_array(-np.linalg.lstsq(fit.jacobian, change)[0])
     whole = model.values(fit.values)
@@ -242,6 +251,7 @@ def fit_joint(
         noise_uncertainty=of_noise,
         covariance=of_noise.parameter_covariance(noise, jacobians) + inverse @ jacobians[-1] @ inverse,
         record=record,
+        jacobians=jacobians,
         response=response,
         prior=model.prior,
     )
@@ -267,7 +277,8 @@ def find_noise(
         noise = estimate_noise(noise, _residuals(record, law, whole), model.jacobians(whole), kinds or found)
         if kinds:
             begin = [whole[name] for name in model.names]
-            nearest = minimum(model.scaled_residuals(noise), begin, model.names, bounds=model.bounds)
+            residuals, linear = model.scaled_residuals(noise)
+            nearest = minimum(residuals, begin, model.names, bounds=model.bounds, linear=linear)
             whole |= model.values(nearest)
     return noise, whole
 
@@ -298,16 +309,29 @@ class _Model:
         """Return all parameters, free and given."""
         return {**self.given, **dict(zip(self.names, free.tolist(), strict=True))}
 
-    def scaled_residuals(self, noise: Noise) -> Residuals:
-        """Return the residuals over their spread as a function of the free parameters."""
-        scaled = noise.scaling()
+    def scaled_residuals(self, noise: Noise) -> tuple[Residuals, Linear]:
+        """Return the residuals over their spread by the free parameters, and columns that never change."""
+        scaled, known, weights = noise.scaling(), self.prior.values, self.prior.weights
+        expected = np.array(list(known.values()))
+
+        def joined(force: FloatArray, area: FloatArray, apart: FloatArray) -> FloatArray:
+            return np.append(scaled(force[:, None], area[:, None])[:, 0], weights @ apart)
 
         def residuals(free: FloatArray) -> FloatArray:
             values = self.values(free)
-            force, area = _residuals(self.record, self.law, values)
-            return np.append(scaled(force[:, None], area[:, None])[:, 0], self.prior.residuals(values))
+            apart = np.array([values[name] for name in known]) - expected
+            return joined(*_residuals(self.record, self.law, values), apart)
 
-        return residuals
+        linear = {}
+        for name in _ZEROS.intersection(self.names):
+            force = -_applied(self.record, self.law, {name: 1.0}).force_zero(self.record.clock)
+            area = np.full_like(self.record.area, -float(name == "area_offset"))
+            linear[name] = joined(
+                force,
+                area,
+                np.array([name == each for each in known], dtype=float),
+            )
+        return residuals, linear
 
     def jacobians(self, values: Values) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return derivatives of the residuals of force and area, and what is known beforehand, (p, p).

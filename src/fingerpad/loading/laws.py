@@ -54,7 +54,7 @@ MAIN: Final = "load_dependent"
 
 def shape_factors(
     law: str, values: Mapping[str, float], xi: FloatArray, poisson_ratio: float
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[FloatArray | float, FloatArray | float]:
     """Return the factors on load and area at indentations ξ (mm), both one for a paraboloid on a half-space.
 
     The `shape` of a law, or a value ``inverse_thickness`` (1/mm), says otherwise. A negative one, to which a
@@ -72,13 +72,12 @@ def shape_factors(
     if values.get("inverse_thickness", 0.0) != 0:
         size = np.sqrt(radius * np.maximum(xi, 0.0)) * values["inverse_thickness"]
         return _within(_layer(poisson_ratio), size)
-    one = np.ones_like(xi)
-    return one, one
+    return 1.0, 1.0
 
 
 def _within(factors: CubicSpline, size: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the factors on load and area, the spline's columns; beyond its ends they go on straight."""
-    known = np.clip(size, 0.0, factors.x[-1])
+    known = np.minimum(np.maximum(size, 0.0), factors.x[-1])
     both = factors(known)
     beyond = size - known
     if beyond.any():
@@ -542,7 +541,7 @@ class AppliedLaw(Displayed):
         xi = np.interp(whole, moved[rising], knots[rising])
         return xi if attached is not None else np.where(whole >= moved[0], xi, np.minimum(whole, 2 * floor))
 
-    def _evaluate(self, function: Law, *given: FloatArray, **more: FloatArray) -> Any:
+    def _evaluate(self, function: Law, *given: FloatArray, **more: FloatArray | float) -> Any:
         radius = max(self.values["loading_radius"], 1e-9)
         known: dict[str, Any] = {"loading_radius": radius, "poisson_ratio": self.poisson_ratio, **more}
         return evaluate(LAWS[self.law], function, self.values, *given, **known)

@@ -4,7 +4,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import Final, TypeAlias
 
 import numpy as np
 from scipy import linalg, optimize, special
@@ -18,6 +19,10 @@ Residuals: TypeAlias = Callable[[FloatArray], FloatArray]
 # Lower and upper ends of all parameters.
 Bounds: TypeAlias = tuple[FloatArray, FloatArray]
 
+# Columns of a Jacobian that do not change, by the names of the parameters in which the residuals are linear.
+Linear: TypeAlias = Mapping[str, FloatArray]
+
+_NONE: Final[Linear] = MappingProxyType({})
 _STEP = np.finfo(float).eps ** (1 / 3)
 # Singular values of the Jacobian, its columns scaled to one, below which parameters are indistinguishable.
 _SINGULAR = 1e-12
@@ -35,6 +40,7 @@ class LeastSquaresFit(Displayed):
     jacobian: FloatArray  # (n, p)
     effective_count: float  # of independent residuals that carry as much information
     _function: Residuals
+    _linear: Linear
 
     @property
     def sum_of_squares(self) -> float:
@@ -106,11 +112,13 @@ def fit_least_squares(
     *,
     evaluations: int = 2000,
     bounds: Bounds | None = None,
+    linear: Linear = _NONE,
 ) -> LeastSquaresFit:
     """Minimise a sum of squares by the Levenberg–Marquardt method.
 
     `residuals` takes parameters (p,) and returns residuals (n,), each divided by its relative standard
-    deviation. A trust region keeps the parameters within `bounds`, where they are given.
+    deviation; their derivatives are found by differences but for those in `linear`. A trust region keeps the
+    parameters within `bounds`, where they are given.
     """
     values, names = as_float_array(start), tuple(names)
     first = residuals(values)
@@ -118,14 +126,15 @@ def fit_least_squares(
         raise FitError(
             f"{first.size} data for {values.size} parameters ({', '.join(names)}): record more points"
         )
-    values = minimum(residuals, values, names, evaluations=evaluations, bounds=bounds)
+    values = minimum(residuals, values, names, evaluations=evaluations, bounds=bounds, linear=linear)
     fit = LeastSquaresFit(
         names=names,
         values=values,
         residuals=residuals(values),
-        jacobian=_jacobian(residuals, values),
+        jacobian=_jacobian(residuals, names, linear, values),
         effective_count=float(first.size),
         _function=residuals,
+        _linear=linear,
     )
     _require_determined(fit)
     return fit
@@ -165,6 +174,7 @@ def minimum(
     tolerance: float = 1e-14,
     evaluations: int = 300,
     bounds: Bounds | None = None,
+    linear: Linear = _NONE,
 ) -> FloatArray:
     """Return the parameters of least squares alone. Raise FitError where there are none."""
     start = as_float_array(start)
@@ -173,11 +183,11 @@ def minimum(
         inside = 1e-6 * np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(start), 1e-6))
         start = np.clip(start, low + inside, high - inside)
     if not np.isfinite(residuals(start)).all():
-        raise FitError(f"the model is not finite at {dict(zip(names, start.tolist(), strict=False))}")
+        raise FitError(f"the model is not finite at {dict(zip(names, start.tolist(), strict=True))}")
     found = optimize.least_squares(
         residuals,
         start,
-        jac=partial(_jacobian, residuals),
+        jac=partial(_jacobian, residuals, names, linear),
         method="lm" if bounds is None else "trf",
         bounds=(-np.inf, np.inf) if bounds is None else bounds,
         x_scale="jac",
@@ -203,10 +213,13 @@ def differences(
     return np.stack(columns, axis=-1)
 
 
-def _jacobian(residuals: Residuals, values: FloatArray) -> FloatArray:
-    """Return central differences: they err by 1e-10, one-sided ones by 1e-8."""
+def _jacobian(residuals: Residuals, names: Sequence[str], linear: Linear, values: FloatArray) -> FloatArray:
+    """Return known columns, else central differences: they err by 1e-10, one-sided ones by 1e-8."""
     columns = []
-    for k, value in enumerate(values):
+    for k, (name, value) in enumerate(zip(names, values, strict=True)):
+        if name in linear:
+            columns.append(linear[name])
+            continue
         step = _STEP * (abs(value) or 1.0)
         upper, lower = values.copy(), values.copy()
         upper[k], lower[k] = value + step, value - step
@@ -243,6 +256,7 @@ def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
     others = np.arange(fit.values.size) != place
     trend = fit.covariance[others, place] / fit.covariance[place, place]
     free = fit.values[others]
+    names = [name for name in fit.names if name != fit.names[place]]
 
     def root(moved: float) -> float:
         """Return how far, in standard uncertainties, the data resist the move."""
@@ -257,7 +271,9 @@ def _profile_end(fit: LeastSquaresFit, place: int, step: float) -> float:
         part = begin
         if others.any():
             try:
-                part = minimum(lambda p: fit._function(whole(p)), begin, fit.names, tolerance=1e-8)
+                part = minimum(
+                    lambda p: fit._function(whole(p)), begin, names, tolerance=1e-8, linear=fit._linear
+                )
             except FitError:
                 return math.nan
         rest = fit._function(whole(part))

@@ -53,9 +53,9 @@ class Drift(Displayed):
         ``exponential`` forgets within `time`, a ``random_walk`` moves by `std` and forgets nothing, and
         ``long_range`` is 1/f noise from the rows' own rate to the record's.
         """
-        shortest, whole = float(np.median(steps)), float(steps.sum())
-        count = 1
+        whole, count = float(steps.sum()), 1
         if kind == "long_range":
+            shortest = float(np.median(steps))
             count = 1 + math.ceil(math.log(whole / shortest, _RATIO))
             time = shortest
         elif kind == "random_walk":
@@ -86,19 +86,22 @@ class Drift(Displayed):
     def information(self, white: FloatArray, columns: FloatArray) -> tuple[FloatArray, float]:
         """Return CᵀV⁻¹C of columns C (n, p), with white noise of these variances added, and ½ log |V|."""
         count = self.times.size
-        kept = np.exp(-self.steps[:, None] / self.times)
-        new = self.stds**2 * np.vstack([np.ones(count), -np.expm1(-2 * self.steps[:, None] / self.times)])
+        lost = np.expm1(-self.steps[:, None] / self.times)
+        kept, new = 1 + lost, np.empty((len(white), count))
+        new[0], new[1:] = self.stds**2, -(self.stds**2) * lost * (2 + lost)
+        weights = 1 / white[:, None]
+        tied = kept / new[1:]
         band = np.zeros((count + 1, new.size))
-        diagonal = 1 / new + 1 / white[:, None]
-        diagonal[:-1] += kept**2 / new[1:]
-        band[0] = diagonal.ravel()
+        diagonal = band[0].reshape(-1, count)
+        diagonal[:] = 1 / new + weights
+        diagonal[:-1] += kept * tied
         for apart in range(1, count):
-            band[apart].reshape(-1, count)[:, : count - apart] = 1 / white[:, None]
-        band[count, :-count] = (-kept / new[1:]).ravel()
+            band[apart].reshape(-1, count)[:, : count - apart] = weights
+        band[count, :-count] = -tied.ravel()
         root, _ = linalg.lapack.dpbtrf(band, lower=1, overwrite_ab=1)
-        scaled = columns / white[:, None]
+        scaled = columns * weights
         solved, _ = linalg.lapack.dtbtrs(root, np.repeat(scaled, count, axis=0), uplo="L")
-        volume = np.log(root[0]).sum() + (np.log(white).sum() + np.log(new).sum()) / 2
+        volume = (np.log(root[0] ** 2 * new.ravel()).sum() + np.log(white).sum()) / 2
         return columns.T @ scaled - solved.T @ solved, float(volume)
 
     def simulated(self, rng: np.random.Generator) -> FloatArray:
@@ -138,8 +141,7 @@ class Noise(Displayed):
         Drift counts by its density at low frequency, where the parameters' traces lie. To filter it out
         of the fit would leave differences of neighbouring rows, which noise of the displacement biases.
         """
-        white, share_of_area, area_std = self._parts
-        force_std = np.sqrt(white + self.slow_variance)[:, None]
+        force_std, share_of_area, area_std = self._spreads
 
         def divided(force: FloatArray, area: FloatArray) -> FloatArray:
             given_area = self._given_area(force, area, share_of_area)
@@ -167,21 +169,17 @@ class Noise(Displayed):
         These are the columns of K J (JᵀKJ + P)⁻¹, with the derivatives J of the residuals, the weights K of
         `scaling`, and the information P that is known of the parameters beforehand, (p, p).
         """
+        force_std, share_of_area, area_std = self._spreads
         scaled = self.scaling()(force, area)
-        answer = scaled @ self.inverse_information(force, area, known)
-        white, share_of_area, area_std = self._parts
-        by_force = answer[: len(force)] / np.sqrt(white + self.slow_variance)[:, None]
-        by_area = answer[len(force) :] / area_std
+        answer = scaled @ _inverse_information(scaled, known)
+        by_force, by_area = answer[: len(force)] / force_std, answer[len(force) :] / area_std
         return by_force, by_area + share_of_area[:, None] * by_force[self.with_area][: len(area)]
 
     def inverse_information(
         self, force: FloatArray, area: FloatArray, known: FloatArray | float = 0.0
     ) -> FloatArray:
         """Return (JᵀKJ + P)⁻¹, as `estimator` has them."""
-        scaled = self.scaling()(force, area)
-        length = np.sqrt(np.sum(scaled**2, axis=0) + np.diagonal(known + np.zeros(2 * scaled.shape[1:])))
-        whole = (scaled / length).T @ (scaled / length) + known / np.outer(length, length)
-        return np.asarray(np.linalg.inv(whole) / np.outer(length, length))
+        return _inverse_information(self.scaling()(force, area), known)
 
     def covariance_of(self, force: FloatArray, area: FloatArray) -> FloatArray:
         """Return the covariance of sums of residuals of force and area with weights (n, p) and (m, p)."""
@@ -211,15 +209,11 @@ class Noise(Displayed):
         """
         product, volume = self._information(force, area)
         product[1:, 1:] += known
-        length = np.sqrt(np.diagonal(product)).copy()
-        length[0] = 1.0
-        product /= np.outer(length, length)
-        try:
-            triangle = np.linalg.cholesky(product[1:, 1:])
-        except np.linalg.LinAlgError:
+        triangle, fault = linalg.lapack.dpotrf(product[1:, 1:], lower=1)
+        if fault:
             return math.inf
-        taken = linalg.solve_triangular(triangle, product[1:, 0], lower=True)
-        determined = float(np.log(np.diagonal(triangle) * length[1:]).sum())
+        taken, _ = linalg.lapack.dtrtrs(triangle, product[1:, 0], lower=1)
+        determined = float(np.log(np.diagonal(triangle)).sum())
         return volume + determined + float(product[0, 0] - taken @ taken) / 2
 
     @property
@@ -231,11 +225,17 @@ class Noise(Displayed):
         share_of_area = self.slope[self.with_area] * g * shared / area_variance
         return self.force_std**2 + self.slope**2 * left, share_of_area, math.sqrt(area_variance)
 
+    @property
+    def _spreads(self) -> tuple[FloatArray, FloatArray, float]:
+        """Those parts as `scaling` has them: standard deviations (n, 1) of the force, drift included."""
+        white, share_of_area, area_std = self._parts
+        return np.sqrt(white + self.slow_variance)[:, None], share_of_area, area_std
+
     def _given_area(self, force: FloatArray, area: FloatArray, share_of_area: FloatArray) -> FloatArray:
         """Return the force without what its noise shares with the area's."""
         if area.size:
-            force = force.copy()
-            force[self.with_area] += share_of_area[:, None] * area
+            force, rows = force.copy(), np.flatnonzero(self.with_area)
+            force[rows] += share_of_area[:, None] * area
         return force
 
     def _information(self, force: FloatArray, area: FloatArray) -> tuple[FloatArray, float]:
@@ -248,6 +248,12 @@ class Noise(Displayed):
         else:
             product, volume = force.T @ (force / white[:, None]), 0.5 * float(np.log(white).sum())
         return product + area.T @ area / area_std**2, volume + len(area) * math.log(area_std)
+
+
+def _inverse_information(scaled: FloatArray, known: FloatArray | float) -> FloatArray:
+    length = np.sqrt(np.sum(scaled**2, axis=0) + np.diagonal(known + np.zeros(2 * scaled.shape[1:])))
+    whole = (scaled / length).T @ (scaled / length) + known / np.outer(length, length)
+    return np.asarray(np.linalg.inv(whole) / np.outer(length, length))
 
 
 def estimate_noise(
@@ -337,18 +343,26 @@ class NoiseUncertainty(Displayed):
     names: tuple[str, ...]
     covariance: FloatArray
 
-    def degrees_of_freedom(
-        self, noise: Noise, jacobians: tuple[FloatArray, ...], gradient: FloatArray
-    ) -> float:
-        """Return Satterthwaite's 2 v²/Var(v) for the variance v of gᵀp that the noise gives (GUM G.4)."""
+    def moved_covariances(self, noise: Noise, jacobians: tuple[FloatArray, ...]) -> FloatArray:
+        """Return the covariances of the parameters with each deviation larger, then smaller, (k, 2, p, p)."""
         at = np.log([getattr(noise, name) for name in self.names])
+        return np.array(
+            [
+                [
+                    _with_logs(noise, self.names, at + way * move).parameter_covariance(*jacobians)
+                    for way in (1, -1)
+                ]
+                for move in _LOG_STEP * np.eye(len(self.names))
+            ]
+        )
 
-        def log_variance(logs: FloatArray) -> float:
-            seen = _with_logs(noise, self.names, logs)
-            return math.log(float(gradient @ seen.parameter_covariance(*jacobians) @ gradient))
+    def degrees_of_freedom(self, moved: FloatArray, gradient: FloatArray) -> float:
+        """Return Satterthwaite's 2 v²/Var(v) for the variance v of gᵀp that the noise gives (GUM G.4).
 
-        moves = _LOG_STEP * np.eye(len(self.names))
-        slope = np.array([log_variance(at + m) - log_variance(at - m) for m in moves]) / (2 * _LOG_STEP)
+        `moved` are the `moved_covariances`.
+        """
+        variances = (gradient @ moved @ gradient).tolist()
+        slope = np.array([math.log(up) - math.log(down) for up, down in variances]) / (2 * _LOG_STEP)
         return min(max(2 / float(slope @ self.covariance @ slope), 2.0), 1e6)
 
     def parameter_covariance(self, noise: Noise, jacobians: tuple[FloatArray, ...]) -> FloatArray:
