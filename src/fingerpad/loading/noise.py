@@ -25,7 +25,8 @@ from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad._display import Displayed
 
 # Its derivatives come from differences: by smaller steps rounding decides where the search ends.
-_SEARCH: Final[Any] = {"eps": 1e-4, "ftol": 1e-12, "gtol": 1e-5}
+_STEP: Final = 1e-4
+_SEARCH: Final[Any] = {"ftol": 1e-12, "gtol": 1e-5}
 _WHITE: Final = ("force_std", "displacement_std", "area_std")
 _DRIFT: Final = ("drift_std", "drift_time")
 _LOG_STEP = 0.1
@@ -294,6 +295,7 @@ def _maximise_likelihood(
     bounds_by_name = _std_bounds(first, residuals)
     force, area = (np.column_stack(pair) for pair in zip(residuals, jacobians[:2], strict=True))
     bounds = [(math.log(bounds_by_name[name][0]), math.log(bounds_by_name[name][1])) for name in names]
+    highest = np.array(bounds)[:, 1]
     start = [
         min(max(math.log(getattr(first, name)), low), high)
         for name, (low, high) in zip(names, bounds, strict=True)
@@ -302,12 +304,15 @@ def _maximise_likelihood(
     def negative_log_likelihood(logs: FloatArray) -> float:
         return _penalised_negative_log_likelihood(_with_logs(first, names, logs), force, area, *jacobians[2:])
 
+    def with_slope(logs: FloatArray) -> tuple[float, FloatArray]:
+        value = negative_log_likelihood(logs)
+        steps = np.where(logs + _STEP > highest, -_STEP, _STEP)
+        moved = logs + np.diag(steps)
+        raised = np.array([negative_log_likelihood(one) for one in moved])
+        return value, (raised - value) / (np.diagonal(moved) - logs)
+
     found = optimize.minimize(
-        negative_log_likelihood,
-        np.array(start),
-        method="L-BFGS-B",
-        bounds=bounds,
-        options=_SEARCH,
+        with_slope, np.array(start), jac=True, method="L-BFGS-B", bounds=bounds, options=_SEARCH
     )
     return _with_logs(first, names, found.x), float(found.fun) + len(names)
 
