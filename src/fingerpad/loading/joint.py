@@ -315,7 +315,7 @@ class _Model:
         expected = np.array(list(known.values()))
 
         def joined(force: FloatArray, area: FloatArray, apart: FloatArray) -> FloatArray:
-            return np.append(scaled(force[:, None], area[:, None])[:, 0], weights @ apart)
+            return np.concatenate([scaled(force[:, None], area[:, None])[:, 0], weights @ apart])
 
         def residuals(free: FloatArray) -> FloatArray:
             values = self.values(free)

@@ -143,10 +143,15 @@ class Noise(Displayed):
         of the fit would leave differences of neighbouring rows, which noise of the displacement biases.
         """
         force_std, share_of_area, area_std = self._spreads
+        rows, share = np.flatnonzero(self.with_area), share_of_area[:, None]
 
         def divided(force: FloatArray, area: FloatArray) -> FloatArray:
-            given_area = self._given_area(force, area, share_of_area)
-            return np.concatenate([given_area / force_std, area / area_std])
+            both = np.concatenate([force, area])
+            if area.size:
+                both[rows] += share * area
+            both[: len(force)] /= force_std
+            both[len(force) :] /= area_std
+            return both
 
         return divided
 
