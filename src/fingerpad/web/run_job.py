@@ -129,7 +129,7 @@ class RunJob:
         self._check_cancelled()
 
     def _set(self, *, due: bool = False, **changes: Any) -> None:
-        """Change the status, and tell of it when it is due or was not told for a while."""
+        """Change the status, and send it where that is due, or none was sent for a while."""
         with self._lock:
             self._change(**changes)
             now = time.monotonic()

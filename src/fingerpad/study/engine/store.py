@@ -337,7 +337,7 @@ class Store:
         return digest
 
     def remember(self, path: Path, digest: str, stamp: str | None = None) -> None:
-        """Keep the SHA-256 of a file, by default as it is now, for `digest`."""
+        """Keep the SHA-256 of a file, by default of its current content, for `digest`."""
         values = str(path), content_stamp(path) if stamp is None else stamp, digest
         with _plain_errors(self.path):
             self._connection.execute(
