@@ -88,6 +88,15 @@ def test_the_report_has_every_quantity_law_explanation_and_flag() -> None:
     assert text == fit.summary()
 
 
+def test_the_report_compares_explanations_with_the_criterion_that_weighs_them() -> None:
+    noise = {"force_std": 0.005, "displacement_std": 0.005, "area_std": 1.0}
+    fit = fit_loading_curve(simulate_loading_curve(points=100, seed=2, load_coefficient=0.0, **noise))
+    hertz, text = fit.models["hertz"].aicc, fit.report()
+    assert hertz < fit.main.aicc - 1  # one modulus explains this curve
+    above = fit.alternatives["area_offset"].aicc - hertz
+    assert re.search(rf"areas with an offset[^\n]* \+{above:.1f} ", text)
+
+
 def test_the_report_says_why_a_quantity_is_not_known() -> None:
     curve = simulate_loading_curve(points=100, seed=1, with_area=False, force_std=0.005)
     text = fit_loading_curve(curve).report()

@@ -183,6 +183,7 @@ def fit_loading_curve(
             hysteresis=tuple(hysteresis(curve, each) for each in press.cycles),
             models={name: model.fitted_law() for name, model in models.items()},
             alternatives={name: rival.fitted_law() for name, rival in compared.rivals.items()},
+            model_aicc=compared.model_aicc,
             uncertainty=_uncertainties(compared),
             unexplained=compared.unexplained,
             rows=main.record,

@@ -205,6 +205,8 @@ class LoadingFit(Recorded):
         Other explanations of the curve under the same noise, by key of `EXPLANATIONS`: an offset or another
         growth of the areas, a stage that yields, a layer on bone, both also with one modulus, an exact
         sphere.
+    model_aicc : float
+        Criterion that the alternatives are compared with: that of `main`, or of one modulus where it is less.
     uncertainty : mapping of str to LawUncertainty
         Of `main` and of each alternative; the weights have the sum 1.
     unexplained : float
@@ -237,6 +239,7 @@ class LoadingFit(Recorded):
     hysteresis: tuple[Hysteresis | None, ...]
     models: Mapping[str, FittedForceModel]
     alternatives: Mapping[str, FittedForceModel]
+    model_aicc: float
     uncertainty: Mapping[str, LawUncertainty]
     unexplained: float
     misfit_std: Mapping[str, float]
@@ -390,12 +393,11 @@ class LoadingFit(Recorded):
         yield from _table([("law of the force", "ΔAICc"), *laws])
         if self.alternatives:
             yield ""
-            # About the model, whose criterion is that of one modulus where that is less.
             weights = sorted(((of.weight, name) for name, of in self.uncertainty.items()), reverse=True)
             rows = [
                 (
                     EXPLANATIONS.get(name, "the model"),
-                    f"{self.alternatives.get(name, main).aicc - main.aicc:+.1f}" if name != MAIN else "0.0",
+                    "0.0" if name == MAIN else f"{self.alternatives[name].aicc - self.model_aicc:+.1f}",
                     f"{weight:.3f}" if weight >= 0.001 else "< 0.001",
                 )
                 for weight, name in weights

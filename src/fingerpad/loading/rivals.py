@@ -131,6 +131,7 @@ class Comparison(Displayed):
     rivals: Mapping[str, JointFit]  # under the same noise
     best: JointFit  # of the least AICc, with noise of its own where it is far ahead
     best_name: str  # empty for the model
+    model_aicc: float  # of the model in the weights: that of one modulus where it is less
     weights: Mapping[str, float]  # of Akaike, of the rivals; what is left to one is the model's
     unexplained: float  # share of the force's residuals under load beyond noise; 0 where areas show it
     doubts: Mapping[str, str]  # flags, and what they mean here in plain words
@@ -252,6 +253,7 @@ def compare(main: JointFit) -> Comparison:
         rivals=rivals,
         best=best,
         best_name=best_name,
+        model_aicc=reference,
         weights=_weights(reference, rivals, main.held, EXPLANATIONS),
         unexplained=0.0,
         doubts=doubts,
@@ -313,6 +315,7 @@ def _compare_without_areas(main: JointFit) -> Comparison:
         rivals=rivals,
         best=main,
         best_name="",
+        model_aicc=main.aicc,
         weights=_weights(main.aicc, rivals, main.held, _WITHOUT_AREAS),
         unexplained=unexplained,
         doubts=doubts,
