@@ -250,8 +250,8 @@ _CURVE: Final = (
     Flag(
         "modulus_depends_on_load",
         "a modulus that grows with load fits better than one modulus",
-        f"state the modulus with the load that it holds at; {GIVE_SEMI_AXES} to fit a layer, which may "
-        "explain it",
+        "state the modulus with the load that it holds at; unless a layer was fitted beside it, "
+        f"{GIVE_SEMI_AXES} to fit one, which may explain it",
     ),
     Flag(
         "modulus_partly_decreases",

@@ -131,7 +131,7 @@ def press(keys: str) -> str:
         (VALID + "zzz = 3", "observations.0..zzz: unknown key \\(in a\\)$"),
         (changed("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
         (changed("= 2\n", "= nan\n"), "load_N: expected a finite number, found nan"),
-        (changed("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'"),
+        (changed("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'; .* without quotes"),
         (changed("= 2\n", "= 2e9\n"), "load_N: expected less than or equal to 10000, found 2000000000"),
         (changed("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),
         (VALID + "scale = { ppi = 500 }", "without an image there is no use for scale"),

@@ -108,7 +108,7 @@ def simulator(
         files = export_finger(law, export, effective_mass=mass_kg, damping_ratio=damping_ratio, source=source)
     show.result(record, as_json, _print)
     if files and not as_json:
-        typer.echo(f"Files: {export}, {', '.join(file.name for file in files)}")
+        typer.echo(f"Files in {export}: {', '.join(file.name for file in files)}")
     if record["mujoco"]["flag"]:
         show.note("MuJoCo's default time step of 2 ms is unstable for this mass: give a shorter one")
 

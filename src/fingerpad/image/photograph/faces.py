@@ -270,8 +270,8 @@ def combine_faces(faces: Iterable[FaceSemiAxes]) -> PadSemiAxes:
     for axis in SEMI_AXES:
         if axis not in seen:
             showing = ", ".join(face for face, axes in FACE_AXES.items() if axis in axes)
-            found = ", ".join(one.face for one in faces) or "no face"
-            raise FitError(f"no face given shows the {axis} semi-axis, found {found}: add one of {showing}")
+            found = ", ".join(one.face for one in faces) or "none"
+            raise FitError(f"no face given shows the {axis} semi-axis (given: {found}): add one of {showing}")
     values = np.concatenate([one.semi_axes for one in faces])
     design = np.array([[axis == name for name in SEMI_AXES] for one in faces for axis in FACE_AXES[one.face]])
     stated = _relative_covariance(faces, values)

@@ -427,7 +427,10 @@ def create_study(folder: Path, title: str) -> LoadedStudy:
     with locked(folder, folder / LOCK_NAME):
         complete(folder)
         if (folder / STUDY_NAME).exists():
-            raise ManifestError(f"{folder}: there is a study already: open it, or name another folder")
+            raise ManifestError(
+                f"{folder}: there is a study already: open it, name another folder, or remove {STUDY_NAME} "
+                "to begin again"
+            )
         replace_files(folder, manifest_files(tomlkit.dumps({"title": title.strip(), **_BEGINNING})))
     return load_study(folder / STUDY_NAME)
 

@@ -62,6 +62,8 @@ def _faults(error: ValidationError) -> Iterator[Fault]:
             words = "required, but missing"
         elif isinstance(fault["input"], str | int | float | bool):
             words = f"{message}, found {repr(fault['input'])[:60]}"
+            if fault["type"] == "float_type" and isinstance(fault["input"], str):
+                words += "; numbers stand without quotes and have a decimal point"
         else:
             words = message
         yield Fault(key_path(fault["loc"]), words)
