@@ -99,6 +99,14 @@ def test_log_axes_can_be_linear() -> None:
     assert (axes.get_xscale(), axes.get_yscale(), axes.get_xlim()[0]) == ("linear", "linear", 0)
 
 
+def test_a_band_about_a_power_law_has_its_low_side_below() -> None:
+    figure, (panel,) = new_panels()
+    plot_area_against_load(panel, [0.5, 1, 2], [46, 74, 117], exponent=0.67, exponent_std=0.01)
+    rows = [row for row in csv.DictReader(io.StringIO(figure_csv(figure))) if row["series"] == "band"]
+    assert rows
+    assert all(float(row["y_low"]) <= float(row["y_high"]) for row in rows)
+
+
 def test_one_end_beyond_the_data_is_refused(figure) -> None:
     with pytest.raises(FigureError, match="x_range: the axis would end at .* and begin at 7: give both ends"):
         draw_figure(with_settings(figure, FigureSettings(x_range=(7, None))))

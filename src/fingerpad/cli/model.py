@@ -367,7 +367,7 @@ def _print_fields(record: dict[str, Any]) -> None:
         {of: {key: value for key, value in one.items() if np.ndim(value) == 0} for of, one in both.items()}
     )
     for title, one in both.items():
-        typer.echo(f"\n{title}, below the place of first contact")
+        typer.echo(f"\n{title}, below the place of first contact: stresses in kPa, energy in kJ/m³")
         rows = [["depth_mm", *_FIELD_COLUMNS, "receptors"]]
         for index, depth in enumerate(one["depth_mm"]):
             values = (f"{one[key][index]:.4g}" for key in _FIELD_COLUMNS.values())

@@ -147,8 +147,8 @@ def plot_area_against_load(
 
         if exponent is not None and np.isfinite(exponent):
             if exponent_std is not None and np.isfinite(exponent_std):
-                turned = (power_law(exponent - exponent_std), power_law(exponent + exponent_std))
-                axes.add(Band(line, *turned, colour=BLUE, alpha=0.2))
+                turned = [power_law(exponent - exponent_std), power_law(exponent + exponent_std)]
+                axes.add(Band(line, *np.sort(turned, axis=0), colour=BLUE, alpha=0.2))
             said = value_with_uncertainty(exponent, exponent_std)
             axes.add(Line(line, power_law(exponent), colour=BLUE, label=rf"fit, $A \propto W^{{{said}}}$"))
         label = r"Hertz, $A \propto W^{2/3}$"
