@@ -10,6 +10,7 @@ from tests import command
 from tests.studies import contact, finger, write_study
 
 import fingerpad as fp
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.study.results import load as of_run
 from fingerpad.study.results.summary_file import CurveRecord, SummaryFile, ThicknessFitRecord
 
@@ -69,12 +70,12 @@ def test_json_has_all_targets() -> None:
 
 
 def test_text_has_the_same_numbers() -> None:
-    code, out, _ = run(
-        *USUAL, "--youngs-modulus-kpa-std", 5, "--thickness-mm-std", 1, "--semi-axes-mm-std", 0.1
-    )
+    stds = ("--youngs-modulus-kpa-std", 5, "--thickness-mm-std", 1, "--semi-axes-mm-std", 0.1)
+    code, out, _ = run(*USUAL, *stds)
     assert code == 0
-    record, _ = run_json(*USUAL)
-    assert f"{record['newton']['kh_N_per_m3']:.4g} N/m³ ± " in out
+    record, _ = run_json(*USUAL, *stds)
+    newton = record["newton"]
+    assert f"{value_with_uncertainty(newton['kh_N_per_m3'], newton['kh_N_per_m3_std'])} N/m³" in out
     assert "5.7 %" in out
     assert " ".join(f"{number:.6g}" for number in record["mujoco"]["solimp"]) in out
 

@@ -8,6 +8,7 @@ import numpy as np
 import typer
 from typer import Argument, Option
 
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli import options, show
 from fingerpad.exceptions import GeometryError
 from fingerpad.units import KPA_PER_MPA
@@ -184,8 +185,9 @@ def _line(name: str, value: str, target: dict[str, Any]) -> tuple[str, str, str,
 
 def _with_std(target: dict[str, Any], name: str, unit: str) -> str:
     std = target[f"{name}_std"]
-    unknown = ", of unknown uncertainty" if math.isnan(std) else ""
-    return f"{target[name]:.4g} {unit}" + (f" ± {std:.2g}" if std > 0 else unknown)
+    if std > 0:
+        return f"{value_with_uncertainty(target[name], std)} {unit}"
+    return f"{target[name]:.4g} {unit}" + (", of unknown uncertainty" if math.isnan(std) else "")
 
 
 def _numbers(values: tuple[float, ...]) -> str:

@@ -11,6 +11,7 @@ from fastapi import Response
 from pydantic import Field
 
 from fingerpad._files import file_stem
+from fingerpad._rounding import value_with_uncertainty
 from fingerpad.simulator import FiniteElements, SimulatorLaw, elements_or_reason, export_finger, simulator_law
 from fingerpad.study.results.load import MeasuredPad, measured_pad
 from fingerpad.study.results.result_set import result_set_stamp
@@ -87,9 +88,9 @@ def numbers(opened: Opened, params: Query[SimulatorParams]) -> SimulatorNumbers:
 
 
 def _with_std(value: float, std: float, unit: str) -> str:
-    if math.isnan(std):
-        return f"{value:.4g} {unit}, of unknown uncertainty"
-    return f"{value:.4g} ± {std:.2g} {unit}" if std else f"{value:.4g} {unit}"
+    if std > 0:
+        return f"{value_with_uncertainty(value, std)} {unit}"
+    return f"{value:.4g} {unit}" + (", of unknown uncertainty" if math.isnan(std) else "")
 
 
 @router.get("/results/simulator/file", response_class=Response)
