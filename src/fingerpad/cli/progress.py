@@ -47,7 +47,7 @@ class ProgressDisplay:
             total=progress.total,
             completed=progress.pictures,
             description=_words(progress),
-            rate=f"{rate:.1f} pictures/s" if rate > 0 else "",
+            rate=f"{rate:.1f} pictures/s" if rate > 0 and progress.status != "written" else "",
             failed=f"{progress.failed} failed" if progress.failed else "",
         )
 
