@@ -279,7 +279,7 @@ def _print_frame(result: "FrameResult") -> None:
     seen, area = record.get("error"), record.get("gross_area_mm2")
     if area is not None:
         seen = f"{value_with_uncertainty(area, record['gross_area_mm2_std'])} mm²"
-    typer.echo(f"frame {result.index}: {result.time:.4f} s, {result.load:.3f} N, {result.phase}, {seen}")
+    typer.echo(f"frame {result.index}: {result.time:.4f} s, {result.load:z.3f} N, {result.phase}, {seen}")
 
 
 def _clock(
