@@ -25,7 +25,7 @@ class Displayed:
 
     def _shown(self) -> list[tuple[str, Any]]:
         """Return the fields with their values, but for what is None unless it was asked for."""
-        public = (field for field in fields(self) if not field.name.startswith("_"))  # type: ignore[arg-type]
+        public = (one for one in fields(self) if one.repr and not one.name.startswith("_"))  # type: ignore[arg-type]
         values = ((field, getattr(self, field.name)) for field in public)
         return [
             (field.name, value) for field, value in values if value is not None or field.default is not None

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Final, Self
 
 import numpy as np
@@ -239,7 +239,7 @@ class LoadingFit(Recorded):
     hysteresis: tuple[Hysteresis | None, ...]
     models: Mapping[str, FittedForceModel]
     alternatives: Mapping[str, FittedForceModel]
-    model_aicc: float
+    model_aicc: float = field(repr=False)
     uncertainty: Mapping[str, LawUncertainty]
     unexplained: float
     misfit_std: Mapping[str, float]
