@@ -1,8 +1,12 @@
 """Configuration of the documentation."""
 
 import os
+import re
 import sys
 from pathlib import Path
+
+from docutils import nodes
+from sphinx.application import Sphinx
 
 import fingerpad
 
@@ -72,3 +76,15 @@ exclude_patterns = [
 html_static_path = ["_static", "_style"]
 html_css_files = ["tables.css"]
 templates_path = ["_templates"]
+
+
+def keep_numbers_whole(_app: Sphinx, tree: nodes.document) -> None:
+    """Let no line end between a number and its per cent."""
+    for text in list(tree.findall(nodes.Text)):
+        if not isinstance(text.parent, nodes.literal | nodes.literal_block | nodes.math):
+            text.parent.replace(text, nodes.Text(re.sub(r"(?<=\d) %", "\N{NO-BREAK SPACE}%", text)))
+
+
+def setup(app: Sphinx) -> None:
+    """Connect what is changed in every page."""
+    app.connect("doctree-read", keep_numbers_whole)
