@@ -56,7 +56,11 @@ export class StudyTables {
       h("td", { "data-empty": needed && (one[name] ?? null) === null }, control);
     return {
       set,
-      /** @type {(name: string, words: string, more?: Parameters<typeof number>[0], needed?: boolean) => any} */
+      /**
+       * @type {(
+       *   name: string, words: string, more?: Parameters<typeof number>[0], needed?: boolean
+       * ) => any}
+       */
       number: (name, words, more, needed = true) => {
         const label = `${words} of ${named}`;
         return of(name, number({ value: one[name], min: 0, label, onset: set(name), ...more }), needed);
