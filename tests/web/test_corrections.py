@@ -168,26 +168,27 @@ def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
     """The page is killed in the midst of corrections: every one it confirmed is there after it."""
     confirmed = []
     process, client = launched(studies_folder / "demo")
-    stop = threading.Timer(0.3, os.kill, (process.pid, signal.SIGKILL))
+    stop = threading.Timer(0.05, os.kill, (process.pid, signal.SIGKILL))
     try:
         seen = now(client, PRINT)["last_id"]
-        stop.start()
         while True:
             answer = correct(client, PRINT, seen, {"threshold": 1.0 + len(confirmed)})
             assert answer.status_code == 201, answer.text
             seen = answer.json()["last_id"]
             confirmed.append(answer.json()["change"])
+            if len(confirmed) == 6:  # counted, since a busy machine may not get as far in any given time
+                stop.start()
     except httpx.TransportError:
         pass
     finally:
-        stop.join()
+        process.kill()
         process.wait(10)
         process.stdout.close()
         process.stderr.close()
         client.close()
     lines = (studies_folder / "demo/corrections.jsonl").read_text().splitlines()
     kept = [json.loads(line)["change"] for line in lines if line.endswith("}")]
-    assert len(confirmed) > 5
+    assert len(confirmed) >= 6
     # The one in progress at the kill may be there too: written, but not answered.
     assert confirmed == kept[: len(confirmed)]
     assert len(kept) <= len(confirmed) + 1
