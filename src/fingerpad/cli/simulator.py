@@ -8,7 +8,6 @@ import numpy as np
 import typer
 from typer import Argument, Option
 
-from fingerpad._rounding import value_with_uncertainty
 from fingerpad.cli import options, show
 from fingerpad.exceptions import GeometryError
 from fingerpad.units import KPA_PER_MPA
@@ -184,10 +183,9 @@ def _line(name: str, value: str, target: dict[str, Any]) -> tuple[str, str, str,
 
 
 def _with_std(target: dict[str, Any], name: str, unit: str) -> str:
-    std = target[f"{name}_std"]
-    if std > 0:
-        return f"{value_with_uncertainty(target[name], std)} {unit}"
-    return f"{target[name]:.4g} {unit}" + (", of unknown uncertainty" if math.isnan(std) else "")
+    from fingerpad.simulator import quantity_in_words
+
+    return quantity_in_words(target[name], target[f"{name}_std"], unit)
 
 
 def _numbers(values: tuple[float, ...]) -> str:

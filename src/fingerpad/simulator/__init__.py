@@ -9,6 +9,7 @@ from fingerpad.simulator.targets import (
     MujocoContact,
     NewtonStiffness,
     PressureByDepth,
+    quantity_in_words,
 )
 
 __all__ = [
@@ -21,5 +22,6 @@ __all__ = [
     "TetrahedralMesh",
     "elements_or_reason",
     "export_finger",
+    "quantity_in_words",
     "simulator_law",
 ]

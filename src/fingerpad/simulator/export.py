@@ -17,7 +17,13 @@ from fingerpad.geometry.ellipsoid import tangents
 from fingerpad.simulator.elements import HIGHEST_POISSON_RATIO
 from fingerpad.simulator.law import SimulatorLaw, elements_or_reason
 from fingerpad.simulator.mesh import TetrahedralMesh, layer_mesh
-from fingerpad.simulator.targets import DrakeModulus, MujocoContact, PressureByDepth, Target
+from fingerpad.simulator.targets import (
+    DrakeModulus,
+    MujocoContact,
+    PressureByDepth,
+    Target,
+    quantity_in_words,
+)
 
 _LONGEST_TIME_STEP: Final = 0.001  # s
 _OF_THE_LARGEST: Final = 0.25
@@ -225,7 +231,7 @@ def _tissue_mesh(law: SimulatorLaw) -> tuple[str, str]:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.1f} %"
+    return "unknown" if math.isnan(share) else f"{100 * share:.1f} %"
 
 
 def _readme(
@@ -249,8 +255,12 @@ def _readme(
 
     rows = [
         row("`pressure_by_depth.csv`", f"{len(table.depth)} depths", table),
-        row("Newton `kh`", f"{newton.kh:.4g} N/m³", newton),
-        row("Drake hydroelastic modulus (`finger.sdf`)", f"{drake.modulus:.4g} Pa", drake),
+        row("Newton `kh`", quantity_in_words(newton.kh, newton.kh_std, "N/m³"), newton),
+        row(
+            "Drake hydroelastic modulus (`finger.sdf`)",
+            quantity_in_words(drake.modulus, drake.modulus_std, "Pa"),
+            drake,
+        ),
         row("MuJoCo solref, solimp (`finger.xml`)", f"for {mujoco.effective_mass:g} kg", mujoco),
     ]
     bone = reason
@@ -275,8 +285,7 @@ def _readme(
     share = law.load_std[[0, -1]] / law.load[[0, -1]]
     uncertain = (
         f"Standard uncertainty of the load: {_percent(share[0])} at the lowest, {_percent(share[1])} at the "
-        f"highest;\nof kh {newton.kh_std:.2g} N/m³, of Drake's modulus {drake.modulus_std:.2g} Pa, "
-        f"of MuJoCo's stiffness {_percent(mujoco.stiffness_std / -mujoco.solref[0])}."
+        f"highest;\nof MuJoCo's stiffness {_percent(mujoco.stiffness_std / -mujoco.solref[0])}."
         if share.any()
         else "No uncertainty of the pad or its tissue was given."
     )

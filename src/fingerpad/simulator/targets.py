@@ -1,5 +1,6 @@
 """What robot simulators take for a finger pad, each with its error; in SI units, as theirs are."""
 
+import math
 from dataclasses import dataclass, fields
 from typing import Any, Final
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad._display import Displayed
+from fingerpad._rounding import value_with_uncertainty
 
 MUJOCO_TIME_STEP: Final = 0.002  # s, MuJoCo's default
 # Fields that have another name in records, which ends in their unit.
@@ -22,6 +24,13 @@ _KEYS: Final = {
     "largest_time_step": "largest_time_step_s",
     "indentation": "indentation_m",
 }
+
+
+def quantity_in_words(value: float, std: float, unit: str) -> str:
+    """Return a number with its unit and standard uncertainty: none if that is 0, and said so if it is NaN."""
+    if std > 0:
+        return f"{value_with_uncertainty(value, std)} {unit}"
+    return f"{value:.4g} {unit}" + (", of unknown uncertainty" if math.isnan(std) else "")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)

@@ -1,7 +1,6 @@
 """A finger of the last run for robot simulators: the numbers that they take, and the files."""
 
 import io
-import math
 import zipfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,8 +10,14 @@ from fastapi import Response
 from pydantic import Field
 
 from fingerpad._files import file_stem
-from fingerpad._rounding import value_with_uncertainty
-from fingerpad.simulator import FiniteElements, SimulatorLaw, elements_or_reason, export_finger, simulator_law
+from fingerpad.simulator import (
+    FiniteElements,
+    SimulatorLaw,
+    elements_or_reason,
+    export_finger,
+    quantity_in_words,
+    simulator_law,
+)
 from fingerpad.study.results.load import MeasuredPad, measured_pad
 from fingerpad.study.results.result_set import result_set_stamp
 from fingerpad.web.answers import Answer
@@ -69,9 +74,11 @@ def numbers(opened: Opened, params: Query[SimulatorParams]) -> SimulatorNumbers:
     target = SimulatorTarget.of
     targets = [
         target(table, name="Table of pressure by depth", value=f"{len(table.depth)} depths"),
-        target(newton, name="Newton kh", value=_with_std(newton.kh, newton.kh_std, "N/m³")),
+        target(newton, name="Newton kh", value=quantity_in_words(newton.kh, newton.kh_std, "N/m³")),
         target(
-            drake, name="Drake hydroelastic modulus", value=_with_std(drake.modulus, drake.modulus_std, "Pa")
+            drake,
+            name="Drake hydroelastic modulus",
+            value=quantity_in_words(drake.modulus, drake.modulus_std, "Pa"),
         ),
         target(mujoco, name="MuJoCo solref", value=" ".join(f"{one:.6g}" for one in mujoco.solref)),
         target(mujoco, name="MuJoCo solimp", value=" ".join(f"{one:.6g}" for one in mujoco.solimp)),
@@ -85,12 +92,6 @@ def numbers(opened: Opened, params: Query[SimulatorParams]) -> SimulatorNumbers:
     if reason:
         notes.append(f"{reason[0].upper()}{reason[1:].rstrip('.')}.")
     return SimulatorNumbers(source=pad.source, model=law.model, targets=targets, notes=notes)
-
-
-def _with_std(value: float, std: float, unit: str) -> str:
-    if std > 0:
-        return f"{value_with_uncertainty(value, std)} {unit}"
-    return f"{value:.4g} {unit}" + (", of unknown uncertainty" if math.isnan(std) else "")
 
 
 @router.get("/results/simulator/file", response_class=Response)
