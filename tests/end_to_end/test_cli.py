@@ -176,7 +176,7 @@ def test_text_output_with_units() -> None:
             "measure photo x.png --face palmar",
             "give either --ppi, --mm-per-px, --scale-line, --scale-circle, --coin or --grid",
         ),
-        ("measure photo x.png --face palmar --ppi 500 --tip north", "--tip.*north.* is not one of .*up"),
+        ("measure photo x.png --face palmar --ppi 500 --tip north", "'--tip': 'north' is not one of .*up"),
         ("measure print x.png --ppi 500 --seed-px 12", "--seed-px takes 2 numbers"),
         ("measure print x.png --ppi 500 --mm-per-px 0.05", "give either .*, found --ppi and --mm-per-px"),
         ("measure print x.png --ppi 500 --roi-px 0,0,nan,9", "--roi-px takes 4 numbers"),
@@ -648,6 +648,7 @@ def test_invalid_manifest_stops_run(tmp_path: Path) -> None:
     code, _, err = run("run", study / "study.toml", "--out", tmp_path / "out")
     assert code == 2
     assert "study.toml: poisson: unknown key; did you mean 'poisson_ratio'?" in err
+    assert not err.startswith("\n")
     assert not (tmp_path / "out").exists()
 
 
@@ -765,6 +766,8 @@ def test_the_shown_rate_is_of_this_run_alone() -> None:
     display.update(Progress(item="b", status="done", pictures=1_000_001, failed=0, total=1_000_002))
     assert 0 < float(shown["rate"].removesuffix(" pictures/s")) <= 50
     assert shown["completed"] == 1_000_001
+    display.finish()
+    assert shown["description"] == "Done"
 
 
 def test_a_run_without_a_result_says_why(tmp_path: Path) -> None:

@@ -172,6 +172,8 @@ def test_frame_clock_preferences():
     assert frame_clock(10, triggered, contact_load=0.5).time_of(3, first_contact=1) == pytest.approx(6.7)
     with pytest.raises(LoadingError, match="not both"):
         frame_clock(10, plain, start_time=1.0, contact_load=0.5)
+    with pytest.raises(LoadingError, match="give the force too"):
+        frame_clock(10, contact_load=0.5)
 
 
 @pytest.mark.parametrize(

@@ -65,6 +65,16 @@ def value(
     )
 
 
+def test_a_finger_under_two_names_counts_once(tmp_path: Path) -> None:
+    one, other = (studies.finger(name, person="P01", digit="left_index") for name in ("ellipse", "direct"))
+    pressed = [contact(name, finger=name) for name in ("ellipse", "direct")]
+    studies.run(tmp_path, one, other, *pressed)
+    found = compare_studies([tmp_path / "out"])
+    assert {value.finger for value in found.values} == {"ellipse", "direct"}
+    assert {mean.fingers for mean in found.means} == {1}
+    assert all(math.isnan(mean.between_fingers_std) for mean in found.means)
+
+
 @pytest.mark.nightly
 def test_the_interval_of_a_mean_holds_the_truth_as_often_as_it_says() -> None:
     # Eight people, three fingers each; people differ more than fingers do, fingers more than is measured.

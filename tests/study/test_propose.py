@@ -199,6 +199,15 @@ def test_a_file_without_a_finger_is_left(camera_files) -> None:
     assert "IMG_0031.png" not in started.taken
 
 
+def test_no_study_is_written_where_nothing_states_a_finger(camera_files) -> None:
+    (camera_files / "LI_30deg_0,5N.png").rename(camera_files / "IMG_0032.png")
+    with pytest.raises(
+        ManifestError, match=r"IMG_0031\.png shows, nor 1 other file: give --finger left_index"
+    ):
+        start_study(camera_files)
+    assert not (camera_files / "study.toml").exists()
+
+
 def test_folders_without_files_and_with_a_study_are_refused(tmp_path) -> None:
     with pytest.raises(ManifestError, match="holds no picture"):
         start_study(tmp_path)

@@ -166,7 +166,7 @@ def test_a_coin_that_is_not_there_costs_its_rows(picture: Path) -> None:
     )
     result = run_study(picture / "study.toml", picture / "out")
     assert first_record(result.rows)["reason"].startswith("scale euro: print.png: no coin found")
-    assert len(result.failures) == 2
+    assert [failure.partition(": ")[0] for failure in result.failures] == ["x"]
 
 
 @pytest.mark.parametrize(("turn", "side"), [(0, "along"), (30, "along"), (90, "across"), (-80, "across")])

@@ -7,6 +7,7 @@ from enum import IntEnum
 from typing import Any
 
 import typer
+from typer import BadParameter
 from typer.core import TyperCommand, TyperGroup
 
 from fingerpad.cli import show
@@ -95,7 +96,11 @@ class Command(TyperCommand):
             elif flag and spread[-1] != flag:
                 spread.append(flag)
             spread.append(word)
-        return super().parse_args(ctx, spread)
+        try:
+            return super().parse_args(ctx, spread)
+        except BadParameter as error:  # of a value that is none of the choices, in the words of a validator
+            error.message = error.message.removeprefix("Value error, ")
+            raise
 
     def _check_tuples(self, args: list[str]) -> None:
         """Refuse a flag of several numbers that is followed by something else."""

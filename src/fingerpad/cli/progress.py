@@ -51,9 +51,13 @@ class ProgressDisplay:
             failed=f"{progress.failed} failed" if progress.failed else "",
         )
 
+    def finish(self) -> None:
+        """Say that the run has ended."""
+        self._bar.update(self._task, description="Done", rate="")
+
     def hide(self) -> None:
         """Remove the bar of a run that an error ended, which is printed in its place."""
-        self._bar.update(self._task, visible=False)
+        self._bar.live.transient = True
 
 
 def _words(progress: "Progress") -> str:
@@ -72,7 +76,7 @@ def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    file = None if log is None else _opened(log)
+    file, console = None if log is None else _opened(log), Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -82,10 +86,12 @@ def progress_display(log: Path | None) -> Iterator[ProgressDisplay]:
         TextColumn("[red]{task.fields[failed]}"),
     )
     try:
-        with Progress(*columns, console=Console(stderr=True)) as bar:
+        # Of a bar that nobody can watch a file would have the last line, and an empty one.
+        with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
             display = ProgressDisplay(bar, file)
             try:
                 yield display
+                display.finish()
             except FingerpadError:
                 display.hide()
                 raise

@@ -121,6 +121,7 @@ class OfFinger(Displayed):
     finger: str
     person: Person
     synthetic: bool  # whether anything of it was rendered or simulated
+    digit: str | None = None  # which finger of the person it is, where that is not its name
     wedge_angle_deg: float | None = None
     roll_angle_deg: float | None = None
 
@@ -189,15 +190,19 @@ def _owners(
     study: FinishedStudy,
 ) -> Callable[[FingerRecord | PlacementRecord | CurveRecord], dict[str, Any]]:
     """Return a function that gives the first fields of an `OfFinger` from a part of a summary."""
-    persons = {
-        one.finger: Person(one.person or study.title, bool(one.person)) for one in study.summary.fingers
-    }
-    return lambda of: {
-        "study": study.title,
-        "finger": of.finger,
-        "person": persons[of.finger],
-        "synthetic": of.synthetic,
-    }
+    fingers = {one.finger: one for one in study.summary.fingers}
+
+    def whose(of: FingerRecord | PlacementRecord | CurveRecord) -> dict[str, Any]:
+        finger = fingers[of.finger]
+        return {
+            "study": study.title,
+            "finger": of.finger,
+            "digit": finger.digit,
+            "person": Person(finger.person or study.title, bool(finger.person)),
+            "synthetic": of.synthetic,
+        }
+
+    return whose
 
 
 def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
@@ -392,7 +397,7 @@ def _mean(values: Sequence[Value]) -> Mean:
         }
         own = math.sqrt(max(0.0, value.std**2 - sum(std**2 for std in shared.values())))
         level = _Level(value.value, own, shared)
-        people.setdefault(value.person, {}).setdefault(value.finger, []).append(level)
+        people.setdefault(value.person, {}).setdefault(value.digit or value.finger, []).append(level)
     persons, scatters = [], []
     for fingers in people.values():
         members = [_pooled(levels, positive)[0] for levels in fingers.values()]

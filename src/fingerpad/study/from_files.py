@@ -63,6 +63,14 @@ def start_study(folder: Path, *, finger: str = "") -> StartedStudy:
             own = replace(own, scale=COIN + coins[0])
         found[file] = own, guess
     proposal = proposed_edits(empty, [new for new, _ in found.values()])
+    if proposal.waiting and not any(edit.kind == "finger" for edit in proposal.edits):
+        raise ManifestError(
+            f"{folder}: no study was written, since nothing states which finger {proposal.waiting[0]} shows"
+            + (f", nor {counted(len(proposal.waiting) - 1, 'other file')}" if proposal.waiting[1:] else "")
+            + ": give --finger left_index, or whichever one it is; or name each file after its finger, as "
+            "left_index_30deg_2N.png for a contact or left_index_palmar.jpg for a photograph; or list the "
+            "files in a spreadsheet with the columns file, finger, wedge and load"
+        )
     loaded = create_study(folder, title)
     if proposal.edits:
         loaded = change_study(folder, proposal.edits, expected=loaded.digest, before=loaded)

@@ -281,7 +281,9 @@ def frame_clock(
     """
     if start_time is not None and contact_load is not None:
         raise LoadingError("give either the time of the first frame or the load of first contact, not both")
-    if force is not None and contact_load is not None:
+    if contact_load is not None:
+        if force is None:
+            raise LoadingError("the load of first contact aligns frames with a force: give the force too")
         # Pictures show contact from some ridges on: the frame is late by that and up to one frame more, and
         # so are all times.
         return FrameRate(frames_per_second, anchor_time=force.contact_time(contact_load), anchor_frame=None)

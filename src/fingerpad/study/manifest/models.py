@@ -301,6 +301,9 @@ class Finger(ManifestModel):
     """Name of the finger, by which observations refer to it."""
     person: Name | None = None
     """Code for the person; without it all fingers of the study are taken as one person's."""
+    digit: Name | None = None
+    """Which finger of the person it is, as `left_index`, where several names stand for one finger that was
+    measured in several ways: comparisons count it once. By default the name."""
     semi_axes_mm: SemiAxes | None = None
     """Semi-axes as measured elsewhere."""
     semi_axes_mm_std: SemiAxesStd | None = None

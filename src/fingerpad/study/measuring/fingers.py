@@ -94,6 +94,7 @@ class FingerResult:
     synthetic: bool = False
     reason: str | None = None
     person: str | None = None
+    digit: str | None = None
 
     def outline_radius(self, wedge_deg: float) -> tuple[float, float]:
         """Return the radius along the finger where a wedge touches, from side faces' outlines alone.
@@ -205,6 +206,7 @@ def stated(finger: Finger) -> dict[str, Any]:
     return {
         "name": finger.name,
         "person": finger.person,
+        "digit": finger.digit,
         "pad_thickness": finger.pad_thickness_mm,
         "effective_thickness": finger.effective_thickness_mm,
         "effective_thickness_std": finger.effective_thickness_mm_std,

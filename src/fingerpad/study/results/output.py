@@ -162,6 +162,7 @@ def _finger(finger: FingerResult) -> summary_file.FingerRecord:
         finger,
         outlines,
         finger=finger.name,
+        **({"digit": finger.digit} if finger.digit else {}),
         palmar_mm=palmar,
         distal_mm=distal,
         radial_ulnar_mm=radial_ulnar,

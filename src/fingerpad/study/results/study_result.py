@@ -18,6 +18,7 @@ from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, versions_of
 from fingerpad.study.manifest import Study
+from fingerpad.study.manifest.messages import counted
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.operators import OperatorAgreement, OperatorPair, operator_agreement
@@ -156,19 +157,35 @@ class StudyResult(Displayed):
     @property
     def failures(self) -> list[str]:
         """What failed and why, fingers, observations, sequences, scales and curves alike."""
+        failed = self.failed_contacts
+        told = {reason for _, reason in failed}
         return [
-            *(f"{name}: {reason}" for name, reason in self.failed_contacts),
-            *(scale for scale in self.scales.values() if isinstance(scale, str)),
-            *(finger.reason for finger in self.fingers.values() if finger.reason is not None),
+            *(f"{name}: {reason}" for name, reason in failed),
+            *(reason for reason in self._shared_reasons if reason not in told),
             *(curve.reason for curve in self.curves if curve.failed and curve.reason is not None),
         ]
 
     @property
+    def _shared_reasons(self) -> list[str]:
+        """Why scales and fingers could not be had, each of which many contacts may need."""
+        scales = [scale for scale in self.scales.values() if isinstance(scale, str)]
+        return [*scales, *(one.reason for one in self.fingers.values() if one.reason is not None)]
+
+    @property
     def failed_contacts(self) -> list[tuple[str, str]]:
-        """Names of contacts that failed, with the reason; the frames of a sequence in one line."""
+        """Names of contacts that failed, with the reason.
+
+        The frames of a sequence, and contacts that failed for a scale or a finger, stand in one line.
+        """
         failed = self.rows[self.rows["status"] == "failed"]
-        frames = failed["frame"].notna()
+        shared = failed["reason"].isin(self._shared_reasons)
         lines = [
+            (some[0] if len(some) == 1 else counted(len(some), "contact"), str(reason))
+            for reason, some in failed[shared].groupby("reason", sort=False)["observation"].agg(list).items()
+        ]
+        failed = failed[~shared]
+        frames = failed["frame"].notna()
+        lines += [
             (row["observation"], row["reason"]) for row in records(failed[~frames], "observation", "reason")
         ]
         framed = failed[frames]
