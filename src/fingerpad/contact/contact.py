@@ -1,5 +1,7 @@
 """What is pressed, and the contact that comes of it, by whatever theory."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

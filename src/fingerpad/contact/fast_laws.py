@@ -1,5 +1,7 @@
 """The contact of whole ellipsoids on a layer, by laws in closed form, as fast as Hertz theory."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """The field below a pad, by Hertz theory and of a solved contact alike: on its axis and in section."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -5,6 +5,8 @@ The shape of the contact ellipse depends on the ratio of the relative radii alon
 Eqs 4.26 rearranged so that nothing cancels at the circle.
 """
 
+from __future__ import annotations
+
 from functools import cache, partial
 
 import numpy as np

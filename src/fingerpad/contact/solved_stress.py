@@ -6,6 +6,8 @@ a half-space falls off as 1/r² only. There the Hertzian pressure of the same lo
 is subtracted first, whose stress is known in closed form. The stress of the rest falls off as 1/r⁵.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -63,7 +65,7 @@ class SolvedStress(Displayed):
 
     contact: SolvedContact
     _hertz: HertzPressure | None
-    _waves: "_Waves"
+    _waves: _Waves
 
     @classmethod
     def of(cls, contact: SolvedContact) -> Self:

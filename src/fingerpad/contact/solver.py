@@ -4,6 +4,8 @@ Grids are nested: each follows the contact found on the one before, of half as m
 the change from the last but one to the last estimates the error.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

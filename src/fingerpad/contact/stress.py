@@ -5,6 +5,8 @@ over the family of confocal ellipsoids, a Carlson integral. The second, ∫p ln(
 bodies alone; it is elementary, here a smooth integral of rational functions, and the same for circles.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, replace
 from itertools import product

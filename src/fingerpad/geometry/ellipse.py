@@ -1,5 +1,7 @@
 """The plane ellipse: the outline of a contact, or of one face of the finger."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

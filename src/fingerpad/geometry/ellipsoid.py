@@ -1,5 +1,7 @@
 """The finger pad as an ellipsoidal cap."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

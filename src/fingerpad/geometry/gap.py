@@ -1,5 +1,7 @@
 """The gap between an ellipsoidal pad and the rigid body that it touches, exactly."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, fields
 from typing import Any, Self

@@ -1,5 +1,7 @@
 """Place of contact of a pad with a flat platen, for a finger on a wedge."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -153,7 +155,7 @@ class Placement(Displayed):
             raise TypeError("one placement has no length")
         return self.shape[0]
 
-    def __getitem__(self, index: Any) -> "Placement":
+    def __getitem__(self, index: Any) -> Placement:
         """Return one or some of an array of placements."""
         pad = self.ellipsoid
         axes = (pad.palmar, pad.distal, pad.radial_ulnar, self.wedge_angle, self.roll_angle)

@@ -5,6 +5,8 @@ orientation of the major axis from straight up, counter-clockwise as seen on the
 `PlaneEllipse` is for fits to points (x, y): unsorted semi-axes along and across an angle from x towards y.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, replace
 from typing import Self

@@ -1,5 +1,7 @@
 """A checkerboard or a grid of dots: the scale of a plane, and its pictures without perspective."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from functools import cached_property

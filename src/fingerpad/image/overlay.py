@@ -1,5 +1,7 @@
 """Draw what was measured over contact images and photographs, and write it as a file."""
 
+from __future__ import annotations
+
 import math
 from os import PathLike
 from pathlib import Path

@@ -1,5 +1,7 @@
 """Read a picture file into a plain two-dimensional grey array."""
 
+from __future__ import annotations
+
 import math
 import re
 import stat

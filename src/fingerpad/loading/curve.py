@@ -1,5 +1,7 @@
 """Loading curves: tables of time, force, displacement and contact area, and the presses in them."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from os import PathLike

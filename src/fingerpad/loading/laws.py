@@ -9,6 +9,8 @@ needs them, and of its own parameters. Place of contact, zero and drift of the f
 yielding stage are the fit's (`fingerpad.loading.joint`), and no law's.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache

@@ -6,6 +6,8 @@ A pad that is linearly viscoelastic in time has the load
 :math:`g = 1 - \sum_i g_i (1 - e^{-t/\tau_i})`. The ramp is part of the integral.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

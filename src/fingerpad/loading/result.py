@@ -1,5 +1,7 @@
 """The result of fitting one press: its quantities, the load it predicts, and all of it as text."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -4,6 +4,8 @@ R_g is read from contact area and indentation. Bone raises it: tissue of finite 
 for the same contact area. One number is fitted here, the thickness, to two measured ones.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial

@@ -1,5 +1,7 @@
 """Rendered sequences of a pad pressed and released: Hertz contact under given loads."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

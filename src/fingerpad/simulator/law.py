@@ -1,5 +1,7 @@
 """The force law of a finger pad, and what simulators take to come near it."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Meshes of a pad: its surface, its inside for Drake, and its tissue over bone for finite elements."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 

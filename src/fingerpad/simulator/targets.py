@@ -1,5 +1,7 @@
 """What robot simulators take for a finger pad, each with its error; in SI units, as theirs are."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, fields
 from typing import Any, Final

@@ -1,5 +1,7 @@
 """The finger pad as a model of named quantities: where it touches, what a contact says of it, and on bone."""
 
+from __future__ import annotations
+
 import inspect
 from collections.abc import Mapping
 from typing import Any, Final

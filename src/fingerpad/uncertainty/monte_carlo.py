@@ -1,5 +1,7 @@
 """Propagation by Monte Carlo (GUM Supplement 1), its comparison with the linear one, and Sobol' indices."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

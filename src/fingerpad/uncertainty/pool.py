@@ -1,5 +1,7 @@
 """One value from several estimates of the same quantity."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import TypeAlias
 

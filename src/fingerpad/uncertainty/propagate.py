@@ -1,5 +1,7 @@
 """First-order propagation of uncertainty through a model (GUM, clause 5)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Named quantities with their joint covariance: the inputs of a model, and its outputs."""
 
+from __future__ import annotations
+
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace

@@ -1,5 +1,7 @@
 """Scatter: of repeats and of what they are nested in, and of two persons or methods about each other."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -177,7 +179,7 @@ class _Squares:
         spread: Mapping[str, FloatArray],
         parent: npt.NDArray[np.intp],
         members: npt.NDArray[np.intp],
-    ) -> "_Squares":
+    ) -> _Squares:
         """Return those of means within their parents; `members` counts the distinct units of each group."""
         size = np.bincount(parent)
         compared = int(mean.size - size.size)

@@ -1,5 +1,7 @@
 """The numbers of a contact, their uncertainty and the doubts about them, from its region, edge and ridges."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Set
 from dataclasses import dataclass

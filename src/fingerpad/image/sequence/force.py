@@ -1,5 +1,7 @@
 """A force signal: its samples, the clock of the frames on its time, and how well both are aligned."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,5 +1,7 @@
 """Frames of a sequence, decoded one at a time: a folder of pictures, a TIFF of many pages, or a video."""
 
+from __future__ import annotations
+
 import hashlib
 import re
 import warnings

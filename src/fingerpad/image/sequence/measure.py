@@ -3,6 +3,8 @@
 Settings for all frames come from those that show the largest contact.
 """
 
+from __future__ import annotations
+
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
@@ -43,7 +45,7 @@ class TextureScan(Displayed):
     reason: str | None = None  # why the last of the unreadable frames could not be read
 
     @classmethod
-    def joined(cls, parts: Iterable["TextureScan"]) -> "TextureScan":
+    def joined(cls, parts: Iterable[TextureScan]) -> TextureScan:
         """Return the scan of a sequence from those of its parts, in order."""
         parts = list(parts)
         return cls(
