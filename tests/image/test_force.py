@@ -31,7 +31,7 @@ def test_units_and_trigger(tmp_path):
     )
     np.testing.assert_allclose(signal.time, [0, 0.001, 0.002, 0.003])
     np.testing.assert_allclose(signal.load, [0, 0.5, 1, 1.5])
-    assert signal.trigger_time() == pytest.approx(0.0015)
+    assert frame_clock(1, signal).anchor_time == pytest.approx(0.0015)
 
 
 def test_columns_can_be_named(tmp_path):
@@ -125,10 +125,11 @@ def test_frames_anchored_by_trigger_and_contact():
 def test_spike_is_no_contact():
     load = np.zeros(50)
     load[5], load[10:12], load[20:23] = 1.0, 1.0, 1.0  # three samples are the minimum
-    assert ForceSignal(np.arange(50.0), load).contact_time(0.5) == pytest.approx(19.5)
+    signal = ForceSignal(np.arange(50.0), load)
+    assert frame_clock(1, signal, contact_load=0.5).anchor_time == pytest.approx(19.5)
     load[21] = 0.0
     with pytest.raises(LoadingError, match="never rises"):
-        ForceSignal(np.arange(50.0), load).contact_time(0.5)
+        frame_clock(1, ForceSignal(np.arange(50.0), load), contact_load=0.5)
 
 
 def test_two_samples_are_the_fewest_of_a_signal():
@@ -140,10 +141,9 @@ def test_two_samples_are_the_fewest_of_a_signal():
 @pytest.mark.parametrize(
     ("ask", "words"),
     [
-        (lambda s: s.trigger_time(), "no trigger column"),
-        (lambda s: ForceSignal(s.time, s.load, np.full(4, 3.0)).trigger_time(), "never rises: it stays"),
-        (lambda s: ForceSignal(s.time, s.load, [5, 5, 0, 0]).trigger_time(), "never rises"),
-        (lambda s: s.contact_time(9.0), "never rises through 9 N"),
+        (lambda s: frame_clock(1, ForceSignal(s.time, s.load, np.full(4, 3.0))), "never rises: it stays"),
+        (lambda s: frame_clock(1, ForceSignal(s.time, s.load, [5, 5, 0, 0])), "never rises"),
+        (lambda s: frame_clock(1, s, contact_load=9.0), "never rises through 9 N"),
         (lambda s: FrameRate(0), "frames_per_second must be positive"),
         (lambda s: FrameRate(math.nan), "frames_per_second must be positive"),
         (lambda s: FrameRate(10, anchor_time=math.inf), "anchor_time must be finite"),

@@ -36,7 +36,7 @@ def test_small_images_enlarged():
 
 
 def test_ellipse_position():
-    canvas = draw_overlay(truth().pixels, found(), ridge_tint=0)
+    canvas = draw_overlay(truth().pixels, found())
     zoom = canvas.shape[0] // truth().pixels.shape[0]
     place = np.argwhere(near(canvas, ELLIPSE_COLOUR)) / zoom - np.array(found().centroid)
     tip = place[np.linalg.norm(place, axis=1).argmax()]
@@ -48,7 +48,7 @@ def test_ellipse_position():
 
 def test_scale_bar_length():
     white = np.full_like(truth().pixels, 255)
-    canvas = draw_overlay(white, found(), ridge_tint=0)
+    canvas = draw_overlay(white, found())
     zoom = canvas.shape[0] // truth().pixels.shape[0]
     dark = near(canvas[-40:], (20, 20, 20), 10)
     longest = max(sum(row) for row in dark)

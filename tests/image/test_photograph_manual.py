@@ -12,7 +12,7 @@ from fingerpad.flags import FLAGS
 from fingerpad.image import (
     Scale,
     combine_faces,
-    draw_photograph_overlay,
+    draw_overlay,
     measure_photograph,
     photograph_from_ellipse,
     with_marked_points,
@@ -107,9 +107,9 @@ def test_implausible_manual_size_flagged():
 
 
 def test_overlay_of_manual_ellipse():
-    drawn = draw_photograph_overlay(truth().pixels, placed(), label="synthetic")
+    drawn = draw_overlay(truth().pixels, placed(), label="synthetic")
     assert max(drawn.shape) == 1100
-    plain = draw_photograph_overlay(truth().pixels, found())
+    plain = draw_overlay(truth().pixels, found())
     assert (drawn != plain).any()
 
 

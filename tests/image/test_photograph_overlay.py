@@ -10,10 +10,10 @@ from PIL import Image
 from fingerpad.exceptions import ImageError
 from fingerpad.image import (
     Scale,
-    draw_photograph_overlay,
+    draw_overlay,
     measure_photograph,
     overlay,
-    write_photograph_overlay,
+    write_overlay,
 )
 from fingerpad.image.overlay import POINT_COLOUR, write_text
 from fingerpad.simulate import render_finger
@@ -34,7 +34,7 @@ def near(canvas, colour, tolerance=12):
 
 
 def test_points_on_outline():
-    canvas = draw_photograph_overlay(truth().pixels, found())
+    canvas = draw_overlay(truth().pixels, found())
     assert canvas.dtype == np.uint8
     assert max(canvas.shape) == 1100
     zoom = canvas.shape[0] / truth().pixels.shape[0]
@@ -47,7 +47,7 @@ def test_points_on_outline():
 
 
 def test_scale_bar_length():
-    canvas = draw_photograph_overlay(np.full_like(truth().pixels, 255), found())
+    canvas = draw_overlay(np.full_like(truth().pixels, 255), found())
     dark = near(canvas[-40:], (20, 20, 20))
     longest = max(int(row.sum()) for row in dark)
     assert longest * 0.08 * truth().pixels.shape[0] / canvas.shape[0] == pytest.approx(5, abs=0.1)
@@ -55,9 +55,9 @@ def test_scale_bar_length():
 
 def test_label_and_large_deep_pictures():
     large = np.repeat(np.repeat(truth().pixels.astype(np.uint16) * 257, 3, axis=0), 3, axis=1)
-    canvas = draw_photograph_overlay(large, found(), label="synthetic")
+    canvas = draw_overlay(large, found(), label="synthetic")
     assert max(canvas.shape) == 1100
-    plain = draw_photograph_overlay(large, found())
+    plain = draw_overlay(large, found())
     changed = np.argwhere((plain != canvas).any(axis=-1))
     assert changed.size
     assert (changed.max(axis=0) < (200, 600)).all()
@@ -72,7 +72,7 @@ def test_words_are_plain_and_as_large_as_the_report_needs(monkeypatch):
 
     monkeypatch.setattr(overlay, "write_text", write)
     blank = np.zeros_like(truth().pixels)
-    canvas = draw_photograph_overlay(blank, replace(found(), flags=frozenset({"not_an_ellipse"})))
+    canvas = draw_overlay(blank, replace(found(), flags=frozenset({"not_an_ellipse"})))
     assert "not an ellipse" in written
     assert not any("_" in text for text in written)
     assert sum(" mm" in text and ("±" in text) == (not overlay._ASCII) for text in written) == 2
@@ -83,13 +83,11 @@ def test_words_are_plain_and_as_large_as_the_report_needs(monkeypatch):
 
 def test_other_picture_refused():
     with pytest.raises(ImageError, match="the photograph that was measured"):
-        draw_photograph_overlay(truth().pixels[:150], found())
+        draw_overlay(truth().pixels[:150], found())
 
 
 def test_written_file_equals_drawing(tmp_path):
-    path = write_photograph_overlay(tmp_path / "overlay.png", truth().pixels, found())
-    np.testing.assert_array_equal(
-        np.asarray(Image.open(path)), draw_photograph_overlay(truth().pixels, found())
-    )
+    path = write_overlay(tmp_path / "overlay.png", truth().pixels, found())
+    np.testing.assert_array_equal(np.asarray(Image.open(path)), draw_overlay(truth().pixels, found()))
     with pytest.raises(ImageError, match="cannot be written"):
-        write_photograph_overlay(tmp_path / "overlay.nothing", truth().pixels, found())
+        write_overlay(tmp_path / "overlay.nothing", truth().pixels, found())

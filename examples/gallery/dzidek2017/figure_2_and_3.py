@@ -8,7 +8,7 @@ Each face shows two of the three semi-axes. The photographs here are synthetic; 
 
 import fingerpad as fp
 from fingerpad.figures import new_figure
-from fingerpad.image import draw_photograph_overlay
+from fingerpad.image import draw_overlay
 from fingerpad.simulate import render_finger
 
 figure, axes = new_figure(width_mm=170, height_mm=80, columns=3)
@@ -17,7 +17,7 @@ for k, face in enumerate(("palmar", "ulnar", "distal")):
     photograph = render_finger(face, seed=k)
     scale = fp.Scale(photograph.mm_per_px, 0.005 * photograph.mm_per_px)
     fit = fp.measure_photograph(photograph.pixels, face, scale)
-    axes[k].imshow(draw_photograph_overlay(photograph.pixels, fit))
+    axes[k].imshow(draw_overlay(photograph.pixels, fit))
     axes[k].set(title=f"{face} (synthetic)", xticks=[], yticks=[])
     axes[k].grid(visible=False)
     fits.append(fit)

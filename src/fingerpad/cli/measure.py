@@ -164,7 +164,7 @@ def measure_photo(
     scale: "Scale | None",
 ) -> None:
     """Measure two semi-axes of the pad in a photograph of a finger before a plain backdrop."""
-    from fingerpad.image import measure_photograph, read_colour_image, read_marks, write_photograph_overlay
+    from fingerpad.image import measure_photograph, read_colour_image, read_marks, write_overlay
 
     if scale is None:
         raise CalibrationError(f"photographs need a scale: give {WAYS}")
@@ -178,7 +178,7 @@ def measure_photo(
             pixels, face, scale, tip=tip, palmar=palmar, region_of_interest=window, points=marks
         )
         if path in overlays:
-            write_photograph_overlay(overlays[path], pixels, found)
+            write_overlay(overlays[path], pixels, found)
         return {
             "semi_axes_mm": found.semi_axes_mm,
             "semi_axes_mm_std": found.semi_axes_mm_std,

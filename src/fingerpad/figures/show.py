@@ -20,7 +20,7 @@ from fingerpad.figures.mpl import draw as draw_panel
 from fingerpad.figures.style import BLUE, in_style, new_figure
 from fingerpad.figures.wedge import plot_wedge
 from fingerpad.geometry import Placement
-from fingerpad.image import ContactImageResult, PhotographFit, draw_overlay, draw_photograph_overlay
+from fingerpad.image import ContactImageResult, PhotographFit, draw_overlay
 from fingerpad.loading import LoadingFit
 
 # More contacts than these make no readable figure.
@@ -136,21 +136,13 @@ def draw(result: Any) -> Drawing:
     )
 
 
-_NO_PICTURE: Final = "the picture is not kept with this result: draw it by {}"
-
-
 @draw.register
-def _(result: ContactImageResult) -> Drawing:
+def _(result: ContactImageResult | PhotographFit) -> Drawing:
     if result.picture is None:
-        raise FingerpadError(_NO_PICTURE.format("draw_overlay(pixels, result)"))
+        raise FingerpadError(
+            "the picture is not kept with this result: draw it by draw_overlay(pixels, result)"
+        )
     return Drawing(Image.fromarray(draw_overlay(result.picture, result)))
-
-
-@draw.register
-def _(result: PhotographFit) -> Drawing:
-    if result.picture is None:
-        raise FingerpadError(_NO_PICTURE.format("draw_photograph_overlay(pixels, result)"))
-    return Drawing(Image.fromarray(draw_photograph_overlay(result.picture, result)))
 
 
 @draw.register

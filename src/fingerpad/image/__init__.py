@@ -13,12 +13,7 @@ from fingerpad.image.ellipse import ImageEllipse, PlaneEllipse, ellipse_of_polyg
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse, fit_ellipse
 from fingerpad.image.grid import Grid, measure_grid
 from fingerpad.image.levels import MEMORY_LIMIT
-from fingerpad.image.overlay import (
-    draw_overlay,
-    draw_photograph_overlay,
-    write_overlay,
-    write_photograph_overlay,
-)
+from fingerpad.image.overlay import draw_overlay, write_overlay
 from fingerpad.image.photograph.faces import (
     FACE_AXES,
     SEMI_AXES,
@@ -99,7 +94,6 @@ __all__ = [
     "assign_times",
     "combine_faces",
     "draw_overlay",
-    "draw_photograph_overlay",
     "ellipse_of_polygon",
     "estimate_settings",
     "face_from_outline",
@@ -131,5 +125,4 @@ __all__ = [
     "sequence_summary",
     "with_marked_points",
     "write_overlay",
-    "write_photograph_overlay",
 ]

@@ -1,8 +1,9 @@
 """Polygons and outlines of masks, by OpenCV; points are (x, y), and pixel centres whole numbers."""
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 import cv2
 import numpy as np
@@ -27,18 +28,33 @@ def filled_polygon(points: FloatArray, shape: tuple[int, ...]) -> UInt8:
     return canvas
 
 
+def outer_contours(mask: BoolArray | UInt8) -> Sequence[npt.NDArray[np.int32]]:
+    """Return the pixels (x, y) of the outer contours, in order, (n, 1, 2) each."""
+    contours, _ = cv2.findContours(mask.view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    return contours  # type: ignore[return-value]
+
+
+def longest_contour(mask: BoolArray) -> npt.NDArray[np.int32]:
+    """Return the longest of the outer contours."""
+    return max(outer_contours(mask), key=len)
+
+
+def filled_contours(contours: Sequence[npt.NDArray[np.int32]], shape: tuple[int, ...]) -> BoolArray:
+    """Return what lies inside contours or on them."""
+    canvas = np.zeros(shape, dtype=np.uint8)
+    cv2.drawContours(canvas, contours, -1, 1, cv2.FILLED)
+    return canvas.view(bool)
+
+
 def fill_holes(mask: BoolArray) -> BoolArray:
     """Fill the holes."""
-    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    canvas = np.zeros(mask.shape, dtype=np.uint8)
-    cv2.drawContours(canvas, contours, -1, 1, cv2.FILLED)
-    return canvas > 0
+    return filled_contours(outer_contours(mask), mask.shape)
 
 
-def longest_contour(patch: BoolArray) -> npt.NDArray[np.int32]:
-    """Return the pixels (x, y) of the longest outer contour, in order, (n, 1, 2)."""
-    contours, _ = cv2.findContours(patch.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    return np.asarray(max(contours, key=len), dtype=np.int32)
+def largest_piece(mask: BoolArray) -> BoolArray:
+    """Return the largest connected piece without its holes."""
+    contours = sorted(outer_contours(mask), key=cv2.contourArea)
+    return filled_contours(contours[-1:], mask.shape)
 
 
 @lru_cache(maxsize=64)
@@ -49,21 +65,23 @@ def disk(radius: float) -> UInt8:
     return np.asarray(rows**2 + columns**2 <= radius**2, dtype=np.uint8)
 
 
+def sample(
+    image: npt.NDArray[Any],
+    points: FloatArray,
+    interpolation: int = cv2.INTER_LINEAR,
+    border: int = cv2.BORDER_REPLICATE,
+) -> npt.NDArray[Any]:
+    """Return the levels of an image at points (x, y), (rows, columns, 2)."""
+    x, y = (np.ascontiguousarray(points[..., k], dtype=np.float32) for k in (0, 1))
+    return cv2.remap(image, x, y, interpolation, borderMode=border)
+
+
 def distance_to(mask: BoolArray) -> Float32Array:
     """Return the distance of each pixel from the nearest set one."""
     if not mask.any():
         return np.full(mask.shape, np.inf, dtype=np.float32)
     distance = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
     return np.asarray(distance, dtype=np.float32)
-
-
-def largest_piece(mask: BoolArray) -> BoolArray:
-    """Return the largest connected piece without its holes."""
-    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    canvas = np.zeros(mask.shape, dtype=np.uint8)
-    if contours:
-        cv2.drawContours(canvas, [max(contours, key=cv2.contourArea)], -1, 1, cv2.FILLED)
-    return canvas > 0
 
 
 def bounding_box(mask: BoolArray, margin: int) -> tuple[slice, slice]:

@@ -10,9 +10,10 @@ from typing import Final, NamedTuple
 import cv2
 import numpy as np
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float_array
 from fingerpad._display import Displayed
 from fingerpad.exceptions import CalibrationError, FitError
+from fingerpad.image._masks import sample
 from fingerpad.image.ellipse import PlaneEllipse, orientation_of
 from fingerpad.image.ellipse_fit import correlation_length, fit_ellipse
 from fingerpad.image.levels import picture_levels
@@ -329,8 +330,7 @@ def _beside_edge(image: Float32Array, ellipse: PlaneEllipse) -> tuple[float, flo
     """
     levels = []
     for factor in (0.97, 1.03, 1.05, 1.3):
-        at = ellipse.scaled(factor).points(8 * _SHADOW_SECTORS)[0].astype(np.float32)
-        ring = cv2.remap(image, at[:, 0], at[:, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        ring = sample(image, ellipse.scaled(factor).points(8 * _SHADOW_SECTORS)[0])
         levels.append(np.median(ring.reshape(_SHADOW_SECTORS, 8), axis=1))
     coin, near, beside, ground = levels
     contrast = np.maximum(np.abs(ground - coin), 1e-6)
@@ -427,8 +427,7 @@ def _edge_points(
     count = int(np.clip(math.pi * ellipse.size, 120, 1440))
     points, normals = ellipse.points(count)
     out = np.arange(-reach, reach + _PROFILE_STEP / 2, _PROFILE_STEP)
-    x, y = (as_float32(points[:, k, None] + out * normals[:, k, None]) for k in (0, 1))
-    profile = cv2.remap(image, x, y, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    profile = sample(image, points[:, None] + out[:, None] * normals[:, None], cv2.INTER_CUBIC)
     slope = np.abs(np.gradient(profile, axis=1))
     # Of several edges a steep one near the ellipse is the likely one.
     best = (slope * np.exp(-((out / reach) ** 2)))[:, 1:-1].argmax(axis=1) + 1

@@ -225,6 +225,16 @@ def signed_area(points: FloatArray) -> float:
     return float((points[:, 0] * following[:, 1] - following[:, 0] * points[:, 1]).sum()) / 2
 
 
+def outward_normals(points: FloatArray, step: int = 1, *, closed: bool = True) -> FloatArray:
+    """Return the outward unit normals of an outline, across the chord of so many steps to either side."""
+    if closed:
+        tangent = np.roll(points, -step, axis=0) - np.roll(points, step, axis=0)
+    else:
+        tangent = np.gradient(points, step, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
+    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
+
+
 def polygon_moments(points: FloatArray) -> AreaMoments:
     """Return the moments of a closed polygon (x, y), in either direction (Green's theorem)."""
     origin = points.mean(axis=0)

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
+from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FingerpadError, ImageError
 
 Pixels: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.float32]
@@ -140,6 +141,18 @@ def levels_of_image(image: Image.Image) -> Pixels:
         image = image.convert("RGBA")
         image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image)
     return np.asarray(image.convert("L" if image.mode in {"1", "L"} else "RGB"), dtype=np.uint8)
+
+
+def quadratic_terms(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Return the terms of a surface of second degree at places, (n, 6)."""
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+
+
+def quadratic_surface(factors: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Return a surface of second degree over a picture, in which rows and columns run from -1 to 1."""
+    y, x = np.linspace(-1, 1, shape[0])[:, None], np.linspace(-1, 1, shape[1])
+    a, b, c, d, e, f = factors
+    return np.asarray((a + b * x + d * x**2) + (c + e * x) * y + f * y**2)
 
 
 def linear_light(pixels: npt.NDArray[Any]) -> npt.NDArray[np.float32]:

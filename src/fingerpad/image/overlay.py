@@ -14,10 +14,12 @@ from PIL import Image
 
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.exceptions import ImageError
+from fingerpad.image._masks import BITS, to_fixed_point
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.ellipse import ImageEllipse
-from fingerpad.image.levels import eight_bit, picture_levels, storable
+from fingerpad.image.levels import picture_levels, storable
 from fingerpad.image.photograph.result import PhotographFit
+from fingerpad.image.read import in_colour
 
 Colour: TypeAlias = tuple[int, int, int]
 Canvas: TypeAlias = npt.NDArray[np.uint8]
@@ -25,7 +27,6 @@ Canvas: TypeAlias = npt.NDArray[np.uint8]
 INK: Final[Colour] = (20, 20, 20)
 PAPER: Final[Colour] = (255, 255, 255)
 
-_SUBPIXEL_BITS: Final = 4
 # A third of the time of zlib's default, 6, for files an eighth larger. JPEG and TIFF have no such level.
 _PNG_LEVEL: Final = 2
 # Okabe and Ito's colours, safe for colour-blind readers; red, green, blue.
@@ -37,6 +38,8 @@ OUTLIER_COLOUR: Colour = (230, 60, 160)
 FITTED_COLOUR: Colour = (240, 200, 20)
 
 _MIN_SIDE_PX, _MAX_SIDE_PX = 1000, 8000
+# Strength of the ridges' tint, 0 to 1.
+_TINT = 0.45
 _SIDE_PX = 1100
 # The report shows the picture about 300 px wide: letters are as large as that needs.
 _WIDTH = 3
@@ -47,28 +50,26 @@ _AXIS_LABELS = {"palmar": "palmar", "distal": "distal", "radial_ulnar": "radial-
 
 
 def draw_overlay(
-    pixels: npt.ArrayLike,
-    contact_image: ContactImageResult,
-    *,
-    label: str | None = None,
-    ridge_tint: float = 0.45,
+    pixels: npt.ArrayLike, found: ContactImageResult | PhotographFit, *, label: str | None = None
 ) -> Canvas:
-    """Draw the measurement of a contact image over the image.
+    """Draw the measurement of a contact image or a photograph over the picture.
 
-    Green: the outline whose inside is the gross area. Orange: equal-area ellipse, its axes and the
-    centroid. Blue tint: ridges. Small images are enlarged by a whole number, so that lines stay thin beside
-    the ridges; those of more than 8000 px on a side are reduced to that.
+    A contact image. Green: the outline whose inside is the gross area. Orange: equal-area ellipse, its axes
+    and the centroid. Blue tint: ridges. Small images are enlarged by a whole number, so that lines stay thin
+    beside the ridges; those of more than 8000 px on a side are reduced to that.
+
+    A photograph. Green points: the arc that was used. Pink crosses: points left out. Yellow: the fitted
+    ellipse, solid over the arc and dashed beyond it, with the semi-axes by name, their lengths and standard
+    uncertainties. The picture is scaled to 1100 px, so that lines and letters have one size.
 
     Parameters
     ----------
-    pixels : array_like, (rows, columns)
+    pixels : array_like, (rows, columns) or, of a photograph, (rows, columns, 3)
         The picture that was measured.
-    contact_image : ContactImageResult
+    found : ContactImageResult or PhotographFit
         Its measurement.
     label : str, optional
         Text for the upper left corner, such as ``synthetic``. Latin letters, digits and signs only.
-    ridge_tint : float
-        Strength of the ridges' tint, 0 to 1.
 
     Returns
     -------
@@ -89,31 +90,17 @@ def draw_overlay(
     >>> truth.pixels.shape, draw_overlay(truth.pixels, contact).shape
     ((197, 177), (1182, 1062, 3))
     """
-    grey = _stretch_levels(pixels)
-    if grey.shape != contact_image.shape:
-        raise ImageError(
-            f"pixels must have the measured picture's shape {contact_image.shape}, found {grey.shape}"
-        )
-    longest = max(grey.shape)
-    zoom = min(max(1, math.ceil(_MIN_SIDE_PX / longest)), _MAX_SIDE_PX / longest)
-    canvas = _tint_ridges(grey, contact_image, zoom, ridge_tint)
-    width = max(2, round(max(canvas.shape) / 600))
-    outline = canvas_points(contact_image.outline, zoom)
-    draw_line(canvas, np.concatenate([outline, outline[:1]]), REGION_COLOUR, width)
-    _draw_ellipse(canvas, contact_image, zoom, width)
-    draw_scale_bar(canvas, contact_image.mm_per_px / zoom, width)
-    if label:
-        write_text(canvas, label, (3 * width, 0), width)
-    return canvas
+    if isinstance(found, ContactImageResult):
+        return _draw_contact_image(pixels, found, label)
+    return _draw_photograph(pixels, found, label)
 
 
 def write_overlay(
     path: str | PathLike[str],
     pixels: npt.ArrayLike,
-    contact_image: ContactImageResult,
+    found: ContactImageResult | PhotographFit,
     *,
     label: str | None = None,
-    ridge_tint: float = 0.45,
 ) -> Path:
     """Draw an overlay and write it as a PNG, JPEG or TIFF file, by its ending.
 
@@ -121,7 +108,7 @@ def write_overlay(
     ----------
     path : path-like
         The file to write.
-    pixels, contact_image, label, ridge_tint
+    pixels, found, label
         As for `draw_overlay`.
 
     Returns
@@ -137,15 +124,38 @@ def write_overlay(
     Examples
     --------
     >>> import tempfile
-    >>> from fingerpad.image import measure_contact_image
-    >>> from fingerpad.simulate import render_contact_image
-    >>> truth = render_contact_image(semi_major=3.0, semi_minor=2.5, seed=1)
-    >>> contact = measure_contact_image(truth.pixels, truth.mm_per_px)
+    >>> from fingerpad.image import photograph_from_ellipse
+    >>> fit = photograph_from_ellipse("palmar", 0.1, centre=(200, 160), semi_axes=(118, 138))
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_overlay(f"{folder}/overlay.png", truth.pixels, contact).name
-    'overlay.png'
+    ...     write_overlay(f"{folder}/palmar.png", np.full((400, 320), 128, np.uint8), fit).name
+    'palmar.png'
     """
-    return write_canvas(path, draw_overlay(pixels, contact_image, label=label, ridge_tint=ridge_tint))
+    path = Path(path)
+    canvas = draw_overlay(pixels, found, label=label)
+    try:
+        Image.fromarray(canvas).save(path, compress_level=_PNG_LEVEL)
+    except (OSError, ValueError) as error:
+        raise ImageError(
+            f"{path}: cannot be written ({error}): check the folder and end the name in .png"
+        ) from error
+    return path
+
+
+def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label: str | None) -> Canvas:
+    grey = _stretch_levels(pixels)
+    if grey.shape != found.shape:
+        raise ImageError(f"pixels must have the measured picture's shape {found.shape}, found {grey.shape}")
+    longest = max(grey.shape)
+    zoom = min(max(1, math.ceil(_MIN_SIDE_PX / longest)), _MAX_SIDE_PX / longest)
+    canvas = _tint_ridges(grey, found, zoom)
+    width = max(2, round(max(canvas.shape) / 600))
+    outline = canvas_points(found.outline, zoom)
+    draw_line(canvas, np.concatenate([outline, outline[:1]]), REGION_COLOUR, width)
+    _draw_ellipse(canvas, found, zoom, width)
+    draw_scale_bar(canvas, found.mm_per_px / zoom, width)
+    if label:
+        write_text(canvas, label, (3 * width, 0), width)
+    return canvas
 
 
 def _stretch_levels(pixels: npt.ArrayLike) -> Canvas:
@@ -158,7 +168,7 @@ def _stretch_levels(pixels: npt.ArrayLike) -> Canvas:
     return np.asarray(np.rint((values - low) * (255 / max(high - low, 1e-30))), dtype=np.uint8)
 
 
-def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float, strength: float) -> Canvas:
+def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float) -> Canvas:
     size = (max(1, round(grey.shape[1] * zoom)), max(1, round(grey.shape[0] * zoom)))
     large = cv2.resize(grey, size, interpolation=cv2.INTER_CUBIC if zoom >= 1 else cv2.INTER_AREA)
     ridges = contact_image.ridges.view(np.uint8) * np.uint8(255)
@@ -168,7 +178,7 @@ def _tint_ridges(grey: Canvas, contact_image: ContactImageResult, zoom: float, s
     shares, levels = np.meshgrid(*[np.arange(256, dtype=np.float32)] * 2, indexing="ij")
     colours = np.zeros((256, 256, 4), dtype=np.uint8)
     for channel, colour in enumerate(RIDGE_COLOUR):
-        tinted = levels + shares / 255 * np.float32(strength) * (np.float32(colour) - levels)
+        tinted = levels + shares / 255 * np.float32(_TINT) * (np.float32(colour) - levels)
         colours[..., channel] = np.rint(tinted).clip(0, 255)
     pairs = np.asarray(share * np.uint16(256) + large, dtype=np.uint16)
     found = np.take(colours.view(np.uint32), pairs).view(np.uint8).reshape(*large.shape, 4)
@@ -189,46 +199,11 @@ def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float
     draw_dot(canvas, middle, 2 * width, ELLIPSE_COLOUR)
 
 
-def draw_photograph_overlay(
-    pixels: npt.ArrayLike, found: PhotographFit, *, label: str | None = None
-) -> Canvas:
-    """Draw a photograph's measurement over it.
-
-    Green points: the arc that was used. Pink crosses: points left out. Yellow: the fitted ellipse, solid over
-    the arc and dashed beyond it, with the semi-axes by name, their lengths and standard uncertainties. The
-    picture is scaled to 1100 px, so that lines and letters have one size.
-
-    Parameters
-    ----------
-    pixels : array_like, (rows, columns) or (rows, columns, 3)
-        The photograph that was measured.
-    found : PhotographFit
-        Its measurement.
-    label : str, optional
-        Text for the upper left corner, such as ``synthetic``. Latin letters, digits and signs only.
-
-    Returns
-    -------
-    ndarray of uint8, (rows, columns, 3)
-        Red, green, blue.
-
-    Raises
-    ------
-    ImageError
-        If the points measured do not lie in the picture.
-
-    Examples
-    --------
-    >>> from fingerpad.image import Scale, photograph_from_ellipse
-    >>> fit = photograph_from_ellipse("palmar", Scale(0.1), centre=(200, 160), semi_axes=(118, 138))
-    >>> draw_photograph_overlay(np.full((400, 320), 128, np.uint8), fit).shape
-    (1100, 880, 3)
-    """
+def _draw_photograph(pixels: npt.ArrayLike, found: PhotographFit, label: str | None) -> Canvas:
     values = np.asarray(pixels)
     if values.ndim not in (2, 3) or not values.size:
         raise ImageError(f"pixels must be grey or colour, found shape {values.shape}")
-    levels = eight_bit(storable(values))
-    colour = levels[..., :3] if levels.ndim == 3 else np.repeat(levels[..., None], 3, axis=2)
+    colour = in_colour(storable(values))[..., :3]
     if len(found.points) and (found.points.max(axis=0) > np.array(colour.shape[:2])).any():
         raise ImageError(
             f"pixels must be the photograph that was measured, found {colour.shape[0]} rows and "
@@ -245,40 +220,6 @@ def draw_photograph_overlay(
     for k, (text, text_colour) in enumerate(_legend(found, label)):
         write_text(canvas, text.translate(_ASCII), (14, _LINE_PX * (k + 1)), _WIDTH, text_colour)
     return canvas
-
-
-def write_photograph_overlay(
-    path: str | PathLike[str], pixels: npt.ArrayLike, found: PhotographFit, *, label: str | None = None
-) -> Path:
-    """Draw a photograph's overlay and write it as a PNG, JPEG or TIFF file, by its ending.
-
-    Parameters
-    ----------
-    path : path-like
-        The file to write.
-    pixels, found, label
-        As for `draw_photograph_overlay`.
-
-    Returns
-    -------
-    Path
-        The file written.
-
-    Raises
-    ------
-    ImageError
-        If the picture is not the one measured, or the file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from fingerpad.image import photograph_from_ellipse
-    >>> fit = photograph_from_ellipse("palmar", 0.1, centre=(200, 160), semi_axes=(118, 138))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_photograph_overlay(f"{folder}/palmar.png", np.full((400, 320), 128, np.uint8), fit).name
-    'palmar.png'
-    """
-    return write_canvas(path, draw_photograph_overlay(pixels, found, label=label))
 
 
 def _draw_fitted_ellipse(canvas: Canvas, found: PhotographFit, zoom: float) -> None:
@@ -346,14 +287,13 @@ def canvas_points(points: FloatArray, zoom: float) -> FloatArray:
 
 def draw_line(canvas: Canvas, points: FloatArray, colour: Colour, width: int) -> None:
     """Draw straight lines from point to point (x, y)."""
-    fixed = np.rint(points * 2**_SUBPIXEL_BITS).astype(np.int32).reshape(-1, 1, 2)
-    cv2.polylines(canvas, [fixed], False, colour, width, cv2.LINE_AA, _SUBPIXEL_BITS)
+    cv2.polylines(canvas, [to_fixed_point(points)], False, colour, width, cv2.LINE_AA, BITS)
 
 
 def draw_dot(canvas: Canvas, centre: FloatArray, radius: int, colour: Colour) -> None:
     """Draw a filled circle round a point (x, y)."""
-    x, y = np.rint(centre * 2**_SUBPIXEL_BITS).astype(int).tolist()
-    cv2.circle(canvas, (x, y), radius * 2**_SUBPIXEL_BITS, colour, cv2.FILLED, cv2.LINE_AA, _SUBPIXEL_BITS)
+    place = to_fixed_point(centre).tolist()
+    cv2.circle(canvas, place, radius * 2**BITS, colour, cv2.FILLED, cv2.LINE_AA, BITS)
 
 
 def write_text(canvas: Canvas, text: str, corner: tuple[int, int], width: int, colour: Colour = INK) -> None:
@@ -380,15 +320,3 @@ def draw_scale_bar(canvas: Canvas, mm_per_px: float, width: int) -> None:
     )
     cv2.rectangle(canvas, (right - pixels, bottom - 2 * width), (right, bottom), INK, cv2.FILLED)
     write_text(canvas, f"{length:g} mm", (right - pixels, bottom - 8 * width), width)
-
-
-def write_canvas(path: str | PathLike[str], canvas: Canvas) -> Path:
-    """Write an overlay as a PNG, JPEG or TIFF file, by its ending."""
-    path = Path(path)
-    try:
-        Image.fromarray(canvas).save(path, compress_level=_PNG_LEVEL)
-    except (OSError, ValueError) as error:
-        raise ImageError(
-            f"{path}: cannot be written ({error}): check the folder and end the name in .png"
-        ) from error
-    return path

@@ -180,7 +180,7 @@ def read_levels(path: str | PathLike[str], memory_limit: int) -> tuple[Pixels, f
     They are uint8, uint16 or float32, (rows, columns) or (rows, columns, 3).
     """
     path = Path(path)
-    start = _read_start(path)
+    start = read_start(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -223,8 +223,8 @@ def check_regular(path: Path) -> None:
         raise ImageError(f"{path}: is a pipe or a device: save the pictures as a file")
 
 
-def _read_start(path: Path) -> bytes:
-    """Return the first bytes of a file."""
+def read_start(path: Path) -> bytes:
+    """Return the first bytes of a file that can be opened."""
     check_regular(path)
     if path.is_dir():
         raise ImageError(f"{path}: is a folder: name one picture in it")

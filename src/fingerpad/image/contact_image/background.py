@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
 from fingerpad.image._masks import UInt8, bounding_box, distance_to, largest_piece, longest_contour
+from fingerpad.image.levels import quadratic_surface, quadratic_terms
 
 # An added border: its least share of the picture; ripples that lossy compression leaves in it, as a share of
 # the range.
@@ -176,7 +177,7 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
     chosen.flat[quiet] = True
     at_rim = rim[chosen]
     rows, columns = np.nonzero(chosen)
-    terms = np.stack(_quadratic_terms(y[rows], x[columns]))
+    terms = quadratic_terms(x[columns], y[rows]).T
     level = means[chosen].astype(np.float64)
     surface = np.array([quantile(level, 0.2), 0, 0, 0, 0, 0])
     for _ in range(_SURFACE_ROUNDS):
@@ -184,7 +185,7 @@ def _ground_surface(means: Float32Array, quiet: npt.NDArray[np.intp], rim: BoolA
         width = max(2 * quantile(np.abs(off[at_rim]), 0.5), 1e-6)
         weighted = terms * (np.where(off > width, 0.1, 1.0) / (1 + (off / width) ** 2))
         surface = np.linalg.solve(weighted @ terms.T + 1e-9 * np.eye(6), weighted @ level)
-    return as_float32(sum(map(np.multiply, surface, _quadratic_terms(y[:, None], x))))
+    return as_float32(quadratic_surface(surface, means.shape))
 
 
 def quantile(values: FloatArray | Float32Array, share: float) -> float:
@@ -193,10 +194,6 @@ def quantile(values: FloatArray | Float32Array, share: float) -> float:
     low, high = math.floor(place), math.ceil(place)
     ordered = np.partition(values, (low, high))
     return float(ordered[low] + (place - low) * (ordered[high] - ordered[low]))
-
-
-def _quadratic_terms(y: FloatArray, x: FloatArray) -> list[FloatArray]:
-    return [np.ones(np.broadcast_shapes(y.shape, x.shape)), x, y, x * x, x * y, y * y]
 
 
 def _otsu_threshold(values: npt.NDArray[np.floating]) -> float:

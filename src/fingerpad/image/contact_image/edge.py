@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image._masks import UInt8, distance_to, longest_contour
+from fingerpad.image._masks import UInt8, distance_to, longest_contour, sample
 from fingerpad.image.contact_image.calibration import EDGE, Band
 from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.ridges import Ridges
 from fingerpad.image.contact_image.view import View
-from fingerpad.image.ellipse import AreaMoments, evenly_spaced, signed_area
+from fingerpad.image.ellipse import AreaMoments, evenly_spaced, outward_normals
 
 _HALF_LEVEL: Final = 127.5
 # Amounts of ridge, of 255, are taken for no less.
@@ -72,7 +72,7 @@ def _even_edge(points: FloatArray, view: View) -> Edge:
     none = np.zeros(len(points))
     return Edge(
         points=points,
-        normals=outward_normals(points, view.period),
+        normals=smooth_normals(points, view.period),
         steps=point_spacings(points),
         along=none,
         period=view.period,
@@ -102,7 +102,7 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
     # Beyond the patch lie whiskers and other patches: they do not count.
     grown = cv2.dilate(patch.astype(np.uint8), np.ones((3, 3), np.uint8))
     field = as_float32(cv2.GaussianBlur(as_float32(cv2.copyTo(ridges.closed, grown)), (3, 3), 0))
-    normals = outward_normals(points, period)
+    normals = smooth_normals(points, period)
     for _ in range(3):
         value, inner, outer = _sample(
             field, np.stack([points, points - 0.7 * normals, points + 0.7 * normals])
@@ -220,19 +220,14 @@ def running_mean(values: FloatArray, width: int) -> FloatArray:
     return np.asarray((total[width:] - total[:-width]) / width)
 
 
-def outward_normals(points: FloatArray, period: float) -> FloatArray:
+def smooth_normals(points: FloatArray, period: float) -> FloatArray:
     """Return the outward normals of an outline seen at the scale of a ridge period."""
-    smooth = running_mean(points, round(period))
-    tangent = np.roll(smooth, -2, axis=0) - np.roll(smooth, 2, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
-    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * (1.0 if signed_area(smooth) > 0 else -1.0)
+    return outward_normals(running_mean(points, round(period)), 2)
 
 
 def _sample(field: Float32Array, points: FloatArray) -> FloatArray:
     """Return the levels at points, (..., n, 2); zero outside the field."""
-    x, y = (np.ascontiguousarray(points[..., k], dtype=np.float32) for k in (0, 1))
-    found = cv2.remap(field, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
-    return np.asarray(found, dtype=np.float64)
+    return sample(field, points, border=cv2.BORDER_CONSTANT).astype(np.float64)
 
 
 def edge_shift(edge: Edge) -> float:

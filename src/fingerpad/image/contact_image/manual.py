@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 from fingerpad._arrays import FloatArray, as_float_array, positive_number, real_array, set_fields
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
-from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, to_fixed_point
-from fingerpad.image.contact_image.edge import Edge, drawn_edge, outward_normals, point_spacings, running_mean
+from fingerpad.image._masks import BITS, UInt8, fill_holes, filled_polygon, outer_contours, to_fixed_point
+from fingerpad.image.contact_image.edge import Edge, drawn_edge, point_spacings, running_mean, smooth_normals
 from fingerpad.image.contact_image.region import OTHER_REGION, Region
 from fingerpad.image.contact_image.view import View
 from fingerpad.image.ellipse import ImageEllipse, evenly_spaced
@@ -86,7 +86,7 @@ def region_after_strokes(
         level = int(stroke.action != "remove")
         _draw(patch, points, radius, level)
         _draw(fine, _to_fine_canvas(points), radius and _FINE * radius, level)
-    contours, _ = cv2.findContours(fine, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    contours = outer_contours(fine)
     areas = [cv2.contourArea(contour) for contour in contours]
     if not max(areas, default=0.0) > (_FINE * view.period) ** 2:
         raise ImageError("the strokes leave no contact: add to the region, or undo some of them")
@@ -118,7 +118,7 @@ def _restored_edge(outline: FloatArray, edge: Edge) -> Edge:
     return replace(
         edge,
         points=points,
-        normals=outward_normals(points, edge.period),
+        normals=smooth_normals(points, edge.period),
         steps=point_spacings(points),
         along=np.where(same, edge.along[nearest], 0.0),
         manual=~same | edge.manual[nearest],

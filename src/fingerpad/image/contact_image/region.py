@@ -16,8 +16,10 @@ from fingerpad.image._masks import (
     disk,
     distance_to,
     fill_holes,
+    filled_contours,
     largest_piece,
     longest_contour,
+    outer_contours,
 )
 from fingerpad.image.contact_image.ridges import HALF, Ridges
 from fingerpad.image.contact_image.view import View
@@ -93,15 +95,15 @@ def _contact_patches(closed: UInt8, period: float) -> list[BoolArray]:
     padded = cv2.copyMakeBorder(plain, pad, pad, pad, pad, cv2.BORDER_REPLICATE)
     opened = cv2.morphologyEx(padded, cv2.MORPH_OPEN, disk(_OPENING_RADIUS * period))[pad:-pad, pad:-pad] > 0
     patches: list[BoolArray] = []
-    contours, _ = cv2.findContours(opened.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    contours = outer_contours(opened)
     areas = [cv2.contourArea(contour) for contour in contours]
     least = max((_MIN_WIDTH * period) ** 2, _MIN_SHARE * max(areas, default=0.0))
     for contour, area in zip(contours, areas, strict=True):
         if area < least:
             continue
         x, y, columns, rows = cv2.boundingRect(contour)
-        piece = cv2.drawContours(np.zeros((rows, columns), np.uint8), [contour - (x, y)], 0, 1, cv2.FILLED)
-        for part in _split_at_necks(np.asarray(piece > 0), period):
+        piece = filled_contours([contour - (x, y)], (rows, columns))
+        for part in _split_at_necks(piece, period):
             whole = np.zeros(closed.shape, dtype=bool)
             whole[y : y + rows, x : x + columns] = part
             patches.append(whole)

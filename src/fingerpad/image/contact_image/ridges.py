@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image._masks import UInt8, disk, filled_polygon
+from fingerpad.image._masks import UInt8, disk, filled_polygon, outer_contours
 from fingerpad.image.contact_image.background import block_means, enlarge, quantile
 from fingerpad.image.contact_image.calibration import PRINTED_MARKS, RIDGE_LEVEL
 from fingerpad.image.contact_image.view import View
@@ -260,10 +260,9 @@ def _has_print(values: Float32Array, ridges: BoolArray, inside: BoolArray, perio
     count = cv2.boxFilter(some, cv2.CV_32F, side, normalize=False)
     dark = (values * count > np.float32(PRINTED_MARKS.darker) * total) & (count > 0)
     stroke = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, [max(2, round(PRINTED_MARKS.stroke * period))] * 2)
-    strokes = cv2.morphologyEx(dark.view(np.uint8), cv2.MORPH_OPEN, stroke)
-    contours, _ = cv2.findContours(strokes, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    strokes = _as_uint8(cv2.morphologyEx(dark.view(np.uint8), cv2.MORPH_OPEN, stroke))
     letters, reach = 0, PRINTED_MARKS.reach * period
-    for contour in contours:
+    for contour in outer_contours(strokes):
         if len(contour) > 2 * reach and min(cv2.minAreaRect(contour)[1]) > reach:
             x, y = contour.reshape(-1, 2).mean(axis=0).astype(int)
             letters += bool(inside[y * every, x * every])

@@ -21,7 +21,6 @@ from fingerpad.image.contact_image.edge import (
     MANUAL,
     Edge,
     axis_weights,
-    outward_normals,
     point_spacings,
     running_mean,
 )
@@ -29,7 +28,7 @@ from fingerpad.image.contact_image.region import Region
 from fingerpad.image.contact_image.result import ContactImageResult, contact_result
 from fingerpad.image.contact_image.smooth_edge import Step, find_steps
 from fingerpad.image.contact_image.view import ContactImageOptions, Crop, View, crop, reduced_shape
-from fingerpad.image.ellipse import polygon_moments
+from fingerpad.image.ellipse import outward_normals, polygon_moments
 from fingerpad.image.levels import picture_array
 from fingerpad.image.scale import Scale
 
@@ -221,7 +220,7 @@ def _edge(step: Step, view: View) -> SmoothEdge:
         doubts.add("edge_hidden")
     if unclear or shared > SMOOTH.most_shared * step.radius:
         doubts.add("edge_unclear")
-    points = step.points + outward_normals(step.points, 1.0) * shift
+    points = step.points + outward_normals(step.points, 2) * shift
     corner = np.array(view.corner[::-1])
     rows, columns = view.contact.shape
     points = view.to_copy(points + corner).clip(-0.5, [columns - 0.5, rows - 0.5])
@@ -232,7 +231,7 @@ def _edge(step: Step, view: View) -> SmoothEdge:
     steps, none = point_spacings(points), np.zeros(len(points))
     return SmoothEdge(
         points=points,
-        normals=outward_normals(points, 1.0),
+        normals=outward_normals(points, 2),
         steps=steps,
         along=none,
         period=view.period,

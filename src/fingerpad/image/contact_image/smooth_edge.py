@@ -16,10 +16,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import gaussian_filter1d
 
-from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32
-from fingerpad.image._masks import disk, distance_to, fill_holes, filled_polygon, longest_contour
+from fingerpad._arrays import BoolArray, Float32Array, FloatArray, as_float32, as_float_array
+from fingerpad.image._masks import disk, distance_to, fill_holes, filled_polygon, longest_contour, sample
 from fingerpad.image.contact_image.view import reduced_shape
-from fingerpad.image.ellipse import evenly_spaced, polygon_moments, signed_area
+from fingerpad.image.ellipse import evenly_spaced, outward_normals, polygon_moments, signed_area
+from fingerpad.image.levels import quadratic_surface, quadratic_terms
 
 # Longer side of the copy in which patches are found, px, and the blur before.
 _ROUGH_SIDE: Final = 200
@@ -144,24 +145,20 @@ def _rim(inside: BoolArray) -> BoolArray:
 def _even_ground(values: Float32Array, inside: BoolArray) -> Float32Array:
     """Return a smooth surface of second degree through most of a picture."""
     rows, columns = values.shape
-    y, x = np.meshgrid(np.linspace(-1, 1, rows), np.linspace(-1, 1, columns), indexing="ij")
     some = np.zeros_like(inside)
     some[:: max(1, rows // 80), :: max(1, columns // 80)] = True
-    some &= inside
-
-    def terms(u: FloatArray, v: FloatArray) -> FloatArray:
-        return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
-
-    base, level, rim = terms(x[some], y[some]), values[some], _rim(inside)[some]
+    row, column = np.nonzero(some & inside)
+    base = quadratic_terms(np.linspace(-1, 1, columns)[column], np.linspace(-1, 1, rows)[row])
+    level, rim = values[row, column], _rim(inside)[row, column]
     weight = rim.astype(np.float64)
     ground = np.zeros(len(level))
     for _ in range(12):
-        found = np.linalg.lstsq(base * weight[:, None], level * weight, rcond=None)[0]
+        found = as_float_array(np.linalg.lstsq(base * weight[:, None], level * weight, rcond=None)[0])
         ground = base @ found
         rest = level - ground
         spread = 1.4826 * np.median(np.abs(rest[weight > 0.1])) + 1e-6
         weight = np.where(rim, 1.0, 0.5) / (1 + (rest / (2 * spread)) ** 2)
-    return as_float32(terms(x, y) @ found)
+    return as_float32(quadratic_surface(found, values.shape))
 
 
 def _patches(signal: Float32Array, inside: BoolArray) -> Iterator[tuple[BoolArray, FloatArray]]:
@@ -225,7 +222,7 @@ def _refined(contour: FloatArray, signal: Float32Array, inside: BoolArray, sign:
         if shift is None:
             return None
         limit = 0.5 * reach * step.radius
-        points = _spaced(points + _normals(points) * shift.clip(-limit, limit)[:, None])
+        points = _spaced(points + outward_normals(points) * shift.clip(-limit, limit)[:, None])
         if not abs(signed_area(points)) > 20:
             return None
     return _step_across(points, signal, inside, sign, _REACHES[-1])
@@ -238,12 +235,6 @@ def _spaced(points: FloatArray) -> FloatArray:
     low = place.astype(int)
     share = (place - low)[:, None]
     return np.asarray(even[low] * (1 - share) + even[(low + 1) % len(even)] * share)
-
-
-def _normals(points: FloatArray) -> FloatArray:
-    tangent = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
-    return np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * (1.0 if signed_area(points) > 0 else -1.0)
 
 
 def _low_order(off: FloatArray, order: int) -> FloatArray | None:
@@ -276,7 +267,7 @@ def _step_across(
     far = max(6.0, reach * radius)
     spacing = max(0.5, far / 200)
     across = np.arange(-far, far + spacing / 2, spacing)
-    places = points[:, None] + _normals(points)[:, None] * across[:, None]
+    places = points[:, None] + outward_normals(points)[:, None] * across[:, None]
     profiles = _sampled(signal, inside, places)
     seen = np.isfinite(profiles).mean(axis=0) > 0.3
     if not seen.all():
@@ -350,10 +341,8 @@ def _ground_spread(signal: Float32Array, inside: BoolArray, points: FloatArray, 
 
 def _sampled(signal: Float32Array, inside: BoolArray, places: FloatArray) -> FloatArray:
     """Return a signal at places (x, y), NaN where it does not count, as outside the picture."""
-    x, y = (np.ascontiguousarray(places[..., k], dtype=np.float32) for k in (0, 1))
-    values = cv2.remap(signal, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    counts = cv2.remap(inside.astype(np.uint8), x, y, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT)
-    return np.where(counts > 0, values, np.nan).astype(np.float64)
+    counts = sample(inside.view(np.uint8), places, cv2.INTER_NEAREST, cv2.BORDER_CONSTANT)
+    return np.where(counts > 0, sample(signal, places), np.nan).astype(np.float64)
 
 
 def _running_median(values: FloatArray) -> FloatArray:

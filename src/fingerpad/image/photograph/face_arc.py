@@ -194,7 +194,6 @@ def face_from_arc(arc: FaceArc) -> PhotographFit:
         arc=(float(angles.min()), float(angles.max())),
         points=arc.in_picture(local),
         outliers=arc.in_picture(np.concatenate([arc.points[arc.rejected], arc.erased])),
-        correlation_px=fit.correlation * outline_places(arc.points)[1],
         residual_px_std=fit.residual_std,
         blur_px=arc.blur,
         exponent=math.nan if average is None else average.exponent,

@@ -43,8 +43,6 @@ class PhotographFit(Displayed):
         First and last parametric angle of the points used, radians.
     points, outliers : ndarray, shape (n, 2)
         Points of the outline used and left out, (row, column), px.
-    correlation_px : float
-        Correlation length of the errors along the outline, px.
     residual_px_std, blur_px : float
         Standard deviation of the points from the ellipse, and of the edges' blur, px.
     flags : frozenset of str
@@ -75,7 +73,6 @@ class PhotographFit(Displayed):
     arc: tuple[float, float]
     points: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     outliers: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
-    correlation_px: float = math.nan
     residual_px_std: float = math.nan
     blur_px: float = math.nan
     flags: frozenset[str] = frozenset()
@@ -202,23 +199,15 @@ class PhotographFit(Displayed):
         support = math.hypot(across * math.cos(angle), along * math.sin(angle))
         return float((across * along) ** 2 / support**3)
 
-    def side_radii(self, wedges_deg: tuple[float, ...] = (30.0, 45.0, 60.0)) -> list[dict[str, float]]:
-        """Return the radii of curvature of a side face where wedges touch, by outline and by ellipse, mm.
+    def side_radii(self) -> list[dict[str, float]]:
+        """Return the radii of curvature where wedges of 30, 45 and 60 degrees touch, by outline and ellipse.
 
-        Parameters
-        ----------
-        wedges_deg : tuple of float
-            Angles of the wedges, degrees.
-
-        Returns
-        -------
-        list of dict
-            ``wedge_angle_deg``, ``outline_mm``, ``outline_mm_std`` and ``ellipse_mm`` of each place that the
-            outline shows; empty for the other faces.
+        ``wedge_angle_deg``, ``outline_mm``, ``outline_mm_std`` and ``ellipse_mm`` of each place that the
+        outline of a side face shows; empty for the other faces.
         """
         if self.face not in ("radial", "ulnar"):
             return []
-        seen = [(wedge, *self.outline_radius(math.radians(wedge))) for wedge in wedges_deg]
+        seen = [(wedge, *self.outline_radius(math.radians(wedge))) for wedge in (30.0, 45.0, 60.0)]
         return [
             {
                 "wedge_angle_deg": wedge,

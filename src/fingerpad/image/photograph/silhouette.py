@@ -12,9 +12,9 @@ from scipy.special import ndtr
 
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.exceptions import ImageError
-from fingerpad.image._masks import fill_holes, longest_contour
-from fingerpad.image.ellipse import evenly_spaced, signed_area
-from fingerpad.image.levels import LUMA, linear_light
+from fingerpad.image._masks import fill_holes, longest_contour, sample
+from fingerpad.image.ellipse import evenly_spaced, outward_normals
+from fingerpad.image.levels import LUMA, linear_light, quadratic_surface, quadratic_terms
 from fingerpad.image.photograph.faces import STEPS, Direction
 
 _SIDE_PX = 900
@@ -145,7 +145,7 @@ def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tup
         border &= cut < cut.max() - 2 * band
     down, across = np.linspace(-1, 1, rows)[:, None], np.linspace(-1, 1, columns)
     y, x = (np.broadcast_to(part, border.shape)[border] for part in (down, across))
-    design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+    design = quadratic_terms(x, y)
     colours = small[border].astype(np.float64)
     # To begin with, those nearest to the commonest colour.
     far = np.abs(colours - np.median(colours, axis=0)).sum(axis=1)
@@ -165,10 +165,7 @@ def _off_backdrop(small: npt.NDArray[np.float32], root: Direction | None) -> tup
             f"only {good.mean():.0%} of the frame's border shows one backdrop: "
             "photograph the finger before a plain backdrop, and leave a margin round the pad"
         )
-    surfaces = [
-        (a + b * across + d * across**2) + (c + e * across) * down + f * down**2
-        for a, b, c, d, e, f in factors.T
-    ]
+    surfaces = [quadratic_surface(part, border.shape) for part in factors.T]
     off = cv2.subtract(small, cv2.merge(surfaces), dtype=cv2.CV_64F).reshape(small.shape)
     return np.asarray(off, dtype=np.float64), noise
 
@@ -273,10 +270,7 @@ def locate_edges(
     """
     closed = bool(np.linalg.norm(contour[0] - contour[-1]) < 3 * np.linalg.norm(contour[1] - contour[0]) + 2)
     points = evenly_spaced(contour, spacing, closed=closed, min_count=8)
-    turned = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    tangent = turned if closed else np.gradient(points, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-12)
-    normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=-1) * math.copysign(1.0, signed_area(points))
+    normals = outward_normals(points, closed=closed)
     offsets = _even(reach + _BEYOND_PX, 1 / _DENSITY)
     profiles = _profiles(light, points, normals, offsets, spacing, closed=closed)
     blurs, weights = _sharpness(profiles[:: max(1, len(profiles) // 150)], offsets, reach)
@@ -296,9 +290,8 @@ def _profiles(
     closed: bool,
 ) -> FloatArray:
     """Return the colour along each normal, (n, offsets, channels)."""
-    spots = (points[:, None] + offsets[None, :, None] * normals[:, None]).astype(np.float32)
-    seen = cv2.remap(light, spots[..., 1], spots[..., 0], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    samples = seen.reshape(*spots.shape[:2], -1).astype(np.float64)
+    spots = points[:, None] + offsets[:, None] * normals[:, None]
+    samples = sample(light, spots[..., ::-1]).reshape(*spots.shape[:2], -1).astype(np.float64)
     # The outline is smooth over a few pixels: neighbours share their noise.
     mode: Literal["wrap", "nearest"] = "wrap" if closed else "nearest"
     return np.asarray(gaussian_filter1d(samples, _ALONG_PX / spacing, axis=0, mode=mode), dtype=np.float64)

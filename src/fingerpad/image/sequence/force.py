@@ -136,56 +136,6 @@ class ForceSignal(Displayed):
         found = np.interp(as_float_array(time), self.time, values, left=np.nan, right=np.nan)
         return np.asarray(found)[()]
 
-    def trigger_time(self) -> float:
-        """Return when the trigger first rises through half of its range.
-
-        Returns
-        -------
-        float
-            s.
-
-        Raises
-        ------
-        LoadingError
-            If no trigger was recorded, or it never rises.
-        """
-        if self.trigger is None:
-            raise LoadingError(
-                "the force signal has no trigger column: align by an offset or by first contact"
-            )
-        low, high = float(self.trigger.min()), float(self.trigger.max())
-        found = _first_rise(self.time, self.trigger, (low + high) / 2) if high > low else None
-        if found is None:
-            raise LoadingError(f"the trigger never rises: it stays between {low:g} and {high:g} V")
-        return found
-
-    def contact_time(self, threshold: float) -> float:
-        """Return when the load first rises through a threshold for at least three samples.
-
-        Parameters
-        ----------
-        threshold : float
-            N.
-
-        Returns
-        -------
-        float
-            s.
-
-        Raises
-        ------
-        LoadingError
-            If it never does.
-        """
-        found = _first_rise(self.time, self.load, threshold)
-        if found is None:
-            low, high = float(self.load.min()), float(self.load.max())
-            raise LoadingError(
-                f"the force never rises through {threshold:g} N: it starts at {self.load[0]:g} N and lies "
-                f"between {low:g} and {high:g} N; tare it or choose another threshold"
-            )
-        return found
-
 
 @dataclass(frozen=True, slots=True)
 class FrameRate:
@@ -288,10 +238,31 @@ def frame_clock(
             raise LoadingError("the load of first contact aligns frames with a force: give the force too")
         # Pictures show contact from some ridges on: the frame is late by that and up to one frame more, and
         # so are all times.
-        return FrameRate(frames_per_second, anchor_time=force.contact_time(contact_load), anchor_frame=None)
+        return FrameRate(frames_per_second, anchor_time=_contact_time(force, contact_load), anchor_frame=None)
     if force is not None and start_time is None:
-        start_time = force.span[0] if force.trigger is None else force.trigger_time()
+        start_time = force.span[0] if force.trigger is None else _trigger_time(force.time, force.trigger)
     return FrameRate(frames_per_second, anchor_time=start_time or 0.0)
+
+
+def _trigger_time(time: FloatArray, trigger: FloatArray) -> float:
+    """Return when a trigger, V, first rises through half of its range, s."""
+    low, high = float(trigger.min()), float(trigger.max())
+    found = _first_rise(time, trigger, (low + high) / 2) if high > low else None
+    if found is None:
+        raise LoadingError(f"the trigger never rises: it stays between {low:g} and {high:g} V")
+    return found
+
+
+def _contact_time(force: ForceSignal, threshold: float) -> float:
+    """Return when the load first rises through a threshold, N, for at least three samples, s."""
+    found = _first_rise(force.time, force.load, threshold)
+    if found is None:
+        low, high = float(force.load.min()), float(force.load.max())
+        raise LoadingError(
+            f"the force never rises through {threshold:g} N: it starts at {force.load[0]:g} N and lies "
+            f"between {low:g} and {high:g} N; tare it or choose another threshold"
+        )
+    return found
 
 
 def alignment_scatter(

@@ -19,7 +19,7 @@ import tifffile
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_memory, luma
-from fingerpad.image.read import check_finite, check_regular, read_image, resolution_of_page
+from fingerpad.image.read import check_finite, check_regular, read_image, read_start, resolution_of_page
 from fingerpad.image.tiff import levels_of_page, tifffile_warnings
 
 FramesLike: TypeAlias = "Iterable[Frame] | str | PathLike[str]"
@@ -322,11 +322,7 @@ def _video_header(path: Path, memory_limit: int) -> tuple[int, float | None]:
 
 def _capture(path: Path, memory_limit: int) -> Any:
     """Open a video whose frames are not too large."""
-    try:
-        with path.open("rb") as file:
-            file.read(1)
-    except OSError as error:
-        raise ImageError(f"{path}: cannot be opened ({error}): check the path and its permissions") from error
+    read_start(path)
     capture = cv2.VideoCapture(str(path))
     if not capture.isOpened():
         raise ImageError(f"{path}: cannot be opened as a video: convert it to AVI or MP4, or to pictures")

@@ -85,8 +85,6 @@ class SequenceSummary(Displayed):
         Frame of the largest gross area.
     phases : dict of str to int
         Number of frames in each phase.
-    without_force : int
-        Frames with the flag ``no_force``.
     notes : tuple of str
         Remarks for the reader.
 
@@ -108,7 +106,6 @@ class SequenceSummary(Displayed):
     first_contact: int | None
     largest: int | None
     phases: dict[str, int]
-    without_force: int
     notes: tuple[str, ...]
 
 
@@ -201,6 +198,5 @@ def sequence_summary(results: Iterable[FrameResult], force: ForceSignal | None =
         first_contact=first_contact,
         largest=largest,
         phases=dict(phases),
-        without_force=counts["no_force"],
         notes=tuple(notes),
     )

@@ -23,7 +23,7 @@ from fingerpad.image import (
     face_from_outline,
     read_colour_image,
     read_outline,
-    write_photograph_overlay,
+    write_overlay,
 )
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
@@ -275,9 +275,7 @@ def face_record(
     pixels = read_colour_image(folder / photograph.file)
     found = corrected_photograph(pixels, photograph, known.scale, correction)
     make_folder((out / overlay).parent)
-    write_photograph_overlay(
-        out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None
-    )
+    write_overlay(out / overlay, pixels, found, label="synthetic" if photograph.synthetic else None)
     axes = found.face_semi_axes
     return {
         "axes": to_record(axes),
