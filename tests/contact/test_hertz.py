@@ -168,6 +168,22 @@ def test_thickness_is_flagged_where_the_layer_is_stiffer(poisson_ratio: float) -
     assert str(hertz_contact(ball, Tissue(0.05, poisson_ratio, 8.0), load=0.0).flags) == "no_contact"
 
 
+def test_contact_wider_than_the_pad_is_flagged_whatever_is_given() -> None:
+    place, tissue = Placement(PAD, wedge_angle=np.radians(30)), Tissue(youngs_modulus=0.1024)
+    found = hertz_contact(place, tissue, load=[0.0, 2.0, 2000.0])
+    assert found.flags.tolist() == ["no_contact", "", "contact_too_wide"]
+    for name in ("area", "indentation"):
+        again = hertz_contact(place, tissue, **{name: getattr(found, name)})
+        assert_array_equal(again.flag_code, found.flag_code)
+    assert_allclose(found.area[2], 100 * found.area[1])  # the number stays
+
+
+@pytest.mark.parametrize(("size", "flag"), [(0.59, ""), (0.61, "contact_too_wide")])
+def test_contact_is_too_wide_from_six_tenths_of_the_radius(size: float, flag: str) -> None:
+    sphere = hertz_contact(Paraboloid(9.0, 9.0), Tissue(0.1), area=np.pi * (9 * size) ** 2)
+    assert sphere.flags == flag
+
+
 def test_zero_load() -> None:
     contact = pressed(10.0, 12.0, load=0.0)
     assert contact.area == 0

@@ -19,6 +19,9 @@ from fingerpad.contact.elliptic import contact_ellipse_kernel, cube_root, factor
 # Contact radius over thickness from which Hertz theory's indentation is 2 % too large (2.3 % for ν = 0.5,
 # 1.8 % for 0.3), growing in proportion; its area under a load is 0.04 % too large at three times that.
 _THICKNESS_MATTERS = 0.03
+# Contact radius over that of curvature to which contacts of pads were solved; by then the area of a sphere
+# under a load is 12 % too large.
+_WIDEST = 0.6
 
 _RANGE, _TERMS = 1.2, 10  # of |ln(R1/R2)|, and of its square's polynomials
 
@@ -46,7 +49,8 @@ def hertz_contact(
     Returns
     -------
     Contact
-        Shapes broadcast.
+        Shapes broadcast. Flagged ``contact_too_wide`` where the contact's radius exceeds 0.6 of that of
+        curvature, as it does when a load in mN meets a modulus in MPa.
 
     Raises
     ------
@@ -71,10 +75,12 @@ def hertz_contact(
         partial(_sizes, of=of), 5, first, second, value, tissue.reduced_modulus
     )
     code = np.multiply(~(force > 0), np.int8(FLAGS.index("no_contact")))
-    if not tissue.is_deep:
-        with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):
+        too_wide = size > np.pi * _WIDEST**2 * np.abs(first * second)
+        code = np.where(too_wide, np.int8(FLAGS.index("contact_too_wide")), code)[()]
+        if not tissue.is_deep:
             matters = size > np.pi * (_THICKNESS_MATTERS * tissue.thickness) ** 2
-        code = np.where(matters, np.int8(FLAGS.index("thickness_ignored")), code)
+            code = np.where(matters, np.int8(FLAGS.index("thickness_ignored")), code)
     return Contact(
         load=force,
         area=size,
