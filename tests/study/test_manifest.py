@@ -9,7 +9,7 @@ from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.editing.template import write_example, write_template
-from fingerpad.study.manifest import ResolutionScale, read_study
+from fingerpad.study.manifest import ResolutionScale, load_study, read_study
 
 FINGER = """
 [[fingers]]
@@ -40,6 +40,16 @@ def write(folder: Path, text: str) -> Path:
     path = folder / "study.toml"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def test_a_complete_row_of_a_spreadsheet_is_kept_once(tmp_path: Path) -> None:
+    rows = "name,finger,wedge_angle_deg,load_N,semi_major_mm,semi_minor_mm,ellipse_mm_std\n"
+    rows += "a,index,30,2,7.4,5,0.1\nb,index,30,,7.4,5,0.1\n"
+    (tmp_path / "rows.csv").write_text(rows)
+    loaded = load_study(write(tmp_path, 'title = "T"\nobservations_csv = "rows.csv"\n' + FINGER))
+    complete, lacking = (one for one in loaded.tables if one.kind == "observation")
+    assert (complete.content, complete.model) == ({}, loaded.study.observations[0])
+    assert lacking.content["wedge_angle_deg"] == "30"
 
 
 def test_template_is_a_valid_study(tmp_path: Path) -> None:

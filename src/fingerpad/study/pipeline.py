@@ -136,10 +136,11 @@ def run_study(
     out = results_folder(manifest) if out is None else Path(out)
     folder = manifest.absolute().parent
     loaded = load_study(manifest)
-    study = loaded.complete()
+    study, read = loaded.complete(), loaded.digests
+    del loaded  # of many rows its tables take as much as the study
     log, second = CorrectionLog(folder), CorrectionLog(folder, SECOND_OPERATOR_NAME)
     of_logs = {CORRECTIONS_NAME: log.digest, SECOND_OPERATOR_NAME: second.digest}
-    parsed = {**loaded.digests, **{name: digest for name, digest in of_logs.items() if digest is not None}}
+    parsed = {**read, **{name: digest for name, digest in of_logs.items() if digest is not None}}
     inputs = [*parsed, *(name for _, name in study.files())]
     _refuse_to_overwrite(inputs, folder, out)
     make_folder(out)

@@ -17,6 +17,7 @@ from dataclasses import asdict, dataclass, fields, is_dataclass
 from datetime import UTC, datetime
 from functools import cache, partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, Literal, Self, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -106,6 +107,9 @@ PRAGMA user_version={FORMAT};
 _AWAY: Final = "move it away and run again, which measures everything again"
 
 
+_NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+
+
 class DamagedResultError(StoreError):
     """A stored result, that of `task`, is not what was written."""
 
@@ -122,7 +126,7 @@ class TaskStatus:
     status: Literal["done", "failed"]
     seconds: float
     count: int  # pictures or frames dealt with
-    drawn: dict[str, str]  # digests of files by their names in the results
+    drawn: Mapping[str, str]  # digests of files by their names in the results
     limits: Limits | None  # that stopped it
 
 
@@ -223,7 +227,7 @@ class Store:
                     seconds=float(seconds),
                     count=int(count),
                     # Most draw nothing, and nothing stopped them.
-                    drawn={} if drawn == "{}" else json.loads(drawn),
+                    drawn=_NOTHING if drawn == "{}" else json.loads(drawn),
                     limits=None if limits == "null" else Limits(**json.loads(limits)),
                 )
         return found

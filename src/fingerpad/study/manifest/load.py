@@ -10,6 +10,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Literal, TypeAlias
 from unicodedata import normalize
@@ -95,7 +96,7 @@ class Table:
 
     kind: Kind
     key: str  # its name, of a curve its number from 0; else empty
-    content: dict[str, Any]
+    content: dict[str, Any]  # empty for a complete row of a spreadsheet, of which `model` says all
     file: str  # with the line in a spreadsheet
     key_path: str  # there
     faults: tuple[Fault, ...] = ()
@@ -118,6 +119,9 @@ class Table:
         """Its content, and that of the photographs in it."""
         inner = self.content.get("photographs", []) if self.kind == "finger" else []
         return [self.content, *inner]
+
+
+_TOLD: Final[dict[str, Any]] = {}
 
 
 class TableChecks:
@@ -146,7 +150,9 @@ class TableChecks:
         complete = model is not None and not faults and self._incomplete.isdisjoint(referred)
         if not complete:
             self._incomplete.add((table.kind, table.key))
-        return replace(table, faults=faults, model=model, complete=complete)
+        # The cells of a row take half of its memory.
+        content = _TOLD if complete and not table.key_path else table.content
+        return replace(table, content=content, faults=faults, model=model, complete=complete)
 
     def _share_keys(self, model: BaseModel) -> None:
         """Let tables that state the same keys share the set of them, which is half of what each takes."""
@@ -301,13 +307,13 @@ def checked_study(path: Path, content: bytes, read: Callable[[str], bytes]) -> L
         raise ManifestError(f"{path}: not valid TOML: {_toml_error(content, error)}") from error
     require_tables(document, path.name)
     top, wrong = _top_level(document, path)
-    tables, digests = list(_tables(document, path.name)), {path.name: hashlib.sha256(content).hexdigest()}
+    tables, digests = _tables(document, path.name), {path.name: hashlib.sha256(content).hexdigest()}
     if top.observations_csv is not None:
         digests[top.observations_csv] = ""  # as of a file that cannot be read: `is_as_read` sees it come back
         try:
             rows = read(top.observations_csv)
             digests[top.observations_csv] = hashlib.sha256(rows).hexdigest()
-            tables += _rows(Sheet.parse(top.observations_csv, rows))
+            tables = chain(tables, _rows(Sheet.parse(top.observations_csv, rows)))
         except (ManifestError, OSError) as error:
             fault = Fault("observations_csv", str(error))
             wrong.append(

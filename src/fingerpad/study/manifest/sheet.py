@@ -5,7 +5,9 @@ written.
 """
 
 import re
+from collections import deque
 from collections.abc import Iterator, Mapping
+from sys import intern
 from typing import Any, Final, Self
 
 from fingerpad._columns import header_parts
@@ -28,6 +30,8 @@ _TABLE_COLUMNS: Final = {
 
 
 _KEYS: Final = frozenset(Observation.model_fields).union(*_TABLE_COLUMNS.values())
+# Keys whose cells repeat, so that they are kept once.
+_REPEATED: Final = frozenset(("finger", "session", "scale", "background"))
 # Keys of one number; a comma in a point separates its coordinates.
 _QUANTITY: Final = re.compile(r".*_(N|deg|mm|std)|ppi|mm_per_px")
 
@@ -75,8 +79,13 @@ class Sheet:
         return csv_text([self._titles, *(cells for _, cells in self._rows)], self._separator)
 
     def tables(self) -> Iterator[tuple[int, dict[str, Any], tuple[Fault, ...]]]:
-        """Yield the line of each row, its cells as the table of an observation, and what is wrong with it."""
-        for line, cells in self._rows:
+        """Yield the line of each row, its cells as the table of an observation, and what is wrong with it.
+
+        A row is forgotten with it: the cells of all would take as much as the study that they make.
+        """
+        rows, self._rows = deque(self._rows), []
+        while rows:
+            line, cells = rows.popleft()
             if any(cell.strip() for cell in cells):
                 yield line, *self._table(cells)
 
@@ -85,11 +94,9 @@ class Sheet:
         if any(cell.strip() for cell in cells[len(self._header) :]):
             faults.append(Fault("", "more cells than the header has columns"))
         content: dict[str, Any] = {
-            key: with_point(cell.strip())
-            if self._decimal_commas and _QUANTITY.fullmatch(key)
-            else cell.strip()
-            for key, cell in zip(self._header, cells, strict=False)
-            if cell.strip()
+            key: self._value(key, cell)
+            for key, cell in zip(self._header, map(str.strip, cells), strict=False)
+            if cell
         }
         for table, columns in _TABLE_COLUMNS.items():
             found = [column for column in columns if column in content]
@@ -98,6 +105,16 @@ class Sheet:
             elif found:
                 content[table] = {columns[column]: content.pop(column) for column in found}
         return content, tuple(faults)
+
+    def _value(self, key: str, cell: str) -> str:
+        """Return a cell as it is kept: what repeats once, and never as it was read.
+
+        Of cells that were read one after another all must be forgotten before their memory is free.
+        """
+        if key in _REPEATED:
+            return intern(cell)
+        copy = cell.encode(errors="surrogatepass").decode(errors="surrogatepass")
+        return with_point(copy) if self._decimal_commas and _QUANTITY.fullmatch(key) else copy
 
     def __contains__(self, name: str) -> bool:
         """Tell whether an observation of this name is in it."""
