@@ -29,7 +29,7 @@ from fingerpad.geometry import Paraboloid, Placement
 AnyPlacement: TypeAlias = Placement | Paraboloid
 
 # What takes a contact out of the range of a theory, by its code. The numbers are then NaN, but for Hertz
-# theory: with `thickness_ignored` they are those of deep tissue, with `contact_too_wide` those of a paraboloid.
+# theory: with `thickness_ignored` they are those of deep tissue, with `contact_too_wide` of a paraboloid.
 FLAGS: Final = (
     "",
     "no_contact",
