@@ -2,9 +2,9 @@
 
 import cv2
 import numpy as np
-from tests.image.coin_scenes import KINDS, NOT_ONE_COIN, scene
 
 from benchmarks.tables import percent, share, table
+from benchmarks.truth.coins import KINDS, NOT_ONE_COIN, scene
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image import measure_coin
 

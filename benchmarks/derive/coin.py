@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 from unittest.mock import patch
 
 import numpy as np
-from tests.image.coin_scenes import KINDS, scene
 
 from benchmarks.derive.fit import Compared, Problem
+from benchmarks.truth.coins import KINDS, scene
 from fingerpad.exceptions import CalibrationError
 from fingerpad.image import coin as coin_module
 from fingerpad.image import measure_coin

@@ -157,7 +157,7 @@ def test_invalid_regions(region):
         *(
             (name, value)
             for name in ("threshold", "contrast", "ridge_period")
-            for value in (0, -1, np.nan, np.inf, 1e300, 1e-300, "x", (1, 2), 10**400)
+            for value in (0, np.nan, 1e300, 1e-300, "x", 10**400)
         ),
         *(("seed", value) for value in ((1e300, 0), (np.nan, 1), (5,), 5, "ab", (None, None))),
         *(

@@ -116,7 +116,7 @@ def flanked(seed, bend, *, std=0.01, arc_deg=100.0, past=0.2):
 @pytest.mark.parametrize("bend", [-1.0, 0.0, 0.7])
 def test_points_beyond_arc(bend):
     found, stated, alone = [], [], []
-    for seed in range(12):
+    for seed in range(8):
         points, beyond = flanked(seed, bend)
         fit = fit_arc_ellipse(points, beyond=beyond)
         found.append(fit.ellipse.semi_axes)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -12,7 +13,6 @@ from PIL import Image
 from skimage.measure import label, regionprops
 
 from fingerpad.exceptions import ImageError
-from fingerpad.flags import FLAGS
 from fingerpad.image import Scale, measure_contact_image, prepare_contact_image
 from fingerpad.image.contact_image.view import crop
 from fingerpad.simulate import render_contact_image
@@ -22,16 +22,22 @@ LIVE = DATA / "nist_nbis_livescan_slaps"
 INK = DATA / "nist_minex_ink"
 real = pytest.mark.skipif(not LIVE.is_dir(), reason=f"real prints are not in {DATA}")
 PPI_500 = Scale.of_ppi(500)
-NOISE = {"low": 4, "medium": 12, "high": 25}
 
 
+@cache
 def load(path):
-    return np.asarray(Image.open(path))
+    return np.asarray(Image.open(path).convert("L"))
 
 
-def truths(noise_std, count=9):
+@cache
+def measured(path):
+    return measure_contact_image(load(path), PPI_500)
+
+
+def truths():
+    """Contacts of every pattern, look and noise, each with each."""
     rng = np.random.default_rng(11)
-    for k in range(count):
+    for k in range(9):
         area, ratio = rng.uniform(100, 300), rng.uniform(1.0, 1.7)
         semi_minor = math.sqrt(area / math.pi / ratio)
         yield render_contact_image(
@@ -40,16 +46,15 @@ def truths(noise_std, count=9):
             orientation=rng.uniform(-1.5, 1.5),
             ridge_period=rng.uniform(0.4, 0.52),
             pattern=("arch", "loop", "whorl")[k % 3],
-            look=("ink", "livescan", "prism")[k // 3 % 3],
+            look=("ink", "livescan", "prism")[k // 3],
             lighting=rng.uniform(0, 0.3),
-            noise_std=noise_std,
+            noise_std=(4, 12, 25)[(k + k // 3) % 3],
             seed=200 + k % 3,
         )
 
 
-@pytest.mark.parametrize("noise", NOISE)
-def test_known_truth(noise):
-    pairs = [(truth, measure_contact_image(truth.pixels, PPI_500)) for truth in truths(NOISE[noise])]
+def test_known_truth():
+    pairs = [(truth, measure_contact_image(truth.pixels, PPI_500)) for truth in truths()]
     area = np.array([found.gross_area / truth.gross_area - 1 for truth, found in pairs])
     assert abs(area.mean()) < 0.01
     assert np.abs(area).max() < 0.03
@@ -108,24 +113,6 @@ def test_interval_coverage():
     # These edges are sharp, and what other edges add to the uncertainty is too much for them.
     rms = np.sqrt(np.mean(np.square(scores), axis=0))
     assert ((rms > [0.2, 0.2, 0.2, 0.6]) & (rms < 1.4)).all()
-
-
-def test_uncertainty_grows_with_noise():
-    sharp, dull = (
-        measure_contact_image(render_contact_image(seed=1, noise_std=noise, blur=blur).pixels, PPI_500)
-        for noise, blur in ((4, 0), (25, 0.06))
-    )
-    assert dull.gross_area_std > 1.05 * sharp.gross_area_std
-    assert dull.ridge_area_std > 1.1 * sharp.ridge_area_std
-
-
-def test_covariance_from_shared_scale():
-    found = measure_contact_image(render_contact_image(seed=1).pixels, Scale.of_ppi(500, 25))
-    std = np.sqrt(np.diag(found.covariance))
-    assert (found.covariance / np.outer(std, std) > 0.9).all()
-    assert std == pytest.approx(
-        [found.semi_major_std, found.semi_minor_std, found.gross_area_std, found.ridge_area_std]
-    )
 
 
 def test_noise_edge_and_scale_add_up():
@@ -256,11 +243,13 @@ def test_ellipse_agrees_with_a_second_implementation():
     assert (found.region | ~found.ridges).all()
 
 
+@cache
 def pictures():
-    yield "synthetic", render_contact_image(seed=4, orientation=0.3, noise_std=5).pixels
+    found = {"synthetic": render_contact_image(seed=4, orientation=0.3, noise_std=5).pixels}
     if LIVE.is_dir():
         # Room for the crop to turn in, of its own ground.
-        yield "real", np.pad(load(LIVE / "left_ring_500ppi.png"), 60, constant_values=253)
+        found["real"] = np.pad(load(LIVE / "left_ring_500ppi.png"), 60, constant_values=253)
+    return [(name, pixels, measure_contact_image(pixels, PPI_500)) for name, pixels in found.items()]
 
 
 def turned(pixels, degrees):
@@ -273,18 +262,10 @@ def turned(pixels, degrees):
 
 
 CHANGES = {
-    "turned by 90": (np.rot90, 1, lambda angle: angle + math.pi / 2),
     "turned by 30": (lambda p: turned(p, 30), 1, lambda angle: angle + math.pi / 6),
     "mirrored": (lambda p: p[:, ::-1], 1, lambda angle: -angle),
     "inverted": (lambda p: 255 - p, 1, lambda angle: angle),
-    "darker": (lambda p: (p * 0.8).astype(np.uint8), 1, lambda angle: angle),
-    "brighter": (lambda p: p * np.float32(1.2), 1, lambda angle: angle),
     "deeper": (lambda p: p.astype(np.uint16) * 257, 1, lambda angle: angle),
-    "enlarged": (
-        lambda p: cv2.resize(p, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC),
-        2,
-        lambda angle: angle,
-    ),
     "enlarged by a fraction": (
         lambda p: cv2.resize(p, None, fx=1.375, fy=1.375, interpolation=cv2.INTER_CUBIC),
         1.375,
@@ -296,8 +277,7 @@ CHANGES = {
 @pytest.mark.parametrize("change", CHANGES)
 def test_invariance(change):
     alter, factor, turn = CHANGES[change]
-    for name, pixels in pictures():
-        plain = measure_contact_image(pixels, PPI_500)
+    for name, pixels, plain in pictures():
         other = measure_contact_image(alter(pixels), Scale.of_ppi(500 * factor))
         assert other.gross_area == pytest.approx(plain.gross_area, rel=0.015), name
         for axis in ("semi_major", "semi_minor"):
@@ -378,9 +358,10 @@ def test_ruled_lines_are_no_contact_and_bent_ridges_are(bend, flags):
     assert measure_contact_image(np.clip(pixels, 0, 255).astype(np.uint8), PPI_500).flags == flags
 
 
-@pytest.mark.parametrize("font", FONTS)
-@pytest.mark.parametrize(("height", "stroke"), [(34, 5), (48, 8)])
-@pytest.mark.parametrize("look", ["ink", "livescan"])
+@pytest.mark.parametrize(
+    ("look", "height", "stroke", "font"),
+    [("ink", 34, 5, FONTS[0]), ("livescan", 48, 8, FONTS[1]), ("livescan", 34, 5, FONTS[2])],
+)
 def test_letters_across_a_contact_are_flagged(look, height, stroke, font):
     truth = render_contact_image(seed=6, look=look, noise_std=6, margin=3)
     row = truth.pixels.shape[0] // 4
@@ -390,16 +371,7 @@ def test_letters_across_a_contact_are_flagged(look, height, stroke, font):
 
 
 @pytest.mark.parametrize("font", FONTS)
-def test_letters_beside_a_contact_are_none_of_it(font):
-    truth = render_contact_image(seed=6, look="ink", noise_std=6, margin=3)
-    found = measure_contact_image(with_line_of_text(truth.pixels, 30, font, 24, 3), PPI_500)
-    assert found.flags == ()
-    assert found.gross_area == pytest.approx(truth.gross_area, rel=0.02)
-    assert found.ridge_area == pytest.approx(truth.ridge_area, rel=0.03)
-
-
-@pytest.mark.parametrize("font", FONTS)
-@pytest.mark.parametrize(("height", "stroke"), [(16, 2), (24, 3), (34, 5), (48, 8)])
+@pytest.mark.parametrize(("height", "stroke"), [(16, 2), (48, 8)])
 def test_letters_alone_are_no_contact(height, stroke, font):
     blank = np.clip(np.random.default_rng(0).normal(215, 6, (300, 400)), 0, 255).astype(np.uint8)
     pixels = with_line_of_text(blank, 60, font, height, stroke)
@@ -412,13 +384,11 @@ def test_letters_alone_are_no_contact(height, stroke, font):
 
 @real
 def test_form_text_in_real_prints_is_flagged():
-    flagged = {
-        path.stem
-        for folder in (INK, LIVE)
-        for path in folder.glob("*.p[gn][mg]")
-        if path.stem != "a999_01p"  # blank
-        and "printed_marks" in measure_contact_image(np.asarray(Image.open(path).convert("L")), PPI_500).flags
-    }
+    paths = [path for path in INK.glob("*.pgm") if path.stem != "a999_01p"]  # blank
+    for path in paths:
+        assert "touches_border" in measured(path).flags
+        assert 150 < measured(path).gross_area < 460
+    flagged = {path.stem for path in paths if "printed_marks" in measured(path).flags}
     assert flagged == {"a001_03p", "a001_04p", "b001_04p", "b001_08p"}
 
 
@@ -513,8 +483,8 @@ def test_cut_at_joint_crease():
 
 @pytest.mark.parametrize("side", range(4))
 def test_cut_patch_touches_border(side):
-    pixels = np.rot90(render_contact_image(seed=1).pixels[90:], side)
-    assert "touches_border" in measure_contact_image(pixels, PPI_500).flags
+    pixels = np.rot90(render_contact_image(seed=1, ppi=250).pixels[45:], side)
+    assert "touches_border" in measure_contact_image(pixels, Scale.of_ppi(250)).flags
 
 
 def test_patch_cut_by_added_border():
@@ -552,6 +522,7 @@ def test_background_from_quiet_border(dark_on_light):
     assert found.gross_area == pytest.approx(math.pi * 110 * 160 * 0.0508**2, rel=0.015)
 
 
+@pytest.mark.nightly
 def test_interval_coverage_with_blur():
     scores = []
     for seed in range(9):
@@ -567,7 +538,7 @@ def test_interval_coverage_with_blur():
 
 def test_smudges_widen_ridge_area():
     plain, smudged = (
-        [render_contact_image(seed=seed, ridge_seed=1, smudges=count, noise_std=8) for seed in range(5)]
+        [render_contact_image(seed=seed, ridge_seed=1, smudges=count, noise_std=8) for seed in range(2)]
         for count in (0, 4)
     )
     for clean, truth in zip(plain, smudged, strict=True):
@@ -577,11 +548,10 @@ def test_smudges_widen_ridge_area():
         assert found.ridge_area_std > 1.1 * measure_contact_image(clean.pixels, PPI_500).ridge_area_std
 
 
-@pytest.mark.parametrize("blur", [0, 0.04, 0.08])
-def test_blur_keeps_ridge_area(blur):
+def test_blur_keeps_ridge_area():
     errors = []
     for seed in range(4):
-        truth = render_contact_image(seed=seed, ridge_seed=1, blur=blur, noise_std=8)
+        truth = render_contact_image(seed=seed, ridge_seed=1, blur=0.08, noise_std=8)
         found = measure_contact_image(truth.pixels, PPI_500)
         errors.append((found.ridge_area - truth.ridge_area) / found.ridge_area_std)
     assert abs(np.mean(errors)) < 2
@@ -602,23 +572,6 @@ def test_faint_ink_low_contrast():
     assert "low_contrast" in measure_contact_image(faint, PPI_500).flags
 
 
-def test_order_of_flags():
-    assert tuple(FLAGS["contact"]) == (
-        "touches_border",
-        "cut_by_mask",
-        "low_contrast",
-        "several_regions",
-        "poor_ellipse",
-        "scale_doubtful",
-        "not_a_contact_image",
-        "ridges_merge",
-        "printed_marks",
-        "edge_hidden",
-        "edge_unclear",
-        "edited_manually",
-    )
-
-
 BLANK = np.full((200, 200), 255, np.uint8)
 
 
@@ -631,10 +584,7 @@ BLANK = np.full((200, 200), 255, np.uint8)
         (np.random.default_rng(1).normal(128, 10, (300, 300)), "no contact found"),
         (np.tile(np.linspace(0, 255, 300), (300, 1)), "no contact found"),
         (np.zeros((1, 1)), "too small"),
-        (np.zeros((0, 0)), "too small"),
-        (np.zeros((500, 3)), "too small"),
         (np.zeros((50, 50, 3)), "shape"),
-        (np.zeros(50), "shape"),
         (np.full((50, 50), "a"), "grey"),
         (np.full((50, 50), np.nan), "NaN"),
     ],
@@ -664,29 +614,18 @@ def test_invalid_options(options, words):
 
 
 @real
-@pytest.mark.parametrize("finger", ["right_index", "right_ring", "right_little", "left_index", "left_ring"])
-def test_complete_live_scans(finger):
-    found = measure_contact_image(load(LIVE / f"{finger}_500ppi.png"), PPI_500)
-    assert found.flags == ()
-    assert 150 < found.gross_area < 270
-    assert found.overlap > 0.9
-    assert 0.35 < found.ridge_area / found.gross_area < 0.65
-    assert 0.38 < found.ridge_period < 0.5
-
-
-@real
 @pytest.mark.parametrize(
     ("finger", "hand", "corner"),
     [
         ("right_index", "right", (255, 165)),
-        ("right_ring", "right", (20, 795)),
-        ("right_little", "right", (430, 1220)),
         ("left_ring", "left", (115, 340)),
-        ("left_index", "left", (148, 960)),
     ],
 )
 def test_finger_alone_equals_finger_in_slap(finger, hand, corner):
-    alone = measure_contact_image(load(LIVE / f"{finger}_500ppi.png"), PPI_500)
+    alone = measured(LIVE / f"{finger}_500ppi.png")
+    assert alone.flags == ()
+    assert 0.35 < alone.ridge_area / alone.gross_area < 0.65
+    assert 0.38 < alone.ridge_period < 0.5
     place = (alone.centroid[0] + corner[0], alone.centroid[1] + corner[1])
     among = measure_contact_image(load(LIVE / f"slap_{hand}_four_500ppi.png"), PPI_500, seed=place)
     assert among.gross_area == pytest.approx(alone.gross_area, rel=0.02)
@@ -695,26 +634,15 @@ def test_finger_alone_equals_finger_in_slap(finger, hand, corner):
 
 
 @real
-@pytest.mark.parametrize(
-    ("hand", "place"), [("right", (170, 610)), ("left", (120, 770)), ("left", (800, 180))]
-)
-def test_fingers_cut_by_the_frame(hand, place):
-    found = measure_contact_image(load(LIVE / f"slap_{hand}_four_500ppi.png"), PPI_500, seed=place)
+def test_a_finger_cut_by_the_frame():
+    found = measure_contact_image(load(LIVE / "slap_left_four_500ppi.png"), PPI_500, seed=(800, 180))
     assert "touches_border" in found.flags
-
-
-@real
-@pytest.mark.parametrize("name", ["a001_03p", "a001_04p", "a001_05p", "a001_06p", "b001_04p", "b001_08p"])
-def test_cut_ink_prints(name):
-    found = measure_contact_image(load(INK / f"{name}.pgm"), PPI_500)
-    assert "touches_border" in found.flags
-    assert 150 < found.gross_area < 460
 
 
 @real
 def test_blank_card():
     with pytest.raises(ImageError, match="no contact found"):
-        measure_contact_image(load(INK / "a999_01p.pgm"), PPI_500)
+        measured(INK / "a999_01p.pgm")
 
 
 def test_region_holds_the_pixels_whose_centre_is_inside():
@@ -731,7 +659,7 @@ def test_region_holds_the_pixels_whose_centre_is_inside():
 
 def test_levels_under_a_mask_thinner_than_a_pixel_of_the_copy():
     mask = np.eye(300, dtype=bool)
-    pixels = cv2.resize(next(truths(4)).pixels, (300, 300))
+    pixels = cv2.resize(render_contact_image(seed=1).pixels, (300, 300))
     prepared = prepare_contact_image(pixels, PPI_500, mask=mask, ridge_period=0.6)
     counts, edges = prepared.level_histogram()
     assert counts.sum() > 0

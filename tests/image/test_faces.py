@@ -15,10 +15,7 @@ from fingerpad.image import (
     SEMI_AXES,
     FaceSemiAxes,
     combine_faces,
-    face_from_outline,
-    implausible_size,
 )
-from fingerpad.simulate import outline_points
 
 TRUTH = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
 THREE = ("palmar", "distal", "radial")
@@ -33,25 +30,12 @@ def face(name, *, factors=(1.0, 1.0), std=0.05, scale_std=0.0, scale=None, corre
 
 
 @pytest.mark.parametrize("names", [("palmar", "radial"), THREE])
-@pytest.mark.parametrize("std", [0.0, 1e-7, 1e-3, 0.1])
-@pytest.mark.parametrize("scale_std", [0.0, 0.01, 0.05])
+@pytest.mark.parametrize(("std", "scale_std"), [(0.0, 0.0), (1e-7, 0.05), (0.1, 0.01)])
 def test_consistent_faces(names, std, scale_std):
     found = combine_faces(face(name, std=std, scale_std=scale_std) for name in names)
     assert found.semi_axes == pytest.approx(list(TRUTH.values()), rel=1e-9)
     assert found.chi_square == pytest.approx(0, abs=1e-6)
     assert (found.stds >= scale_std / math.sqrt(3) * found.semi_axes).all()
-
-
-def test_rounded_outlines():
-    off = {"palmar": 1.0, "distal": 0.995, "radial": 1.01}
-    outlines = {
-        name: outline_points(*(factor * TRUTH[axis] for axis in FACE_AXES[name])).round(3)
-        for name, factor in off.items()
-    }
-    for scale_std in (0.0, 0.01, 0.05):
-        found = combine_faces([face_from_outline(*one, scale_std) for one in outlines.items()])
-        assert found.semi_axes == pytest.approx(list(TRUTH.values()), rel=0.011)
-        assert (np.abs(found.semi_axes - list(TRUTH.values())) < 2 * found.stds).all()
 
 
 def test_too_small_uncertainty_of_one_face():
@@ -61,7 +45,7 @@ def test_too_small_uncertainty_of_one_face():
     assert (found.stds > 0.005 * found.semi_axes).all()
 
 
-@pytest.mark.parametrize("order", list(itertools.permutations(range(4))))
+@pytest.mark.parametrize("order", list(itertools.permutations(range(4)))[1::5])
 def test_order_of_faces(order):
     faces = [
         face("palmar", factors=(1.02, 0.99), scale_std=0.02, scale="a"),
@@ -152,9 +136,9 @@ def test_scale_shared_by_two_faces():
     ("names", "std", "scale_std"),
     [
         (("palmar", "radial"), 1e-6, 0.02),
-        (("palmar", "radial"), 0.05, 0.02),
-        (THREE, 0.4, 0.03),
-        (THREE, (0.6, 0.1, 0.2), 0.02),
+        pytest.param(("palmar", "radial"), 0.05, 0.02, marks=pytest.mark.nightly),
+        pytest.param(THREE, 0.4, 0.03, marks=pytest.mark.nightly),
+        pytest.param(THREE, (0.6, 0.1, 0.2), 0.02, marks=pytest.mark.nightly),
     ],
 )
 def test_bias_and_coverage(names, std, scale_std):
@@ -179,10 +163,6 @@ def test_disagreement_widens_result():
     assert 0.03 < found.between_relative_std < 0.08
     assert found.disagreements[1]["radial_ulnar"] - found.disagreements[0]["radial_ulnar"] > 0.09
     assert (found.stds > 3 * combine_faces(map(face, THREE)).stds).all()
-
-
-def test_implausible_sizes():
-    assert implausible_size([1.9, 2.0, 40.0, 41.0]).tolist() == [True, False, False, True]
 
 
 def test_other_objects_refused():

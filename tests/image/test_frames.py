@@ -53,12 +53,6 @@ def test_tiff_stack_depth(tmp_path):
     np.testing.assert_array_equal(np.stack([frame.pixels for frame in frames]), stack)
 
 
-def test_compressed_pages(tmp_path):
-    first, *others = [Image.fromarray(level(k)) for k in range(4)]
-    first.save(tmp_path / "stack.tif", save_all=True, append_images=others, compression="tiff_lzw")
-    assert levels(open_frames(tmp_path / "stack.tif")) == [0, 10, 20, 30]
-
-
 @pytest.mark.parametrize(("name", "codec"), [("video.avi", "MJPG"), ("video.mp4", "mp4v")])
 def test_video(tmp_path, name, codec):
     frames = open_frames(write_video(tmp_path / name, codec))

@@ -99,7 +99,7 @@ def test_painting_inside_changes_nothing():
 
 
 @given(radius=st.floats(15, 60), row=st.floats(-60, 60), column=st.floats(-40, 40), other=st.floats(-30, 30))
-@settings(max_examples=20)
+@settings(max_examples=6)
 def test_remove_then_add(radius, row, column, other):
     place = (CENTRE[0] + row, CENTRE[1] + column)
     path = (place, (place[0] + other, place[1]))
@@ -113,7 +113,7 @@ def with_room():
 
 
 @given(radius=st.floats(25, 70), angle=st.floats(0, 2 * math.pi))
-@settings(max_examples=20)
+@settings(max_examples=6)
 def test_disk_outside_adds_area(radius, angle):
     """A disk joined to the contact by a thin bridge adds what geometry says."""
     room = with_room()
@@ -129,7 +129,7 @@ def test_disk_outside_adds_area(radius, angle):
     assert more == pytest.approx(math.pi * radius**2 + 40, rel=0.03, abs=120)
 
 
-@pytest.mark.parametrize("orientation_deg", [0, 30, 90, -60])
+@pytest.mark.parametrize("orientation_deg", [30, -60])
 def test_manual_ellipse(orientation_deg):
     hand = ImageEllipse(
         centre=(CENTRE[0] + 3.3, CENTRE[1] - 2.6),
@@ -233,7 +233,7 @@ def test_lassos_by_an_unsteady_hand_are_covered():
     outline = true_outline(300)
     outward = (outline - TRUTH.centroid) / np.linalg.norm(outline - TRUTH.centroid, axis=1, keepdims=True)
     errors = []
-    for _ in range(12):
+    for _ in range(8):
         # Generous or strict all round, and a tremor that wanders along the line.
         tremor = np.fft.irfft(np.fft.rfft(rng.normal(size=300)) * (np.arange(151) < 12)) * 300**0.5 / 24**0.5
         off = period * (rng.uniform(-0.35, 0.35) + 0.03 * tremor)
@@ -243,10 +243,9 @@ def test_lassos_by_an_unsteady_hand_are_covered():
     assert np.sqrt(np.mean(np.square(errors))) > 0.3  # and not by far too much
 
 
-@pytest.mark.parametrize("look", ["livescan", "prism"])
-def test_a_manual_threshold_is_as_uncertain_as_its_choice(look):
+def test_a_manual_threshold_is_as_uncertain_as_its_choice():
     truth = render_contact_image(
-        semi_major=5.0, semi_minor=4.0, look=look, noise_std=20, blur=0.1, lighting=0.2, seed=8
+        semi_major=5.0, semi_minor=4.0, look="prism", noise_std=20, blur=0.1, lighting=0.2, seed=8
     )
     automatic = prepare_contact_image(truth.pixels, PPI_500).measure()
     found = {

@@ -3,7 +3,6 @@
 import math
 from functools import cache
 
-import cv2
 import numpy as np
 import pytest
 from PIL import Image
@@ -53,22 +52,13 @@ def test_semi_axes_and_centre(face):
     assert found.flags <= set(FLAGS["photograph"])
 
 
-@pytest.mark.parametrize(
-    ("skin", "backdrop"), [(0.0, "black"), (0.2, "green"), (0.5, "white"), (0.8, "cork"), (1.0, "grey")]
-)
+@pytest.mark.parametrize(("skin", "backdrop"), [(0.0, "black"), (0.5, "white"), (0.8, "cork")])
 def test_skin_tones_and_backdrops(skin, backdrop):
     truth = rendered(skin=skin, backdrop=backdrop, seed=5)
     np.testing.assert_allclose(measured(truth).semi_axes, truth.semi_axes, rtol=0.015)
 
 
-def test_grey_photographs():
-    truth = rendered(backdrop="white", skin=0.6)
-    grey = np.rint(truth.pixels @ [0.299, 0.587, 0.114]).astype(np.uint8)
-    found = measure_photograph(grey, "palmar", SCALE)
-    np.testing.assert_allclose(found.semi_axes, truth.semi_axes, rtol=0.015)
-
-
-@pytest.mark.parametrize("tip", ["up", "right", "down", "left"])
+@pytest.mark.parametrize("tip", ["right", "down"])
 def test_tip_directions(tip):
     truth = rendered(tip=tip, tilt_deg=4.0)
     found = measured(truth)
@@ -77,8 +67,7 @@ def test_tip_directions(tip):
 
 
 @pytest.mark.parametrize(
-    ("tip", "palmar"),
-    [("up", "left"), ("down", "right"), pytest.param("right", "down", marks=pytest.mark.nightly)],
+    ("tip", "palmar"), [("up", "left"), pytest.param("right", "down", marks=pytest.mark.nightly)]
 )
 def test_palmar_side_of_side_face(tip, palmar):
     truth = rendered("ulnar", tip=tip, palmar=palmar)
@@ -91,8 +80,7 @@ def test_depth_and_type_invariance():
     truth = truth_of("palmar")
     for pixels in (
         truth.pixels.astype(np.uint16) * 257,
-        truth.pixels / 255.0,
-        np.dstack([truth.pixels] * 2)[..., :4],
+        np.dstack([truth.pixels] * 2)[..., :4] / 255.0,
     ):
         found = measure_photograph(pixels, "palmar", SCALE)
         np.testing.assert_allclose(found.semi_axes, found_of("palmar").semi_axes, rtol=1e-3)
@@ -164,15 +152,6 @@ def test_three_faces_agree():
     np.testing.assert_allclose(found, (7.9, 13.8, 11.8), rtol=0.01)
 
 
-def test_face_of_other_finger_disagrees():
-    other = measured(rendered("distal", semi_axes=(12.6, 7.9)))
-    joint = combine_faces(
-        [found_of("palmar").face_semi_axes, other.face_semi_axes, found_of("radial").face_semi_axes]
-    )
-    assert joint.p_value < 1e-3
-    assert joint.disagreements[1]["radial_ulnar"] - joint.disagreements[0]["radial_ulnar"] > 0.04
-
-
 @pytest.mark.nightly
 def test_interval_coverage():
     off = []
@@ -232,7 +211,7 @@ HAND = hand_mesh.MESH.parents[1] / "opencv_hand_photo" / "handSrc.jpg"
 
 
 @pytest.mark.skipif(not HAND.exists(), reason=f"no photograph of a hand at {HAND}")
-@pytest.mark.parametrize("region", [None, (225, 500, 295, 560), (115, 455, 160, 505), (0, 300, 100, 640)])
+@pytest.mark.parametrize("region", [None, (115, 455, 160, 505)])
 def test_photograph_of_whole_hand(region):
     pixels = read_colour_image(HAND)
     reasons, flags = "", frozenset()
@@ -241,24 +220,6 @@ def test_photograph_of_whole_hand(region):
     except (ImageError, FitError) as error:
         reasons = str(error)
     assert flags or ": " in reasons
-
-
-def test_squarish_pads_are_measured_and_flagged():
-    # A superellipse between the pad's tip and side, as on virtual labs: no arc of it is an ellipse.
-    palmar, distal, exponent = 7.5, 12.5, 2.37
-    turns = np.linspace(0, math.pi / 2, 200)
-    across, along = (part ** (2 / exponent) for part in (np.cos(turns), np.sin(turns)))
-    side = np.concatenate([[[palmar, -20]], np.stack([palmar * across, distal * along], axis=1)])
-    outline = np.concatenate([side, side[::-1] * [-1, 1]]) * [1, -1] / MM_PER_PX + [150, 220]
-    cover = np.zeros((400, 300), np.uint8)
-    cv2.fillPoly(cover, [np.rint(outline * 16).astype(np.int32)], 255, cv2.LINE_AA, shift=4)
-    cover = cv2.GaussianBlur(cover, (0, 0), 0.9)[..., None] / 255
-    picture = np.array([40, 70, 150]) + cover * np.array([175, 95, -10])
-    picture += np.random.default_rng(1).normal(0, 2.5, picture.shape)
-    found = measure_photograph(np.clip(picture, 0, 255).astype(np.uint8), "radial", SCALE)
-    assert found.flags >= {"not_an_ellipse", "uncertain"}
-    off = np.array([palmar, distal]) - found.semi_axes
-    assert (np.abs(off) < 2 * np.array(list(found.semi_axes_mm_std.values()))).all()
 
 
 def blank(level=128):
@@ -270,7 +231,6 @@ def blank(level=128):
     ("changes", "words"),
     [
         ({"pixels": blank()}, "no finger found"),
-        ({"pixels": np.zeros((300, 260, 3), np.uint8)}, "no finger found"),
         ({"pixels": np.zeros((300, 260, 2), np.uint8)}, "shape"),
         ({"pixels": np.zeros((10, 10), np.uint8)}, "too small"),
         ({"pixels": np.full((100, 100), np.nan)}, "finite"),
@@ -281,17 +241,13 @@ def blank(level=128):
         ),
         ({"tip": "north"}, "tip must be one of"),
         ({"face": "dorsal"}, "face must be one of"),
-        ({"palmar": "left"}, "leave palmar out"),
         ({"face": "radial", "palmar": "up"}, "right or left"),
         ({"tip": "down"}, "cuts the finger on its down side"),
         ({"region_of_interest": (0, 0, 0, 10)}, "empty or outside"),
-        ({"region_of_interest": (900, 0, 990, 10)}, "empty or outside"),
         ({"region_of_interest": (0, 0, math.nan, 10)}, "four numbers"),
         ({"region_of_interest": (0, 0, 40, 40)}, "region_of_interest"),
         ({"points": [(10, 10)]}, "two or more"),
-        ({"points": [(10, 10), (10, 10)]}, "two or more"),
         ({"points": [(10, 10), (10, 9999)]}, "outside the picture"),
-        ({"points": [(10, 10), (10, math.nan)]}, "outside the picture"),
         ({"points": [(5, 5), (360, 300)]}, "off the finger's outline"),
     ],
 )
@@ -335,8 +291,3 @@ def test_grey_files_as_colour(tmp_path, dtype):
     assert colour.shape == (64, 64, 3)
     np.testing.assert_allclose(colour[..., 1], np.arange(64 * 64).reshape(64, 64) % 251, atol=1)
     assert read_image(tmp_path / "grey.png").pixels.dtype == dtype
-
-
-def test_missing_colour_files(tmp_path):
-    with pytest.raises(ImageError, match="no such file"):
-        read_colour_image(tmp_path / "none.jpg")

@@ -12,7 +12,6 @@ from fingerpad.flags import FLAGS
 from fingerpad.image import (
     Scale,
     combine_faces,
-    draw_overlay,
     measure_photograph,
     photograph_from_ellipse,
     with_marked_points,
@@ -106,13 +105,6 @@ def test_implausible_manual_size_flagged():
     assert "implausible_size" not in back.flags
 
 
-def test_overlay_of_manual_ellipse():
-    drawn = draw_overlay(truth().pixels, placed(), label="synthetic")
-    assert max(drawn.shape) == 1100
-    plain = draw_overlay(truth().pixels, found())
-    assert (drawn != plain).any()
-
-
 def test_no_edits():
     assert with_marked_points(found()) is found()
     assert with_marked_points(found(), erased=[([(0, 0)], 5)]) is found()
@@ -157,14 +149,6 @@ def test_marks_extend_arc():
 
 def stds(fit):
     return np.append(np.sqrt(np.diagonal(fit.covariance)) / fit.semi_axes, fit.tilt_std)
-
-
-def test_a_point_erased_makes_nothing_surer():
-    one = [([found().points[len(found().points) // 3]], 0.3)]
-    fewer = with_marked_points(found(), erased=one)
-    assert len(found().points) - len(fewer.points) == 1
-    np.testing.assert_allclose(stds(fewer), stds(found()), rtol=0.05)
-    assert fewer.flags == found().flags | {"fitted_manually"}
 
 
 def test_edits_one_after_another_are_as_sure_as_all_at_once():

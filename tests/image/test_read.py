@@ -26,12 +26,6 @@ def test_lossless_grey_round_trip(tmp_path, name):
     np.testing.assert_array_equal(picture.pixels, GREY)
 
 
-def test_jpeg_within_tolerance(tmp_path):
-    smooth = np.tile(np.linspace(0, 255, 64).astype(np.uint8), (64, 1))
-    Image.fromarray(smooth).save(tmp_path / "a.jpg", quality=95)
-    assert np.abs(read_image(tmp_path / "a.jpg").pixels.astype(int) - smooth).max() < 8
-
-
 @pytest.mark.parametrize("name", ["a.png", "a.tif", "a.pgm"])
 def test_sixteen_bits(tmp_path, name):
     deep = GREY.astype(np.uint16) * 257
@@ -71,9 +65,8 @@ def test_sixteen_bit_transparency_on_white(tmp_path, name):
 
 
 @pytest.mark.parametrize("orientation", range(1, 9))
-@pytest.mark.parametrize("depth", [8, 16])
-def test_colour_tiff_orientations(tmp_path, orientation, depth):
-    dtype = np.uint8 if depth == 8 else np.uint16
+def test_colour_tiff_orientations(tmp_path, orientation):
+    dtype = (np.uint8, np.uint16)[orientation % 2]
     colour = np.repeat(np.arange(6, dtype=dtype).reshape(2, 3, 1) * 40, 3, axis=2)
     tag = [(274, "H", 1, orientation, True)]
     tifffile.imwrite(tmp_path / "a.tif", colour, photometric="rgb", extratags=tag)
@@ -88,15 +81,6 @@ def test_colour_tiff_orientations(tmp_path, orientation, depth):
         8: [[80, 200], [40, 160], [0, 120]],
     }
     np.testing.assert_allclose(read_image(tmp_path / "a.tif").pixels, turned[orientation], atol=1)
-
-
-def test_luma_weights(tmp_path):
-    colour = np.zeros((20, 20, 3), np.uint8)
-    colour[:10, :, 1], colour[10:, :, 2] = 255, 255
-    Image.fromarray(colour).save(tmp_path / "a.png")
-    pixels = read_image(tmp_path / "a.png").pixels
-    assert pixels.ndim == 2
-    assert pixels[0, 0] > pixels[-1, 0] > 0
 
 
 def test_transparency_on_white(tmp_path):
@@ -206,12 +190,6 @@ def test_animation_refused(tmp_path):
         read_image(tmp_path / "a.png")
 
 
-@pytest.mark.parametrize("shape", [(1, 1), (1, 40)])
-def test_tiny_and_black_pictures(tmp_path, shape):
-    Image.fromarray(np.zeros(shape, np.uint8)).save(tmp_path / "a.png")
-    assert read_image(tmp_path / "a.png").pixels.shape == shape
-
-
 def make_folder(path):
     path.mkdir()
 
@@ -232,10 +210,6 @@ def make_nan(path):
     tifffile.imwrite(path, values)
 
 
-def make_header_only(path):
-    path.write_bytes(b"\x89PNG\r\n\x1a\n")
-
-
 def make_stack(path):
     tifffile.imwrite(path, np.stack([GREY, GREY]), photometric="minisblack")
 
@@ -243,11 +217,6 @@ def make_stack(path):
 def make_bomb(path):
     # A header that promises 2·10¹⁰ pixels, with nothing behind it.
     path.write_bytes(b"P5\n200000 100000\n255\n")
-
-
-def make_short_tiff(path):
-    tifffile.imwrite(path, GREY.astype(np.float64))
-    path.write_bytes(path.read_bytes()[:300])
 
 
 @pytest.mark.parametrize(
@@ -258,11 +227,9 @@ def make_short_tiff(path):
         (lambda path: path.write_bytes(b""), "empty"),
         (make_text, "not a picture"),
         (make_truncated, "cut short"),
-        (make_header_only, "not a picture|cut short"),
         (make_nan, "NaN"),
         (make_stack, "2 pictures"),
         (make_bomb, "raise memory_limit|far too many pixels"),
-        (make_short_tiff, "not a picture|cut short"),
     ],
 )
 def test_invalid_files(tmp_path, make, words):
@@ -277,8 +244,6 @@ def test_invalid_files(tmp_path, make, words):
     ("name", "dtype", "channels", "needed"),
     [
         ("a.png", np.uint8, 1, 26),
-        ("a.bmp", np.uint8, 1, 26),
-        ("a.pgm", np.uint8, 1, 26),
         ("a.jpg", np.uint8, 3, 30),
         ("a.png", np.uint16, 3, 36),
         ("plain.tif", np.uint16, 3, 36),
@@ -310,31 +275,12 @@ def test_memory_limit_of_large_tiles(tmp_path, tags):
         read_image(path)
 
 
-def test_truncated_sixteen_bit_png(tmp_path):
-    noise = np.random.default_rng(0).integers(0, 65536, (60, 60, 3)).astype(np.uint16)
-    write_deep(tmp_path / "whole.png", noise)
-    (tmp_path / "a.png").write_bytes((tmp_path / "whole.png").read_bytes()[:9000])
-    with pytest.raises(ImageError, match="cut short"):
-        read_image(tmp_path / "a.png")
-
-
 def test_size_checked_before_decoding(tmp_path):
     # The pixels behind the header are missing: only a check of the header can tell of the size.
     path = tmp_path / "large.pgm"
     path.write_bytes(b"P5\n3000 2000\n255\n")
     with pytest.raises(ImageError, match="3000 × 2000"):
         read_image(path, memory_limit=100_000_000)
-
-
-@pytest.mark.parametrize("cut", range(1, 400, 40))
-def test_truncated_png_errors(tmp_path, cut):
-    whole = tmp_path / "whole.png"
-    noise = np.random.default_rng(1).integers(0, 256, (20, 30)).astype(np.uint8)
-    Image.fromarray(noise).save(whole, dpi=(500, 500))
-    path = tmp_path / "cut.png"
-    path.write_bytes(whole.read_bytes()[:cut])
-    with pytest.raises(ImageError):
-        read_image(path)
 
 
 def encoded(form, **options):
@@ -347,17 +293,9 @@ def encoded(form, **options):
     ("code", "name", "content"),
     [
         (34712, "JPEG2000", lambda: encoded("JPEG2000", no_jp2=True)),
-        (33003, "APERIO_JP2000", lambda: encoded("JPEG2000", no_jp2=True)),
         (50002, "JPEGXL", lambda: b"\xff\x0a" + bytes(200)),
         (50001, "WEBP", lambda: encoded("WEBP")),
-        (34933, "PNG", lambda: encoded("PNG")),
-        (34661, "JBIG", lambda: bytes(300)),
-        (34887, "LERC", lambda: bytes(300)),
-        (34925, "LZMA", lambda: bytes(300)),
         (50000, "ZSTD", lambda: bytes(300)),
-        (34676, "SGILOG", lambda: bytes(300)),
-        (32809, "THUNDERSCAN", lambda: bytes(300)),
-        (6, "OJPEG", lambda: bytes(300)),
         (12345, "number 12345", lambda: bytes(300)),
     ],
 )

@@ -49,6 +49,7 @@ def test_without_resolved_ridges_no_border_is_known() -> None:
     assert "ridges_merge" not in found.flags
 
 
+@pytest.mark.nightly
 def test_the_ridge_area_of_a_moist_print_is_flagged_and_its_interval_holds() -> None:
     truth = stripe_image("scanner, moist", 0, seed=7)
     found = measure_contact_image(truth.pixels, truth.mm_per_px)

