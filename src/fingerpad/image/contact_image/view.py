@@ -285,7 +285,13 @@ def crop(pixels: npt.ArrayLike, **options: Unpack[ContactImageOptions]) -> Crop:
 def _grey(pixels: npt.ArrayLike, name: str) -> npt.NDArray[np.number]:
     array = picture_array(pixels, name)
     if array.ndim != 2 or array.dtype.kind not in "buif":
-        raise ImageError(f"{name} must be a grey (rows, columns) array of numbers, found shape {array.shape}")
+        way_out = ""
+        if array.ndim == 3:
+            colour = "of a colour picture give the file, one channel, or the mean, pixels.mean(axis=-1)"
+            way_out = f": {colour if array.shape[-1] in {3, 4} else 'measure one picture at a time'}"
+        raise ImageError(
+            f"{name} must be a grey (rows, columns) array of numbers, found shape {array.shape}{way_out}"
+        )
     if min(array.shape) < _MIN_SIDE_PX:
         raise ImageError(
             f"{name}: {array.shape[0]} × {array.shape[1]} px is too small to hold a contact: "
