@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fingerpad._arrays import ArrayLike, FloatArray
-from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.manifest.models import Observation, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 

@@ -13,7 +13,7 @@ from fingerpad._arrays import FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import ContactImageResult, measure_contact_image
-from fingerpad.study.manifest import Observation
+from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts

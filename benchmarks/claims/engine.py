@@ -19,7 +19,8 @@ from fingerpad.simulate import render_sequence
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, TaskResult, perform
-from fingerpad.study.manifest import Study, read_study
+from fingerpad.study.manifest.load import read_study
+from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
 from fingerpad.study.measuring.sequence_tasks import header_task

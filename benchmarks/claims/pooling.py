@@ -18,7 +18,7 @@ from fingerpad.contact import equivalent_radius_from_compliance, equivalent_radi
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, SEMI_AXES, Face, FaceSemiAxes, combine_faces
 from fingerpad.study.compare import Person, Value, means_of
-from fingerpad.study.manifest import Observation
+from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts

@@ -14,7 +14,7 @@ from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import table
 from fingerpad._arrays import FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
-from fingerpad.study.manifest import Observation
+from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.by_load import AtLoad, pool_by_load
 from fingerpad.study.results.repeats import contact_repeatability, study_scatter

@@ -10,7 +10,7 @@ from benchmarks.tables import table
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import equivalent_radius_from_indentation, size_factor
 from fingerpad.geometry import Ellipsoid, Placement
-from fingerpad.study.manifest import Observation
+from fingerpad.study.manifest.models import Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts

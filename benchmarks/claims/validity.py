@@ -19,13 +19,14 @@ from benchmarks.simulated import contact, finger, study_of
 from benchmarks.tables import share, table
 from fingerpad._arrays import FloatArray
 from fingerpad.geometry import Ellipsoid
-from fingerpad.study.manifest import Curve, Observation
+from fingerpad.study.manifest.models import Curve, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.curves import CurveResult, curve_result
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
-from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS, Validity, validity_of
+from fingerpad.study.results.validity.model_checks import INDENTATION, MODULUS, RADIUS
+from fingerpad.study.results.validity.verdict import Validity, validity_of
 
 LOADS: Final = (0.125, 0.25, 0.5, 1.0)
 AXES_STD, WEDGE_STD, LOAD_STD, SCALE_STD, EDGE_STD, NOISE_STD = 0.1, 0.5, 0.02, 0.01, 0.03, 0.04

@@ -18,7 +18,7 @@ from fingerpad.report import write_report
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task, TaskResult, perform
-from fingerpad.study.manifest import Contact, ContactSequence, Study
+from fingerpad.study.manifest.models import Contact, ContactSequence, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import FingerResult

@@ -17,7 +17,7 @@ from tests.workbooks import sheet_xml, workbook
 from fingerpad.exceptions import ManifestError
 from fingerpad.loading import read_loading_curve
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.manifest import load_study, read_study
+from fingerpad.study.manifest.load import load_study, read_study
 from fingerpad.study.share import Bundle, pack, unpack
 
 ROOM = 10**9

@@ -18,7 +18,7 @@ from fingerpad.study.corrections.apply import (
 )
 from fingerpad.study.corrections.changes import ContactCorrection, PhotographCorrection
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.manifest.models import Observation, Study
 from fingerpad.study.measuring.contacts import measure_observation, reviewed
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.fingers import finger_result, photograph_item, photograph_items

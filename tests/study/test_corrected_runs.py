@@ -9,7 +9,7 @@ from fingerpad.report import write_report
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest.load import read_study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.run import StudyItems
 from fingerpad.study.pipeline import run_study

@@ -22,7 +22,7 @@ from fingerpad.study.corrections.items import (
     with_settings_of,
 )
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest import Study
+from fingerpad.study.manifest.models import Study
 
 STUDY = Study.model_validate(
     {

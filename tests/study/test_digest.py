@@ -8,7 +8,7 @@ import pytest
 from fingerpad import Estimate
 from fingerpad.loading import fit_loading_curve
 from fingerpad.simulate import simulate_loading_curve
-from fingerpad.study.manifest import Uncertainty
+from fingerpad.study.manifest.models import Uncertainty
 from fingerpad.study.results.study_result import digest_of_values
 from fingerpad.study.results.table import COLUMNS, table_of
 

@@ -15,8 +15,7 @@ from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.edit import Edit, change_study, create_study, title_of
 from fingerpad.study.editing.template import write_template
 from fingerpad.study.journal import JOURNAL_NAME
-from fingerpad.study.manifest import load_study, read_study
-from fingerpad.study.manifest.load import STUDY_NAME, is_as_read
+from fingerpad.study.manifest.load import STUDY_NAME, is_as_read, load_study, read_study
 from fingerpad.study.status import missing
 
 MANIFEST = """\

@@ -8,10 +8,11 @@ import pytest
 from tests.study.test_repeats import PADS, STUDY, contact
 
 from fingerpad._arrays import FloatArray
-from fingerpad.study.manifest import ContactSequence
+from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.study.results.pooling import Exponent, PressSlope, area_exponent, pool_contacts
 from fingerpad.study.results.rows import Rows, model_contacts
-from fingerpad.study.results.validity import MODULUS, Validity, validity_of
+from fingerpad.study.results.validity.model_checks import MODULUS
+from fingerpad.study.results.validity.verdict import Validity, validity_of
 
 LOG_LOAD = np.log(np.linspace(0.1, 2, 200))
 STATED = 0.02

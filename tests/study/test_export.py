@@ -17,7 +17,7 @@ from tests.sums import write_sums
 
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest.load import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.load import export_results, read_rows
 from fingerpad.study.results.table import COLUMNS

@@ -17,7 +17,7 @@ from tests import command
 
 from fingerpad.exceptions import CalibrationError, FingerpadError, ImageError, ManifestError
 from fingerpad.image import ellipse_of_polygon
-from fingerpad.study.imports import (
+from fingerpad.study.imports.fiji import (
     MeasuredEllipse,
     manual_observations,
     read_results_table,

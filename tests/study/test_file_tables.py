@@ -4,8 +4,8 @@ import pytest
 from tests.workbooks import MAIN, workbook
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.imports import join_files, match_file_names, parse_file_table, read_file_table
-from fingerpad.study.imports.names import FileValues, read_value
+from fingerpad.study.imports.identify import join_files, parse_file_table, read_file_table
+from fingerpad.study.imports.names import FileValues, match_file_names, read_value
 
 SHEET = f"""<?xml version="1.0"?><worksheet {MAIN}><sheetData>
 <row r="1"><c r="A1" t="s"><v>0</v></c><c r="B1" t="s"><v>1</v></c>

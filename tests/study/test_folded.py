@@ -8,8 +8,7 @@ import tomlkit
 from fingerpad.exceptions import FingerpadError
 from fingerpad.study.editing import edit
 from fingerpad.study.editing.edit import Edit, change_study, folded, unfolded
-from fingerpad.study.manifest import load_study
-from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.manifest.load import STUDY_NAME, load_study
 
 HEAD = """\
 # Whose study this is.

@@ -12,7 +12,7 @@ from tests.image.ruler_scenes import KINDS, ruler_scene
 
 from fingerpad.image import guess_subject
 from fingerpad.simulate import render_coin, render_contact_image, render_finger
-from fingerpad.study.imports import identify_file
+from fingerpad.study.imports.identify import identify_file
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "dzidek2017" / "synthetic"

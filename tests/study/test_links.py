@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from fingerpad.exceptions import ManifestError
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest.load import read_study
 
 STUDY = """
 title = "T"

@@ -9,7 +9,8 @@ from tests.workbooks import sheet_xml, workbook
 
 from fingerpad.exceptions import ManifestError
 from fingerpad.study.editing.template import write_example, write_template
-from fingerpad.study.manifest import ResolutionScale, load_study, read_study
+from fingerpad.study.manifest.load import load_study, read_study
+from fingerpad.study.manifest.models import ResolutionScale
 
 FINGER = """
 [[fingers]]

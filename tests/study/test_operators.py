@@ -11,7 +11,7 @@ from tests.study.small_study import PPI, copy
 from fingerpad.report import write_report
 from fingerpad.study.corrections.items import SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest.load import read_study
 from fingerpad.study.measuring.operators import blind_order
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records

@@ -15,7 +15,7 @@ from fingerpad.exceptions import ManifestError
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import ActiveCorrection
-from fingerpad.study.manifest import Observation, Study
+from fingerpad.study.manifest.models import Observation, Study
 from fingerpad.study.measuring.contacts import Measurement, excluding_flags, reviewed
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import GEOMETRY, PART_SOURCES, contact_inputs

@@ -18,7 +18,8 @@ from fingerpad.study.editing.propose import (
 )
 from fingerpad.study.from_files import start_study
 from fingerpad.study.imports.identify import FileIdentity
-from fingerpad.study.manifest import LoadedStudy, Study, load_study
+from fingerpad.study.manifest.load import LoadedStudy, load_study
+from fingerpad.study.manifest.models import Study
 
 
 def empty(tmp_path, *, tables=()):

@@ -15,7 +15,8 @@ from fingerpad._rounding import value_with_uncertainty
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest import ContactSequence, Observation, Study, read_study
+from fingerpad.study.manifest.load import read_study
+from fingerpad.study.manifest.models import ContactSequence, Observation, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.pipeline import run_study

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from tests.study.many_rows import cost_apart, measurements_of, sequences_of, study_result
 
 from fingerpad.report import write_report
-from fingerpad.study.manifest import Contact, Observation, Study
+from fingerpad.study.manifest.models import Contact, Observation, Study
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results import rows as rows_module

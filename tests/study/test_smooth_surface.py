@@ -3,7 +3,7 @@
 import pytest
 from tests.smooth_study import LOADS, area_at, make_smooth_study
 
-from fingerpad.study.manifest import load_study
+from fingerpad.study.manifest.load import load_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fingerpad.study.editing.template import SCHEMA_NAME, manifest_schema, write_template
-from fingerpad.study.manifest import Study
+from fingerpad.study.manifest.models import Study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.table import records
 

@@ -21,8 +21,17 @@ from fingerpad.study.compare import compare_studies
 from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import records
-from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS, Validity
-from fingerpad.study.results.validity.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
+from fingerpad.study.results.validity.model_checks import (
+    FAILS,
+    HOLDS,
+    INDENTATION,
+    MODULUS,
+    NOT_TESTED,
+    RADIUS,
+    STRAINED,
+    ValidityCheck,
+)
+from fingerpad.study.results.validity.verdict import Validity
 
 WRONG = [name for name in CASES if not name.startswith("Hertz") and not name.endswith("with curve")]
 

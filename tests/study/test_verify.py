@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from fingerpad.cli import app
 from fingerpad.study.corrections.log import CorrectionLog
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest.load import read_study
 from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
 

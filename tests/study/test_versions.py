@@ -17,7 +17,7 @@ from PIL import Image
 from fingerpad.simulate import render_coin
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine import task as versions
-from fingerpad.study.manifest import read_study
+from fingerpad.study.manifest.load import read_study
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 

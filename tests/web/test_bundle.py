@@ -6,7 +6,7 @@ import socket
 from tests.study.test_archive import ODD_FILES, contents, write
 from tests.web.conftest import serving
 
-from fingerpad.study.manifest import load_study
+from fingerpad.study.manifest.load import load_study
 from fingerpad.web.workspace import Workspace
 
 

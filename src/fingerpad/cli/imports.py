@@ -13,7 +13,7 @@ from fingerpad.exceptions import CalibrationError, ManifestError
 
 if TYPE_CHECKING:
     from fingerpad.image import Scale
-    from fingerpad.study.imports import ManualObservation, MeasuredEllipse
+    from fingerpad.study.imports.fiji import ManualObservation, MeasuredEllipse
 
 app = typer.Typer(
     cls=Group, rich_markup_mode=None, help="Import measurements from other programs.", no_args_is_help=True
@@ -63,7 +63,7 @@ def import_fiji(
     A table gives Major and Minor of "Fit ellipse"; ROIs are ovals, ellipses, or traced outlines. What
     neither flags nor labels give is left empty, to be filled in.
     """
-    from fingerpad.study.imports import manual_observations, write_observations
+    from fingerpad.study.imports.fiji import manual_observations, write_observations
 
     given = {"finger": finger, "wedge_angle_deg": wedge_deg, "roll_angle_deg": roll_deg, "load_N": load_n}
     mm_per_unit = _mm_per_unit(files, unit, scale)
@@ -86,7 +86,7 @@ def import_fiji(
 
 
 def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> float:
-    from fingerpad.study.imports import is_roi_file
+    from fingerpad.study.imports.fiji import is_roi_file
 
     rois = [path for path in files if is_roi_file(path)]
     if unit is not None and (scale is not None or rois):
@@ -105,7 +105,7 @@ def _mm_per_unit(files: list[Path], unit: str | None, scale: "Scale | None") -> 
 
 
 def _read(files: list[Path]) -> list["MeasuredEllipse"]:
-    from fingerpad.study.imports import is_roi_file, read_results_table, read_rois
+    from fingerpad.study.imports.fiji import is_roi_file, read_results_table, read_rois
 
     places = [path.resolve() for path in files]
     for path, place in zip(files, places, strict=True):

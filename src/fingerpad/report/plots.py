@@ -33,7 +33,7 @@ from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import Indices, Row, records
-from fingerpad.study.results.validity import RADIUS
+from fingerpad.study.results.validity.model_checks import RADIUS
 from fingerpad.units import KPA_PER_MPA
 
 if TYPE_CHECKING:

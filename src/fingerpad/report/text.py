@@ -22,8 +22,16 @@ from fingerpad.study.results.rows import IMPLAUSIBLE
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import CheckRecord
 from fingerpad.study.results.table import items, records
-from fingerpad.study.results.validity import INDENTATION, MODULUS, RADIUS
-from fingerpad.study.results.validity.model_checks import FAILS, HOLDS, NOT_TESTED, STRAINED, ValidityCheck
+from fingerpad.study.results.validity.model_checks import (
+    FAILS,
+    HOLDS,
+    INDENTATION,
+    MODULUS,
+    NOT_TESTED,
+    RADIUS,
+    STRAINED,
+    ValidityCheck,
+)
 
 # They differ in shades of grey too.
 VERDICT_SYMBOLS: Final[Mapping[str, str]] = {HOLDS: "●", STRAINED: "◐", FAILS: "○", NOT_TESTED: "–"}

@@ -19,8 +19,9 @@ from fingerpad.study.editing.propose import (
     with_guess,
 )
 from fingerpad.study.imports.identify import identify_file, join_files, read_file_table
-from fingerpad.study.manifest import LoadedStudy, Study
+from fingerpad.study.manifest.load import LoadedStudy
 from fingerpad.study.manifest.messages import counted
+from fingerpad.study.manifest.models import Study
 from fingerpad.study.status import Missing, lacking, unused_files
 
 _WORDS: Mapping[str, str] = {use: words for uses in USES.values() for use, words in uses.items() if use}

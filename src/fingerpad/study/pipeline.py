@@ -26,7 +26,8 @@ from fingerpad.study.engine.runner import Executor, Progress, executor_for, reco
 from fingerpad.study.engine.store import STORE_NAME, DamagedResultError, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task
 from fingerpad.study.engine.worker import local_executor
-from fingerpad.study.manifest import Study, load_study, manifest_in
+from fingerpad.study.manifest.load import load_study, manifest_in
+from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.run import Measured, StudyItems, item_of, measure_study

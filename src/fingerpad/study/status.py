@@ -16,9 +16,9 @@ from fingerpad.image.sequence.frames import PICTURE_SUFFIXES, VIDEO_SUFFIXES
 from fingerpad.study.corrections.items import CORRECTIONS_NAME, SECOND_OPERATOR_NAME
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.engine.store import STORE_NAME, Store, TaskStatus
-from fingerpad.study.manifest import Finger, LoadedStudy, Study, manifest_in, read_study
-from fingerpad.study.manifest.load import STUDY_NAME, Table
+from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, manifest_in, read_study
 from fingerpad.study.manifest.messages import Fault, counted
+from fingerpad.study.manifest.models import Finger, Study
 from fingerpad.study.measuring.context import Item, RunContext
 from fingerpad.study.measuring.fingers import photograph_item
 from fingerpad.study.measuring.run import StudyItems, item_of

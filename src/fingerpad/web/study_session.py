@@ -16,20 +16,18 @@ from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.editing.edit import Edit, change_study
 from fingerpad.study.editing.template import SCHEMA_NAME
 from fingerpad.study.engine.store import STORE_NAME
-from fingerpad.study.manifest import (
+from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy, Table, file_inside, is_as_read, load_study
+from fingerpad.study.manifest.messages import Fault, validated
+from fingerpad.study.manifest.models import (
     Contact,
     ContactSequence,
     Finger,
-    LoadedStudy,
+    ManifestModel,
     Observation,
     Photograph,
     ScaleKey,
     Study,
-    load_study,
 )
-from fingerpad.study.manifest.load import STUDY_NAME, Table, file_inside, is_as_read
-from fingerpad.study.manifest.messages import Fault, validated
-from fingerpad.study.manifest.models import ManifestModel
 from fingerpad.study.status import Missing, missing
 from fingerpad.web.errors import RequestError
 from fingerpad.web.events import Events, StudyEvent

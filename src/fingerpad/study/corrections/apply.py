@@ -39,7 +39,7 @@ from fingerpad.study.corrections.changes import (
     SequenceCorrection,
 )
 from fingerpad.study.corrections.items import ActiveCorrection, frames_of, phases_item
-from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, Observation, Photograph
+from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, Observation, Photograph
 
 
 class InterpolatedCorrection(ContactCorrection):

@@ -16,8 +16,8 @@ from fingerpad.study.corrections.changes import (
     PhotographCorrection,
     SequenceCorrection,
 )
-from fingerpad.study.manifest import Study
 from fingerpad.study.manifest.messages import validated
+from fingerpad.study.manifest.models import Study
 
 CORRECTIONS_NAME: Final = "corrections.jsonl"
 SECOND_OPERATOR_NAME: Final = "second_operator.jsonl"

@@ -30,7 +30,7 @@ from fingerpad.study.corrections.items import (
     record_of,
 )
 from fingerpad.study.journal import locked, sync_folder
-from fingerpad.study.manifest import Study
+from fingerpad.study.manifest.models import Study
 
 _LOCK: Final = ".corrections.lock"
 _MOST_NAME: Final = 200

@@ -21,8 +21,7 @@ from fingerpad.study.imports.names import (
     read_file_name,
     scale_in,
 )
-from fingerpad.study.manifest import LoadedStudy
-from fingerpad.study.manifest.load import Kind
+from fingerpad.study.manifest.load import Kind, LoadedStudy
 
 Use: TypeAlias = Role | Literal["coin", "ruler", "force", "sheet", ""]
 

@@ -15,8 +15,8 @@ from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import FACE_AXES, Face
 from fingerpad.simulate import render_contact_image, render_finger, simulate_loading_curve
 from fingerpad.simulate.loading_curve import save_curve
-from fingerpad.study.manifest import Study
 from fingerpad.study.manifest.load import STUDY_NAME
+from fingerpad.study.manifest.models import Study
 
 SCHEMA_NAME = "study.schema.json"
 

@@ -12,8 +12,7 @@ from typing import Any, Final, Generic, Self, TypeVar
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import CHANGED, Record, Task, Work, versions_of
-from fingerpad.study.manifest import ScaleKey, Study
-from fingerpad.study.manifest.models import ManifestModel
+from fingerpad.study.manifest.models import ManifestModel, ScaleKey, Study
 from fingerpad.study.measuring.scales import FoundScale, Scales, scale_key
 
 # What of a contact's table changes nothing in what is measured on its picture.

@@ -30,7 +30,7 @@ from fingerpad.loading import (
 )
 from fingerpad.study.engine.store import fields_from, to_record
 from fingerpad.study.engine.task import Record, Work, in_study, versions_of
-from fingerpad.study.manifest import Curve, Finger, Study, Uncertainty
+from fingerpad.study.manifest.models import Curve, Finger, Study, Uncertainty
 from fingerpad.study.measuring.context import OneTaskItem, cache_key
 from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_item
 from fingerpad.study.measuring.scales import FoundScale, require_scale

@@ -30,7 +30,7 @@ from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.items import ActiveCorrection, is_rejected
 from fingerpad.study.engine.store import fields_from, from_record, to_record
 from fingerpad.study.engine.task import Work, in_study
-from fingerpad.study.manifest import Finger, Photograph
+from fingerpad.study.manifest.models import Finger, Photograph
 from fingerpad.study.measuring.context import OneTaskItem, RunContext
 from fingerpad.study.measuring.scales import FoundScale, Scales, require_scale, scale_key
 

@@ -15,7 +15,7 @@ from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, in_study
-from fingerpad.study.manifest import Observation, ScaleKey
+from fingerpad.study.manifest.models import Observation, ScaleKey
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, require_scale
 from fingerpad.uncertainty import Agreement, agreement

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from fingerpad.study.engine.runner import Executor, Plan, Progress, put_unless_changed, records_of, run_plans
 from fingerpad.study.engine.store import Store, TaskStatus
 from fingerpad.study.engine.task import Limits, Task, TaskResult
-from fingerpad.study.manifest import Contact
+from fingerpad.study.manifest.models import Contact
 from fingerpad.study.measuring.contacts import Measurement, ObservationItem
 from fingerpad.study.measuring.context import Item, RunContext, cache_key
 from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names, given_curve

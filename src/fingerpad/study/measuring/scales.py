@@ -12,7 +12,7 @@ from fingerpad.exceptions import CalibrationError, FingerpadError
 from fingerpad.image import Grid, Scale, measure_coin, measure_grid, read_image
 from fingerpad.study.engine.store import from_record, to_record
 from fingerpad.study.engine.task import Record, in_study
-from fingerpad.study.manifest import (
+from fingerpad.study.manifest.models import (
     CircleScale,
     CoinScale,
     GridScale,

@@ -28,7 +28,7 @@ from fingerpad.study.corrections.apply import (
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.engine.store import DamagedResultError, to_record
 from fingerpad.study.engine.task import Record, Task, in_study
-from fingerpad.study.manifest import ContactSequence
+from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.study.measuring.contacts import Measurement, from_contact_image, with_automatic_axes
 from fingerpad.study.measuring.context import RunContext, cache_key
 from fingerpad.study.measuring.scales import FoundScale

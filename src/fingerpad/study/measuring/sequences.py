@@ -43,7 +43,7 @@ from fingerpad.study.corrections.apply import (
 from fingerpad.study.corrections.items import ActiveCorrection, frames_of, phases_item
 from fingerpad.study.engine.store import DamagedResultError, fields_from, from_record
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work, in_study
-from fingerpad.study.manifest import ContactSequence
+from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.study.measuring.contacts import Measurement, reviewed
 from fingerpad.study.measuring.context import Item, RunContext, cache_key
 from fingerpad.study.measuring.scales import require_scale

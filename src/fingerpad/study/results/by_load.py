@@ -22,8 +22,8 @@ from fingerpad.study.results.repeats import (
 )
 from fingerpad.study.results.rows import PLACEMENT, PlacementKey, Rows
 from fingerpad.study.results.table import groups, items
-from fingerpad.study.results.validity import MODULUS, Validity
-from fingerpad.study.results.validity.model_checks import NOT_TESTED
+from fingerpad.study.results.validity.model_checks import MODULUS, NOT_TESTED
+from fingerpad.study.results.validity.verdict import Validity
 from fingerpad.uncertainty import ScatterComponent
 from fingerpad.uncertainty.propagate import NORMAL_97_5
 from fingerpad.units import KPA_PER_MPA

@@ -18,7 +18,7 @@ from fingerpad.geometry.gap import gap_kernel, paraboloid_gap
 from fingerpad.geometry.placement import platen_normal
 from fingerpad.image import SEMI_AXES
 from fingerpad.loading import LoadingFit, Secant
-from fingerpad.study.manifest import Study, Uncertainty
+from fingerpad.study.manifest.models import Study, Uncertainty
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import MOST_DRAWS, part_sources, parts_of

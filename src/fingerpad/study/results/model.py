@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from fingerpad._arrays import BoolArray, FloatArray, as_float_array
 from fingerpad.image import SEMI_AXES
-from fingerpad.study.manifest import Contact, Study, Uncertainty
+from fingerpad.study.manifest.models import Contact, Study, Uncertainty
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.uncertainty import (

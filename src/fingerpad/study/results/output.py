@@ -28,8 +28,8 @@ from fingerpad.study.results.pooling import LayerSummary, PooledRadius, Summary,
 from fingerpad.study.results.repeats import ContactRepeatability, StudyScatter
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import COLUMNS, DEFAULT_COLUMNS, batches, items
-from fingerpad.study.results.validity import MODULUS, RADIUS, Validity
-from fingerpad.study.results.validity.model_checks import FAILS, STRAINED, ValidityCheck
+from fingerpad.study.results.validity.model_checks import FAILS, MODULUS, RADIUS, STRAINED, ValidityCheck
+from fingerpad.study.results.validity.verdict import Validity
 from fingerpad.uncertainty.scatter import LIMIT_FACTOR
 
 

@@ -10,8 +10,8 @@ import pandas as pd
 
 from fingerpad._arrays import ArrayLike, FloatArray, as_float_array
 from fingerpad.image import implausible_size
-from fingerpad.study.manifest import Contact, Observation, Study
 from fingerpad.study.manifest.messages import counted
+from fingerpad.study.manifest.models import Contact, Observation, Study
 from fingerpad.study.measuring.contacts import RIDGES_MERGE, Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.model import contact_inputs

@@ -17,7 +17,7 @@ from fingerpad._files import content_stamp, digest_of, sha256_of
 from fingerpad.exceptions import FingerpadError, StoreError
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.journal import sync_folder, write_synced
-from fingerpad.study.manifest import manifest_in
+from fingerpad.study.manifest.load import manifest_in
 
 RESULTS_NAME: Final = "results"
 SUMS_NAME: Final = "SHA256SUMS"

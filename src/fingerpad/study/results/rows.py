@@ -14,7 +14,7 @@ from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad._plausible import PLAUSIBLE_MODULUS_KPA
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.image import implausible_size
-from fingerpad.study.manifest import CORRECTIONS, Contact, Observation, Study
+from fingerpad.study.manifest.models import CORRECTIONS, Contact, Observation, Study
 from fingerpad.study.measuring.contacts import IMPLAUSIBLE_SIZE, Measurement, excluding_flags, is_pooled
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.layer import LAYER_PART_SOURCES, POOLED_ON_LAYER, layer_columns

@@ -17,8 +17,8 @@ from fingerpad._display import Displayed
 from fingerpad.study.engine.runner import Executor, records_of
 from fingerpad.study.engine.store import Store
 from fingerpad.study.engine.task import Record, Task, versions_of
-from fingerpad.study.manifest import Study
 from fingerpad.study.manifest.messages import counted
+from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.operators import OperatorAgreement, OperatorPair, operator_agreement
@@ -37,7 +37,7 @@ from fingerpad.study.results.repeats import (
 from fingerpad.study.results.rows import HighestLoad, model_contacts
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
 from fingerpad.study.results.table import COLUMNS, groups, records
-from fingerpad.study.results.validity import Validity, validity_of, with_verdicts
+from fingerpad.study.results.validity.verdict import Validity, validity_of, with_verdicts
 from fingerpad.uncertainty import (
     Inputs,
     pad_model,

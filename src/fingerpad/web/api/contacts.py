@@ -27,7 +27,7 @@ from fingerpad.study.corrections.apply import (
     prepared_contact,
 )
 from fingerpad.study.corrections.changes import ContactCorrection
-from fingerpad.study.manifest import CORRECTIONS, Contact, ContactSequence, ScaleKey
+from fingerpad.study.manifest.models import CORRECTIONS, Contact, ContactSequence, ScaleKey
 from fingerpad.study.measuring.contacts import (
     IMPLAUSIBLE_SIZE,
     Measurement,
@@ -40,7 +40,7 @@ from fingerpad.study.measuring.contacts import (
 from fingerpad.study.measuring.scales import FoundScale
 from fingerpad.study.results.rows import PLACEMENT, model_contact
 from fingerpad.study.results.table import COLUMNS
-from fingerpad.study.results.validity import HEADLINES
+from fingerpad.study.results.validity.model_checks import HEADLINES
 from fingerpad.web.answers import Answer, MeasuredBy, Point, PoolingCorrectionRecord, Quantities
 from fingerpad.web.api.base import Body, Item, Opened, Params, study_router
 from fingerpad.web.api.corrections import pooling_correction

@@ -15,16 +15,15 @@ from fingerpad.study.editing.propose import (
     stated_values,
     written_scale,
 )
-from fingerpad.study.imports import (
-    FileValues,
+from fingerpad.study.imports.identify import (
+    FileIdentity,
     identify_file,
     join_files,
-    match_file_names,
     parse_file_table,
     read_file_table,
 )
-from fingerpad.study.imports.identify import FileIdentity
-from fingerpad.study.manifest import LoadedStudy
+from fingerpad.study.imports.names import FileValues, match_file_names
+from fingerpad.study.manifest.load import LoadedStudy
 from fingerpad.web.answers import Answer, Face
 from fingerpad.web.api.base import Body, Opened, Params, Query, study_router
 from fingerpad.web.errors import RequestError

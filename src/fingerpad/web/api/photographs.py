@@ -22,7 +22,7 @@ from fingerpad.report.text import p_words
 from fingerpad.study.corrections.apply import corrected_photograph, photograph_correction
 from fingerpad.study.corrections.changes import PhotographCorrection
 from fingerpad.study.corrections.items import is_rejected
-from fingerpad.study.manifest import Finger, Photograph, ScaleKey
+from fingerpad.study.manifest.models import Finger, Photograph, ScaleKey
 from fingerpad.study.measuring.fingers import (
     FingerResult,
     finger_from_faces,

@@ -10,7 +10,7 @@ from pydantic import Field
 from fingerpad._files import file_stem
 from fingerpad.image import Coin, Grid, ImageEllipse, measure_coin
 from fingerpad.image.scale import circle_through
-from fingerpad.study.manifest import CircleScale, CoinScale, GridScale, ScaleKey
+from fingerpad.study.manifest.models import CircleScale, CoinScale, GridScale, ScaleKey
 from fingerpad.study.measuring.scales import FoundScale, grid_of, require_scale, scale_from, scale_record
 from fingerpad.web.answers import Answer, Point, Quantities
 from fingerpad.web.api.base import Body, Item, Opened, Params, PointParam, study_router

@@ -12,7 +12,7 @@ from fingerpad._columns import columns_in_toml, columns_named_by
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import ForceSignal, alignment_scatter, phase_intervals, read_force_signal
 from fingerpad.study.engine.task import in_study
-from fingerpad.study.manifest import ContactSequence
+from fingerpad.study.manifest.models import ContactSequence
 from fingerpad.web.answers import Answer
 from fingerpad.web.api.base import Opened, Params, Query, study_router
 from fingerpad.web.errors import RequestError

@@ -34,9 +34,8 @@ from fingerpad.study.editing.propose import Use, named_file
 from fingerpad.study.editing.scales import scale_words
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.imports.names import FileKind
-from fingerpad.study.manifest import LoadedStudy, Study
-from fingerpad.study.manifest.load import STUDY_NAME
-from fingerpad.study.manifest.models import Apparatus, Surface, Uncertainty
+from fingerpad.study.manifest.load import STUDY_NAME, LoadedStudy
+from fingerpad.study.manifest.models import Apparatus, Study, Surface, Uncertainty
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.curves import curve_names
 from fingerpad.study.measuring.run import StudyItems

@@ -13,7 +13,7 @@ from fingerpad._arrays import ArrayLike, as_float_array, check_all
 from fingerpad._display import Displayed
 from fingerpad.exceptions import UncertaintyError
 from fingerpad.loading import LoadingFit
-from fingerpad.study.manifest import Study
+from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.curves import CurveResult, LoadingRadius, loading_radius
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary
