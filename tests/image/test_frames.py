@@ -62,6 +62,20 @@ def test_video(tmp_path, name, codec):
     np.testing.assert_allclose(levels(frames), [20 * k for k in range(12)], atol=6)
 
 
+def test_video_of_pixels_that_are_not_square_is_refused(tmp_path):
+    path = write_video(tmp_path / "video.mp4", "mp4v")
+    data = bytearray(path.read_bytes())
+    at = data.index(b"\0\0\1\x20") + 4  # the video object layer of MPEG-4
+    bits = f"{int.from_bytes(data[at : at + 4], 'big'):032b}"
+    place = 10 + (7 if bits[9] == "1" else 0)
+    assert bits[place : place + 4] == "0001"  # 1 : 1
+    sixteen_to_eleven = bits[:place] + "0100" + bits[place + 4 :]
+    data[at : at + 4] = int(sixteen_to_eleven, 2).to_bytes(4, "big")
+    path.write_bytes(data)
+    with pytest.raises(ImageError, match=r"video.mp4: states pixels of 16 : 11, .* they are not square"):
+        open_frames(path)
+
+
 def test_truncated_video(tmp_path):
     whole = write_video(tmp_path / "whole.avi", "MJPG", count=60)
     data = whole.read_bytes()

@@ -144,7 +144,9 @@ def test_frames_of_pixels_that_are_not_square_are_refused(tmp_path):
     with tifffile.TiffWriter(tmp_path / "press.tif") as file:
         for _ in range(2):
             file.write(GREY, resolution=(500, 400), resolutionunit="INCH", contiguous=False)
-    assert all("500 across and 400 down" in frame.reason for frame in open_frames(tmp_path / "press.tif"))
+    stated = "states a resolution of 500 across and 400 down: its pixels are not square"
+    for frame in open_frames(tmp_path / "press.tif"):
+        assert frame.reason.startswith(f"{tmp_path / 'press.tif'}: page {frame.index}: {stated}")
 
 
 @pytest.mark.parametrize("dpi", [None, (0, 0), (1, 1)])

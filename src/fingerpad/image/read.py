@@ -44,7 +44,7 @@ _ORIENTATION_TAG: Final = 274
 # Files without a true resolution carry 0 or 1 here.
 _MIN_PPI = 10.0
 # Resolutions across and down that differ by more are those of pixels that are not square.
-_SQUARE: Final = 0.01
+SQUARE: Final = 0.01
 # ImageJ keeps its scale as pixels per unit, and the unit in the description.
 _IMAGEJ_UNITS: Final = {"inch": 1.0, "cm": 2.54, "mm": 25.4, "um": 25400.0, "micron": 25400.0}
 
@@ -299,7 +299,7 @@ def plausible_resolution(pair: Any, per_inch: float | None = 1.0) -> float | Non
         return None
     if not (0 < across < math.inf and 0 < down < math.inf):
         return None
-    if not math.isclose(across, down, rel_tol=_SQUARE):
+    if not math.isclose(across, down, rel_tol=SQUARE):
         raise ImageError(
             f"states a resolution of {across:.5g} across and {down:.5g} down: its pixels are not square, and "
             "lengths in it would be wrong: resample it to square pixels, or save it without a resolution if "

@@ -218,7 +218,7 @@ def ridge_map(view: View, edge: FloatArray, threshold: float | None) -> RidgeMap
         if end in {0.0, 255.0, 65535.0}:
             clipped = int(np.count_nonzero((box == end) & valleys)) / max(int(np.count_nonzero(valleys)), 1)
         level -= RIDGE_LEVEL.by_grain * grain + RIDGE_LEVEL.by_clipping * clipped**2
-    within = np.compress(inside.ravel(), amount)
+    within = amount[inside]
     if threshold is None:
         level += _blur_shift(within)
     is_ridge = np.asarray(amount > level)
@@ -307,8 +307,10 @@ def _mean_along_ridges(values: Float32Array, period: float) -> Float32Array:
     right, down = _steps_along_ridges(values, period)
     flags = cv2.INTER_LINEAR | cv2.WARP_RELATIVE_MAP
     total = values.copy()
-    for x, y in ((-right, -down), (right, down)):
-        total += cv2.remap(values, x, y, flags, borderMode=cv2.BORDER_REPLICATE)
+    for _ in range(2):  # one way, then the other
+        np.negative(right, out=right)
+        np.negative(down, out=down)
+        total += cv2.remap(values, right, down, flags, borderMode=cv2.BORDER_REPLICATE)
     total /= 3
     return total
 
@@ -347,4 +349,5 @@ def _local_levels(values: Float32Array, contrast: float, period: float) -> tuple
         enlarge(as_float32(cv2.GaussianBlur(extreme(few, around), (0, 0), sigma)), every, values.shape)
         for extreme in (cv2.erode, cv2.dilate)
     )
-    return low, as_float32(np.maximum(high - low, _MIN_RISE * contrast))
+    high -= low
+    return low, np.maximum(high, np.float32(_MIN_RISE * contrast), out=high)

@@ -174,8 +174,9 @@ def _window_periods(windows: npt.NDArray[Any]) -> tuple[FloatArray, FloatArray]:
 
     The edge of a smooth contact has its peak below the band: it has no share.
     """
-    windows = windows.astype(np.float32)
-    tapered = (windows - windows.mean(axis=(1, 2), keepdims=True)) * _WINDOW_TAPER
+    tapered = windows.astype(np.float32)
+    tapered -= tapered.mean(axis=(1, 2), keepdims=True)
+    tapered *= _WINDOW_TAPER
     spectrum = fft.fft(fft.rfft(tapered, axis=2)[:, :, :_COLUMNS], axis=1)[:, _ROWS]
     power = (spectrum.real**2 + spectrum.imag**2).reshape(-1, _FREQUENCY.size)
     # Parseval's theorem gives the power of the half of the spectrum; its first column stands for itself.

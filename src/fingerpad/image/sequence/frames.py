@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 import warnings
 from collections.abc import Iterable, Iterator
@@ -19,7 +20,14 @@ import tifffile
 from fingerpad._display import Displayed
 from fingerpad.exceptions import ImageError
 from fingerpad.image.levels import MEMORY_LIMIT, Pixels, check_memory, luma
-from fingerpad.image.read import check_finite, check_regular, read_image, read_start, resolution_of_page
+from fingerpad.image.read import (
+    SQUARE,
+    check_finite,
+    check_regular,
+    read_image,
+    read_start,
+    resolution_of_page,
+)
 from fingerpad.image.tiff import levels_of_page, tifffile_warnings
 
 FramesLike: TypeAlias = "Iterable[Frame] | str | PathLike[str]"
@@ -288,6 +296,10 @@ def _tiff_frames(path: Path, start: int, stop: int, memory_limit: int) -> Iterat
             try:
                 with tifffile_warnings():
                     frame = Frame(index=index, pixels=_page(path, tiff, index, memory_limit))
+            except ImageError as error:
+                named = str(path) in str(error)
+                reason = str(error) if named else f"{path}: page {index}: {error}"
+                frame = Frame(index=index, pixels=None, reason=reason)
             # tifffile lets errors of any kind out of a damaged page.
             except Exception as error:
                 reason = f"{path}: page {index} cannot be decoded ({error})"
@@ -304,7 +316,7 @@ def _page(path: Path, tiff: tifffile.TiffFile, index: int, memory_limit: int) ->
         page = tiff.pages[index]
         resolution_of_page(page)
         pixels = luma(levels_of_page(path, index, page, memory_limit))
-    check_finite(pixels, f"page {index}")
+    check_finite(pixels, f"{path}: page {index}")
     return pixels
 
 
@@ -321,13 +333,20 @@ def _video_header(path: Path, memory_limit: int) -> tuple[int, float | None]:
 
 
 def _capture(path: Path, memory_limit: int) -> Any:
-    """Open a video whose frames are not too large."""
+    """Open a video whose frames are not too large, and whose pixels are square as far as it states."""
     read_start(path)
     capture = cv2.VideoCapture(str(path))
     if not capture.isOpened():
         raise ImageError(f"{path}: cannot be opened as a video: convert it to AVI or MP4, or to pictures")
     columns, rows = (int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
     check_memory(path, (columns, rows), memory_limit, channels=3, sample_bytes=1)
+    width, height = (capture.get(key) for key in (cv2.CAP_PROP_SAR_NUM, cv2.CAP_PROP_SAR_DEN))
+    if width > 0 and height > 0 and not math.isclose(width, height, rel_tol=SQUARE):
+        raise ImageError(
+            f"{path}: states pixels of {width:g} : {height:g}, width to height: they are not square, and "
+            "lengths in it would be wrong: resample it to square pixels, or state 1 : 1 if what it states is "
+            "wrong"
+        )
     return capture
 
 

@@ -171,8 +171,7 @@ def texture_of(pixels: Pixels, scale: Scale, options: ContactImageOptions) -> fl
     # In a picture narrower than the window all that differs from its mean is texture.
     side = 2 * round(min(_TEXTURE_WINDOW_MM / scale.mm_per_px, 2 * max(values.shape)) / 2) + 1
     if part.inside is None:
-        fine = values - cv2.blur(values, (side, side))
-        return float(np.mean(fine * fine))
+        return cv2.norm(values, cv2.blur(values, (side, side)), cv2.NORM_L2SQR) / values.size
     # The mean of each window is that of its pixels inside the mask, whatever flickers beside it.
     inside = part.inside.astype(np.float32)
     near = cv2.blur(values * inside, (side, side)) / np.maximum(cv2.blur(inside, (side, side)), 1e-9)
