@@ -23,8 +23,7 @@ from fingerpad.study.manifest.load import read_study
 from fingerpad.study.manifest.models import Study
 from fingerpad.study.measuring.context import RunContext
 from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
-from fingerpad.study.measuring.sequence_tasks import header_task
-from fingerpad.study.measuring.sequences import SequenceItem
+from fingerpad.study.measuring.sequences import SequenceItem, header_task
 from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 

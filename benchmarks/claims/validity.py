@@ -249,7 +249,7 @@ class Score:
             found = one.validity.headlines[name]
             off = abs(found.value - truth)
             self.covered[name].append(off < 1.96 * found.total_std)
-            self.covered_without[name].append(off < 1.96 * found.std)
+            self.covered_without[name].append(off < 1.96 * found.value_std)
 
     def share(self, *verdicts: str) -> float:
         """Return how often one of some verdicts was given."""

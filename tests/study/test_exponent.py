@@ -96,7 +96,9 @@ def test_a_press_is_as_uncertain_in_its_table_and_in_the_check_of_the_model() ->
 def test_more_frames_of_one_press_say_no_more() -> None:
     few, many = (area_exponent(pressed(1, frames=frames).table) for frames in (40, 160))
     assert many.std > 0.8 * few.std
-    model_std = [validity(pressed(1, frames=frames)).relative_stds[MODULUS] for frames in (40, 160)]
+    model_std = [
+        validity(pressed(1, frames=frames)).headlines[MODULUS].model_relative_std for frames in (40, 160)
+    ]
     assert model_std[1] == pytest.approx(model_std[0], abs=0.02)
 
 

@@ -106,7 +106,7 @@ def test_bone_is_seen_in_a_fitted_curve_and_its_term_covers_the_truth(tmp_path: 
         for name, truth in found.truth.items():
             headline = found.validity.headlines[name]
             assert abs(headline.value - truth) < 2 * headline.total_std
-            assert headline.total_std >= headline.std
+            assert headline.total_std >= headline.value_std
 
 
 STATED = {"wedge_angle_deg_std": 0.5, "load_relative_std": 0.02}
@@ -142,10 +142,10 @@ def test_a_full_disk_is_named_with_the_way_out(tmp_path: Path) -> None:
 
 def test_without_loading_data_no_term_is_made_up(tmp_path: Path) -> None:
     result, (validity,) = run(tmp_path, *tables())
-    assert np.isnan(list(validity.relative_stds.values())).all()
+    assert all(np.isnan(one.model_relative_std) for one in validity.headlines.values())
     headline = validity.headlines[RADIUS]
     assert np.isnan(headline.model_std)
-    assert headline.total_std == headline.std
+    assert headline.total_std == headline.value_std
     assert "no loading data" in headline.model_from
     assert named(validity, "radius_against_loading").note == "no loading data of this finger at this angle"
     assert named(validity, "area_against_load").note == "all contacts that count are at one load"
@@ -158,8 +158,8 @@ def test_loading_data_of_one_finger_tell_of_all_but_not_of_synthetic_ones(tmp_pa
     of = {one.finger: validity for one, validity in zip(result.summaries, validities, strict=True)}
     term = math.expm1(math.log(20.0 / named(of["f"], "radius_against_loading").value) / math.sqrt(2))
     for name in ("f", "g"):
-        assert of[name].relative_stds[RADIUS] == pytest.approx(term, rel=0.01)
-    assert np.isnan(of["s"].relative_stds[RADIUS])
+        assert of[name].headlines[RADIUS].model_relative_std == pytest.approx(term, rel=0.01)
+    assert np.isnan(of["s"].headlines[RADIUS].model_relative_std)
     assert (of["f"].verdict, of["g"].verdict) == (FAILS, HOLDS)
     for row in records(result.rows):
         model = row["youngs_modulus_kpa_model_std"]
@@ -167,7 +167,9 @@ def test_loading_data_of_one_finger_tell_of_all_but_not_of_synthetic_ones(tmp_pa
         assert row["model_verdict"] == validity.verdict
         assert (model is None) == (row["finger"] == "s")
         if model:
-            assert model == pytest.approx(validity.relative_stds[MODULUS] * row["youngs_modulus_kpa"])
+            assert model == pytest.approx(
+                validity.headlines[MODULUS].model_relative_std * row["youngs_modulus_kpa"]
+            )
 
 
 def test_files_have_what_the_verdict_is_from(tmp_path: Path) -> None:
@@ -237,7 +239,7 @@ def test_a_mean_over_repeats_keeps_the_models_part(tmp_path: Path) -> None:
     """On bone the truth at a load lies within the interval of E, however many repeats there are."""
     result, (validity,) = run(tmp_path, *tables(radius=20.0), *(pressed(f"c{k}") for k in range(8)))
     (at_load,) = result.by_load
-    relative = validity.relative_stds[MODULUS]
+    relative = validity.headlines[MODULUS].model_relative_std
     assert relative > 0.2
     assert at_load.modulus.model_std == pytest.approx(relative * at_load.modulus.value)
     low, high = at_load.modulus.interval
@@ -297,4 +299,4 @@ def test_exact_inputs_are_judged_too(tmp_path: Path) -> None:
     exact = pressed("of_f", std=1e-9), pressed("again", 4, std=1e-9)
     _, (validity,) = run(tmp_path, of_f, *exact, others[-1], load_relative_std=0)
     assert named(validity, "area_against_load").verdict == FAILS
-    assert math.isfinite(validity.relative_stds[MODULUS])
+    assert math.isfinite(validity.headlines[MODULUS].model_relative_std)

@@ -39,10 +39,11 @@ def checked(kind: TypeAdapter[Any], content: Any, *, strict: bool) -> tuple[Any,
 
 def validated(model: type[Model], content: Any, where: str, *, strict: bool) -> Model:
     """Return a table as a model; `ManifestError` has one line for each fault."""
-    try:
-        return model.model_validate(content, strict=strict)
-    except ValidationError as error:
-        raise ManifestError("\n".join(f"{where}: {fault}" for fault in _faults(error))) from None
+    found, faults = checked(TypeAdapter(model), content, strict=strict)
+    if faults:
+        raise ManifestError("\n".join(f"{where}: {fault}" for fault in faults))
+    assert isinstance(found, model)
+    return found
 
 
 def _faults(error: ValidationError) -> Iterator[Fault]:

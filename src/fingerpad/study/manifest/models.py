@@ -224,11 +224,8 @@ OwnScale: TypeAlias = Annotated[
 
 def is_exact(scale: ManifestModel) -> bool:
     """Tell whether a scale has no uncertainty; that of a coin or a grid follows from its picture."""
-    if isinstance(scale, LineScale):
-        return not (scale.length_mm_std or scale.ends_px_std)
-    if isinstance(scale, CircleScale):
-        return not (scale.diameter_mm_std or scale.points_px_std)
-    return isinstance(scale, ResolutionScale | PitchScale) and not scale.relative_std
+    stds = (name for name in type(scale).model_fields if name.endswith("_std"))
+    return not isinstance(scale, CoinScale | GridScale) and not any(getattr(scale, name) for name in stds)
 
 
 Side = Literal["up", "down", "left", "right"]

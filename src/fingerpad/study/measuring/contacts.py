@@ -1,6 +1,6 @@
 """One contact: from its picture, or the ellipse given, to a measurement, and whether that counts."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -24,20 +24,6 @@ from fingerpad.study.engine.task import Record, Work, in_study
 from fingerpad.study.manifest.models import Contact, Direction, Observation
 from fingerpad.study.measuring.context import OneTaskItem
 from fingerpad.study.measuring.scales import FoundScale, require_scale
-
-# What a measurement takes from the record of a contact image as it is.
-_FROM_RECORD: Final = (
-    "gross_area_mm2",
-    "gross_area_mm2_std",
-    "gross_area_mm2_noise_std",
-    "gross_area_mm2_edge_std",
-    "edge_offset_mm_std",
-    "ridge_area_mm2",
-    "ridge_area_mm2_std",
-    "ridge_border_mm",
-    "ridge_period_mm",
-    "ellipse_iou",
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -91,6 +77,9 @@ class Measurement:
     phase: str | None = None
     phase_corrected_by: str | None = None
     measured_indentation_mm: float = np.nan
+
+
+_FIELDS: Final = frozenset(one.name for one in fields(Measurement))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -199,9 +188,9 @@ def from_contact_image(contact_image: ContactImageResult, contact: Contact, foun
     turn = np.degrees(contact_image.orientation) - contact.finger_axis_deg
     orientation = float(90 - (90 - turn) % 180)
     row, column = contact_image.centroid
-    return Measurement(
-        semi_major_mm=float(contact_image.ellipse.semi_major),
-        semi_minor_mm=float(contact_image.ellipse.semi_minor),
+    measured = Measurement(**{name: value for name, value in record.items() if name in _FIELDS})
+    return replace(
+        measured,
         covariance_mm2=contact_image.covariance[:2, :2],
         long_axis="along" if abs(orientation) <= 45 else "across",
         orientation_deg=orientation,
@@ -212,7 +201,6 @@ def from_contact_image(contact_image: ContactImageResult, contact: Contact, foun
         mm_per_px=found.scale.mm_per_px,
         mm_per_px_std=found.scale.mm_per_px_std,
         flags=(*doubts_of(contact_image), *found.flags),
-        **{name: record[name] for name in _FROM_RECORD},
     )
 
 

@@ -15,10 +15,10 @@ from fingerpad.study.measuring.curves import CurveItem, CurveResult, curve_names
 from fingerpad.study.measuring.fingers import FingerResult, PhotographItem, pad_of, photograph_items
 from fingerpad.study.measuring.operators import OperatorPair, operator_pairs
 from fingerpad.study.measuring.scales import FoundScale, scale_from, scale_record, scale_tables
-from fingerpad.study.measuring.sequence_tasks import header_task
 from fingerpad.study.measuring.sequences import (
     SequenceItem,
     SequenceResult,
+    header_task,
     sequence_measurements,
 )
 
@@ -150,36 +150,58 @@ def measure_study(
     statuses, items = store.statuses(), StudyItems.of(context)
     headers = [header_task(sequence, context) for sequence in context.study.sequences]
     records_of(headers, executor, store, context.folder)
-    tally = _Tally(items, store, executor.limits, statuses, on_progress)
+    progress = _progress_of(items, store, executor.limits, statuses)
 
     def is_done(task: Task) -> bool:
+        nonlocal progress
         if not store.is_current(statuses.get(task.name), task.key, executor.limits):
             return False
         if task.name != task.item:  # a piece of a sequence that is not done as a whole
-            tally.pictures += task.pictures
+            progress = replace(progress, pictures=progress.pictures + task.pictures)
         return True
 
     def store_result(task: Task, result: TaskResult) -> None:
-        record = put_unless_changed(store, context.folder, task, result)
-        tally.tell(task, failed=record.get("reason") is not None, seconds=result.seconds)
+        nonlocal progress
+        failed = put_unless_changed(store, context.folder, task, result).get("reason") is not None
+        progress = replace(
+            progress,
+            pictures=progress.pictures + task.pictures,
+            failed=progress.failed + (failed and task.name == task.item),  # a piece fails with its sequence
+        )
+        status: Literal["done", "failed"] = "failed" if failed else "done"
+        on_progress(replace(progress, item=task.item, file=task.file, status=status, seconds=result.seconds))
 
     left = (
         one
         for one in items.sequences
         if not store.is_current(statuses.get(one.name), one.key, executor.limits)
     )
-    tally.tell()
+    on_progress(progress)
     run_plans(items.plans(left), executor, store_result, is_done)
     sequences = [one.result() for one in items.sequences]
     return Measured(
         items=items,
-        progress=tally.now(),
+        progress=progress,
         fingers=items.fingers(),
         sequences=sequences,
         curves=items.curve_results(),
         contacts=_Contacts(items, sequences),
         operator_pairs=operator_pairs(context, store, executor),
     )
+
+
+def _progress_of(
+    items: StudyItems, store: Store, limits: Limits, statuses: Mapping[str, TaskStatus]
+) -> Progress:
+    """Return how far a study is before anything is measured."""
+    pictures = failed = total = 0
+    for item in items:
+        count = item.pictures  # of a sequence, read from the store
+        total += count
+        if (status := statuses.get(item.name)) and store.is_current(status, item.key, limits):
+            pictures += count
+            failed += status.status == "failed"
+    return Progress(pictures=pictures, failed=failed, total=total)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,36 +217,3 @@ class _Contacts:
         for sequence in self.sequences:
             for measured in sequence_measurements(sequence, self.items.context):
                 yield sequence.manifest, measured
-
-
-class _Tally:
-    """Progress so far."""
-
-    def __init__(
-        self,
-        items: StudyItems,
-        store: Store,
-        limits: Limits,
-        statuses: Mapping[str, TaskStatus],
-        on_progress: Callable[[Progress], None],
-    ) -> None:
-        self._on_progress = on_progress
-        self.pictures = self.failed = self._total = 0
-        for item in items:
-            count = item.pictures  # of a sequence, read from the store
-            self._total += count
-            if (status := statuses.get(item.name)) and store.is_current(status, item.key, limits):
-                self.pictures += count
-                self.failed += status.status == "failed"
-
-    def tell(self, task: Task | None = None, *, failed: bool = False, seconds: float = 0.0) -> None:
-        now = self.now()
-        if task is not None:
-            self.pictures += task.pictures
-            self.failed += failed and task.name == task.item  # a piece fails with its sequence
-            status: Literal["done", "failed"] = "failed" if failed else "done"
-            now = replace(self.now(), item=task.item, file=task.file, status=status, seconds=seconds)
-        self._on_progress(now)
-
-    def now(self) -> Progress:
-        return Progress(pictures=self.pictures, failed=self.failed, total=self._total)

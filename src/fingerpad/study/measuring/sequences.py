@@ -8,18 +8,21 @@ by it.
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad._columns import columns_in_toml, columns_named_by
+from fingerpad._files import file_stem, make_folder
 from fingerpad.exceptions import FingerpadError, LoadingError, StoreError, reason_of
 from fingerpad.image import (
+    ContactImageResult,
     ForceSignal,
+    Frame,
     FrameClock,
     FrameResult,
     Frames,
@@ -27,33 +30,36 @@ from fingerpad.image import (
     SequenceSummary,
     TextureScan,
     assign_times,
+    estimate_settings,
     frame_clock,
+    measure_frames,
+    open_frames,
     read_force_signal,
     read_frame_stamps,
+    scan_texture,
     sequence_summary,
+    write_overlay,
 )
 from fingerpad.loading.contact_point import fit_contact_start
 from fingerpad.study.corrections.apply import (
+    NOTHING,
+    CorrectedContactImage,
     ManualPhases,
     contact_correction,
+    contact_options,
+    corrected_contact_image,
     frame_corrections,
     frame_edits,
     manual_phases,
 )
+from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import ActiveCorrection, frames_of, phases_item
-from fingerpad.study.engine.store import DamagedResultError, fields_from, from_record
+from fingerpad.study.engine.store import DamagedResultError, fields_from, from_record, to_record
 from fingerpad.study.engine.task import CHANGED, ChangedError, Record, Task, Work, in_study
 from fingerpad.study.manifest.models import ContactSequence
-from fingerpad.study.measuring.contacts import Measurement, reviewed
+from fingerpad.study.measuring.contacts import Measurement, from_contact_image, reviewed, with_automatic_axes
 from fingerpad.study.measuring.context import Item, RunContext, cache_key
-from fingerpad.study.measuring.scales import require_scale
-from fingerpad.study.measuring.sequence_tasks import (
-    TIMING,
-    FrameOverlay,
-    SequenceImages,
-    frame_count,
-    header_task,
-)
+from fingerpad.study.measuring.scales import FoundScale, require_scale
 
 _MIN_ROWS: Final = 6
 # The way in is fitted up to this share of the largest force, beyond which tissue stiffens.
@@ -65,6 +71,141 @@ LEAST_RIDGES: Final = 5
 _FRAMES: Final = "frames"
 _LEAST_PIECE: Final = 50
 _MOST_PIECES: Final = 256
+# What says when a frame was taken and under which load, but nothing of what is seen in it.
+TIMING: Final = frozenset(
+    ("force", "force_columns", "times", "frames_per_second", "start_s", "contact_load_N")
+)
+
+
+def header_task(sequence: ContactSequence, context: RunContext) -> Task:
+    """Return the task that opens a sequence: it counts the frames."""
+    return Task(
+        name=f"{sequence.name} header",  # no name of the manifest holds a blank
+        item=sequence.name,
+        file=sequence.file,
+        key=cache_key(context.key(sequence, leave_out=TIMING), "header"),
+        work=partial(_header, sequence.file),
+        inputs=(sequence.file,),
+        pictures=0,
+    )
+
+
+def _header(path: str, folder: Path, _out: Path) -> Record:
+    header = asdict(open_frames(folder / path))
+    del header["path"]
+    return {"header": header}
+
+
+class FrameOverlay(NamedTuple):
+    """A frame drawn with its measurement."""
+
+    role: str  # `first contact`, `largest load` or `last contact`
+    frame: int
+    file: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SequenceImages:
+    """The pictures of a sequence.
+
+    Each method is the work of a task: it takes the study folder and one to draw into, and returns plain
+    values. A piece is its first frame and the one after its last.
+    """
+
+    sequence: ContactSequence
+    found: FoundScale  # which all its frames share
+    corrections: Mapping[int, ContactCorrection] = field(default_factory=dict)
+
+    def scan(self, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
+        """Look at the texture of a piece's frames."""
+        frames = open_frames(folder / self.sequence.file).between(*piece)
+        scan = scan_texture(frames, self.found.scale, **contact_options(self.sequence, folder))
+        return {"scan": to_record(replace(scan, reason=scan.reason and in_study(scan.reason, folder)))}
+
+    def learn(self, scan: TextureScan, folder: Path, _out: Path) -> Record:
+        """Learn from the frames of the largest contact how to read all of them."""
+        settings = estimate_settings(
+            open_frames(folder / self.sequence.file),
+            self.found.scale,
+            scan=scan,
+            **contact_options(self.sequence, folder),
+        )
+        return {"settings": dict(settings.settings), "learnt_from": list(settings.learnt_from)}
+
+    def measure(self, settings: SequenceSettings, piece: tuple[int, int], folder: Path, _out: Path) -> Record:
+        """Measure the frames of a piece."""
+        measured: dict[int, Record] = {}
+        corrected: dict[int, CorrectedContactImage] = {}
+        digests: dict[int, str] = {}
+
+        def keep(index: int, _: object, contact_image: ContactImageResult) -> None:
+            measured[index] = to_record(self._measured(contact_image))
+
+        def seen(frames: Iterator[Frame]) -> Iterator[Frame]:
+            for frame in frames:
+                digests[frame.index] = frame.digest
+                if frame.index in self.corrections and frame.pixels is not None:
+                    corrected[frame.index] = self._corrected(frame, settings, folder)
+                yield frame
+
+        frames = seen(open_frames(folder / self.sequence.file).between(*piece))
+        options = contact_options(self.sequence, folder)
+        results = list(measure_frames(frames, self.found.scale, settings, watch=keep, **options))
+        reasons = {result.index: result.reason for result in results}
+        for index, one in corrected.items():
+            reasons[index] = one.reason
+            measured.pop(index, None)
+            if one.contact_image is not None:
+                found = with_automatic_axes(self._measured(one.contact_image), one)
+                measured[index] = to_record(found)
+        return {
+            "frames": [
+                {
+                    "index": result.index,
+                    "readable": result.readable,
+                    "reason": (reason := reasons[result.index]) and in_study(reason, folder),
+                    "measured": measured.get(result.index),
+                    "digest": digests[result.index],
+                }
+                for result in results
+            ]
+        }
+
+    def _corrected(self, frame: Frame, settings: SequenceSettings, folder: Path) -> CorrectedContactImage:
+        """Measure one frame as a person wants it, if anybody does."""
+        assert frame.pixels is not None
+        change = self.corrections.get(frame.index, NOTHING)
+        return corrected_contact_image(
+            frame.pixels, self.found.scale, self.sequence, folder, change, settings=settings.settings
+        )
+
+    def _measured(self, contact_image: ContactImageResult) -> Measurement:
+        return from_contact_image(contact_image, self.sequence, self.found)
+
+    def draw(
+        self,
+        settings: SequenceSettings,
+        summary: SequenceSummary,
+        chosen: Mapping[str, int],
+        folder: Path,
+        out: Path,
+    ) -> Record:
+        """Draw frames chosen for their roles, each once, and return what the sequence comes to."""
+        frames = open_frames(folder / self.sequence.file)
+        overlays: dict[int, FrameOverlay] = {}
+        for role, index in chosen.items():
+            if index in overlays:
+                continue
+            file = f"overlays/sequences/{file_stem(self.sequence.name)}_frame_{index:06d}.png"
+            overlays[index] = FrameOverlay(role, index, file)
+            label = f"{'synthetic, ' if self.sequence.synthetic else ''}frame {index}, {role}"
+            frame = frames.at(index)
+            contact_image = self._corrected(frame, settings, folder).contact_image
+            assert frame.pixels is not None  # it was measured
+            assert contact_image is not None
+            make_folder((out / file).parent)
+            write_overlay(out / file, frame.pixels, contact_image, label=label)
+        return {"summary": to_record(summary), "overlays": to_record(list(overlays.values()))}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -308,7 +449,12 @@ class SequenceItem(Item[ContactSequence]):
     @property
     def pictures(self) -> int:
         """Number of its frames; 1 if it has not been opened, or cannot be."""
-        return frame_count(self.table, self.context)
+        header = header_task(self.table, self.context)
+        try:
+            record = self.context.record(header.name, header.key) or {}
+        except DamagedResultError:
+            return 1
+        return int(record["header"]["count"]) if "header" in record else 1
 
     def _key(self) -> str:
         return self.context.key(

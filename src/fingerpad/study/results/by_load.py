@@ -205,7 +205,7 @@ def _at_load(
             rows["youngs_modulus_kpa_std"].to_numpy(),
             freedom,
             sessions("youngs_modulus"),
-            model=validity.relative_stds[MODULUS] if validity else math.nan,
+            model=validity.headlines[MODULUS].model_relative_std if validity else math.nan,
         ),
         verdict=validity.headlines[MODULUS].verdict if validity else NOT_TESTED,
         modulus_on_layer=_on_layer(of, rows, freedom, sessions("youngs_modulus")),

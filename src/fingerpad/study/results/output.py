@@ -278,12 +278,6 @@ def _validity(validity: Validity) -> summary_file.ValidityRecord:
     return summary_file.ValidityRecord.of(
         validity,
         model="Hertz theory",
-        headlines={
-            name: summary_file.HeadlineRecord.of(
-                one, value_std=one.std, model_relative_std=validity.relative_stds[name]
-            )
-            for name, one in validity.headlines.items()
-        },
         checks=[_check(one) for one in validity.checks],
         on_layer=summary_file.LayerValidityRecord(verdict=validity.layer_verdict, checks=layer)
         if layer

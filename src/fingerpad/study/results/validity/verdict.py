@@ -13,14 +13,16 @@ from fingerpad.study.measuring.curves import CurveResult
 from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import Summary
 from fingerpad.study.results.rows import Rows
+from fingerpad.study.results.summary_file import HeadlineRecord
 from fingerpad.study.results.table import COLUMNS
-from fingerpad.study.results.validity.contact_checks import (
+from fingerpad.study.results.validity.checks import (
     GROWTH,
     area_checks,
     contact_shape_check,
+    layer_checks,
+    loading_checks,
     size_checks,
 )
-from fingerpad.study.results.validity.loading_checks import layer_checks, loading_checks
 from fingerpad.study.results.validity.model_checks import (
     HEADLINES,
     MODULUS,
@@ -39,32 +41,14 @@ Discrepancies = Mapping[str, ModelDiscrepancy | None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Headline:
-    """A result with its uncertainty from what was measured and from the model."""
-
-    value: float
-    std: float  # from what was measured; NaN where it is not known
-    model_std: float  # standard uncertainty from the model's discrepancy; NaN where nothing tells it
-    model_from: str  # what that was estimated from, or why it was not
-    verdict: str  # the worst of the checks that concern it
-
-    @property
-    def total_std(self) -> float:
-        """Both together; that of what was measured where the other is unknown."""
-        return self.std if math.isnan(self.model_std) else math.hypot(self.std, self.model_std)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Validity:
     """Whether Hertz theory holds for a finger at an angle."""
 
     checks: tuple[ValidityCheck, ...]
     # by column: the corrected radius, pooled, and Young's modulus and indentation of one contact
-    headlines: dict[str, Headline]
+    headlines: dict[str, HeadlineRecord]
     observation: str  # that contact, the one at the highest load; empty without one
     load: float
-    # what the model adds to each headline, relative to it; NaN where nothing tells it
-    relative_stds: dict[str, float]
     # those of the whole pad on the finger's layer of tissue; none without a thickness
     layer_checks: tuple[ValidityCheck, ...] = ()
 
@@ -134,7 +118,7 @@ def _discrepancy(checks: Iterable[ValidityCheck]) -> ModelDiscrepancy | None:
 def _validity(case: FingerAtAngle, checks: tuple[ValidityCheck, ...], routes: Discrepancies) -> Validity:
     """Return the checks of a place with the headlines that they concern."""
     over_loads = _change_over_loads(case, checks)
-    relative, headlines = {}, {}
+    headlines = {}
     for name in HEADLINES:
         parts, words = [], []
         if (route := routes[name]) is not None:
@@ -143,12 +127,14 @@ def _validity(case: FingerAtAngle, checks: tuple[ValidityCheck, ...], routes: Di
         if name == MODULUS and not math.isnan(over_loads):
             parts.append(over_loads)
             words.append("its change over loads")
-        relative[name] = math.hypot(*parts) if parts else math.nan
+        relative = math.hypot(*parts) if parts else math.nan
         value, std = _result(case, name)
-        headlines[name] = Headline(
+        headlines[name] = HeadlineRecord(
             value=value,
-            std=std,
-            model_std=value * relative[name],
+            value_std=std,
+            model_std=value * relative,
+            total_std=math.hypot(std, value * relative) if parts else std,
+            model_relative_std=relative,
             model_from=" and ".join(words) or _NOT_ESTIMATED,
             verdict=overall_verdict(one.verdict for one in checks if name in one.quantities),
         )
@@ -157,7 +143,6 @@ def _validity(case: FingerAtAngle, checks: tuple[ValidityCheck, ...], routes: Di
         headlines=headlines,
         observation=case.highest.observation if case.highest else "",
         load=case.highest.load if case.highest else math.nan,
-        relative_stds=relative,
     )
 
 
@@ -188,7 +173,7 @@ def with_verdicts(
         places = summary.places
         columns["model_verdict"][places] = validity.verdict
         for name in HEADLINES:
-            model_std = validity.relative_stds[name] * summary.column(name).to_numpy()
+            model_std = validity.headlines[name].model_relative_std * summary.column(name).to_numpy()
             columns[f"{name}_model_std"][places] = model_std
             std = summary.column(f"{name}_std")
             columns[f"{name}_total_std"][places] = np.hypot(std, np.nan_to_num(model_std))
