@@ -1,47 +1,43 @@
 """Coverage of the law of JKR on records that no closed law made.
 
-Records are those of `adhesion_truth`: contact energy from Boussinesq's kernel, a machine's spring, and a
-contact line that moves downhill. The radius is exact, so that nothing but the fit is tried; w is that of the
-way out.
+Records are those of `benchmarks.truth.adhesion`: contact energy from Boussinesq's kernel, a machine's spring,
+and a contact line that moves downhill. The radius is exact, so that nothing but the fit is tried; w is that
+of the way out.
 """
-
-from typing import Any
 
 import numpy as np
 
 from benchmarks.tables import percent, table
-from benchmarks.truth.adhesion import KINDS, records
+from benchmarks.truth.adhesion import KINDS, POISSON, Record, records
 from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import LawFit, LoadingCurve, fit_adhesion
 
 
-def fit_record(record: dict[str, Any]) -> LawFit | None:
+def fit_record(record: Record) -> LawFit | None:
     """Return the fit of one record, None where it is refused."""
-    truth = record["truth"]
-    curve = LoadingCurve(time=record["time_s"], load=record["force_n"], indentation=record["displacement_mm"])
-    compliance = truth["machine_compliance_mm_per_n"] if truth["displacement_is_stage"] else None
+    curve = LoadingCurve(time=record.time, load=record.force, indentation=record.displacement)
+    compliance = record.compliance if record.is_stage else None
     try:
         return fit_adhesion(
-            curve,
-            poisson_ratio=truth["poisson"],
-            loading_radius=truth["radius_mm"],
-            stage_compliance=compliance,
+            curve, poisson_ratio=POISSON, loading_radius=record.radius, stage_compliance=compliance
         )
     except FingerpadError:
         return None
 
 
-def judged(record: dict[str, Any]) -> dict[str, float]:
+def judged(record: Record) -> dict[str, float]:
     """Return whether the intervals of one record hold the truth, its flags, and E of Hertz over E."""
-    fit, truth = fit_record(record), record["truth"]
+    fit = fit_record(record)
     if fit is None or not all(found.known for found in fit.parameters.values()):
         return {"refused": 1.0}
     modulus, work = fit.parameters["youngs_modulus"], fit.parameters["work_of_adhesion"]
-    place = fit.contact_offset
     held = {
-        "E": modulus.lower <= truth["modulus_mpa"] <= modulus.upper,
-        "w": work.lower <= truth["work_retract_n_per_mm"] <= work.upper,
-        "x0": place.lower <= truth["contact_displacement_mm"] <= place.upper,
+        name: found.lower <= truth <= found.upper
+        for name, found, truth in (
+            ("E", modulus, record.modulus),
+            ("w", work, record.work_of_adhesion),
+            ("x0", fit.contact_offset, record.contact_offset),
+        )
     }
     hertz = fit.models["hertz"].values["youngs_modulus"] if "hertz" in fit.models else np.nan
     return {
@@ -51,24 +47,23 @@ def judged(record: dict[str, Any]) -> dict[str, float]:
         "silent": float(not (held["E"] and held["w"]) and not fit.flags),
         "E std": modulus.std / modulus.value,
         "w std": work.std / work.value,
-        "hertz": hertz / truth["modulus_mpa"],
+        "hertz": hertz / record.modulus,
     }
 
 
 def report(count: int = 20, seed: int = 23) -> None:
     """Print one line per kind of record."""
-    names = "E", "w", "x0", "flagged", "silent"
 
     def cells(kind: str) -> tuple[object, ...]:
-        found = [judged(record) for record in records(seed=seed, count=count, kind=kind)]
+        found = [judged(record) for record in records(seed, count, kind)]
         fitted = [one for one in found if not one["refused"]]
+        refused = f"{len(found) - len(fitted)} of {len(found)}"
         if not fitted:
-            return kind, f"{len(found)} of {len(found)}", *8 * ("–",)
-        shares = [f"{sum(one[name] for one in fitted):.0f}" for name in names]
+            return kind, refused, *8 * ("–",)
+        shares = [f"{sum(one[name] for one in fitted):.0f}" for name in ("E", "w", "x0", "flagged", "silent")]
         modulus, work, hertz = (
             float(np.nanmedian([one[name] for one in fitted])) for name in ("E std", "w std", "hertz")
         )
-        refused = f"{len(found) - len(fitted)} of {len(found)}"
         return kind, refused, *shares, percent(modulus), percent(work), f"{hertz:.2f}"
 
     held = "E held", "w held", "x₀ held", "flagged", "silent"

@@ -1,39 +1,56 @@
-"""Contact areas and semi-axes on four sets of images that share no model with the measurement, and renders.
+"""Contact areas and semi-axes on four sets of images that share no model with the measurement."""
 
-Independent images have ridges by Gabor filters or the Swift-Hohenberg equation; a pressure field decides over
-which width ridges touch; elastic ridges are profiles pressed flat; stripes follow an orientation field.
-"""
-
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import chain
-from typing import Any, Final, NamedTuple
+from collections.abc import Iterable, Iterator
+from itertools import groupby
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.claims.contact_images import population
 from benchmarks.tables import off, share, stated, table
-from benchmarks.truth import elastic_ridges, pressure_images, stripe_images
-from benchmarks.truth.independent_images import IndependentImage, independent_images
+from benchmarks.truth import image_sets
+from benchmarks.truth.true_image import TrueImage
 from fingerpad.exceptions import ImageError
 from fingerpad.image import ContactImageResult, measure_contact_image
+from fingerpad.simulate import SyntheticContactImage, render_contact_image
 
 Numbers = npt.NDArray[np.float64]
 
+LOOKS: tuple[Literal["ink", "livescan", "prism"], ...] = ("ink", "livescan", "prism")
+PATTERNS: tuple[Literal["arch", "loop", "whorl"], ...] = ("arch", "loop", "whorl")
+NOISES = (4.0, 12.0, 25.0)
 
-class Image(NamedTuple):
-    """An image of a condition with its true gross area, ridge area and semi-axes, mm² and mm."""
 
-    condition: str
-    pixels: npt.NDArray[Any]
-    mm_per_px: float
-    truth: tuple[float, ...]
+def population(count: int, seed: int = 1) -> Iterator[SyntheticContactImage]:
+    """Render a broad population: sizes, outlines, looks, patterns, noise, blur, light, compression."""
+    rng = np.random.default_rng(seed)
+    for k in range(count):
+        area, ratio = rng.uniform(100, 300), rng.uniform(1.0, 1.8)
+        semi_minor = np.sqrt(area / np.pi / ratio)
+        yield render_contact_image(
+            semi_major=semi_minor * ratio,
+            semi_minor=semi_minor,
+            orientation=rng.uniform(-np.pi / 2, np.pi / 2),
+            ridge_period=rng.uniform(0.38, 0.55),
+            pattern=PATTERNS[k // 8 % 3],
+            look=LOOKS[k % 3],
+            noise_std=NOISES[rng.integers(3)],
+            blur=rng.uniform(0, 0.08),
+            lighting=rng.uniform(0, 0.4),
+            irregularity=rng.choice([0, rng.uniform(0, 0.04)]),
+            creases=int(rng.integers(0, 4)),
+            jpeg_quality=int(rng.integers(60, 96)),
+            seed=int(rng.integers(1 << 31)),
+            ridge_seed=int(1000 * seed + k // 8),
+        )
 
 
 class Compared(NamedTuple):
-    """Relative errors and relative standard uncertainties of the same, NaN where nothing was measured."""
+    """Relative errors of gross area, ridge area and semi-axes, with their relative standard uncertainties.
 
-    condition: str
+    They are NaN where nothing was measured.
+    """
+
     errors: Numbers
     stds: Numbers
     flags: tuple[str, ...]
@@ -44,72 +61,28 @@ class Compared(NamedTuple):
         return np.abs(self.errors) < 1.96 * self.stds
 
 
-def compare(image: Image) -> Compared:
+def compare(image: TrueImage) -> Compared:
     """Measure an image as a user would: pixels and scale, nothing else."""
     try:
         found = measure_contact_image(image.pixels, image.mm_per_px)
     except ImageError:
-        return Compared(image.condition, np.full(4, np.nan), np.full(4, np.nan), ("refused",))
+        return Compared(np.full(4, np.nan), np.full(4, np.nan), ("refused",))
     return compared(image, found)
 
 
-def compared(image: Image, found: ContactImageResult) -> Compared:
+def compared(image: TrueImage, found: ContactImageResult) -> Compared:
     """Return the errors of what was measured in an image."""
-    ellipse = found.ellipse
+    ellipse, truth = found.ellipse, np.array([image.gross_area, image.ridge_area, *image.semi_axes])
     values = [found.gross_area, found.ridge_area, float(ellipse.semi_major), float(ellipse.semi_minor)]
-    stds, truth = np.sqrt(np.diag(found.covariance)), np.array(image.truth)
-    errors = np.array(values) / truth - 1
-    return Compared(image.condition, errors, stds[[2, 3, 0, 1]] / truth, found.flags)
+    stds = np.sqrt(np.diag(found.covariance))
+    return Compared(np.array(values) / truth - 1, stds[[2, 3, 0, 1]] / truth, found.flags)
 
 
-def independent(count: int, seed: int) -> Iterator[Image]:
-    """Yield independent images."""
-    for name, one in independent_images(count, seed):
-        yield grown(one, name)
-
-
-def grown(one: IndependentImage, name: str = "") -> Image:
-    """Return an independent image with its truth."""
-    truth = one.gross_area, one.ridge_area, one.semi_major, one.semi_minor
-    return Image(name, one.pixels, one.mm_per_px, truth)
-
-
-def pressed(image: pressure_images.PressureImage, name: str = "") -> Image:
-    """Return an image of a pressure field with its truth."""
-    one = image.contact
-    truth = one.gross_area, one.ridge_area, one.semi_major, one.semi_minor
-    return Image(name, image.pixels, image.mm_per_px, truth)
-
-
-def ridged(image: elastic_ridges.ElasticImage | stripe_images.StripeImage, name: str = "") -> Image:
-    """Return an image of elastic ridges or of stripes with its truth."""
-    return Image(name, image.pixels, image.mm_per_px, (image.gross_area, image.ridge_area, *image.semi_axes))
-
-
-def sharp(count: int, seed: int) -> Iterator[Image]:
-    """Yield images of the library's own renderer, nine times as many."""
-    for one in population(9 * count, seed):
-        ellipse = one.ellipse
-        truth = one.gross_area, one.ridge_area, float(ellipse.semi_major), float(ellipse.semi_minor)
-        yield Image("sharp renders", one.pixels, 25.4 / 500, truth)
-
-
-CONDITIONS: Final[dict[str, Mapping[str, object]]] = {
-    "pressure field": pressure_images.CONDITIONS,
-    "elastic ridges": elastic_ridges.CONDITIONS,
-    "stripes": stripe_images.CONDITIONS,
-}
-
-
-def images(count: int, seed: int) -> Iterator[tuple[str, Iterator[Image]]]:
-    """Yield each set, its images of each condition one after another."""
-    yield "independent images", independent(count, seed)
-    for name, conditions in CONDITIONS.items():
-        yield (
-            name,
-            chain.from_iterable(of_condition(name, condition, count, seed) for condition in conditions),
-        )
-    yield "sharp renders", sharp(count, seed)
+def sharp(count: int, seed: int) -> Iterator[TrueImage]:
+    """Yield images of the library's own renderer."""
+    for one in population(count, seed):
+        axes = float(one.ellipse.semi_major), float(one.ellipse.semi_minor)
+        yield TrueImage(one.pixels, one.mm_per_px, one.gross_area, one.ridge_area, axes)
 
 
 def cells(name: str, some: Iterable[Compared], *, flags: bool = False) -> tuple[object, ...]:
@@ -126,7 +99,6 @@ HEAD: Final = (
     "stated, held",
 )  # fmt: skip
 
-
 # Conditions in which liquid beside ridges counts as ridge.
 WET: Final = {
     "moist, pressure field": [("pressure field", "prism, moist")],
@@ -136,35 +108,30 @@ WET: Final = {
 }
 
 
+def compare_conditions(conditions: Iterable[tuple[str, str]], count: int, seed: int) -> Iterator[Compared]:
+    """Yield so many comparisons of each condition, given with its set."""
+    for name, condition in conditions:
+        for number in range(count):
+            yield compare(image_sets.draw(name, condition, number, seed))
+
+
 def report(count: int = 3, seed: int = 7, wet: int = 8) -> None:
     """Print errors and coverage of each set, of more images of wet skin and ink, then of each condition."""
-    found = {name: [compare(one) for one in of] for name, of in images(count, seed)}
-    every = [one for some in found.values() for one in some]
-    table(("set", *HEAD), (cells(name, some) for name, some in [*found.items(), ("all", every)]))
-    liquid = (
-        (name, [compare(one) for of, condition in some for one in of_condition(of, condition, wet, seed)])
-        for name, some in WET.items()
-    )
+    found: dict[str, dict[str, list[Compared]]] = {}
+    for name, some in groupby(image_sets.images(count, seed), key=lambda one: one[0]):
+        for _, condition, image in some:
+            found.setdefault(name, {}).setdefault(condition, []).append(compare(image))
+    found["sharp renders"] = {"sharp renders": [compare(one) for one in sharp(9 * count, seed)]}
+    by_set = {name: [one for some in of.values() for one in some] for name, of in found.items()}
+    every = [one for some in by_set.values() for one in some]
+    table(("set", *HEAD), (cells(name, some) for name, some in [*by_set.items(), ("all", every)]))
     table(
-        ("condition", *HEAD, "flagged"), (cells(*one, flags=True) for one in liquid), "Moist skin, much ink"
+        ("condition", *HEAD, "flagged"),
+        (cells(name, compare_conditions(some, wet, seed), flags=True) for name, some in WET.items()),
+        "Moist skin, much ink",
     )
     print("\n<details><summary>Each condition</summary>")
-    for name, some in found.items():
-        conditions = dict.fromkeys(one.condition for one in some)
-        table(
-            ("condition", *HEAD, "flagged"),
-            (cells(c, [one for one in some if one.condition == c], flags=True) for c in conditions),
-            name[0].upper() + name[1:],
-        )
+    for name, conditions in found.items():
+        rows = (cells(condition, some, flags=True) for condition, some in conditions.items())
+        table(("condition", *HEAD, "flagged"), rows, name[0].upper() + name[1:])
     print("\n</details>")
-
-
-def of_condition(name: str, condition: str, count: int, seed: int) -> Iterator[Image]:
-    """Yield images of a condition of a set."""
-    for number in range(count):
-        if name == "pressure field":
-            yield pressed(pressure_images.pressure_image(condition, 100 * seed + number), condition)
-        elif name == "stripes":
-            yield ridged(stripe_images.stripe_image(condition, number, seed), condition)
-        else:
-            yield ridged(elastic_ridges.elastic_image(condition, number, seed), condition)

@@ -71,7 +71,7 @@ def pooled_radius_score(some: Sequence[Measured], *, shared: bool) -> float:
 
 def _contact(one: Measured, number: int, shared: bool) -> tuple[Observation, Measurement]:
     found, truth = one.found.ellipse, one.truth
-    errors = [float(found.semi_major) - truth.semi_major, float(found.semi_minor) - truth.semi_minor]
+    errors = np.array([float(found.semi_major), float(found.semi_minor)]) - truth.semi_axes
     return contact(
         f"c{number}",
         1.0,

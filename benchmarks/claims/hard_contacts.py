@@ -2,27 +2,24 @@
 
 from typing import Final
 
-from benchmarks.claims.contact_areas import HEAD, cells, compare, of_condition
+from benchmarks.claims.contact_areas import HEAD, cells, compare_conditions
 from benchmarks.tables import table
 
 CONDITIONS: Final = {
     "stripes": ("prism, dark rim", "prism, bell", "prism, moist", "scanner, moist"),
     "pressure field": (
-        "light touch, ridges along the edge",
-        "prism, bell-shaped pressure",
-        "prism, moist",
+        "light touch, ridges along the edge", "prism, bell-shaped pressure", "prism, moist",
         "plate lit from above",
     ),
     "elastic ridges": ("prism, moist", "ink, much"),
-}
+}  # fmt: skip
 
 
-def report(count: int = 8, seed: int = 8, words: str = "") -> None:
-    """Print errors, coverage and flags of each condition that is named with some words."""
+def report(count: int = 8, seed: int = 8) -> None:
+    """Print errors, coverage and flags of each condition."""
     rows = (
-        cells(f"{name}: {each}", map(compare, of_condition(name, each, count, seed)), flags=True)
+        cells(f"{name}: {each}", compare_conditions([(name, each)], count, seed), flags=True)
         for name, conditions in CONDITIONS.items()
         for each in conditions
-        if words in each
     )
     table(("condition", *HEAD, "flagged"), rows)

@@ -185,7 +185,7 @@ def contact_image(count: int = 2) -> None:
         area = np.array([one.area / image.gross_area - 1 for one, image in zip(found, images, strict=True)])
         axes = np.array(
             [
-                (one.semi_major / image.semi_major - 1, one.semi_minor / image.semi_minor - 1)
+                np.divide((one.semi_major, one.semi_minor), image.semi_axes) - 1
                 for one, image in zip(found, images, strict=True)
             ]
         )

@@ -12,14 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks.claims.contact_images import population
-from benchmarks.truth.elastic_ridges import CONDITIONS as ELASTIC
-from benchmarks.truth.elastic_ridges import elastic_image
-from benchmarks.truth.independent_images import independent_images
-from benchmarks.truth.pressure_images import CONDITIONS as PRESSURE
-from benchmarks.truth.pressure_images import pressure_image
-from benchmarks.truth.stripe_images import CONDITIONS as STRIPES
-from benchmarks.truth.stripe_images import stripe_image
+from benchmarks.claims.contact_areas import sharp
+from benchmarks.truth import image_sets
+from benchmarks.truth.true_image import TrueImage
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import ImageError
 from fingerpad.image.contact_image import edge as edges
@@ -43,24 +38,17 @@ class Seen(NamedTuple):
     beyond: float
 
 
-def images(count: int, seed: int) -> Iterator[tuple[str, np.ndarray, float, float]]:
-    """Yield set, pixels, mm per pixel and true gross area, mm²."""
-    for render in population(6 * count, seed=seed):
-        yield "sharp", render.pixels, render.mm_per_px, render.gross_area
-    for _, image in independent_images(count, seed):
-        yield "independent", image.pixels, image.mm_per_px, image.gross_area
-    numbers = range(count)
-    for one in (pressure_image(c, 1000 * seed + n) for c in PRESSURE if "bell" not in c for n in numbers):
-        yield "pressure field", one.pixels, one.mm_per_px, one.contact.gross_area
-    for other in (elastic_image(c, n, seed) for c in ELASTIC for n in numbers):
-        yield "elastic ridges", other.pixels, other.mm_per_px, other.gross_area
-    for last in (stripe_image(c, n, seed) for c in STRIPES if "bell" not in c for n in numbers):
-        yield "stripes", last.pixels, last.mm_per_px, last.gross_area
+def images(count: int, seed: int) -> Iterator[tuple[str, TrueImage]]:
+    """Yield images with their set."""
+    for render in sharp(6 * count, seed):
+        yield "sharp", render
+    for name, _, image in image_sets.images(count, seed, without="bell"):
+        yield name, image
 
 
-def look(name: str, pixels: np.ndarray, mm_per_px: float, gross_area: float) -> Seen | None:
+def look(name: str, image: TrueImage) -> Seen | None:
     """Return what the edge model sees in an image, None where there is no contact with ridges."""
-    view = view_of(pixels, Scale(mm_per_px))
+    view = view_of(image.pixels, Scale(image.mm_per_px))
     ridges = find_ridges(view, None)
     try:
         region = find_region(view, ridges, None)
@@ -70,7 +58,7 @@ def look(name: str, pixels: np.ndarray, mm_per_px: float, gross_area: float) -> 
         return None
     outline = edges._outline(view, ridges, region.patch)
     length = float(outline.steps.sum())
-    lacks = gross_area / (view.step * mm_per_px) ** 2 - abs(signed_area(outline.points))
+    lacks = image.gross_area / (view.step * image.mm_per_px) ** 2 - abs(signed_area(outline.points))
     displacement = (math.sqrt(max(length**2 + 4 * math.pi * lacks, 0.0)) - length) / (2 * math.pi)
     shown = edges.fade_signs(outline, view.contact, ridges.amount, region.patch)
     beyond = max(shown.beyond - EDGE.hardly, 0.0)

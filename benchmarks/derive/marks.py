@@ -5,7 +5,7 @@ put in the middle of the values that err least, a letter missed and a print take
 """
 
 from dataclasses import fields
-from itertools import chain
+from itertools import chain, product
 from typing import Any, Final, NamedTuple
 from unittest.mock import patch
 
@@ -14,8 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.derive.fit import changed, meanings
-from benchmarks.truth.elastic_ridges import CONDITIONS, elastic_image
-from benchmarks.truth.independent_images import independent_images
+from benchmarks.truth import image_sets
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import ridges
@@ -53,12 +52,9 @@ def _with_text(pixels: npt.NDArray[Any], mm_per_px: float, rng: np.random.Genera
 def sample(count: int, seed: int) -> list[Seen]:
     """Return what is seen of each image, with letters and without, where ridges are dark and resolved."""
     rng = np.random.default_rng(seed)
-    images: Any = chain(
-        (one for _, one in independent_images(count, seed)),
-        (elastic_image(name, number, seed) for number in range(count) for name in CONDITIONS),
-    )
+    images = (one for *_, one in image_sets.images(count, seed, ("independent images", "elastic ridges")))
     found = []
-    for one, letters in ((one, letters) for one in images for letters in (False, True)):
+    for one, letters in product(images, (False, True)):
         pixels = _with_text(one.pixels, one.mm_per_px, rng) if letters else one.pixels
         view = view_of(pixels, Scale(one.mm_per_px))
         if not (view.dark_on_light and view.resolved):

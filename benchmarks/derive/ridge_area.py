@@ -4,16 +4,15 @@ The errors are those of the ridge area of images in which the outline was found 
 the outline itself adds taken off in proportion.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.derive.fit import Compared, Problem
-from benchmarks.truth import elastic_ridges, independent_images, pressure_images, stripe_images
+from benchmarks.truth.image_sets import images
 from fingerpad.exceptions import ImageError
 from fingerpad.image import Scale
 from fingerpad.image.contact_image import result, ridges
@@ -38,27 +37,11 @@ class Seen:
     share: float
 
 
-def _images(count: int, seed: int) -> Iterator[tuple[npt.NDArray[Any], float, float, float]]:
-    """Yield pixels, mm per pixel, gross and ridge area in mm²."""
-    for _, one in independent_images.independent_images(count, seed):
-        yield one.pixels, one.mm_per_px, one.gross_area, one.ridge_area
-    for number in range(count):
-        for name in elastic_ridges.CONDITIONS:
-            other = elastic_ridges.elastic_image(name, number, seed)
-            yield other.pixels, other.mm_per_px, other.gross_area, other.ridge_area
-        for name in stripe_images.CONDITIONS:
-            third = stripe_images.stripe_image(name, number, seed)
-            yield third.pixels, third.mm_per_px, third.gross_area, third.ridge_area
-        for name in pressure_images.CONDITIONS:
-            last = pressure_images.pressure_image(name, 1000 * seed + number)
-            yield last.pixels, last.mm_per_px, last.contact.gross_area, last.contact.ridge_area
-
-
 def sample(count: int, seed: int) -> list[Seen]:
     """Return images whose outline is found and whose ridges are resolved."""
     found: list[Seen] = []
-    for pixels, mm_per_px, gross, ridge in _images(count, seed):
-        view = view_of(pixels, Scale(mm_per_px))
+    for _, _, image in images(count, seed):
+        view = view_of(image.pixels, Scale(image.mm_per_px))
         rough = ridges.find_ridges(view, None)
         try:
             region = find_region(view, rough, None)
@@ -66,8 +49,8 @@ def sample(count: int, seed: int) -> list[Seen]:
             continue
         edge = trace_edge(view, rough, region)
         area = polygon_moments(view.to_picture(edge.points)).area
-        if view.resolved and abs(area * mm_per_px**2 / gross - 1) < _NEAR:
-            found.append(Seen(view, rough, region, edge, area, ridge / gross))
+        if view.resolved and abs(area * image.mm_per_px**2 / image.gross_area - 1) < _NEAR:
+            found.append(Seen(view, rough, region, edge, area, image.ridge_area / image.gross_area))
     return found
 
 
@@ -103,6 +86,7 @@ def compare_error(stated: Any, images: Sequence[Seen]) -> Compared:
 
 
 _OF = "error of the ridge area inside the outline, as a share"
+_BY = "by_noise", "by_rim", "by_fade", "by_moisture"
 _NO_EFFECT = "choice: the area hardly depends on it"
 PROBLEMS = (
     Problem(
@@ -110,9 +94,7 @@ PROBLEMS = (
         of=_OF,
         places=("reach", "smoothing", "by_blur", "cubic", "usual_grain", "by_grain", "by_clipping"),
         kept={
-            "gradient": _NO_EFFECT,
-            "direction": _NO_EFFECT,
-            "sample": _NO_EFFECT,
+            **dict.fromkeys(("gradient", "direction", "sample"), _NO_EFFECT),
             "near_half": "choice: the width of a numerical derivative",
             "crest": "choice: what is counted as crest; usual_grain depends on it",
         },
@@ -122,16 +104,7 @@ PROBLEMS = (
     Problem(
         model=RIDGE_AREA,
         of=_OF,
-        stds=(
-            "level_std",
-            "level_by_grain",
-            "level_by_clipping",
-            "least_std",
-            "by_noise",
-            "by_rim",
-            "by_fade",
-            "by_moisture",
-        ),
+        stds=("level_std", "level_by_grain", "level_by_clipping", "least_std", *_BY),
         kept={
             "sharp_fade": "choice: where by_fade begins",
             "most_fade": "choice: where by_fade ends",

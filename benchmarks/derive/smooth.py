@@ -32,18 +32,17 @@ def sample(count: int, seed: int) -> list[Seen]:
     """Return the clearest step of pictures of each device that contain the whole contact."""
     found = []
     for kind in KINDS:
-        for picture in pictures(seed, count, kind):  # type: ignore[no-untyped-call]
-            area = picture["truth"]["area_mm2"]
-            if not picture["truth"]["inside_frame"]:
+        for picture in pictures(seed, count, kind):
+            if not picture.whole:
                 continue
-            part, values, light = smooth._parts(picture["image"], {"background": picture["background"]})
+            part, values, light = smooth._parts(picture.image, {"background": picture.background})
             inside = np.ones(values.shape[:2], dtype=bool)
             steps = find_steps(values, light, inside)
             if not steps or smooth._problem(steps[0], None):
                 continue
-            if abs(np.pi * steps[0].radius ** 2 * picture["mm_per_px"] ** 2 / area - 1) < _NEAR:
-                view = smooth._view(part, values, inside, Scale(picture["mm_per_px"]), steps[0])
-                found.append(Seen(view, steps[0], area))
+            if abs(np.pi * (steps[0].radius * picture.mm_per_px) ** 2 / picture.area - 1) < _NEAR:
+                view = smooth._view(part, values, inside, Scale(picture.mm_per_px), steps[0])
+                found.append(Seen(view, steps[0], picture.area))
     return found
 
 
@@ -60,6 +59,10 @@ def compare(model: Any, steps: Sequence[Seen]) -> Compared:
     return Compared(errors, stds)
 
 
+_LIMITS = (
+    "least_contrast", "low_contrast", "crest_contrast", "least_score", "least_score_cut", "least_seen",
+    "most_shared", "least_overshoot",
+)  # fmt: skip
 _DOUBT = "choice: what counts as a contact, or is flagged"
 PROBLEMS = (
     Problem(
@@ -68,19 +71,7 @@ PROBLEMS = (
         places=("crest", "fringe"),
         stds=("pixel", "by_width", "by_scatter", "second", "hidden", "crest_std", "fringe_std"),
         kept={
-            **dict.fromkeys(
-                (
-                    "least_contrast",
-                    "low_contrast",
-                    "crest_contrast",
-                    "least_score",
-                    "least_score_cut",
-                    "least_seen",
-                    "most_shared",
-                    "least_overshoot",
-                ),
-                _DOUBT,
-            ),
+            **dict.fromkeys(_LIMITS, _DOUBT),
             "cut": "the truth of contacts that the frame cuts is not defined",
         },
         sample=sample,

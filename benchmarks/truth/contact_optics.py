@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from benchmarks.truth.pressed_pad import Contact, smooth_noise
 from benchmarks.truth.ridge_growth import Field
+from benchmarks.truth.true_image import eight_bit
 
 
 @dataclass(frozen=True)
@@ -162,8 +163,4 @@ def photograph(
     _add_dirt(picture, optics.dirt, rng)
     shot = np.sqrt(np.clip(picture, 0.05, 1)) * optics.noise
     picture = picture + shot * rng.normal(size=picture.shape)
-    eight_bit = np.clip(np.rint(255 * picture), 0, 255).astype(np.uint8)
-    if optics.jpeg:
-        _, encoded = cv2.imencode(".jpg", eight_bit, [cv2.IMWRITE_JPEG_QUALITY, optics.jpeg])
-        eight_bit = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_GRAYSCALE), np.uint8)
-    return np.asarray(eight_bit)
+    return eight_bit(picture, optics.jpeg)

@@ -15,9 +15,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.truth.true_image import Range, TrueImage, eight_bit
+
 _FINEST, _MARGIN_MM, _WIDEST = 0.012, 2.0, 0.82
 Numbers = npt.NDArray[Any]
-Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -63,17 +64,6 @@ CONDITIONS = {
     "1000 ppi": Condition(pixel=(0.0254, 0.0254), blur=(0.01, 0.025)),
     "noise": Condition(noise=0.08),
 }
-
-
-@dataclass(frozen=True)
-class ElasticImage:
-    """One image with its truth; areas in mm²."""
-
-    pixels: npt.NDArray[np.uint8]
-    mm_per_px: float
-    gross_area: float
-    ridge_area: float
-    semi_axes: tuple[float, float]
 
 
 def smooth(rng: np.random.Generator, shape: tuple[int, int], length: float) -> Numbers:
@@ -187,7 +177,7 @@ def _picture(touching: Numbers, step: float, binning: int, c: Condition, rng: np
     return np.asarray(grey + c.sharpen * (grey - cv2.GaussianBlur(grey, (0, 0), 1.2)))
 
 
-def elastic_image(name: str, number: int, seed: int = 0) -> ElasticImage:
+def elastic_image(name: str, number: int, seed: int = 0) -> TrueImage:
     """Make an image of a condition."""
     c = CONDITIONS[name]
     rng = np.random.default_rng([seed, zlib.crc32(name.encode()), number])
@@ -195,18 +185,11 @@ def elastic_image(name: str, number: int, seed: int = 0) -> ElasticImage:
     semi_axes = float(np.sqrt(area * aspect / np.pi)), float(np.sqrt(area / aspect / np.pi))
     binning = max(4, int(np.ceil(pixel / _FINEST)))
     step = pixel / binning
-    down, right = ((np.arange(-half, half) + 0.5) * step for half in _half_sizes(semi_axes, pixel, binning))
+    # half the rows and columns of the fine grid, a whole number of pixels
+    halves = semi_axes[0] + _MARGIN_MM, (2 * semi_axes[1] + semi_axes[0]) / 3 + _MARGIN_MM
+    down, right = ((np.arange(-n, n) + 0.5) * step for n in (int(h / pixel) * binning for h in halves))
     x, y = np.meshgrid(right.astype(np.float32), down.astype(np.float32))
     touching, crest = _contact(x, y, semi_axes, rng.uniform(*c.width), rng)
     touching &= ~_holes(crest, c.pores, step, rng)
-    grey = np.rint(255 * np.clip(_picture(touching, step, binning, c, rng), 0, 1)).astype(np.uint8)
-    if c.jpeg:
-        _, encoded = cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, c.jpeg])
-        grey = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_GRAYSCALE), np.uint8)
-    return ElasticImage(grey, pixel, area, float(touching.sum() * step**2), semi_axes)
-
-
-def _half_sizes(semi_axes: tuple[float, float], pixel: float, binning: int) -> tuple[int, int]:
-    """Half the rows and columns of the fine grid, a whole number of pixels."""
-    down, across = semi_axes[0] + _MARGIN_MM, (2 * semi_axes[1] + semi_axes[0]) / 3 + _MARGIN_MM
-    return int(down / pixel) * binning, int(across / pixel) * binning
+    pixels = eight_bit(_picture(touching, step, binning, c, rng), c.jpeg)
+    return TrueImage(pixels, pixel, area, float(touching.sum() * step**2), semi_axes)

@@ -5,13 +5,14 @@ contact is seen by a device: a scanner's platen, a camera behind a prism, or ink
 """
 
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import ndimage
 
 from benchmarks.truth.independent_ridges import Outline, RidgedContact, draw_contact, smooth_noise, stamp
+from benchmarks.truth.true_image import Range, TrueImage
 
 SUBPIXEL = 0.0135
 FWHM = 2.3548
@@ -19,71 +20,35 @@ FWHM = 2.3548
 
 @dataclass(frozen=True)
 class Condition:
-    """What a set of images has in common; a pair of numbers is a range that each image draws from.
+    """What images have in common; each draws from the pairs. Lengths in mm, grey as a share of white."""
 
-    Parameters
-    ----------
-    growth : {'gabor', 'swift-hohenberg'}
-        How the ridges grow.
-    width_fade, contrast_fade : float
-        Mean distance inside the outline, in mm, over which ridges reach their full width and their full
-        contrast, both in proportion to the pressure √(1 − ρ²); 0 for none.
-    shape : float
-        Amplitude of the outline's perturbation relative to its radius; 0 for an exact ellipse.
-    features : float
-        Density of pores, broken ridges and creases; 1 is usual.
-    uneven : float
-        Relative variation of darkness within the contact, of the lean of the pressure, and of the heights of
-        ridge tops.
-    ppi : float
-        Pixels per inch.
-    blur : (float, float)
-        Full width at half maximum of the point-spread function, in mm.
-    contrast, ground : (float, float)
-        Grey of a ridge below the ground, and of untouched glass; 1 is white. Bright ridges are above a ground
-        of 1 − ``ground``.
-    noise : float
-        Standard deviation of the noise's grey; half of its variance is correlated over a pixel.
-    haze : float
-        Darkness of valleys and of a halo around the contact relative to the ridges.
-    lighting, glare : float
-        Relative variation of the light over the image; grey that glare adds at one side.
-    bright : bool
-        Ridges brighter than the ground (dark-field prism).
-    dirt : float
-        Specks per mm² of glass; fibres come with them.
-    smears : int
-        Latent smears outside the contact.
-    rim : float
-        Darkness that a sweat meniscus along the outline adds, relative to the ridges; negative is lighter.
-    bits : int
-        8 or 16 bits per pixel.
-    """
-
-    growth: str = "gabor"
+    growth: str = "gabor"  # or "swift-hohenberg"
+    # Mean distance inside the outline over which ridges reach their full width and contrast, both in
+    # proportion to the pressure √(1 − ρ²)
     width_fade: float = 0.8
     contrast_fade: float = 0.2
-    shape: float = 0.0
-    features: float = 1.0
-    uneven: float = 1.0
+    shape: float = 0.0  # relative amplitude of the outline's perturbation; 0 for an exact ellipse
+    features: float = 1.0  # density of pores, broken ridges and creases
+    uneven: float = 1.0  # variation of darkness, of the lean of the pressure, of the heights of ridge tops
     ppi: float = 500
-    blur: tuple[float, float] = (0.03, 0.1)
-    contrast: tuple[float, float] = (0.45, 0.75)
-    ground: tuple[float, float] = (0.82, 0.95)
-    noise: float = 0.012
-    haze: float = 0.06
-    lighting: float = 0.04
-    glare: float = 0.0
-    bright: bool = False
-    dirt: float = 0.01
-    smears: int = 0
-    rim: float = 0.0
+    blur: Range = (0.03, 0.1)  # full width at half maximum of the point-spread function
+    contrast: Range = (0.45, 0.75)  # grey of a ridge below the ground
+    ground: Range = (0.82, 0.95)  # grey of untouched glass; of bright ridges 1 less that
+    noise: float = 0.012  # standard deviation; half of the variance is correlated over a pixel
+    haze: float = 0.06  # darkness of valleys and of a halo around the contact, relative to the ridges
+    lighting: float = 0.04  # relative variation of the light over the image
+    glare: float = 0.0  # grey that it adds at one side
+    bright: bool = False  # ridges brighter than the ground (dark-field prism)
+    dirt: float = 0.01  # specks per mm² of glass; fibres come with them
+    smears: int = 0  # latent smears outside the contact
+    rim: float = 0.0  # darkness of a sweat meniscus along the outline, over that of ridges
     bits: int = 8
 
 
 _CLEAN = Condition(
     width_fade=0, contrast_fade=0, features=0, uneven=0, haze=0, dirt=0, lighting=0, noise=0.005
 )
+_BOTH_FADE = Condition(width_fade=1, contrast_fade=1)
 
 CONDITIONS: dict[str, Condition] = {
     "clean, sharp edge": _CLEAN,
@@ -108,9 +73,7 @@ CONDITIONS: dict[str, Condition] = {
     "breaks, pores and creases": Condition(features=4, uneven=1.5),
     "not an ellipse": Condition(shape=0.06),
     "Swift–Hohenberg, clean": replace(_CLEAN, growth="swift-hohenberg"),
-    "Swift–Hohenberg, both fade over 1 mm": Condition(
-        growth="swift-hohenberg", width_fade=1, contrast_fade=1
-    ),
+    "Swift–Hohenberg, both fade over 1 mm": replace(_BOTH_FADE, growth="swift-hohenberg"),
     "everything": Condition(
         growth="swift-hohenberg",
         shape=0.04,
@@ -125,58 +88,34 @@ CONDITIONS: dict[str, Condition] = {
 
 
 @dataclass(frozen=True, eq=False)
-class IndependentImage:
+class IndependentImage(TrueImage):
     """Synthetic contact image and its truth; lengths are in mm.
 
     Coordinates have their origin at the image's upper left corner, x right and y down, so the centre of the
-    pixel in row i and column j is at ((j + ½) mm_per_px, (i + ½) mm_per_px).
-
-    Parameters
-    ----------
-    pixels : ndarray of uint8 or uint16
-        Grey image.
-    mm_per_px : float
-        Pixel size.
-    ground : float
-        Grey of untouched glass at the contact's centre, without noise, in the units of ``pixels``.
-    condition : Condition
-        What the image was drawn from.
-    outline : ndarray, shape (n, 2)
-        Points x, y of the gross outline.
-    is_ellipse : bool
-        Whether the gross outline is exactly an ellipse.
-    gross_area, ridge_area : float
-        Area inside the outline, and of it where ridges touch, in mm².
-    centre : ndarray, shape (2,)
-        Centroid of the gross area.
-    semi_major, semi_minor : float
-        Semi-axes of the ellipse of equal second moments: the outline's own if it is an ellipse. If it is not,
-        π ``semi_major`` ``semi_minor`` differs from ``gross_area``.
-    orientation : float
-        Angle of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2].
+    pixel in row i and column j is at ((j + ½) mm_per_px, (i + ½) mm_per_px). Semi-axes are those of the
+    ellipse of equal second moments: if the outline is none, π times both differs from the gross area.
     """
 
-    pixels: np.ndarray
-    mm_per_px: float
-    ground: float
+    ground: float  # grey of untouched glass at the contact's centre, without noise, in units of `pixels`
     condition: Condition
-    outline: np.ndarray
+    outline: np.ndarray  # points x, y
     is_ellipse: bool
-    gross_area: float
-    ridge_area: float
-    centre: np.ndarray
-    semi_major: float
-    semi_minor: float
-    orientation: float
+    centre: np.ndarray  # centroid of the gross area
+    orientation: float  # of the major axis from straight up, counter-clockwise as seen, in (−π/2, π/2]
 
 
 def independent_images(
-    count: int, seed: int = 0, conditions: Mapping[str, Condition] = CONDITIONS
+    count: int, seed: int = 0, conditions: Iterable[str] = CONDITIONS
 ) -> Iterator[tuple[str, IndependentImage]]:
     """Yield ``count`` images of each condition with its name; each depends on seed, name and number only."""
-    for name, condition in conditions.items():
+    for name in conditions:
         for number in range(count):
-            yield name, render(np.random.default_rng([seed, zlib.crc32(name.encode()), number]), condition)
+            yield name, independent_image(name, number, seed)
+
+
+def independent_image(name: str, number: int, seed: int) -> IndependentImage:
+    """Make an image of a condition."""
+    return render(np.random.default_rng([seed, zlib.crc32(name.encode()), number]), CONDITIONS[name])
 
 
 def render(rng: np.random.Generator, condition: Condition) -> IndependentImage:
@@ -186,28 +125,21 @@ def render(rng: np.random.Generator, condition: Condition) -> IndependentImage:
     the same for every device.
     """
     of_contact, of_device = rng.spawn(2)
-    contact = draw_contact(
-        of_contact,
-        growth=condition.growth,
-        width_fade=condition.width_fade,
-        shape=condition.shape,
-        features=condition.features,
-        uneven=condition.uneven,
-    )
+    of_skin = ("growth", "width_fade", "shape", "features", "uneven")
+    contact = draw_contact(of_contact, **{name: getattr(condition, name) for name in of_skin})
     pixels, ground, centre = _photograph(of_device, contact, condition)
     area, centroid, semi_major, semi_minor, orientation = contact.outline.moments()
     return IndependentImage(
         pixels=pixels,
         mm_per_px=25.4 / condition.ppi,
+        gross_area=area,
+        ridge_area=contact.ridge_area(),
+        semi_axes=(semi_major, semi_minor),
         ground=ground,
         condition=condition,
         outline=contact.outline.points() + centre,
         is_ellipse=not contact.outline.terms,
-        gross_area=area,
-        ridge_area=contact.ridge_area(),
         centre=centroid + centre,
-        semi_major=semi_major,
-        semi_minor=semi_minor,
         orientation=orientation,
     )
 

@@ -28,21 +28,12 @@ class Outline:
 
     With X and Y the coordinates along and across the axis, in mm, (X, Y) = s(t) (a cos t, b sin t) on the
     curve, s(t) = 1 + Σ cₖ cos(k t − φₖ), k = 2, 3, …; without terms it is exactly an ellipse.
-
-    Parameters
-    ----------
-    a, b : float
-        Semi-axes of the ellipse before the perturbation, in mm.
-    axis : float
-        Angle of the axis of a from straight up in the image, counter-clockwise as seen, in radians.
-    terms : tuple of (float, float)
-        Amplitudes cₖ and phases φₖ from k = 2.
     """
 
     a: float
     b: float
-    axis: float
-    terms: tuple[tuple[float, float], ...] = ()
+    axis: float  # angle of the axis of a from straight up in the image, counter-clockwise as seen, radians
+    terms: tuple[tuple[float, float], ...] = ()  # amplitudes cₖ and phases φₖ
 
     def radius(self, t: np.ndarray) -> np.ndarray:
         """Return s(t)."""
@@ -100,28 +91,16 @@ class RidgedContact:
 
     A point touches where ρ < 1 and the ridge pattern h exceeds the level that leaves the fraction
     w [g (1 − loss) − dip (1 − g)] of the interior above it, where g = min(1, p/p₀) and p is the pressure.
-
-    Parameters
-    ----------
-    outline : Outline
-        Envelope of the touching ridges.
-    ridges, loss, dip, pressure_squared : ndarray
-        Values on the grid of step GRID_STEP: h; the fraction of the width lost; what the
-        depth of tops below their envelope takes of the width at low pressure; p² relative to the
-        centre, negative outside.
-    width_fraction : float
-        Width of a ridge over the period under full pressure, w.
-    full_width_pressure : float
-        Pressure p₀ above which ridges have their full width, relative to the centre.
+    Pressures are relative to the centre.
     """
 
-    outline: Outline
-    ridges: np.ndarray
-    loss: np.ndarray
-    dip: np.ndarray
-    pressure_squared: np.ndarray
-    width_fraction: float
-    full_width_pressure: float
+    outline: Outline  # envelope of the touching ridges
+    ridges: np.ndarray  # h
+    loss: np.ndarray  # fraction of the width lost
+    dip: np.ndarray  # what the depth of tops below their envelope takes of the width at low pressure
+    pressure_squared: np.ndarray  # p², negative outside
+    width_fraction: float  # width of a ridge over the period under full pressure, w
+    full_width_pressure: float  # p₀, above which ridges have their full width
 
     @cached_property
     def coefficients(self) -> tuple[np.ndarray, ...]:
@@ -169,9 +148,9 @@ def grid_for(outline: Outline, step: float = GRID_STEP) -> tuple[np.ndarray, np.
     return x[None, :], y[:, None]
 
 
-def _spline_weights(at: np.ndarray, size: int, step: float = GRID_STEP) -> sparse.csr_array:
+def _spline_weights(at: np.ndarray, size: int) -> sparse.csr_array:
     """Return the matrix (at.size, size) that evaluates a cubic B-spline of a grid about the origin."""
-    u = at / step + size // 2
+    u = at / GRID_STEP + size // 2
     first = np.floor(u).astype(int)
     f = u - first
     basis = (
@@ -188,30 +167,13 @@ def smooth_noise(rng: np.random.Generator, shape: tuple[int, ...], sigma: float)
     return np.asarray(noise / noise.std())
 
 
-def grow_gabor(
-    rng: np.random.Generator, outline: Outline, kind: str, period: float, *, bands: int = 16, rounds: int = 9
-) -> np.ndarray:
+def grow_gabor(rng: np.random.Generator, outline: Outline, kind: str, period: float) -> np.ndarray:
     """Return a ridge pattern grown from noise by iterated oriented filters along an orientation field.
 
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-        Source of the noise.
-    outline : Outline
-        Outline of the contact; its axis is the finger's.
-    kind : {'loop', 'whorl', 'arch'}
-        Pattern class.
-    period : float
-        Ridge period in mm.
-    bands, rounds : int
-        Number of filter orientations and of iterations.
-
-    Returns
-    -------
-    ndarray
-        Pattern on the grid of step GRID_STEP; positive on ridges.
+    The kind is loop, whorl or arch, the period in mm; the outline's axis is the finger's. The pattern, on the
+    grid of step GRID_STEP, is positive on ridges.
     """
-    step = 2 * GRID_STEP
+    step, bands = 2 * GRID_STEP, 16
     x, y = grid_for(outline, step)
     normal = _ridge_direction(rng, outline, kind, x, y) + np.pi / 2
     kx, ky = fft.rfftfreq(x.size, step)[None, :], fft.fftfreq(y.size, step)[:, None]
@@ -222,7 +184,7 @@ def grow_gabor(
     apart = [np.abs((normal - c + np.pi / 2) % np.pi - np.pi / 2) * bands / np.pi for c in centres]
     shares = [np.maximum(1 - far, 0).astype(np.float32) for far in apart]
     pattern = rng.standard_normal(normal.shape).astype(np.float32)
-    for _ in range(rounds):
+    for _ in range(9):
         spectrum = fft.rfft2(pattern)
         pattern = sum(
             s * fft.irfft2(f * spectrum, s=pattern.shape) for s, f in zip(shares, filters, strict=True)
@@ -231,22 +193,14 @@ def grow_gabor(
     return _refined(pattern, outline)
 
 
-def grow_swift_hohenberg(
-    rng: np.random.Generator,
-    outline: Outline,
-    kind: str,
-    period: float,
-    *,
-    steps: int = 60,
-    step_time: float = 0.5,
-) -> np.ndarray:
+def grow_swift_hohenberg(rng: np.random.Generator, outline: Outline, kind: str, period: float) -> np.ndarray:
     """Return a ridge pattern grown by the Swift–Hohenberg equation u̇ = εu − (1 + ∇²/k²)²u − u³.
 
     Fronts that start from the core and from the crease, as in embryonic skin, are the initial state; where
     they meet a triradius forms, and noise gives minutiae. Linear terms are integrated implicitly in Fourier
-    space. Parameters and the result are those of `grow_gabor`; ``steps`` of ``step_time`` are taken.
+    space. Parameters and the result are those of `grow_gabor`.
     """
-    step = 2 * GRID_STEP
+    step, step_time = 2 * GRID_STEP, 0.5
     x, y = grid_for(outline, step)
     along, across = outline.along_across(x, y)
     core = rng.normal([0.05 * outline.a, 0], 0.08 * outline.b)
@@ -267,7 +221,7 @@ def grow_swift_hohenberg(
     squared = (fft.rfftfreq(x.size, step)[None, :] ** 2 + fft.fftfreq(y.size, step)[:, None] ** 2) * period**2
     implicit = (1 / (1 - step_time * (0.35 - (1 - squared) ** 2))).astype(np.float32)
     u = np.clip(u, -1, 1).astype(np.float32)
-    for _ in range(steps):
+    for _ in range(60):
         u = fft.irfft2(implicit * fft.rfft2(u - np.float32(step_time) * u**3), s=u.shape)
     return _refined(u, outline)
 

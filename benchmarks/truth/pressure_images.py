@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from benchmarks.truth.contact_optics import Optics, photograph
-from benchmarks.truth.pressed_pad import Contact, Press, Skin, boundary_of, press_pad
+from benchmarks.truth.pressed_pad import Press, Skin, boundary_of, press_pad
 from benchmarks.truth.ridge_growth import SINGULARITIES
+from benchmarks.truth.true_image import TrueImage
 
 _FINEST, _MARGIN_MM = 0.011, 2.4
 _LIVE = {
@@ -25,19 +25,12 @@ _LIVE = {
     "fade": 0.4,
     "mottle": 0.4,
     "light": 0.02,
-    "vignetting": 0.0,
-    "texture": 0.004,
-    "jpeg": 80,
 }
+_LIVE |= {"vignetting": 0.0, "texture": 0.004, "jpeg": 80}
 _INK = {"device": "ink", "background": 0.84, "contrast": 0.7, "blur": 0.55, "texture": 0.015, "fade": 0.45}
-_SIDE = {
-    "device": "side-lit",
-    "background": 0.1,
-    "contrast": 0.6,
-    "noise": 0.025,
-    "light": 0.3,
-    "vignetting": 0.3,
-}
+_SIDE = {"device": "side-lit", "background": 0.1, "contrast": 0.6, "noise": 0.025, "light": 0.3}
+_SIDE |= {"vignetting": 0.3, "halo": 0.12, "dirt": 4}
+_ABOVE = {"device": "front-lit", "background": 0.8, "contrast": 0.5, "light": 0.2, "blur": 0.8, "fade": 0.15}
 
 
 @dataclass(frozen=True)
@@ -74,17 +67,8 @@ CONDITIONS = {
     ),
     "ink": Condition(optics=_INK, mm_per_px=(0.035, 0.0508)),
     "ink, smeared rim": Condition(optics={**_INK, "meniscus": 0.35, "dirt": 6}, mm_per_px=(0.035, 0.0508)),
-    "plate lit from the side": Condition(optics={**_SIDE, "halo": 0.12, "dirt": 4}),
-    "plate lit from above": Condition(
-        optics={
-            "device": "front-lit",
-            "background": 0.8,
-            "contrast": 0.5,
-            "light": 0.2,
-            "blur": 0.8,
-            "fade": 0.15,
-        }
-    ),
+    "plate lit from the side": Condition(optics=_SIDE),
+    "plate lit from above": Condition(optics=_ABOVE),
     "light touch": Condition(areas=(30, 45), mm_per_px=(0.02, 0.03)),
     "light touch, ridges along the edge": Condition(areas=(30, 45), skin={"kind": "whorl"}),
     "high load, coarse pixels": Condition(areas=(200, 250), mm_per_px=(0.05, 0.06), optics={"blur": 0.8}),
@@ -92,16 +76,7 @@ CONDITIONS = {
 }
 
 
-@dataclass(frozen=True)
-class PressureImage:
-    """One image with its truth."""
-
-    pixels: npt.NDArray[np.uint8]
-    mm_per_px: float
-    contact: Contact
-
-
-def pressure_image(name: str, number: int, area: float | None = None, **skin: Any) -> PressureImage:
+def pressure_image(name: str, number: int, area: float | None = None, **skin: Any) -> TrueImage:
     """Make an image of a condition; `area` in mm² and `skin` override what it draws at random."""
     condition = CONDITIONS[name]
     rng = np.random.default_rng([sum(name.encode()), number])
@@ -129,4 +104,5 @@ def pressure_image(name: str, number: int, area: float | None = None, **skin: An
     extent = 2 * np.abs(boundary_of(press)).max(axis=0) + 2 * _MARGIN_MM
     columns, rows = np.ceil(extent / mm_per_px).astype(int) * pixels
     contact = press_pad(press, ridges, mm=mm_per_px / pixels, shape=(rows, columns), rng=rng)
-    return PressureImage(photograph(contact, optics, pixels, rng), mm_per_px, contact)
+    picture, semi_axes = photograph(contact, optics, pixels, rng), (contact.semi_major, contact.semi_minor)
+    return TrueImage(picture, mm_per_px, contact.gross_area, contact.ridge_area, semi_axes)

@@ -20,9 +20,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.truth.true_image import Range, TrueImage, eight_bit
+
 _FINEST, _MARGIN_MM, _PER_PERIOD = 0.013, 2.0, 5.0
 Numbers = npt.NDArray[Any]
-Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -83,15 +84,10 @@ CONDITIONS = {
 
 
 @dataclass(frozen=True, eq=False)
-class StripeImage:
-    """One image with its truth; areas in mm²."""
+class StripeImage(TrueImage):
+    """One image with its truth."""
 
-    pixels: npt.NDArray[np.uint8]
-    mm_per_px: float
-    gross_area: float
-    ridge_area: float
     hull_area: float
-    semi_axes: tuple[float, float]
 
 
 def smooth(rng: np.random.Generator, shape: tuple[int, ...], length: float) -> Numbers:
@@ -246,7 +242,7 @@ def _dirt(shape: tuple[int, int], step: float, density: float, rng: np.random.Ge
 
 
 def _picture(dark: Numbers, step: float, binning: int, c: Condition, rng: np.random.Generator) -> Numbers:
-    """Return the image, 0 to 1."""
+    """Return the image."""
     dark = 1 - (1 - dark) * (1 - _dirt(dark.shape, step, c.dirt, rng))
     dark = cv2.GaussianBlur(dark.astype(np.float32), (0, 0), rng.uniform(*c.blur) / step)
     dark = 0.95 * dark + 0.05 * cv2.GaussianBlur(dark, (0, 0), 0.6 / step)
@@ -263,7 +259,7 @@ def _picture(dark: Numbers, step: float, binning: int, c: Condition, rng: np.ran
         grey = grey + 0.6 * (grey - cv2.GaussianBlur(grey, (0, 0), 1.3))
     grey = grey + c.noise * np.sqrt(np.clip(grey, 0.1, 1)) * rng.normal(size=grey.shape)
     grey = grey + 0.3 * c.noise * rng.normal(size=(rows, 1)) + 0.5 * c.noise * smooth(rng, grey.shape, 0.9)
-    return np.asarray(np.clip(grey, 0, 1))
+    return np.asarray(grey)
 
 
 def _equal_ellipse(inside: Numbers, step: float) -> Range:
@@ -287,12 +283,8 @@ def stripe_image(name: str, number: int, seed: int = 0) -> StripeImage:
     down, right = ((np.arange(-n, n) + 0.5) * step for n in (int(h / pixel) * binning for h in lengths))
     x, y = np.meshgrid(right.astype(np.float32), down.astype(np.float32))
     parts = _contact(x, y, semi, c, rng)
-    grey = _picture(_darkness(parts, step, c, rng), step, binning, c, rng)
-    pixels = np.asarray(np.rint(255 * grey), np.uint8)
-    if c.jpeg:
-        _, encoded = cv2.imencode(".jpg", pixels, [cv2.IMWRITE_JPEG_QUALITY, c.jpeg])
-        pixels = np.asarray(cv2.imdecode(encoded, cv2.IMREAD_GRAYSCALE), np.uint8)
+    pixels = eight_bit(_picture(_darkness(parts, step, c, rng), step, binning, c, rng), c.jpeg)
     within, touching = parts["inside"] > 0, parts["touching"]
     hull = cv2.convexHull(np.argwhere(touching).astype(np.int32))
     gross, ridge, outer = (float(n * step**2) for n in (within.sum(), touching.sum(), cv2.contourArea(hull)))
-    return StripeImage(pixels, pixel, gross, ridge, outer, _equal_ellipse(parts["inside"], step))
+    return StripeImage(pixels, pixel, gross, ridge, _equal_ellipse(parts["inside"], step), outer)

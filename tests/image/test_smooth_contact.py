@@ -196,14 +196,14 @@ def test_a_damaged_first_frame_leaves_the_next_as_the_background():
 @pytest.mark.parametrize("kind", ["ftir", "ftir_dark"])
 def test_presses_made_from_the_optics_alone_are_held(kind):
     found = sequence_accuracy(kind, range(9, 10), 4)
-    assert (found["refused"], found["missed"], found["before touch"]) == (0, 0, 0)
-    assert found["rms"] < 4
-    assert found["covered"] >= 0.75
+    assert (found.refused, found.missed, found.without_contact) == (0, 0, 0)
+    assert found.rms < 4
+    assert found.held >= 0.75
 
 
 @pytest.mark.parametrize("kind", ["ftir", "ftir_dark"])
 def test_pictures_made_from_the_optics_alone_are_held(kind):
     found = accuracy(kind, range(9, 10), 1)
-    assert found["refused"] == 0
-    assert found["rms"] < 2
-    assert found["covered"] == 1
+    assert found.refused == 0
+    assert found.rms < 2
+    assert found.held == 1
