@@ -1,20 +1,15 @@
 """Studies of many rows without pictures: ellipses drawn about elliptical Hertz theory."""
 
 import math
-import multiprocessing
-import tempfile
-import time
 from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from benchmarks.memory import peak_mb
 
 from fingerpad.image import SequenceSummary
-from fingerpad.report import write_report
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.task import DEFAULT_LIMITS, Limits, Task, TaskResult, perform
@@ -25,26 +20,11 @@ from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.measuring.run import Measured, StudyItems
 from fingerpad.study.measuring.sequences import SequenceResult
 from fingerpad.study.results.methods import provenance
-from fingerpad.study.results.output import write_tables
 from fingerpad.study.results.study_result import StudyResult, result_of
 
 FRAMES, FINGERS, WEDGES = 2000, 5, (15.0, 45.0)
 AXES, AXES_STD = (7.9, 13.8, 11.8), 0.1
 EDGE_STD, SCALE_STD = 0.05, 0.01
-
-
-class Cost(NamedTuple):
-    """What the rows of a study cost the process that makes them, by the processor's clock."""
-
-    model_s: float
-    tables_s: float
-    report_s: float
-    peak_mb: float
-
-    @property
-    def total_s(self) -> float:
-        """Everything after measuring."""
-        return self.model_s + self.tables_s + self.report_s
 
 
 def sequences_of(rows: int) -> list[ContactSequence]:
@@ -197,29 +177,6 @@ def _sequence(sequence: ContactSequence, count: int) -> SequenceResult:
             first_contact=0,
             largest=count // 2,
             phases={"loading": count // 2, "unloading": count - count // 2},
-            without_force=0,
             notes=(),
         ),
     )
-
-
-def cost(rows: int) -> Cost:
-    """Make the rows, tables and report of a study in this process, and return what they cost."""
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder)
-        start = time.process_time()
-        result = study_result(rows, out)
-        modelled = time.process_time()
-        write_tables(result, out)
-        tabled = time.process_time()
-        write_report(result, out)
-        done = time.process_time()
-        return Cost(
-            model_s=modelled - start, tables_s=tabled - modelled, report_s=done - tabled, peak_mb=peak_mb()
-        )
-
-
-def cost_apart(rows: int) -> Cost:
-    """Return the cost of a study in a process of its own."""
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return pool.apply(cost, (rows,))

@@ -210,6 +210,7 @@ def test_a_worker_that_does_not_see_the_study_is_refused_by_its_name(
     assert "or stop that worker" in words
 
 
+@pytest.mark.nightly
 def test_a_worker_that_comes_later_and_does_not_see_the_study_is_refused_too(
     small_study: Path, tmp_path: Path, workers: Workers, scheduler: Scheduler
 ) -> None:
@@ -275,6 +276,7 @@ def test_a_task_that_crashes_is_named_and_costs_no_worker(
     assert result.record["reason"].startswith("a.png: the process that measured it crashed twice")
 
 
+@pytest.mark.nightly
 def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(made: Path, workers: Workers) -> None:
     workers.start_alone()
     task = Task(name="a", item="a", file="a.png", key="k", work=crash, inputs=())
@@ -297,14 +299,14 @@ def test_a_connection_that_was_given_up_is_an_error_of_the_cluster(made: Path, w
 def test_wrong_address(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, address: str, words: str
 ) -> None:
-    monkeypatch.setattr(cluster, "_WAIT_S", 3)
+    monkeypatch.setattr(cluster, "_WAIT_S", 1)
     assert words in refusal(made, tmp_path / "out", address)
 
 
 def test_scheduler_without_workers(
     made: Path, tmp_path: Path, scheduler: Scheduler, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "_WAIT_S", 3)
+    monkeypatch.setattr(cluster, "_WAIT_S", 1)
     words = f"has no worker: start some with `dask worker {scheduler.address}"
     assert words in refusal(made, tmp_path / "out", scheduler.address)
 
@@ -316,6 +318,7 @@ def refusal(manifest: Path, out: Path, scheduler: str) -> str:
     return " ".join(result.stderr.split())
 
 
+@pytest.mark.nightly
 def test_waiting_for_one_result_delays_no_other(workers: Workers) -> None:
     workers.start_alone()
     lost, seen = threading.Event(), threading.Event()

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -151,14 +150,6 @@ def test_rejected_is_no_failure_and_does_not_count(folder, tmp_path):
     assert (given.rejected, given.counts) == ("not ours", False)
 
 
-def test_accepted_says_who(folder, tmp_path):
-    plain = measured(folder, tmp_path, "p")
-    found = measured(folder, tmp_path, "p", {"accepted": True})
-    assert found.semi_major_mm == plain.semi_major_mm
-    assert found.reviewed == "accepted"
-    assert found.measured_by is None
-
-
 def test_a_contact_not_found_automatically_is_measured_manually(folder, tmp_path):
     assert "no contact found" in measured(folder, tmp_path, "none").reason
     pixels = np.random.default_rng(0).normal(120, 3, (300, 300))
@@ -191,14 +182,6 @@ def test_frames_keep_the_sequences_reading(folder):
     assert found.automatic.as_record() == plain.contact_image.as_record()
     assert found.contact_image.ridge_period == plain.contact_image.ridge_period
     assert found.contact_image.gross_area < plain.contact_image.gross_area
-
-
-def test_results_depend_on_the_folder_alone(folder, tmp_path):
-    change = {"strokes": [{"action": "add", "points_px": [[60, 60], [90, 80]], "radius_px": 12}]}
-    first = measured(folder, tmp_path, "p", change)
-    second = measured(folder, tmp_path, "p")
-    for name in ("semi_major_mm", "semi_minor_mm", "gross_area_mm2", "automatic_semi_major_mm", "flags"):
-        assert getattr(first, name) == getattr(second, name)
 
 
 def test_photographs_fitted_manually_and_rejected(folder, tmp_path):
@@ -248,12 +231,6 @@ def test_points_of_a_photograph_are_edited(folder):
     box = [0, 0, *(pixels.shape[:2])]
     whole = PhotographCorrection.model_validate({"region_of_interest_px": box})
     assert corrected_photograph(pixels, photograph, scale, whole).arc_deg > plain.arc_deg
-
-
-def test_reviewing_leaves_what_was_measured(folder, tmp_path):
-    plain = measured(folder, tmp_path, "p")
-    assert reviewed(plain, None) is plain
-    assert Path(plain.overlay).name == "p.png"
 
 
 def test_an_observation_states_that_its_contact_is_smooth(tmp_path):

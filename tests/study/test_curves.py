@@ -11,7 +11,6 @@ from tests import command, studies
 from tests.studies import PAD, Table, contact, finger
 from tests.workbooks import sheet_xml, workbook
 
-from fingerpad._json import dumps
 from fingerpad.contact import Tissue, fast_contact
 from fingerpad.exceptions import ManifestError
 from fingerpad.flags import FLAGS
@@ -228,19 +227,6 @@ def test_a_thickness_that_cannot_be_is_refused(tmp_path: Path, stated: dict, wor
         study(tmp_path, of_file(**stated))
 
 
-def test_two_processes_fit_and_check_what_one_does(tmp_path: Path) -> None:
-    for name, rate in (("a", 1.0), ("b", 3.0)):
-        write_curve(tmp_path / f"{name}.csv", area=False, initial_modulus=0.04, rate=rate)
-    one = study(tmp_path, of_file("b.csv"), of_radius(14), of_file())
-    two = run_study(tmp_path / "study.toml", tmp_path / "two", workers=2)
-    assert [curve.name for curve in one.curves] == ["b.csv", "f at 30°, R_g as given", "a.csv"]
-    assert one.checks[0] is not None
-    first, second = summary_of(one).model_dump(), summary_of(two).model_dump()
-    for record in (first, second):
-        assert record["provenance"].pop("made")  # to the second, which may be the same
-    assert dumps(first) == dumps(second)
-
-
 def test_only_curves_that_changed_are_fitted_again(tmp_path: Path) -> None:
     for name in ("a", "b"):
         write_curve(tmp_path / f"{name}.csv", area=name == "a", loading_radius=15.0, initial_modulus=0.04)
@@ -290,12 +276,6 @@ def test_without_area_a_radius_from_elsewhere_gives_moduli(tmp_path: Path) -> No
     assert helped.fit.initial_modulus.known
     # E goes as R^-1/2: a tenth of the radius is a twentieth of the modulus.
     assert helped.fit.youngs_modulus.std / helped.fit.youngs_modulus.value == pytest.approx(0.05, rel=0.15)
-
-
-def test_the_summary_names_a_radius_and_its_uncertainty_alike(tmp_path: Path) -> None:
-    record = summary_of(study(tmp_path, of_radius(15, loading_radius_mm_std=1.5))).model_dump()
-    (curve,) = record["curves"]
-    assert (curve["loading_radius_mm"], curve["loading_radius_mm_std"]) == (15, 1.5)
 
 
 def test_what_cannot_be_fitted_whole_may_still_have_a_slope(tmp_path: Path) -> None:

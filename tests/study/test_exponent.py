@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -18,11 +19,16 @@ LOG_LOAD = np.log(np.linspace(0.1, 2, 200))
 STATED = 0.02
 
 
+@cache
+def correlated(length: float, size: int) -> FloatArray:
+    """Return what makes a smooth error of independent numbers."""
+    x = np.linspace(0, 1, size)
+    return np.linalg.cholesky(np.exp(-((x[:, None] - x) ** 2) / (2 * length**2)) + 1e-9 * np.eye(size))
+
+
 def smooth(length: float, rng: np.random.Generator, size: int = LOG_LOAD.size) -> FloatArray:
     """Return an error of unit size that changes over a share of the press."""
-    x = np.linspace(0, 1, size)
-    covariance = np.exp(-((x[:, None] - x) ** 2) / (2 * length**2)) + 1e-9 * np.eye(size)
-    return np.linalg.cholesky(covariance) @ rng.normal(size=size)
+    return correlated(length, size) @ rng.normal(size=size)
 
 
 def autoregressive(rng: np.random.Generator) -> FloatArray:

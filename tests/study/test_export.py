@@ -3,7 +3,6 @@
 import csv
 import json
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import pandas as pd
 import pytest
 from pyarrow import parquet
 from scipy import io
+from tests import command
 from tests.studies import contact, finger, picture, write_study
 from tests.sums import write_sums
 
@@ -19,6 +19,7 @@ from fingerpad.exceptions import FingerpadError
 from fingerpad.study.corrections.log import CorrectionLog
 from fingerpad.study.manifest.load import read_study
 from fingerpad.study.pipeline import run_study
+from fingerpad.study.results import load
 from fingerpad.study.results.load import export_results, read_rows
 from fingerpad.study.results.table import COLUMNS
 
@@ -134,17 +135,21 @@ def test_words_of_people_are_no_formulas_and_come_back(tmp_path: Path) -> None:
     assert (read["reason"], read["reviewed_by"]) == (reason, "@anna")
 
 
-def test_many_rows_come_in_batches_and_none_is_lost(results: Path, tmp_path: Path) -> None:
+def test_many_rows_come_in_batches_and_none_is_lost(
+    results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("_ROW_GROUP", "_ROWS_AT_ONCE"):
+        monkeypatch.setattr(load, name, 100)
     header, row, *_ = (results / "results.csv").read_text(encoding="utf-8").splitlines()
-    many = "\n".join([header, *(row.replace("heavy,", f"press#{number},", 1) for number in range(12_345))])
+    many = "\n".join([header, *(row.replace("heavy,", f"press#{number},", 1) for number in range(234))])
     folder = copied(results, tmp_path / "many", results__csv=many + "\n")
     export_results(folder, tmp_path / "many.parquet")
     export_results(folder, tmp_path / "many.mat")
     file = parquet.ParquetFile(tmp_path / "many.parquet")
     assert file.num_row_groups == 3
     names = file.read(columns=["observation"])["observation"].to_pylist()
-    assert names == [f"press#{number}" for number in range(12_345)]
-    assert len(io.loadmat(tmp_path / "many.mat")["results"][0, 0]["load_N"]) == 12_345
+    assert names == [f"press#{number}" for number in range(234)]
+    assert len(io.loadmat(tmp_path / "many.mat")["results"][0, 0]["load_N"]) == 234
 
 
 def test_a_run_without_rows_keeps_its_columns(results: Path, tmp_path: Path) -> None:
@@ -213,16 +218,16 @@ def test_other_formats_and_folders_are_refused(results: Path, tmp_path: Path) ->
         export_results(results, tmp_path / "nowhere" / "r.mat")
 
 
-def test_without_pyarrow_the_way_out_is_said(results: Path, tmp_path: Path) -> None:
-    (tmp_path / "pyarrow.py").write_text("raise ImportError")  # found first: as if it were not installed
-    script = (
-        f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n"
-        "from fingerpad.cli import app\n"
-        f"app(['export', {str(results)!r}, {str(tmp_path / 'r.parquet')!r}])"
+def test_without_pyarrow_the_way_out_is_said(
+    results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("pyarrow", "pyarrow.parquet"):
+        monkeypatch.setitem(sys.modules, name, None)
+    code, _, error = command.run("export", results, tmp_path / "r.parquet")
+    assert (code, error) == (
+        2,
+        "fingerpad: Parquet needs the package pyarrow: pip install 'fingerpad[parquet]'\n",
     )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert done.stderr == "fingerpad: Parquet needs the package pyarrow: pip install 'fingerpad[parquet]'\n"
     assert not (tmp_path / "r.parquet").exists()
 
 

@@ -5,10 +5,8 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from datetime import datetime
 from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
@@ -19,28 +17,16 @@ from tests.study.small_study import FRAMES, PICTURES, PIECE, copy, copy_unfinish
 from tests.waiting import wait_until
 
 from fingerpad.exceptions import FingerpadError, StoreError
-from fingerpad.study.engine import store as store_module
 from fingerpad.study.engine.runner import Progress
 from fingerpad.study.engine.store import STORE_NAME, Store
 from fingerpad.study.engine.worker import POOL
+from fingerpad.study.measuring import sequences
 from fingerpad.study.pipeline import run_study
-from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.table import records
 from fingerpad.study.status import study_status
 
 pytestmark = pytest.mark.usefixtures("small_pieces")
 ITEMS = PICTURES + 3  # two photographs and a sequence
-
-
-@pytest.fixture(scope="module")
-def whole(small_study: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyResult:
-    """Results of a run that measures the sequence in one piece."""
-    return run_study(small_study, tmp_path_factory.mktemp("undisturbed"))
-
-
-@pytest.fixture(scope="module")
-def undisturbed(whole: StudyResult) -> list[dict]:
-    return list(records(whole.rows))
 
 
 @pytest.fixture
@@ -60,39 +46,24 @@ def unfinished(small_run: Path, tmp_path: Path) -> Path:
     return copy_unfinished(small_run, tmp_path / "study", "o", "p")
 
 
+@pytest.fixture(scope="module")
+def undisturbed(small_run: Path, tmp_path_factory: pytest.TempPathFactory) -> list[dict]:
+    """Rows of a run that nothing disturbed, which measured the sequence in pieces."""
+    finished = copy(small_run, tmp_path_factory.mktemp("undisturbed") / "study")
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(sequences, "_LEAST_PIECE", PIECE)
+        return rows(finished, finished.parent / "out")
+
+
 def rows(manifest: Path, out: Path, **options: object) -> list[dict]:
     return list(records(run_study(manifest, out, **options).rows))
 
 
-def test_a_sequence_in_pieces_gives_the_rows_of_the_whole(finished: Path, undisturbed: list[dict]) -> None:
-    out = finished.parent / "out"
-    with Store.reading(out / STORE_NAME) as store:
-        pieces = [name for name in store.statuses() if name.startswith("p frames")]
-    assert len(pieces) == -(-FRAMES // PIECE)
-    reported: list[Progress] = []
-    assert rows(finished, out, on_progress=reported.append) == undisturbed
-    assert [one.status for one in reported] == ["started", "written"]
-
-
-def test_two_processes_and_a_tiff_give_the_rows_of_one(
-    small_study_of_tiff: Path, whole: StudyResult, tmp_path: Path
-) -> None:
-    found = run_study(small_study_of_tiff, tmp_path / "out", workers=2)
-    assert [row | {"file": None} for row in records(found.rows)] == [
-        row | {"file": None} for row in records(whole.rows)
-    ]
-    assert [sequence.overlays for sequence in found.sequences] == [
-        sequence.overlays for sequence in whole.sequences
-    ]
-    for name, finger in whole.fingers.items():
-        assert np.array_equal(found.fingers[name].semi_axes, finger.semi_axes, equal_nan=True)
-
-
-@pytest.mark.parametrize("count", [2, pytest.param(8, marks=pytest.mark.nightly)])
-def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path, count: int) -> None:
+@pytest.mark.nightly
+def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_path: Path) -> None:
     context, out, kills = get_context("forkserver"), tmp_path / "out", 0
     context.set_forkserver_preload(["tests.study.small_study"])
-    moments = np.random.default_rng(20).uniform(0.0, 1.0, count)
+    moments = np.random.default_rng(20).uniform(0.0, 1.0, 8)
     took = 3.0
     while kills < moments.size:
         process = context.Process(target=run_here, args=(small_study, out, 1 + kills % 2))
@@ -140,7 +111,7 @@ def stored(out: Path) -> int:
         return len(store.statuses().keys() - {"p header"})
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.nightly)])
 def test_an_interrupt_keeps_what_is_in_hand(unfinished: Path, undisturbed: list[dict], workers: int) -> None:
     out = unfinished.parent / "out"
     before = stored(out)
@@ -159,26 +130,6 @@ def test_an_interrupt_keeps_what_is_in_hand(unfinished: Path, undisturbed: list[
     again: list[Progress] = []
     assert rows(unfinished, out, on_progress=again.append) == undisturbed
     assert again[-1].pictures == again[-1].total == PICTURES + 2 + FRAMES
-
-
-def test_a_run_can_be_cancelled_from_another_thread(unfinished: Path, undisturbed: list[dict]) -> None:
-    outcome: list[type[BaseException]] = []
-
-    def cancel(progress: Progress) -> None:
-        if progress.status != "started":
-            raise KeyboardInterrupt
-
-    def work() -> None:
-        try:
-            rows(unfinished, unfinished.parent / "out", on_progress=cancel)
-        except KeyboardInterrupt as error:
-            outcome.append(type(error))
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    thread.join()
-    assert outcome == [KeyboardInterrupt]
-    assert rows(unfinished, unfinished.parent / "out") == undisturbed
 
 
 def replaced(path: Path, other: bytes) -> None:
@@ -205,7 +156,7 @@ CHANGES: dict[str, tuple[int, str, Callable[[Path], object]]] = {
 @pytest.mark.parametrize(
     ("workers", "name", "change"),
     [
-        pytest.param(*change, id=name, marks=() if "replaced" in name else pytest.mark.nightly)
+        pytest.param(*change, id=name, marks=() if "frame replaced" in name else pytest.mark.nightly)
         for name, change in CHANGES.items()
     ],
 )
@@ -241,21 +192,6 @@ def test_a_picture_of_the_same_size_and_time(finished: Path, undisturbed: list[d
     assert study_status(finished, finished.parent / "out").stale == 1
 
 
-def test_results_do_not_depend_on_the_clock(
-    unfinished: Path, undisturbed: list[dict], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    class Clock:
-        now = staticmethod(lambda zone: datetime(2099, 1, 1, tzinfo=zone))
-
-    out = unfinished.parent / "out"
-    with monkeypatch.context() as patched:
-        patched.setattr(store_module, "datetime", Clock)
-        rows(unfinished, out)
-    reported: list[Progress] = []
-    assert rows(unfinished, out, on_progress=reported.append) == undisturbed
-    assert [one.status for one in reported] == ["started", "written"]
-
-
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
     """Give a file system of its own, which can be made too small."""
@@ -268,6 +204,14 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
         yield disk
     finally:
         subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+def test_two_processes_and_a_tiff_in_one_piece_give_the_rows_of_one(
+    small_study_of_tiff: Path, undisturbed: list[dict], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sequences, "_LEAST_PIECE", FRAMES)
+    found = rows(small_study_of_tiff, tmp_path / "out", workers=2)
+    assert [row | {"file": None} for row in found] == [row | {"file": None} for row in undisturbed]
 
 
 def remount(disk: Path, options: str) -> None:
@@ -287,6 +231,7 @@ def test_a_full_disk(small_run: Path, undisturbed: list[dict], small_disk: Path)
     assert rows(manifest, out) == undisturbed
 
 
+@pytest.mark.nightly
 def test_a_full_disk_where_pictures_are_drawn(
     unfinished: Path,
     undisturbed: list[dict],
@@ -326,6 +271,7 @@ def test_a_folder_that_cannot_be_written(finished: Path, undisturbed: list[dict]
         rows(finished, out)
 
 
+@pytest.mark.nightly
 def test_the_store_is_damaged_while_the_run_goes_on(unfinished: Path, undisturbed: list[dict]) -> None:
     out = unfinished.parent / "out"
     store, done = out / STORE_NAME, study_status(unfinished, out).done

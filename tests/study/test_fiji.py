@@ -5,7 +5,6 @@ import json
 import math
 import struct
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -71,7 +70,7 @@ def table(folder: Path, text: str, name: str = "Results.csv") -> Path:
     return path
 
 
-@pytest.mark.parametrize("tilt", [-80.0, -30.0, 0.0, 20.0, 44.0, 90.0])
+@pytest.mark.parametrize("tilt", [-80.0, 20.0, 90.0])
 def test_a_table_in_px_gives_the_ellipse_that_was_drawn(tmp_path: Path, tilt: float) -> None:
     row = {"Label": "print.tif", **fiji_row(ellipse_mask(tilt)), "Slice": 1}
     (found,) = read_results_table(table(tmp_path, as_table([row])))
@@ -106,15 +105,12 @@ def test_rows_of_summarize_are_left_out(tmp_path: Path) -> None:
             " ,Label,Area\n1,a,3\n",
             "no column Major and Minor; found Label, Area.*Set Measurements > Fit ellipse",
         ),
-        (" ,Major,Minor\n", "holds no rows"),
         (" ,Major,Minor\n1,NaN,3\n", "line 2: column Major: expected a number, found 'NaN'"),
-        (" ,Major,Minor\n1,,3\n", "column Major: expected a number, found ''"),
         (" ,Major,Minor\n1,0,0\n", "a line or a point has none"),
         (" ,Major,Minor\n1,9,12\n", "Major 9 and Minor 12 are no full axes"),
         (" ,Major,Minor\n1,14,8,10,0\n", "line 2 has 5 cells under 3 headers: decimal commas need"),
         (" ,Area,Major,Minor\n1,116.24,7.4,5.0\n", "these are semi-axes; Fiji writes full axes"),
         ("PK\x03\x04 \x00", "is no XLSX workbook, or a damaged one: save it as CSV"),
-        ("a\x00b", "holds zero bytes"),
     ],
 )
 def test_tables_that_are_none_are_refused(tmp_path: Path, content: str, message: str) -> None:
@@ -163,7 +159,7 @@ def roi_file(folder: Path, content: bytes, name: str = "a.roi") -> Path:
 
 
 @pytest.mark.parametrize("make", [tilted, traced])
-@pytest.mark.parametrize("tilt", [-80.0, -30.0, 0.0, 20.0, 44.0, 90.0])
+@pytest.mark.parametrize("tilt", [-80.0, 20.0, 90.0])
 def test_tilted_and_traced_rois_give_the_ellipse_that_was_drawn(tmp_path: Path, make, tilt: float) -> None:
     (found,) = read_rois(roi_file(tmp_path, make(tilt)))
     assert_allclose([found.semi_major, found.semi_minor], [SEMI_MAJOR, SEMI_MINOR], rtol=4e-3)
@@ -224,18 +220,14 @@ def test_a_set_of_rois_is_read_in_order(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("members", "message"),
     [
-        ({"../evil.roi": b""}, "with a folder in its name"),
         ({"..\\evil.roi": b""}, "with a folder in its name"),
         ({"/etc/evil.roi": b""}, "with a folder in its name"),
         ({"notes.txt": b""}, "'notes.txt', which is no ROI"),
         ({"a.roi": b"Iout"}, "RoiSet.zip, a.roi: is no ROI of ImageJ"),
-        ({"a.roi": b"x" * 200}, "is no ROI of ImageJ"),
         ({"a.roi": b"\0" * 17_000_000}, "would be 17000000 bytes"),
         ({"a.roi": oval(5, 5, 0, 7)}, "an oval of 0 × 7 px has no area"),
         ({"a.roi": tilted(0, ratio=float("nan"))}, "axis ratio nan"),
         ({"a.roi": ImagejRoi(roitype=ROI_TYPE.RECT, right=9, bottom=9).tobytes()}, "is a rect, not an oval"),
-        ({"a.roi": ImagejRoi(roitype=ROI_TYPE.LINE, x2=9, y2=9).tobytes()}, "is a line, not an oval"),
-        ({"a.roi": ImagejRoi.frompoints([(0, 0), (5, 5), (9, 9)]).tobytes()}, "encloses no area"),
         ({}, "holds no ROIs"),
     ],
 )
@@ -259,7 +251,7 @@ def test_broken_zips_and_lost_files_are_refused(tmp_path: Path) -> None:
 def test_any_torn_roi_is_refused_or_read_but_never_a_traceback(tmp_path: Path) -> None:
     random, outcomes = np.random.default_rng(7), set()
     for whole in (tilted(20), traced(20), oval(0, 0, 8, 6)):
-        for _ in range(150):
+        for _ in range(50):
             torn = bytearray(whole[: random.integers(1, len(whole) + 1)])
             torn[random.integers(0, len(torn))] = random.integers(0, 256)
             path = roi_file(tmp_path, bytes(torn))
@@ -311,11 +303,8 @@ def test_labels_tell_what_the_pattern_says(pattern: str, label: str, reported: d
 @pytest.mark.parametrize(
     ("pattern", "message"),
     [
-        ("{force}", "{force} is unknown"),
         ("{face}", "{face} is unknown: a pattern holds {person}, {finger}, {wedge}, {roll}, {load}"),
-        ("plain", "write {person}, .* found 'plain'"),
         ("{load}_{load}", "{load} stands twice"),
-        ("{}", "{} is unknown"),
         ("w{load}N", "'w{load}N' fits no label, such as 'a'"),
         ("{finger}_{load}N", "fits no label.* only hand and digit"),
     ],
@@ -323,11 +312,6 @@ def test_labels_tell_what_the_pattern_says(pattern: str, label: str, reported: d
 def test_patterns_that_are_none_are_refused(pattern: str, message: str) -> None:
     with pytest.raises(ManifestError, match=message):
         manual_observations([ellipse()], mm_per_unit=1, semi_axis_mm_std=0.1, pattern=pattern)
-
-
-def test_a_label_out_of_range_is_named() -> None:
-    with pytest.raises(ManifestError, match="t, line 2: wedge: '100' is out of range"):
-        manual_observations([ellipse("100deg")], mm_per_unit=1, semi_axis_mm_std=0.1, pattern="{wedge}deg")
 
 
 def test_a_person_in_labels_is_in_front_of_the_finger_of_all() -> None:
@@ -367,14 +351,10 @@ def test_a_scale_s_uncertainty_widens_the_axes() -> None:
     ("changed", "error", "message"),
     [
         ({"semi_axis_mm_std": 0}, ManifestError, "must be positive, found 0 mm"),
-        ({"semi_axis_mm_std": math.nan}, ManifestError, "must be positive, found nan"),
         ({"finger_axis_deg": math.nan}, ManifestError, "finger_axis_deg must be a finite number"),
-        ({"known": {"load_N": math.inf}}, ManifestError, "load_N must be a finite number, found inf"),
         ({"known": {"load_N": -1}}, ManifestError, "line 2: load_N: expected greater than 0, found -1"),
         ({"known": {"wedge_angle_deg": 100}}, ManifestError, "line 2: wedge_angle_deg: .* 90, found 100"),
-        ({"known": {"finger": "left index"}}, ManifestError, "finger: write it with letters"),
         ({"mm_per_unit": 25.4}, CalibrationError, "line 2: a semi-major axis of 188 mm is none .* px until"),
-        ({"mm_per_unit": 0.05}, CalibrationError, "a semi-major axis of 0.37 mm is none"),
         (
             {"ellipses": [ellipse("2N")], "known": {"load_N": 2}, "pattern": "{load}N"},
             ManifestError,
@@ -446,16 +426,6 @@ def test_from_fiji_to_results(tmp_path: Path) -> None:
         assert float(row["semi_major_mm"]) == pytest.approx(SEMI_MAJOR * PX_MM, rel=2e-3)
         assert row["long_axis"] == "along"
         assert float(row["semi_major_mm_std"]) == 0.1
-
-
-def test_no_spreadsheet_evaluates_notes(tmp_path: Path) -> None:
-    (row,) = manual_observations(
-        [ellipse()], mm_per_unit=1, semi_axis_mm_std=0.1, known={"roll_angle_deg": -2}
-    )
-    write_observations(tmp_path / "o.csv", [replace(row, notes="=1+1")])
-    with (tmp_path / "o.csv").open(encoding="utf-8") as file:
-        (cells,) = csv.DictReader(file)
-    assert (cells["notes"], cells["roll_angle_deg"]) == ("'=1+1", "-2")
 
 
 def test_what_is_not_known_is_left_to_a_person(tmp_path: Path) -> None:

@@ -101,9 +101,8 @@ def test_a_poisson_ratio_below_the_laws(tmp_path: Path) -> None:
     assert row["layer_flag"] == "poisson_ratio_out_of_range"
 
 
-@pytest.mark.parametrize("method", ["first_order", "monte_carlo"])
-def test_large_uncertainties_cost_the_layer_alone(tmp_path: Path, method: str) -> None:
-    large = {"wedge_angle_deg_std": 60, "roll_angle_deg_std": 30, "method": method}
+def test_large_uncertainties_cost_the_layer_alone(tmp_path: Path) -> None:
+    large = {"wedge_angle_deg_std": 60, "roll_angle_deg_std": 30, "method": "monte_carlo"}
     (row,) = records(study(tmp_path, axes_std=9.0, **large).rows)
     assert row["status"] in {"measured", "failed"}
     assert row["youngs_modulus_on_layer_kpa_std"] is None
@@ -115,13 +114,6 @@ def test_monte_carlo(tmp_path: Path) -> None:
         assert drawn[name] == first[name]
         assert drawn[f"{name}_std"] != first[f"{name}_std"]
         assert drawn[f"{name}_std"] == pytest.approx(first[f"{name}_std"], rel=0.03)
-
-
-def test_incompressible_tissue_with_an_uncertain_poisson_ratio(tmp_path: Path) -> None:
-    (row,) = records(study(tmp_path, poisson_ratio_std=0.02).rows)
-    assert row["layer_flag"] is None
-    (sure,) = records(study(tmp_path).rows)
-    assert row["youngs_modulus_on_layer_kpa_std"] > sure["youngs_modulus_on_layer_kpa_std"]
 
 
 def test_one_contact_is_its_own_mean(tmp_path: Path) -> None:
@@ -161,13 +153,6 @@ def test_contacts_out_of_range_are_left_out_of_both_means(tmp_path: Path) -> Non
     assert (layer.observation, layer.load, layer.flag) == ("c1", 2.0, "")
     assert layer.pooled == inside.pooled
     assert layer.at_highest_load == inside.at_highest_load
-
-
-def test_contacts_that_scatter_widen_the_mean(tmp_path: Path) -> None:
-    layer = study(tmp_path, contacts=[(2, 7.4), (2, 6.4), (2, 8.4)]).summaries[0].layer
-    pooled = layer.pooled["youngs_modulus_on_layer"]
-    assert pooled.birge_ratio > 2
-    assert pooled.budget["scatter"] > 0.3
 
 
 def test_tables_are_read_back(tmp_path: Path) -> None:

@@ -139,24 +139,14 @@ def press(keys: str) -> str:
         (FINGER + ROW, "study.toml: title: required, but missing"),
         ('title = "T"', "study.toml: fingers: no finger yet: add one"),
         (VALID + "loadN = 3", "observations.0..loadN: unknown key; did you mean 'load_N'"),
-        (VALID + "zzz = 3", "observations.0..zzz: unknown key \\(in a\\)$"),
         (changed("= 2\n", "= -2\n"), "observations.0..load_N: expected greater than 0, found -2"),
-        (changed("= 2\n", "= nan\n"), "load_N: expected a finite number, found nan"),
         (changed("= 2\n", '= "2"\n'), "load_N: expected a valid number, found '2'; .* without quotes"),
-        (changed("= 2\n", "= 2e9\n"), "load_N: expected less than or equal to 10000, found 2000000000"),
         (changed("[[fingers]]", "[fingers]"), r"write \[\[fingers\]\] in place of \[fingers\]"),
-        (VALID + "scale = { ppi = 500 }", "without an image there is no use for scale"),
-        (changed('"a"', '"a' + 80 * "x" + '"'), "observations.0..name: String should have at most 60"),
         (
             VALID + ROW.replace('"a"', '"A"'),
             r"observations\[1\].name: 'A' is taken; names must differ by more than case",
         ),
         (image('file = "a\\u0000.png"\nscale = { ppi = 500 }'), "is no file name"),
-        ("title = " + 3000 * "[", "not valid TOML"),
-        (
-            'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar" }]',
-            "photographs.0.: give either outline or file",
-        ),
         (
             'title = "T"\n[[fingers]]\nname = "f"\nphotographs = [{ face = "palmar", file = "a.png" }]',
             "photographs.0.: an image needs its scale",
@@ -167,17 +157,10 @@ def press(keys: str) -> str:
             "beside an outline there is no use for tip",
         ),
         (
-            VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30',
-            "curves.0.: give file, loading_radius_mm, or both",
-        ),
-        (
             VALID + '[[curves]]\nfinger = "index"\nwedge_angle_deg = 30\nfile = "c.csv"\n'
             "loading_radius_mm_std = 3",
             "curves.0.: there is no use for loading_radius_mm_std here",
         ),
-        (changed("deg = 30", "deg = 91"), "wedge_angle_deg: expected less than or equal to 90, found 91"),
-        (changed("7.9", "5e-300"), "fingers.0..semi_axes_mm.palmar: 5e-300 is too small to be meant"),
-        (changed("7.9", "0.0"), "fingers.0..semi_axes_mm.palmar: expected greater than 0, found 0"),
         (changed("semi_minor = 5.0", "semi_minor = 9.0"), "ellipse_mm: semi_minor 9 must not exceed"),
         (changed('finger = "index"', 'finger = "thumb"'), "no finger is named 'thumb'; there is index"),
         (changed('name = "a"', 'name = "../a"'), "observations.0..name: write it with letters"),
@@ -186,36 +169,23 @@ def press(keys: str) -> str:
             (changed("[[observations]]", f"{keys}\n[[observations]]"), f"fingers.0.*{words}.*in index")
             for keys, words in (
                 ("effective_thickness_mm = 0.4", "expected greater than or equal to 0.5, found"),
-                ("effective_thickness_mm = inf", "expected .*found inf"),
                 ("effective_thickness_mm_std = 1.0", "give both"),
                 ("effective_thickness_mm = 8\neffective_thickness_mm_std = 8", "uncertainty below the thick"),
-                ("effective_thicknes_mm = 8", "did you mean 'effective_thickness_mm'"),
             )
         ),
         (VALID + 'file = "x.png"\nscale = { ppi = 500 }', "give either file or ellipse_mm, one of the two"),
         (image('file = "x.png"'), "an image needs its scale"),
         (image('file = "no.png"\nscale = { ppi = 500 }'), "file: no file 'no.png' in the study"),
         (image('file = "../x.png"\nscale = { ppi = 500 }'), "'../x.png' leaves the study folder"),
-        (image('file = "/etc/passwd"\nscale = { ppi = 500 }'), "leaves the study folder"),
         (
             image('file = "x.png"\nppi = 500'),
             r"observations.0..ppi: unknown key; write it in the table of a scale, as in scale = \{ ppi",
         ),
         (scale("ppi = 500\nmm_per_px = 0.05"), "scales.s: give one of .*, found ppi and mm_per_px"),
-        (
-            scale("relative_std = 0.1"),
-            "scales.s: give one of ppi, mm_per_px, line, coin, circle, grid, found none",
-        ),
-        (scale("ppi = 0"), "scales.s.ppi: expected greater than or equal to 20, found 0"),
-        (scale("ppi = 500\nlength_mm = 5"), "scales.s.length_mm: unknown key; write it in the"),
-        (VALID + "[scales]\ns = 500", "scales.s: expected a table, as in . ppi = 500 .$"),
         (VALID + '[scales."a b"]\nppi = 500', "scales.a b.*: write it with letters"),
         (scale("ppi = 500\n[scales.S]\nppi = 400"), "scales.S: 'S' is taken; names must differ"),
         (scale("line = [[1, 2], [1, 2]]\nlength_mm = 5"), "scales.s: the line must have two different"),
-        (scale("line = [[1, 2], [1, 5]]\nlength_mm = -5"), "length_mm: expected greater than 0, found -5"),
-        (scale("line = [[1, 2], [1, 5]]"), "scales.s.length_mm: required, but missing"),
         (scale('coin = "no.png"\ndiameter_mm = 23.25'), "scales.s.coin: no file 'no.png'"),
-        (scale('coin = "study.toml"'), "scales.s.diameter_mm: required, but missing"),
         (
             image('file = "study.toml"\nscale = "s"'),
             r"observations.0..scale: no scale is named 's'; write a table .scales.s.",
@@ -223,11 +193,6 @@ def press(keys: str) -> str:
         (VALID + PRESS, "sequences.0.: a sequence needs its scale"),
         (press('times = "t.csv"\nframes_per_second = 9'), "no use for frames_per_second"),
         (press("start_s = 1\ncontact_load_N = 1"), "give either start_s or contact"),
-        (VALID + PRESS.replace('"p"', '"A"') + "scale = { ppi = 500 }", r"sequences\[0\].name: 'A' is taken"),
-        (
-            VALID + PRESS.replace('"index"', '"ring"') + "scale = { ppi = 500 }",
-            r"sequences\[0\].finger: no finger is named 'ring'; there is index \(in p\)$",
-        ),
         ('title = "T"\nobservations_csv = "no.csv"' + FINGER, "observations_csv: no file 'no.csv'"),
     ],
 )
@@ -252,8 +217,6 @@ CELLS = "b,index,45,2,5,4,.1"
             CELLS,
             "rows.csv: no column finger, load_N, name, wedge_angle_deg in the first line; found b, index",
         ),
-        ("", "rows.csv: no column"),
-        (HEADER, "rows.csv: holds no rows"),
         (
             f"{HEADER},file,ppi,mm_per_px\nb,index,45,2,,,,x.png,500,0.05",
             "rows.csv, line 2: scale: give one of .*, found ppi and mm_per_px",
@@ -262,7 +225,6 @@ CELLS = "b,index,45,2,5,4,.1"
             f"{HEADER},file,ppi,scale\nb,index,45,2,,,,x.png,500,reader",
             "rows.csv, line 2: give either scale or ppi",
         ),
-        (f"{HEADER},file,ppi\nb,index,45,2,,,,x.png,5oo", "rows.csv, line 2: scale.ppi: .*found '5oo'"),
         (f"{HEADER},load_N\n{CELLS},3", "rows.csv: column load_N is there 2 times"),
     ],
 )

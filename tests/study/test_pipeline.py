@@ -86,10 +86,6 @@ def test_the_rows_of_dzidek2017_hold_its_numbers(demo: tuple[StudyResult, Path])
     assert rows["table3_30deg_ellipse"]["radius_from_indentation_mm_std"] > 0.1
 
 
-def test_nothing_rendered_whole_is_doubted(demo: tuple[StudyResult, Path]) -> None:
-    assert {row["observation"]: row["flags"] for row in records(demo[0].rows) if row["flags"]} == {}
-
-
 def test_pools_by_finger_and_angle_without_mixing_synthetic_rows(demo: tuple[StudyResult, Path]) -> None:
     result, _ = demo
     keys = [(summary.finger, summary.wedge_angle_deg, summary.synthetic) for summary in result.summaries]
@@ -182,17 +178,6 @@ def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
     assert summary.corrected_radius.count == 3
 
 
-@pytest.mark.parametrize(
-    "picture",
-    [np.pad(np.full((1, 5), 255), ((60, 60), (60, 60))), np.indices((120, 120)).sum(axis=0) % 2 * 255],
-    ids=["hot pixels", "checkerboard"],
-)
-def test_odd_pictures_cost_their_row_only(tmp_path: Path, picture: np.ndarray) -> None:
-    Image.fromarray(picture.astype(np.uint8)).save(tmp_path / "odd.png")
-    result = run(tmp_path, shown("odd", "odd.png"), contact("good", 1))
-    assert [line["status"] for line in records(result.rows)] == ["failed", "measured"]
-
-
 @pytest.mark.parametrize("out", [".", "sub"])
 def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None:
     picture = tmp_path / out / "overlays" / "a.png"
@@ -243,13 +228,6 @@ def test_slips_of_units_are_noted(tmp_path: Path) -> None:
     notes = first_record(run_study(manifest, tmp_path / "out").rows)["range_notes"]
     assert "implausible_size" in notes
     assert "deeper_than_pad" in notes
-
-
-def test_an_earlier_run_leaves_no_pictures_behind(tmp_path: Path) -> None:
-    shutil.copy(EXAMPLE / "synthetic" / "synthetic_30deg_1N.png", tmp_path / "p.png")
-    for name in ("first", "second"):
-        run(tmp_path, shown(name, "p.png"))
-    assert [path.name for path in (tmp_path / "out" / "overlays").iterdir()] == ["second.png"]
 
 
 def test_study_through_a_link(tmp_path: Path) -> None:

@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from benchmarks.claims import pooling
-from PIL import Image
 from tests import studies
 
-from fingerpad.exceptions import ManifestError
 from fingerpad.image import SEMI_AXES
 from fingerpad.study.corrections.changes import ContactCorrection
 from fingerpad.study.corrections.items import ActiveCorrection
@@ -92,6 +90,7 @@ def test_the_pooled_radius_is_that_at_the_mean_elongation(tmp_path: Path) -> Non
     assert naive - mean > 0.005
 
 
+@pytest.mark.nightly
 def test_contacts_that_came_out_round_do_not_count_for_more() -> None:
     found = pooling.contacts(10, 0.1, 0.39, repeats=80)
     assert (np.abs(found.bias) < 0.45).all()  # known to 0.11; −1.6 with the weights of what is stated
@@ -108,40 +107,6 @@ def test_the_close_look_agrees_with_the_row(tmp_path: Path) -> None:
     assert check.simulated_std == pytest.approx(check.std, rel=0.02)
     for source, share in check.shares.items():
         assert check.total[source] == pytest.approx(share, abs=0.02)
-
-
-def finger_from_photographs(folder: Path, scale: object, **top: object) -> StudyResult:
-    faces = [
-        {"face": face, "file": f"photograph_{face}.jpg", "scale": scale}
-        for face in ("palmar", "distal", "radial")
-    ]
-    for face in ("palmar", "distal", "radial"):
-        with Image.open(EXAMPLE / f"photograph_{face}.jpg") as photograph:
-            photograph.reduce(2).save(folder / f"photograph_{face}.jpg", quality=95)
-    one = studies.contact("c0", 1, (7.0, 5.0), axis="")
-    return studies.run(folder, studies.finger(photographs=faces), one, uncertainty=STATED, **top)
-
-
-def test_photographs_of_one_scale_share_its_error(tmp_path: Path) -> None:
-    table = {"mm_per_px": 0.1, "relative_std": 0.05}
-    shared = finger_from_photographs(tmp_path, "camera", scales={"camera": table})
-    alone = finger_from_photographs(tmp_path, table)
-
-    def relative_stds(result: StudyResult) -> np.ndarray:
-        finger = result.fingers["f"]
-        return np.sqrt(np.diag(finger.covariance)) / finger.semi_axes
-
-    assert (shared.fingers["f"].scale, alone.fingers["f"].scale) == ("camera", None)
-    assert (relative_stds(shared) >= 0.05).all()
-    assert (relative_stds(alone) < 0.045).all()  # three scales of their own average out in part
-    # All radii of the pad go with the scale.
-    row = first_record(shared.rows)
-    assert row["mean_curvature_radius_mm_std"] > 0.05 * row["mean_curvature_radius_mm"]
-
-
-def test_an_unknown_method_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ManifestError, match="'first_order' or 'monte_carlo'"):
-        studies.run(tmp_path, studies.finger(), studies.contact(), uncertainty={"method": "guess"})
 
 
 AXES = np.array([7.9, 13.8, 11.8])

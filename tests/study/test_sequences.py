@@ -226,7 +226,7 @@ def test_what_looks_wrong_in_a_force_table_is_noted(study_dir: Path) -> None:
     assert "loads up to 2000 N: is the force in millinewtons (force_mN)?" in result.sequences[0].summary.notes
 
 
-@pytest.mark.parametrize("task", ["p", "p header", "p frames 0-28"])
+@pytest.mark.parametrize("task", ["p header", "p frames 0-28"])
 def test_a_damaged_part_is_measured_again_and_named(study_dir: Path, plain: StudyResult, task: str) -> None:
     with sqlite3.connect(study_dir / "out" / STORE_NAME) as connection:
         changed = connection.execute("UPDATE result SET seconds = -1 WHERE task = ?", (task,))
@@ -272,6 +272,7 @@ def test_the_report_shows_a_few_frames_and_lists_none(plain: StudyResult, untouc
     assert record["area_exponent"] == pytest.approx(2 / 3, abs=0.02)
 
 
+@pytest.mark.nightly
 def test_memory_grows_with_rows_only(study_dir: Path, press: SyntheticSequence) -> None:
     # Each frame three times: kept pictures would add a thousand times what a row takes.
     peaks = []
@@ -464,18 +465,6 @@ def test_phases_set_manually_measure_no_picture_again(study_dir: Path) -> None:
         after = {name: status.key for name, status in store.statuses().items()}
     assert {name for name in before if before[name] != after[name]} == {"p"}
     assert study_status(study_dir / "study.toml", study_dir / "out").stale == 0
-
-
-def test_phases_of_a_force_that_was_replaced_are_told(study_dir: Path) -> None:
-    run(study_dir)
-    CorrectionLog(study_dir).append(
-        "p#phases", phases(*PHASES), who="anna", expected=0, study=read_study(study_dir / "study.toml")
-    )
-    assert run(study_dir).notes == ()
-    text = (study_dir / "force.csv").read_text()
-    (study_dir / "force.csv").write_text(text.replace("0.05,", "0.051,", 1))
-    (note,) = run(study_dir).notes
-    assert "p#phases was corrected on another picture or force" in note
 
 
 def write_force(folder: Path, displacement: np.ndarray) -> None:

@@ -183,24 +183,6 @@ def test_a_store_that_is_none(fresh: Path) -> None:
     assert (fresh / "out" / STORE_NAME).read_bytes() == b"not a database" * 100
 
 
-def test_a_damaged_store(folder: Path) -> None:
-    path = folder / "out" / STORE_NAME
-    content = bytearray(path.read_bytes())
-    content[4096 : 4096 + 2000] = bytes(2000)
-    path.write_bytes(content)
-    with pytest.raises(StoreError, match="damaged or no store"):
-        run(folder)
-
-
-def test_a_store_with_damaged_names(folder: Path) -> None:
-    path = folder / "out" / STORE_NAME
-    path.write_bytes(path.read_bytes().replace(b"CREATE TABLE result", b"CREATE T\xf4BLE result", 1))
-    with pytest.raises(StoreError, match="damaged or no store .* move it away and run again"):
-        run(folder)
-    (fault,) = verify_study(folder / "study.toml", folder / "out").faults
-    assert "damaged or no store" in fault
-
-
 def test_a_damaged_index_of_a_store(folder: Path) -> None:
     path = folder / "out" / STORE_NAME
     with sqlite3.connect(path) as connection:
