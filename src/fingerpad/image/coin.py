@@ -191,10 +191,9 @@ def measure_coin(image: ImageLike) -> Coin:
     True
     """
     levels = picture_levels(grey_levels(image), "pixels", CalibrationError)
-    if levels.ndim != 2 or min(levels.shape) < _MIN_SIDE_PX:
+    if min(levels.shape) < _MIN_SIDE_PX:
         raise CalibrationError(
-            f"pixels must be a grey (rows, columns) image of {_MIN_SIDE_PX} px or more, "
-            f"found shape {levels.shape}"
+            f"pixels must be {_MIN_SIDE_PX} px or more each way, found shape {levels.shape}"
         )
     values = levels.astype(np.float32)
     step = max(1.0, max(values.shape) / _WORKING_SIDE)

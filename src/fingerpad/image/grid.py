@@ -285,8 +285,6 @@ def measure_grid(
     positive_number(spacing_mm, "spacing_mm", CalibrationError)  # before the picture is read
     non_negative_number(spacing_mm_std, "spacing_mm_std", CalibrationError)
     grey = picture_levels(grey_levels(image), "image", CalibrationError).astype(np.float32)
-    if grey.ndim != 2 or not grey.size:
-        raise CalibrationError(f"the picture must be grey, (rows, columns), found shape {grey.shape}")
     low, high = float(grey.min()), float(grey.max())
     levels = np.rint((grey - low) * (255 / max(high - low, 1e-9))).astype(np.uint8)
     find, what = (_corners, "inner corners") if pattern == "checkerboard" else (_dots, "dots")

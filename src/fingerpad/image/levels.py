@@ -58,9 +58,14 @@ def picture_array(
         raise error(f"{name} must be an array of grey levels or colours: {cause}") from cause
 
 
-def picture_levels(value: npt.ArrayLike, name: str, error: type[FingerpadError] = ImageError) -> Pixels:
-    """Return a picture's levels as uint8, uint16 or float32, whichever holds them."""
+def picture_levels(
+    value: npt.ArrayLike, name: str, error: type[FingerpadError] = ImageError, *, colour: bool = False
+) -> Pixels:
+    """Return a grey picture's levels, or with `colour` either kind's, as uint8, uint16 or float32."""
     array = picture_array(value, name, error)
+    if not array.size or not (array.ndim == 2 or (colour and array.ndim == 3 and array.shape[2] >= 3)):
+        wanted = "grey (rows, columns)" + colour * " or colour (rows, columns, 3)"
+        raise error(f"{name} must be {wanted}, found shape {array.shape}")
     if array.dtype.kind not in "buif":
         raise error(f"{name} must hold grey levels or colours, found {array.dtype}")
     levels = storable(array.view(np.uint8) if array.dtype == bool else array)

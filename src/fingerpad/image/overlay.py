@@ -17,7 +17,7 @@ from fingerpad.exceptions import ImageError
 from fingerpad.image._masks import BITS, to_fixed_point
 from fingerpad.image.contact_image.result import ContactImageResult
 from fingerpad.image.ellipse import ImageEllipse
-from fingerpad.image.levels import picture_levels, storable
+from fingerpad.image.levels import picture_levels
 from fingerpad.image.photograph.result import PhotographFit
 from fingerpad.image.read import in_colour
 
@@ -160,8 +160,6 @@ def _draw_contact_image(pixels: npt.ArrayLike, found: ContactImageResult, label:
 
 def _stretch_levels(pixels: npt.ArrayLike) -> Canvas:
     values = picture_levels(pixels, "pixels")
-    if values.ndim != 2 or not values.size:
-        raise ImageError(f"pixels must be a grey (rows, columns) array, found shape {values.shape}")
     if values.dtype == np.uint8:
         return np.asarray(values, dtype=np.uint8)
     low, high = float(values.min()), float(values.max())
@@ -200,10 +198,7 @@ def _draw_ellipse(canvas: Canvas, contact_image: ContactImageResult, zoom: float
 
 
 def _draw_photograph(pixels: npt.ArrayLike, found: PhotographFit, label: str | None) -> Canvas:
-    values = np.asarray(pixels)
-    if values.ndim not in (2, 3) or not values.size:
-        raise ImageError(f"pixels must be grey or colour, found shape {values.shape}")
-    colour = in_colour(storable(values))[..., :3]
+    colour = in_colour(picture_levels(pixels, "pixels", colour=True))[..., :3]
     if len(found.points) and (found.points.max(axis=0) > np.array(colour.shape[:2])).any():
         raise ImageError(
             f"pixels must be the photograph that was measured, found {colour.shape[0]} rows and "

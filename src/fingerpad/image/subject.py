@@ -51,9 +51,9 @@ def guess_subject(image: ImageLike) -> SubjectGuess:
     colour, or a smooth body before a plain backdrop, is a finger, and its outline tells the face: end-on it
     is closed, from the front its middle line is straight, from the side it is bent.
     """
-    levels = picture_levels(colour_levels(image), "image")
-    if levels.ndim not in {2, 3} or min(levels.shape[:2]) < 2 or (levels.ndim == 3 and levels.shape[2] < 3):
-        raise ImageError(f"a picture is (rows, columns) or (rows, columns, 3), found shape {levels.shape}")
+    levels = picture_levels(colour_levels(image), "image", colour=True)
+    if min(levels.shape[:2]) < 2:
+        raise ImageError(f"image must have two rows and columns or more, found shape {levels.shape}")
     pixels = eight_bit(_reduced(levels[..., :3] if levels.ndim == 3 else levels, _LINES_PX))
     grey = cv2.cvtColor(pixels, cv2.COLOR_RGB2GRAY) if pixels.ndim == 3 else pixels
     lines = line_texture(as_float32(grey))

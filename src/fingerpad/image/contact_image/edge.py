@@ -31,6 +31,16 @@ _RAMP: Final = 64
 MANUAL: Final = math.sqrt(1 / 12 / 2)
 
 
+class StepErrors(NamedTuple):
+    """How uncertain the edge of a contact without ridges is, px of the copy."""
+
+    own: float  # standard deviation of the edge's place in one profile
+    stretch: float  # length of outline along which neighbouring profiles share that error
+    hidden: float  # standard uncertainty of the mean place by what of the outline is not seen
+    shared: float  # standard uncertainty of the edge's place all round, which images of one device share
+    doubts: frozenset[str]  # flags of this edge
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Edge:
     """An outline with what is known at each of its points, all in px of the copy."""
@@ -55,6 +65,7 @@ class Edge:
     # How much less ridges stand out at the outline than inside, under a halo or a meniscus, 0 to 1; squared
     rim: float = 0.0
     unevenness: float = 0.0  # standard deviation of the contrast just outside, in parts of the interior's
+    step_errors: StepErrors | None = None  # of a contact without ridges
 
     def moved(self, outward: FloatArray | float) -> FloatArray:
         """Return the points moved outward."""
@@ -63,11 +74,11 @@ class Edge:
 
 def drawn_edge(points: FloatArray, view: View) -> Edge:
     """Return an edge (x, y) of the copy that was drawn manually all round."""
-    edge = _even_edge(points, view)
+    edge = even_edge(points, view)
     return replace(edge, resolved=True, manual=np.ones(len(points), dtype=bool))
 
 
-def _even_edge(points: FloatArray, view: View) -> Edge:
+def even_edge(points: FloatArray, view: View) -> Edge:
     """Return an edge (x, y) of the copy, found automatically and alike all round."""
     none = np.zeros(len(points))
     return Edge(
@@ -111,7 +122,7 @@ def _outline(view: View, ridges: Ridges, patch: BoolArray) -> Edge:
         off = np.clip((value - _HALF_LEVEL) / np.maximum(slope, 10.0), -1, 1)
         points = points + normals * off[:, None]
     points = evenly_spaced(running_mean(points, 2))
-    edge = _even_edge(points, view)
+    edge = even_edge(points, view)
     depths = np.array([_FIRST_RIDGE, _FIRST_VALLEY])[:, None, None] * period
     ridge, valley = _sample(as_float32(ridges.amount), points - edge.normals * depths)
     along = running_mean((ridge - valley) / 255, round(EDGE.followed * period))

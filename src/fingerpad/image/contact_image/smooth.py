@@ -5,7 +5,7 @@ edge (smooth_edge.py) is where the picture steps half-way from the contact to wh
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any, Final, Unpack
 
 import cv2
@@ -20,8 +20,9 @@ from fingerpad.image.contact_image.calibration import SMOOTH
 from fingerpad.image.contact_image.edge import (
     MANUAL,
     Edge,
+    StepErrors,
     axis_weights,
-    point_spacings,
+    even_edge,
     running_mean,
 )
 from fingerpad.image.contact_image.region import Region
@@ -43,20 +44,9 @@ _REFUSED: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SmoothEdge(Edge):
-    """The edge of a contact without ridges, px of the copy."""
-
-    own: float  # standard deviation of the edge's place in one profile
-    stretch: float  # length of outline along which neighbouring profiles share that error
-    hidden: float  # standard uncertainty of the mean place by what of the outline is not seen
-    shared: float  # standard uncertainty of the edge's place all round, which images of one device share
-    doubts: frozenset[str]  # flags of this edge
-
-
 def find_smooth(
     pixels: npt.ArrayLike, scale: Scale, **options: Unpack[ContactImageOptions]
-) -> tuple[View, tuple[Region, SmoothEdge] | None, str | None]:
+) -> tuple[View, tuple[Region, Edge] | None, str | None]:
     """Find the contact in a picture without ridges: its view, region and edge, or why there is none."""
     for name in ("threshold", "ridge_period"):
         if options.get(name) is not None:
@@ -85,9 +75,9 @@ def evaluate_smooth(view: View, region: Region, edge: Edge, *, edited: bool) -> 
     weights = axis_weights(moments, outline) * view.step**2
     noise, offset = _outline_noise(edge, weights), 0.0
     doubts = {"edited_manually"} if edited else set()
-    if isinstance(edge, SmoothEdge):
-        offset = edge.shared * float(1 - edge.manual.mean()) * view.step
-        doubts |= edge.doubts
+    if edge.step_errors is not None:
+        offset = edge.step_errors.shared * float(1 - edge.manual.mean()) * view.step
+        doubts |= edge.step_errors.doubts
     extents = np.ptp(outline @ moments.axes.T, axis=0)
     other = extents / 2 - moments.semi_axes
     noise[:2, :2] += np.outer(other, other) / 3
@@ -210,7 +200,7 @@ def _view(
     )
 
 
-def _edge(step: Step, view: View) -> SmoothEdge:
+def _edge(step: Step, view: View) -> Edge:
     """Return a step as the edge of a contact in the copy, moved to where the contact ends."""
     shift, shared, unclear = _beyond(step)
     doubts = {"low_contrast"} if step.height < SMOOTH.low_contrast * _ground(step) else set()
@@ -223,29 +213,19 @@ def _edge(step: Step, view: View) -> SmoothEdge:
     points = step.points + outward_normals(step.points, 2) * shift
     corner = np.array(view.corner[::-1])
     rows, columns = view.contact.shape
-    points = view.to_copy(points + corner).clip(-0.5, [columns - 0.5, rows - 0.5])
+    edge = even_edge(view.to_copy(points + corner).clip(-0.5, [columns - 0.5, rows - 0.5]), view)
     own, run = _scatter(step)
     hidden = SMOOTH.hidden * step.radius * (1 - step.seen) ** 1.5
     if step.cut:
         hidden = SMOOTH.cut * step.radius
-    steps, none = point_spacings(points), np.zeros(len(points))
-    return SmoothEdge(
-        points=points,
-        normals=outward_normals(points, 2),
-        steps=steps,
-        along=none,
-        period=view.period,
-        noise=view.relative_noise,
-        softness=0.0,
-        resolved=False,
-        manual=none.astype(bool),
-        differs=none,
+    errors = StepErrors(
         own=own / view.step,
-        stretch=run * float(steps.mean()),
+        stretch=run * float(edge.steps.mean()),
         hidden=hidden / view.step,
         shared=shared / view.step,
         doubts=frozenset(doubts),
     )
+    return replace(edge, step_errors=errors)
 
 
 def _beyond(step: Step) -> tuple[float, float, bool]:
@@ -291,8 +271,8 @@ def _outline_noise(edge: Edge, weights: FloatArray) -> FloatArray:
     """Return the covariance of (semi_major, semi_minor, area) by errors of this image's outline."""
     drawn = np.where(edge.manual, MANUAL * edge.period, 0.0)
     own, width, hidden = 0.0, 1.0, 0.0
-    if isinstance(edge, SmoothEdge):
-        own, width, hidden = edge.own, edge.stretch / max(float(edge.steps.mean()), 1e-9), edge.hidden
+    if (errors := edge.step_errors) is not None:
+        own, width, hidden = errors.own, errors.stretch / max(float(edge.steps.mean()), 1e-9), errors.hidden
     response = weights * (edge.steps * np.where(edge.manual, drawn, own))[:, None]
     # The outline is a sum of few waves: an error of one profile spreads over a stretch of it.
     count = min(max(1, round(width)), len(response))

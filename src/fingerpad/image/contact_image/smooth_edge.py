@@ -6,7 +6,6 @@ The signal whose step is clearest all round shows the contact.
 """
 
 import math
-import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final
@@ -351,9 +350,10 @@ def _running_median(values: FloatArray) -> FloatArray:
 
 
 def _nanmedian(values: FloatArray, axis: int) -> FloatArray:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        return np.asarray(np.nanmedian(values, axis=axis))
+    """Return medians along an axis, NaN where there is nothing, which NumPy would warn of."""
+    nothing = np.isnan(values).all(axis=axis)
+    found = np.nanmedian(np.where(np.expand_dims(nothing, axis), 0.0, values), axis=axis)
+    return np.where(nothing, np.nan, found)
 
 
 def _edge_of(

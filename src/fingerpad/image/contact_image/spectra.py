@@ -280,16 +280,17 @@ def _flows_on(waves: FloatArray, share: FloatArray, inside: BoolArray, reach: in
     padded = np.zeros((3, rows + 2 * reach, columns + 2 * reach), dtype=waves.dtype)
     grid, ridge, here = padded[:, reach:-reach, reach:-reach]
     grid[inside], ridge[inside], here[inside] = waves, share > 0, 1
-    like, count = np.zeros(inside.shape), np.zeros(inside.shape)
-    for down in (0, reach, 2 * reach):
-        for right in (0, reach, 2 * reach):
-            if down == right == reach:
-                continue
-            other, ridged, there = padded[:, down : down + rows, right : right + columns]
-            off = np.minimum(np.abs(other - grid), np.abs(other + grid))
-            like += (ridged.real > 0) & (off < _BENT * np.abs(grid))
-            count += there.real
-    return np.asarray((like >= count / 2)[inside])
+    # Of each window inside the three rows and columns of windows about it, in order (windows, 3, 3).
+    side = 2 * reach + 1
+    around = np.lib.stride_tricks.sliding_window_view(padded, (side, side), axis=(1, 2))[
+        ..., ::reach, ::reach
+    ]
+    other, ridged, there = around[:, inside]
+    own = waves[:, None, None]
+    off = np.minimum(np.abs(other - own), np.abs(other + own))
+    like = (ridged.real > 0) & (off < _BENT * np.abs(own))
+    like[:, 1, 1] = False  # the window itself
+    return np.asarray(2 * like.sum(axis=(1, 2)) >= there.real.sum(axis=(1, 2)) - 1)
 
 
 def _alike(waves: FloatArray) -> tuple[float, float]:
