@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.claims import finger_shapes, fingertips
+from benchmarks.claims.finger_shapes import FAMILIES, measured, print_radii
 from benchmarks.tables import percent, table
 from fingerpad.image.photograph.arc import fit_arc_ellipse
 from fingerpad.simulate._finger_shape import finger_shape, pad_arc
@@ -46,5 +46,5 @@ def report(seed: int = 85, sides: int = 5) -> None:
     """Print what roughness leaves of an axis, and errors of radii of curvature, of both families."""
     cv2.setNumThreads(1)
     print_roughness()
-    for family in (finger_shapes, fingertips):
-        finger_shapes.print_radii(family.measured(sides, seed, ("radial",)))
+    for family in FAMILIES:
+        print_radii(measured(family, sides, seed, ("radial",)))

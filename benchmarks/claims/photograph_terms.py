@@ -13,8 +13,9 @@ from unittest import mock
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.claims import anatomic_fingers, finger_shapes, fingertips, outlines, photographs
+from benchmarks.claims import anatomic_fingers, finger_shapes, outlines, photographs
 from benchmarks.tables import percent, share, table
+from benchmarks.truth.anatomic_fingers import fingers
 from fingerpad.exceptions import FingerpadError
 from fingerpad.image import Scale, measure_photograph
 from fingerpad.image.ellipse_fit import fit_aligned_ellipse
@@ -31,25 +32,25 @@ _MOST = 0.5
 
 def faces(count: int, seed: int) -> Iterator[Face]:
     """Yield the family of each face, its true semi-axes and the arc of its outline."""
-    for family, shapes in (("superellipses", finger_shapes), ("known curvature", fingertips)):
-        for _, truth, found in shapes.measured(count, seed):
+    for family in finger_shapes.FAMILIES:
+        for _, truth, found in finger_shapes.measured(family, count, seed):
             if found is not None:
                 yield family, np.asarray(truth.semi_axes), found._arc
-    for finger in anatomic_fingers.fingers(max(count // 3, 2), seed):
+    for finger in fingers(max(count // 3, 2), seed):
         for face, found in anatomic_fingers.measure(finger).items():
             yield "three-dimensional", np.asarray(finger.semi_axes[face]), found._arc
     for marked in (False, True):
         for number in range(12 * count):
-            truth = photographs.random_finger(seed * 1000 + number, 60 if marked else 120)
-            palmar = None if truth.face == "palmar" else truth.palmar
-            points = truth.arc_points(9) if marked else None
+            ellipse = photographs.random_finger(seed * 1000 + number, 60 if marked else 120)
+            palmar = None if ellipse.face == "palmar" else ellipse.palmar
+            points = ellipse.arc_points(9) if marked else None
             try:
                 found = measure_photograph(
-                    truth.pixels, truth.face, Scale(truth.mm_per_px), palmar=palmar, points=points
+                    ellipse.pixels, ellipse.face, Scale(ellipse.mm_per_px), palmar=palmar, points=points
                 )
             except FingerpadError:
                 continue
-            yield "ellipses, marked" if marked else "ellipses", np.asarray(truth.semi_axes), found._arc
+            yield "ellipses, marked" if marked else "ellipses", np.asarray(ellipse.semi_axes), found._arc
     for place, kind in enumerate(outlines.KINDS):
         for number in range(4 * count):
             face = outlines.FACES[number % 3]

@@ -13,7 +13,8 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.claims import finger_shapes, fingertips, photograph_terms
+from benchmarks.claims import photograph_terms
+from benchmarks.claims.finger_shapes import FAMILIES, measured
 from benchmarks.derive.fit import Compared, Problem
 from fingerpad._arrays import FloatArray
 from fingerpad.exceptions import FitError
@@ -87,8 +88,8 @@ def radii(count: int, seed: int) -> list[SeenRadius]:
     """Return the places where wedges touch side faces."""
     return [
         SeenRadius(found, angle, truth.radius(angle))
-        for shapes in (finger_shapes, fingertips)
-        for _, truth, found in shapes.measured(count, seed, ("radial",))
+        for family in FAMILIES
+        for _, truth, found in measured(family, count, seed, ("radial",))
         if found is not None
         for angle in np.radians(_WEDGES_DEG).tolist()
     ]

@@ -1,31 +1,25 @@
 """Mutation testing of the science packages: ``python -m benchmarks.robustness.mutation_testing geometry``.
 
 Each mutant is one change by an operator of Cosmic Ray (another sign, comparison, number, truth value …) to
-a copy of the source. It survives if all tests of its package that reach its line pass. One run with coverage
-tells which these are; they run fastest first, at most 20 s of processor time in all, in a process forked from
-one that has imported the libraries. Annotations, decorators, imports, errors and f-strings are not mutated.
-``pip install cosmic-ray coverage`` first.
+a copy of the source. It survives if all tests of its package that reach it pass: testmon tells which these
+are, and runs the fastest first, until 20 s of processor time are spent. Annotations, decorators, imports,
+errors and f-strings are not mutated. ``pip install cosmic-ray pytest-testmon`` first.
 """
 
 import argparse
 import ast
-import compileall
-import importlib
 import json
 import os
 import random
-import resource
 import shutil
-import signal
+import subprocess
 import sys
 import time
 import tomllib
-import traceback
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from py_compile import PycInvalidationMode
 from tempfile import TemporaryDirectory
 from typing import Any, Final, TypeAlias
 
@@ -37,7 +31,7 @@ Place: TypeAlias = tuple[int, int]
 ROOT: Final = Path(__file__).parents[2]
 # Survivors that behave as the original, each with its reason.
 EQUIVALENT: Final = Path(__file__).with_suffix(".toml")
-SECONDS, MEMORY = 20, 6 << 30
+SECONDS: Final = 20
 RESULTS_TESTS: Final = (
     "check compare curves digest export layer methods operators outline_radius pipeline pooling repeats "
     "result_set rows table validity"
@@ -130,168 +124,57 @@ def sample_mutants(copy: Path, folder: str, count: int, seed: int) -> list[Mutan
     return sample
 
 
-def _in_fork(work: Callable[[], int], seconds: float) -> int | None:
-    """Return the exit code of a function called in a forked process, None where it took too long."""
-    child = os.fork()
-    if not child:
-        code = 70
-        try:
-            os.setsid()
-            resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 5))
-            os.dup2(os.open("output.txt", os.O_CREAT | os.O_TRUNC | os.O_WRONLY), 1)
-            os.dup2(1, 2)
-            code = work()
-        except BaseException:
-            traceback.print_exc()
-        finally:
-            os._exit(code)
-    end = time.monotonic() + 5 * seconds
-    while not (ended := os.waitpid(child, os.WNOHANG))[0] and time.monotonic() < end:
-        time.sleep(0.02)
-    with suppress(ProcessLookupError):
-        os.killpg(child, signal.SIGKILL)
-    if not ended[0]:
-        os.waitpid(child, 0)
-        return None
-    return os.WEXITSTATUS(ended[1]) if os.WIFEXITED(ended[1]) else None
+def pytest_runtest_teardown(item: pytest.Item) -> None:
+    """Stop where the tests of a mutant have taken their time: this module is a plugin of theirs."""
+    if "MUTANT" in os.environ and time.process_time() > SECONDS:
+        item.session.shouldstop = "time is spent"
 
 
-def _pytest(copy: Path, paths: list[str], plugin: object) -> int:
-    """Run tests of the copy in this process and return pytest's exit code."""
-    sys.path[:0] = [str(copy), str(copy / "src")]
-    os.environ["PYTHONPATH"] = str(copy / "src")
-    for name in [name for name in sys.modules if name.split(".")[0] in {"benchmarks", "fingerpad"}]:
-        del sys.modules[name]
-    options = "-x -q -n 0 -p no:cacheprovider -W ignore::pytest.PytestAssertRewriteWarning"
-    return int(pytest.main([*options.split(), *paths], plugins=[plugin]))
+def _pytest(
+    copy: Path, paths: list[str], *options: str, seconds: float | None = None, **environment: str
+) -> tuple[int, str]:
+    """Run those tests of the copy that a change reaches; return pytest's exit code and what it printed."""
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-x",
+        "-q",
+        "-n",
+        "0",
+        "-p",
+        "testmon.pytest_testmon",
+        "--testmon-forceselect",
+        *options,
+        *paths,
+    ]
+    known = (
+        os.environ | {"PYTHONPATH": f"{copy / 'src'}:{copy}", "PYTHONDONTWRITEBYTECODE": "1"} | environment
+    )
+    done = subprocess.run(
+        command, cwd=copy, env=known, capture_output=True, text=True, check=False, timeout=seconds
+    )
+    return done.returncode, done.stdout + done.stderr
 
 
-def _processor_time() -> float:
-    return sum(os.times()[:4])  # that of processes which have ended included
-
-
-class _Trace:
-    """Tells coverage which test runs or which fixture of several tests, and notes the time of each test."""
-
-    def __init__(self, coverage: Any) -> None:
-        self.coverage, self.seconds, self.fixtures = coverage, dict[str, float](), dict[str, list[str]]()
-
-    def pytest_runtest_setup(self, item: Any) -> None:
-        self.test, self.start = item.nodeid, _processor_time()
-        self.fixtures[item.nodeid] = list(getattr(item, "fixturenames", ()))
-        for module in [of for name, of in sys.modules.items() if name.startswith("fingerpad.")]:
-            for value in list(vars(module).values()):
-                if hasattr(value, "cache_clear") and hasattr(value, "cache_info"):
-                    value.cache_clear()  # so that each test reaches what it needs
-        self.coverage.switch_context(item.nodeid)
-
-    def pytest_fixture_setup(self, fixturedef: Any) -> None:
-        if fixturedef.scope != "function":
-            self.coverage.switch_context(f"fixture {fixturedef.argname}")
-
-    def pytest_runtest_call(self) -> None:
-        self.coverage.switch_context(self.test)
-
-    def pytest_runtest_teardown(self) -> None:
-        self.seconds[self.test] = _processor_time() - self.start
-
-
-class _Chosen:
-    """Keeps the chosen tests, in their order, and notes the one that fails."""
-
-    def __init__(self, tests: list[str], failed: Path) -> None:
-        self.order, self.failed = {test: place for place, test in enumerate(tests)}, failed
-
-    def pytest_collection_modifyitems(self, items: list[Any]) -> None:
-        items[:] = sorted((i for i in items if i.nodeid in self.order), key=lambda i: self.order[i.nodeid])
-
-    def pytest_runtest_logreport(self, report: Any) -> None:
-        if report.failed:
-            self.failed.write_text(report.nodeid, encoding="utf-8")
-
-
-def trace_tests(copy: Path, folder: str, paths: list[str]) -> dict[str, Any]:
-    """Run all tests of a package with coverage; return the lines that each reaches, and its time."""
-
-    def work() -> int:
-        import coverage  # noqa: PLC0415
-
-        traced = coverage.Coverage(data_file=None, include=[f"{copy / folder}/*"])
-        trace = _Trace(traced)
-        traced.start()
-        code = _pytest(copy, paths, trace)
-        traced.stop()
-        data, own = traced.get_data(), {"benchmarks", "fingerpad", "tests"}
-        found = {
-            "lines": {
-                str(Path(f).relative_to(copy)): data.contexts_by_lineno(f) for f in data.measured_files()
-            },
-            "seconds": trace.seconds,
-            "fixtures": trace.fixtures,
-            "modules": [name for name in sys.modules if name.split(".")[0] not in own],
-        }
-        Path("trace.json").write_text(json.dumps(found), encoding="utf-8")
-        return code
-
-    if _in_fork(work, 3600) != 0:
-        raise SystemExit(f"the tests fail without a mutant:\n{Path('output.txt').read_text()[-3000:]}")
-    found: dict[str, Any] = json.loads(Path("trace.json").read_text(encoding="utf-8"))
-    for name in found["modules"]:
-        with suppress(Exception):
-            importlib.import_module(name)
-    return found
-
-
-def _statement_at(path: Path, line: int) -> range:
-    """Return the lines of the statement that a line belongs to, of a compound one those of its head."""
-    found = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.stmt):
-            body = getattr(node, "body", None)
-            last = max(node.lineno, body[0].lineno - 1) if body else node.end_lineno or node.lineno
-            if node.lineno <= line <= last:
-                found.append(range(node.lineno, last + 1))
-    return min(found, key=len)
-
-
-def tests_reaching(trace: dict[str, Any], copy: Path, mutant: Mutant) -> list[str]:
-    """Return the tests that reach a mutant, fastest first, as many as fit in the time, at least one."""
-    lines, contexts = trace["lines"].get(mutant["file"], {}), set[str]()
-    for line in _statement_at(copy / mutant["file"], mutant["line"]):
-        contexts.update(lines.get(str(line), []))
-    shared = {name.removeprefix("fixture ") for name in contexts if name.startswith("fixture ")}
-    chosen, left = list[str](), float(SECONDS)
-    for test, seconds in sorted(trace["seconds"].items(), key=lambda pair: pair[1]):
-        # Without a context a line runs when its module is imported.
-        reached = "" in contexts or test in contexts or shared & set(trace["fixtures"][test])
-        if reached and (seconds < left or not chosen):
-            chosen.append(test)
-            left -= seconds
-    return chosen
-
-
-def outcome_of(copy: Path, mutant: Mutant, tests: list[str]) -> str:
+def outcome_of(copy: Path, mutant: Mutant, paths: list[str]) -> str:
     """Return ``killed`` with the test that fails, or ``survived``."""
-    if not tests:
-        return "survived: no test reaches it"
-    path, failed = copy / mutant["file"], copy / "failed.txt"
-    failed.unlink(missing_ok=True)
+    path = copy / mutant["file"]
     source = path.read_text(encoding="utf-8")
     path.write_text(mutate(source, mutant), encoding="utf-8")
-
-    def work() -> int:
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-        return _pytest(copy, sorted({test.split("::")[0] for test in tests}), _Chosen(tests, failed))
-
+    options = "--testmon-nocollect", "-p", __spec__.name
     try:
-        code = _in_fork(work, 2 * SECONDS)
+        code, printed = _pytest(copy, paths, *options, seconds=10 * SECONDS, MUTANT="1")
+    except subprocess.TimeoutExpired:
+        return "killed: time"
     finally:
         path.write_text(source, encoding="utf-8")
-    if code == 0:
+    if code == pytest.ExitCode.NO_TESTS_COLLECTED:
+        return "survived: no test reaches it"
+    if code in {pytest.ExitCode.OK, pytest.ExitCode.INTERRUPTED}:
         return "survived"
-    if code is not None and code > pytest.ExitCode.USAGE_ERROR:
-        raise SystemExit(f"pytest did not run:\n{Path('output.txt').read_text()[-3000:]}")
-    return f"killed: {failed.read_text(encoding='utf-8') if failed.exists() else code or 'time'}"
+    failed = [line for line in printed.splitlines() if line.startswith(("FAILED", "ERROR"))]
+    return f"killed: {failed[0] if failed else code}"
 
 
 def run_package(name: str, count: int, seed: int, sample: list[Mutant] | None) -> list[Mutant]:
@@ -302,15 +185,15 @@ def run_package(name: str, count: int, seed: int, sample: list[Mutant] | None) -
         for part in ("src", "tests", "benchmarks", "examples"):
             shutil.copytree(ROOT / part, copy / part, ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copy(ROOT / "pyproject.toml", copy)
-        compileall.compile_dir(copy / "src", quiet=2, invalidation_mode=PycInvalidationMode.CHECKED_HASH)
-        os.chdir(copy)
+        paths = [folder, *(path for path in paths if (copy / path).exists())]
+        code, printed = _pytest(copy, paths)
+        if code:
+            raise SystemExit(f"the tests fail without a mutant:\n{printed[-3000:]}")
         sample = sample or sample_mutants(copy, folder, count, seed)
-        trace = trace_tests(copy, folder, [folder, *(path for path in paths if (copy / path).exists())])
         for number, mutant in enumerate(sample, 1):
-            mutant["outcome"] = outcome_of(copy, mutant, tests_reaching(trace, copy, mutant))
+            mutant["outcome"] = outcome_of(copy, mutant, paths)
             where = f"{mutant['file'].removeprefix('src/fingerpad/')}:{mutant['line']}"
             print(f"{number}/{len(sample)} {where} {mutant['after']}  # {mutant['outcome']}", flush=True)
-        os.chdir(ROOT)
     return sample
 
 

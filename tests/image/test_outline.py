@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks.claims.finger_shapes import SHAPES, tip_outline
+from benchmarks.truth.finger_shapes import SHAPES, tip_outline
 
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.image import combine_faces, face_from_outline, read_outline

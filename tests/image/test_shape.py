@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from benchmarks.claims import fingertips
-from benchmarks.claims.finger_shapes import SHAPES, SIDES, render, tip_outline
+from benchmarks.claims.finger_shapes import SIDES
+from benchmarks.truth import fingertips
+from benchmarks.truth.finger_shapes import SHAPES, render, tip_outline
 
 from fingerpad.image import Scale, measure_photograph
 from fingerpad.image.photograph.arc import fit_arc_ellipse
@@ -119,7 +120,7 @@ def test_few_points_tell_nothing():
 @pytest.mark.parametrize("name", ["slightly pointed", "blunt", "one side fuller"])
 def test_photographs_of_fingers_that_are_no_ellipses(name):
     rng = np.random.default_rng([1, zlib.crc32(name.encode())])
-    truth = render(rng, SHAPES[name], "palmar")
+    truth = render(SHAPES[name], rng, "palmar")
     seen = measure_photograph(truth.pixels, "palmar", Scale(truth.mm_per_px), palmar=SIDES["palmar"])
     assert ("not_an_ellipse" in seen.flags) == (name != "one side fuller")
     assert (np.abs(seen.semi_axes - truth.semi_axes) < 1.96 * np.sqrt(np.diagonal(seen.covariance))).all()
@@ -151,7 +152,7 @@ def test_an_outline_that_ends_short_of_the_place_shows_no_radius():
 
 
 def test_a_side_face_tells_its_own_curvature_from_the_ellipses():
-    truth = fingertips.render(np.random.default_rng([3, 9]), "three circles", "radial")
+    truth = fingertips.render("three circles", np.random.default_rng([3, 9]), "radial")
     seen = measure_photograph(truth.pixels, "radial", Scale(truth.mm_per_px), palmar="right")
     angle = math.radians(30)
     radius, std = seen.outline_radius(angle)
@@ -235,7 +236,7 @@ def test_photographs_alike_have_uncertainties_alike():
 
 def test_the_interval_of_a_flat_pad_holds_its_semi_axes():
     face = "radial"
-    truth = fingertips.render(np.random.default_rng([3, 9]), "flat pad", face)
+    truth = fingertips.render("flat pad", np.random.default_rng([3, 9]), face)
     seen = measure_photograph(truth.pixels, face, Scale(truth.mm_per_px), palmar=SIDES[face])
     assert (np.abs(seen.semi_axes - truth.semi_axes) < 1.96 * np.sqrt(np.diagonal(seen.covariance))).all()
     assert "not_an_ellipse" in seen.flags

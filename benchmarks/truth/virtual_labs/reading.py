@@ -4,7 +4,7 @@ import csv
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +15,13 @@ from benchmarks.tables import share
 from .lab import Truth
 
 NO_DOUBT = {"", "None", "holds", "not_tested", "not tested"}
+_ENDS = "", "_std", "_total_std", "_model_std", "_ci95_low", "_ci95_high"
 
 
 @dataclass(frozen=True)
 class Comparison:
     """One stated number beside the truth; open ends of intervals and deep tissue are infinite."""
 
-    seed: int
-    bone: bool
-    shape: str
-    where: str
     quantity: str
     value: float
     std: float
@@ -34,14 +31,9 @@ class Comparison:
     flags: str
 
     @property
-    def covered(self) -> bool:
+    def held(self) -> bool:
         """Whether the 95 % interval holds the truth."""
         return self.low <= self.truth <= self.high
-
-    @property
-    def silent(self) -> bool:
-        """Whether it misses the truth and nothing beside it says so."""
-        return not self.covered and not self.flags
 
     @property
     def unit(self) -> float:
@@ -49,128 +41,120 @@ class Comparison:
         return 1e-3 if self.quantity.endswith("(µm)") else self.truth / 100
 
 
-def _number(value: Any) -> float:
-    return math.nan if value is None or value == "" else float(value)
-
-
+@dataclass
 class _Reader:
     """Comparisons of one lab."""
 
-    def __init__(self, truth: Truth) -> None:
-        self.truth = truth
-        self.found: list[Comparison] = []
+    truth: Truth
+    found: list[Comparison] = field(default_factory=list)
 
-    def add(
-        self,
-        where: str,
-        quantity: str,
-        record: Mapping[str, Any],
-        key: str,
-        truth: float,
-        *,
-        flags: Iterable[Any],
-    ) -> None:
-        """Add the number ``key`` of a record with its total uncertainty, by whichever keys state it."""
-        value, std, total, model, low, high = (
-            _number(record.get(key + end))
-            for end in ("", "_std", "_total_std", "_model_std", "_ci95_low", "_ci95_high")
-        )
-        interval = record.get(f"{key}_ci95")
-        if interval is not None:
-            low = -math.inf if interval[0] is None else interval[0]
-            high = math.inf if interval[1] is None else interval[1]
-        elif math.isnan(value):
-            return
-        if math.isnan(total) and model > 0:
-            total = math.hypot(std, model)
-        std = total if total > 0 else std
-        if total > 0 or math.isnan(low):
-            low, high = np.fmin(low, value - 1.96 * std), np.fmax(high, value + 1.96 * std)
-        named = " ".join(sorted({str(flag) for flag in flags} - NO_DOUBT))
-        t = self.truth
-        shape = "ellipsoid" if t.kind == "ellipsoid" else "other"
-        numbers = value, std, float(low), float(high), truth
-        self.found.append(Comparison(t.seed, t.bone, shape, where, quantity, *numbers, named))
+    def add(self, record: Mapping[str, Any], flags: Iterable[Any], *numbers: tuple[str, str, float]) -> None:
+        """Add numbers of a record, each as its key, what it is called, and the truth.
+
+        Its total uncertainty is by whichever keys state it.
+        """
+        words = " ".join(sorted({str(flag) for flag in flags} - NO_DOUBT))
+        for key, quantity, truth in numbers:
+            stated = (record.get(key + end) for end in _ENDS)
+            value, std, total, model, low, high = (math.nan if x in (None, "") else float(x) for x in stated)
+            interval = record.get(f"{key}_ci95")
+            if interval is not None:
+                low = -math.inf if interval[0] is None else interval[0]
+                high = math.inf if interval[1] is None else interval[1]
+            elif math.isnan(value):
+                continue
+            if math.isnan(total) and model > 0:
+                total = math.hypot(std, model)
+            std = total if total > 0 else std
+            if total > 0 or math.isnan(low):
+                low, high = np.fmin(low, value - 1.96 * std), np.fmax(high, value + 1.96 * std)
+            self.found.append(Comparison(quantity, value, std, float(low), float(high), truth, words))
 
     def image(self, row: dict[str, str]) -> None:
         """Compare a row of results.csv."""
-        name, truth, flags = row["observation"], self.truth, row["flags"].split()
-        xi, layer_flags = truth.indentation[name], [*flags, row["layer_flag"]]
-        self.add(name, "contact area", row, "gross_area_mm2", truth.areas[name], flags=flags)
-        for key, true in zip(("semi_major_mm", "semi_minor_mm"), truth.axes[name], strict=True):
-            self.add(name, "contact semi-axes", row, key, true, flags=flags)
-        for quantity, key, true in (
-            ("ξ on stated layer", "indentation_on_layer_mm", xi),
-            ("A/(πξ) on it", "loading_radius_on_layer_mm", truth.areas[name] / (math.pi * xi)),
-            ("E on it, each image", "youngs_modulus_on_layer_kpa", truth.youngs_modulus),
-        ):
-            self.add(name, quantity, row, key, true, flags=layer_flags)
+        truth, name, flags = self.truth, row["observation"], row["flags"].split()
+        area, xi, axes = truth.areas[name], truth.indentation[name], "contact semi-axes"
+        major, minor = truth.axes[name]
+        self.add(
+            row,
+            flags,
+            ("gross_area_mm2", "contact area", area),
+            ("semi_major_mm", axes, major),
+            ("semi_minor_mm", axes, minor),
+        )
+        self.add(
+            row,
+            [*flags, row["layer_flag"]],
+            ("indentation_on_layer_mm", "ξ on stated layer", xi),
+            ("loading_radius_on_layer_mm", "A/(πξ) on it", area / (math.pi * xi)),
+            ("youngs_modulus_on_layer_kpa", "E on it, each image", truth.youngs_modulus),
+        )
 
     def semi_axes(self, finger: dict[str, Any]) -> None:
         """Compare a finger of summary.json."""
         method = finger["finger"].removeprefix("finger").strip("_") or self.truth.method
         for k, axis in enumerate(("palmar", "distal", "radial_ulnar")):
             record = {axis: finger[f"{axis}_mm"], f"{axis}_std": math.sqrt(finger["covariance_mm2"][k][k])}
-            true = getattr(self.truth.pad, axis)
-            self.add(axis, f"pad semi-axes, {method}", record, axis, true, flags=_finger_flags(finger))
+            number = axis, f"pad semi-axes, {method}", getattr(self.truth.pad, axis)
+            self.add(record, _finger_flags(finger), number)
 
     def summary(self, record: dict[str, Any], pad_flags: list[str]) -> None:
         """Compare a finger at an angle of summary.json."""
-        truth, wedge = self.truth, round(record["wedge_angle_deg"])
-        where, modulus = f"@{wedge}", truth.youngs_modulus
-        true_radius, corrected = truth.mean_radius[wedge], truth.corrected_radius[wedge]
-        self.add(where, "R_0g", record, "mean_curvature_radius_mm", true_radius, flags=pad_flags)
-        self.add(where, "corrected radius", record, "radius_from_indentation_mm", corrected, flags=pad_flags)
-        validity = record["validity"]
+        truth, wedge, validity = self.truth, round(record["wedge_angle_deg"]), record["validity"]
+        self.add(
+            record,
+            pad_flags,
+            ("mean_curvature_radius_mm", "R_0g", truth.mean_radius[wedge]),
+            ("radius_from_indentation_mm", "corrected radius", truth.corrected_radius[wedge]),
+        )
         xi = truth.indentation.get(str(validity["observation"]), math.nan)
         for key, quantity, true in (
-            ("youngs_modulus_kpa", "E Hertz, headline", modulus),
+            ("youngs_modulus_kpa", "E Hertz, headline", truth.youngs_modulus),
             ("indentation_mm", "ξ Hertz, headline", xi),
         ):
             headline = validity["headlines"][key]
             stated = {key: headline["value"], f"{key}_std": headline["value_std"]}
             stated[f"{key}_total_std"] = headline["total_std"]
-            self.add(where, quantity, stated, key, true, flags=[headline["verdict"]])
-        layer = (record.get("on_layer") or {}).get("pooled") or {}
-        flags = [(validity.get("on_layer") or {}).get("verdict")]
-        for key, quantity, true in (
-            ("youngs_modulus_on_layer_kpa", "E on stated layer, pooled", modulus),
+            self.add(stated, [headline["verdict"]], (key, quantity, true))
+        self.add(
+            (record.get("on_layer") or {}).get("pooled") or {},
+            [(validity.get("on_layer") or {}).get("verdict")],
+            ("youngs_modulus_on_layer_kpa", "E on stated layer, pooled", truth.youngs_modulus),
             ("loading_radius_on_layer_mm", "A/(πξ) on it, pooled", truth.loading_radius[wedge]),
-        ):
-            self.add(where, quantity, layer, key, true, flags=flags)
+        )
 
     def load(self, row: dict[str, str]) -> None:
         """Compare a row of by_load.csv."""
-        where, true = f"@{round(float(row['wedge_angle_deg']))} {row['load_N']} N", self.truth.youngs_modulus
         words = [row.get(k) for k in ("youngs_modulus_kpa_verdict", "flags", "range_notes")]
-        self.add(where, "E in by_load.csv", row, "youngs_modulus_kpa", true, flags=words)
-        flags = [row.get("youngs_modulus_on_layer_kpa_verdict"), row.get("layer_flag")]
-        self.add(where, "E on layer in by_load.csv", row, "youngs_modulus_on_layer_kpa", true, flags=flags)
+        self.add(row, words, ("youngs_modulus_kpa", "E in by_load.csv", self.truth.youngs_modulus))
+        words = [row.get("youngs_modulus_on_layer_kpa_verdict"), row.get("layer_flag")]
+        key = "youngs_modulus_on_layer_kpa"
+        self.add(row, words, (key, "E on layer in by_load.csv", self.truth.youngs_modulus))
 
     def curve(self, curve: dict[str, Any]) -> None:
         """Compare a loading curve of summary.json."""
         truth, wedge = self.truth, round(curve["wedge_angle_deg"])
-        where, offset, modulus = f"@{wedge}", truth.contact_offset[wedge], truth.youngs_modulus
+        offset, modulus = truth.contact_offset[wedge], truth.youngs_modulus
         fit, layer, on_layer = (curve.get(k) or {} for k in ("fit", "layer", "on_layer"))
         flags = list(fit.get("flags") or [])
-        radius_key = "loading_radius_mm" if "loading_radius_mm" in fit else "effective_radius_mm"
-        for key, quantity, true in (
-            (radius_key, "curve: R_g", truth.loading_radius[wedge]),
+        self.add(
+            fit,
+            flags,
+            ("loading_radius_mm", "curve: R_g", truth.loading_radius[wedge]),
             ("initial_modulus_kpa", "curve: E_0g, own equation", truth.initial_modulus[wedge]),
             ("initial_modulus_kpa", "curve: E_0g as tissue E", modulus),
             ("contact_offset_mm", "curve: x₀ (µm)", offset),
-        ):
-            self.add(where, quantity, fit, key, true, flags=flags)
-        for key, quantity, true in (
+        )
+        self.add(
+            layer,
+            layer.get("flags") or [],
             ("thickness_mm", "layer fit: t", truth.thickness),
             ("youngs_modulus_kpa", "layer fit: E", modulus),
             ("contact_offset_mm", "layer fit: x₀ (µm)", offset),
             ("radius_mm", "layer fit: radius", truth.mean_radius[wedge]),
-        ):
-            self.add(where, quantity, layer, key, true, flags=layer.get("flags") or [])
-        flags = [*flags, on_layer.get("layer_flag")]
+        )
         key = "youngs_modulus_from_indentation_on_layer_kpa"
-        self.add(where, "E from curve's ξ on layer", on_layer, key, modulus, flags=flags)
+        self.add(on_layer, [*flags, on_layer.get("layer_flag")], (key, "E from curve's ξ on layer", modulus))
 
 
 def _finger_flags(finger: dict[str, Any]) -> list[str]:
@@ -213,38 +197,5 @@ def by_quantity(found: list[Comparison]) -> Iterator[tuple[object, ...]]:
         finite = [c for c in group if math.isfinite(c.truth) and c.std > 0]
         e, s = np.array([[(c.value - c.truth) / c.unit, c.std / c.unit] for c in finite]).reshape(-1, 2).T
         numbers = [f"{x:.1f}" for x in (math.sqrt((e**2).mean()), s.mean())] if finite else ["–", "–"]
-        shares = [share([c.covered for c in group]), share([bool(c.flags) for c in group])]
-        yield quantity, len(group), *numbers, *shares, sum(c.silent for c in group)
-
-
-def silent_misses(found: list[Comparison]) -> list[str]:
-    """Return one line for each number that misses the truth with nothing beside it."""
-    return [
-        f"seed {c.seed} {c.where}, {c.quantity}: {c.value:.4g} ± {c.std:.2g} "
-        f"(95 %: {c.low:.4g} to {c.high:.4g}), true {c.truth:.4g}, {(c.value - c.truth) / c.std:+.1f} std"
-        for c in found
-        if c.silent
-    ]
-
-
-def verdicts(found: list[Comparison]) -> list[str]:
-    """Return how headlines of Hertz theory are judged, by how far they are off, and claims of a thickness."""
-    lines = []
-    for low, high in ((0, 5), (5, 20), (20, math.inf)):
-        words = [
-            c.flags or "holds"
-            for c in found
-            if c.quantity.endswith("headline") and low <= abs(c.value - c.truth) / c.unit < high
-        ]
-        counts = ", ".join(f"{word} {words.count(word)}" for word in sorted(set(words)))
-        lines.append(f"headlines of Hertz theory off by {low} to {high} %: {len(words)} ({counts})")
-    deep = [c for c in found if c.quantity == "layer fit: t" and not c.bone]
-    claims = [c for c in deep if math.isfinite(c.high)]
-    silent, named = [c for c in claims if not c.flags], ", ".join(f"{c.seed}{c.where}" for c in claims)
-    lines.append(
-        f"deep tissue: a largest thickness in {len(claims)} of {len(deep)}, unflagged {len(silent)} ({named})"
-    )
-    lines.append(
-        f"deep tissue: a thickness as a number in {sum(math.isfinite(c.value) for c in deep)} of {len(deep)}"
-    )
-    return lines
+        shares = [share([c.held for c in group]), share([bool(c.flags) for c in group])]
+        yield quantity, len(group), *numbers, *shares, sum(not c.held and not c.flags for c in group)

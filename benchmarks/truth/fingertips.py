@@ -1,0 +1,120 @@
+"""Photographs of fingertips of known curvature: semi-axes, and the radius at the place of contact.
+
+Each outline is drawn from its radius of curvature as a function of its normal's angle, R(psi), so that the
+radius at every place is known without any fit: eggs, flattened and narrow tips, shoulders, arches of three
+circles, sides that differ, pads flatter near the middle, and smooth random departures. Written from geometry
+alone. The true semi-axes are half of the width and the height of the tip above its widest places; of a side
+face, whose other half is the nail's side, what the palmar half reaches out from the tip and down from it.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from benchmarks.truth.finger_outlines import SIZES_MM
+from benchmarks.truth.finger_shapes import ShapedFinger, photograph_outline
+from fingerpad.image import Face
+
+Array = npt.NDArray[np.float64]
+
+# Normals from the fold below the pad of a side face, over the tip, to the widest place on the other side.
+_PSI: Final = np.linspace(math.radians(-50), math.pi, 8001)
+
+
+def _ellipse(psi: Array, across: float, along: float) -> Array:
+    support = np.sqrt((across * np.cos(psi)) ** 2 + (along * np.sin(psi)) ** 2)
+    return np.asarray((across * along) ** 2 / support**3)
+
+
+def _bump(psi: Array, centre_deg: float, width_deg: float) -> Array:
+    return np.asarray(np.exp(-0.5 * ((psi - math.radians(centre_deg)) / math.radians(width_deg)) ** 2))
+
+
+def _step(psi: Array, at_deg: float, width_deg: float) -> Array:
+    """Return a smooth step from -1 to 1."""
+    return np.asarray(np.tanh((psi - math.radians(at_deg)) / math.radians(width_deg)))
+
+
+def _egg(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
+    """Return the radii of an egg: an ellipse whose support function has a third harmonic; it stays convex."""
+    ellipse = _ellipse(psi, across, along)
+    share = rng.choice([-1, 1]) * rng.uniform(0.2, 0.45) * ellipse.min()
+    return np.asarray(ellipse + share * np.sin(3 * psi))
+
+
+def _arch(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
+    """Return the radii of an arch of three circles, run into one another over 12 degrees."""
+    ends = np.log(_ellipse(np.radians([0.0, 90.0]), across, along))
+    side, tip = ends.mean() + rng.uniform(0.55, 0.75) * (ends - ends.mean())
+    at = rng.uniform(38, 52)
+    inside = 0.5 * (_step(psi, at, 12) - _step(psi, 180 - at, 12))
+    return np.asarray(np.exp(side + (tip - side) * inside))
+
+
+def _random(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
+    order = np.arange(1, 5)
+    phase, size = rng.uniform(0, 2 * math.pi, 4), rng.normal(0, 0.16, 4) / np.sqrt(order)
+    return np.asarray(_ellipse(psi, across, along) * np.exp(np.cos(psi[:, None] * order + phase) @ size))
+
+
+def _scaled(factor: Callable[[Array, np.random.Generator], Array]) -> Callable[..., Array]:
+    def radii(psi: Array, across: float, along: float, rng: np.random.Generator) -> Array:
+        return np.asarray(_ellipse(psi, across, along) * factor(psi, rng))
+
+    return radii
+
+
+SHAPES: Final[dict[str, Callable[..., Array]]] = {
+    "ellipse": lambda psi, across, along, _: _ellipse(psi, across, along),
+    "egg": _egg,
+    "flattened tip": _scaled(lambda psi, rng: 1 + rng.uniform(0.4, 1.0) * _bump(psi, 90, 25)),
+    "narrow tip": _scaled(lambda psi, rng: 1 - rng.uniform(0.2, 0.45) * _bump(psi, 90, 25)),
+    "shoulders": _scaled(
+        lambda psi, rng: 1 - rng.uniform(0.2, 0.4) * (_bump(psi, 45, 15) + _bump(psi, 135, 15))
+    ),
+    "three circles": _arch,
+    "sides differ": _scaled(
+        lambda psi, rng: np.exp(rng.choice([-1, 1]) * rng.uniform(0.15, 0.35) * _step(psi, 90, 30))
+    ),
+    "flat pad": _scaled(lambda psi, rng: 1 + rng.uniform(0.3, 0.8) * _bump(psi, 10, 25)),
+    "random": _random,
+}
+
+
+def _outline(radii: Array) -> Array:
+    """Return the points (x, y) of the curve with these radii of curvature at the normals of ``_PSI``."""
+    step = np.diff(_PSI)[:, None]
+    pace = radii[:, None] * np.stack([-np.sin(_PSI), np.cos(_PSI)], axis=-1)
+    return np.concatenate([np.zeros((1, 2)), np.cumsum(step * (pace[1:] + pace[:-1]) / 2, axis=0)])
+
+
+def render(name: str, rng: np.random.Generator, face: Face) -> ShapedFinger:
+    """Draw one finger before a backdrop, with rough skin, blur, pixels and noise."""
+    scale = rng.uniform(0.045, 0.07)
+    across, along = (rng.uniform(*limits) for limits in SIZES_MM[face])
+    radii = SHAPES[name](_PSI, across, along, rng)
+    curve = _outline(radii)
+    right = np.searchsorted(_PSI, 0.0)
+    # The origin is midway between the widest places.
+    curve = curve - (curve[right] + curve[-1]) / 2
+    tip = curve[right:]
+    shaft = _shaft(rng, tip, face, curve if face == "radial" else tip)
+    top = tip[tip[:, 1].argmax()]
+    reach = (tip[0, 0] - top[0], top[1] - tip[0, 1]) if face == "radial" else (tip[0, 0], top[1])
+    return ShapedFinger(photograph_outline(rng, shaft, face, scale), face, scale, reach, tip)
+
+
+def _shaft(rng: np.random.Generator, tip: Array, face: Face, seen: Array) -> Array:
+    """Return a closed outline: the tip, and a finger that narrows by up to three degrees below it."""
+    across, along = tip[0, 0], tip[:, 1].max()
+    if face == "distal":
+        t = np.linspace(0, math.pi, 2001)[1:-1, None]
+        back = 0.7 * across * np.sin(t) * [0, -1] + (tip[-1] + (tip[0] - tip[-1]) * (1 - np.cos(t)) / 2)
+        return np.concatenate([tip, back])
+    low = -1.6 * across - 1.5 * along
+    in_by = math.tan(math.radians(rng.uniform(0, 3))) * -low
+    first = seen[0, 0] * (0.95 if face == "radial" else 1) - in_by
+    return np.concatenate([seen, [[-across + in_by, low], [first, low]]])
