@@ -8,6 +8,7 @@ import re
 import sys
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -80,15 +81,27 @@ PLAIN = {
     "PlaneEllipse",
     "PrincipalRadii",
     "PronyTerm",
+    "Table",  # what the tables of a manifest share
 }
 PACKAGES = (
-    "geometry", "contact", "image", "loading", "published", "simulate", "uncertainty", "study.manifest",
+    "geometry", "contact", "image", "loading", "published", "simulate", "uncertainty",
+    "study.manifest.load", "study.manifest.models",
 )  # fmt: skip
+
+
+def names_of(module: ModuleType) -> list[str]:
+    """Return the names that a package offers, or that a module defines."""
+    if hasattr(module, "__all__"):
+        return module.__all__
+    own = {
+        name for name, member in vars(module).items() if getattr(member, "__module__", "") == module.__name__
+    }
+    return [name for name in own if not name.startswith("_")]
 
 
 def public_classes() -> dict[str, type]:
     modules = [importlib.import_module(f"fingerpad.{name}") for name in PACKAGES]
-    members = {name: getattr(module, name) for module in modules for name in module.__all__}
+    members = {name: getattr(module, name) for module in modules for name in names_of(module)}
     return {
         name: member
         for name, member in members.items()
