@@ -3,6 +3,7 @@
 import html
 import re
 import shutil
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -125,6 +126,16 @@ def test_the_answers_come_first_and_in_few_words(demo: tuple[StudyResult, str, P
         assert f"</span> {validity.verdict}" in row or f" {validity.verdict}</span></a>" in row
     assert "13.8 ± 4.6</td>" in table
     assert "49.2 ± 5.0<br><small>on bone</small>" in table
+
+
+def test_doubtful_input_stands_above_the_figures(demo: tuple[StudyResult, str, Path], tmp_path: Path) -> None:
+    notes = tuple(f"finger_{k}: are these full widths?" for k in range(5))
+    out = shutil.copytree(demo[2], tmp_path / "results")
+    text = write_report(replace(demo[0], notes=notes), out).read_text(encoding="utf-8")
+    before = text[: text.index("<figure")]
+    assert [note in before for note in notes] == 5 * [True]
+    assert "<summary>2 more</summary>" in before
+    assert "Check the input" not in demo[1][: demo[1].index("<figure")]
 
 
 def test_each_link_leads_into_a_fold_not_to_its_lid(demo: tuple[StudyResult, str, Path]) -> None:

@@ -94,7 +94,9 @@ def escaped(text: str) -> str:
 
 def log_subs(low: float, high: float) -> tuple[float, ...]:
     """Return which numbers of each decade a logarithmic axis names: most data span little more than one."""
-    return (1.0, 2.0, 5.0) if high < 100 * low else (1.0,)
+    if high < 100 * low:
+        return (1.0, 2.0, 5.0) if high > 5 * low else (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
+    return (1.0,)
 
 
 @in_style
