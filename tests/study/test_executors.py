@@ -4,6 +4,7 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -88,6 +89,21 @@ def test_linear_algebra_of_a_worker_has_one_thread(tmp_path: Path, monkeypatch: 
     assert {record["threads"] for record in found} == {"1"}
     assert os.getpid() not in {record["process"] for record in found}
     assert os.environ.get("OMP_NUM_THREADS") == "4"
+
+
+def test_tasks_are_asked_for_as_they_can_be_performed(tmp_path: Path) -> None:
+    asked: list[int] = []
+    before_each: list[int] = []
+
+    def tasks() -> Iterator[Task]:
+        for number in range(5):
+            asked.append(number)
+            yield task(number)
+
+    with Store.writing(tmp_path / STORE_NAME) as store, local_executor(tmp_path, 1) as executor:
+        found = records_of(tasks(), executor, store, tmp_path, lambda _: before_each.append(len(asked)))
+    assert len(found) == 5
+    assert before_each[0] == executor.capacity == 2
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -1,6 +1,6 @@
 """Writing the report: one page, or for many fingers an index and a page for each."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -21,7 +21,7 @@ _PAGES: Final = "report"
 def write_report(
     result: StudyResult,
     folder: Path,
-    draw: Callable[[list[Task], Callable[[Task], None]], None] | None = None,
+    draw: Callable[[Iterable[Task], Callable[[Task], None]], None] | None = None,
     on_drawn: Callable[[str], None] = lambda _: None,
 ) -> Path:
     """Write ``report.html`` and ``figures/*.svg, *.json`` into the folder of the run's overlays.
@@ -31,23 +31,23 @@ def write_report(
     the name of each figure and page, and may raise KeyboardInterrupt.
     """
     many = len(result.summaries) > _MOST_GROUPS and len(result.fingers) > 1
-    tasks = [_task(result.of_finger(name)) for name in result.fingers] if many else []
+    pages = {name: f"{_PAGES}/{file_stem(name)}.html" for name in (result.fingers if many else ())}
+    # One by one: what was found of all fingers is as large as what was found of the study.
+    tasks = (_task(result.of_finger(name), page) for name, page in pages.items())
     (draw or partial(_draw_here, folder))(tasks, lambda task: on_drawn(f"page of {task.item}"))
-    pages = {task.item: task.file for task in tasks}
     write_page(result, folder, REPORT_NAME, overlays=folder, pages=pages, on_drawn=on_drawn)
     return folder / REPORT_NAME
 
 
-def _draw_here(folder: Path, tasks: list[Task], on_drawn: Callable[[Task], None]) -> None:
+def _draw_here(folder: Path, tasks: Iterable[Task], on_drawn: Callable[[Task], None]) -> None:
     for task in tasks:
         task.work(folder, folder)
         on_drawn(task)
 
 
-def _task(part: StudyResult) -> Task:
+def _task(part: StudyResult, file: str) -> Task:
     """Return the drawing of a finger's page, keyed by all that it shows and by the code that draws."""
     (name,) = part.fingers
-    file = f"{_PAGES}/{file_stem(name)}.html"
     shown = replace(part, provenance={**part.provenance, "made": None})
     return Task(
         name=f"/page {name}",  # no item's name begins like this

@@ -44,7 +44,7 @@ from fingerpad.study.results.result_set import (
 from fingerpad.study.results.study_result import StudyResult, result_of
 
 # Draws files into a folder by tasks, each of which is performed again only where its key has changed.
-Draw: TypeAlias = Callable[[list[Task], Callable[[Task], None]], None]
+Draw: TypeAlias = Callable[[Iterable[Task], Callable[[Task], None]], None]
 # Writes a report of a result into a folder, in which its tables and overlays are.
 ReportWriter: TypeAlias = Callable[[StudyResult, Path, Draw, Callable[[str], None]], object]
 
@@ -221,11 +221,18 @@ def _write_results(
         if write_report is None:
             return
 
-        def draw(tasks: list[Task], on_drawn: Callable[[Task], None]) -> None:
-            for record in records_of(tasks, executor, store, new.folder, on_drawn):
+        def draw(tasks: Iterable[Task], on_drawn: Callable[[Task], None]) -> None:
+            names: list[str] = []
+
+            def noted() -> Iterator[Task]:
+                for task in tasks:
+                    names.append(task.name)
+                    yield task
+
+            for record in records_of(noted(), executor, store, new.folder, on_drawn):
                 if (reason := record.get("reason")) is not None:
                     raise FingerpadError(reason)
-            for status in store.statuses(task.name for task in tasks).values():
+            for status in store.statuses(names).values():
                 _add_drawn(new, store, status.drawn.items())
 
         written("report")

@@ -3,7 +3,7 @@
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
@@ -137,18 +137,27 @@ def run_plans(
 
 
 def records_of(
-    tasks: Sequence[Task],
+    tasks: Iterable[Task],
     executor: Executor,
     store: Store,
     folder: Path,
     on_done: Callable[[Task], None] = lambda _: None,
 ) -> list[Record]:
-    """Return the records of tasks in their order; those that the store lacks are performed."""
-    statuses = store.statuses(task.name for task in tasks)
+    """Return the records of tasks in their order; those that the store lacks are performed.
+
+    Tasks are asked for as they can be performed: no more of them than that are held.
+    """
+    names: list[str] = []
     records: dict[str, Record] = {}
 
+    def plans() -> Iterator[Plan]:
+        for task in tasks:
+            names.append(task.name)
+            yield iter([[task]])
+
     def is_done(task: Task) -> bool:
-        if not store.is_current(statuses.get(task.name), task.key, executor.limits):
+        status = store.statuses([task.name]).get(task.name)
+        if not store.is_current(status, task.key, executor.limits):
             return False
         record = store.record(task.name, task.key)
         if record is not None:
@@ -159,8 +168,8 @@ def records_of(
         records[task.name] = put_unless_changed(store, folder, task, result)
         on_done(task)
 
-    run_plans([iter([list(tasks)])], executor, store_result, is_done)
-    return [records[task.name] for task in tasks]
+    run_plans(plans(), executor, store_result, is_done)
+    return [records[name] for name in names]
 
 
 def put_unless_changed(store: Store, folder: Path, task: Task, result: TaskResult) -> Record:
