@@ -5,10 +5,10 @@ over bone the ratios of a circular contact on a bonded layer (ν = 0.5) by its c
 """
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -22,12 +22,13 @@ from fingerpad.geometry import Ellipsoid
 from fingerpad.study.manifest.models import Curve, Observation
 from fingerpad.study.measuring.contacts import Measurement
 from fingerpad.study.measuring.curves import CurveResult, curve_result
-from fingerpad.study.measuring.fingers import FingerResult
 from fingerpad.study.results.pooling import pool_contacts
 from fingerpad.study.results.rows import model_contacts
 from fingerpad.study.results.validity.model_checks import INDENTATION, MODULUS, RADIUS
 from fingerpad.study.results.validity.verdict import Validity, validity_of
 
+HEADLINES: Final = (RADIUS, MODULUS, INDENTATION)
+VERDICTS: Final = ("holds", "strained", "fails")
 LOADS: Final = (0.125, 0.25, 0.5, 1.0)
 AXES_STD, WEDGE_STD, LOAD_STD, SCALE_STD, EDGE_STD, NOISE_STD = 0.1, 0.5, 0.02, 0.01, 0.03, 0.04
 # Relative, of a radius from loading data that is given without a curve.
@@ -41,39 +42,19 @@ _LOAD_RATIO = PchipInterpolator(_OVER_THICKNESS, (1.0, 1.00, 1.01, 1.07, 1.39, 2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Truth:
-    """A pad, and how its contacts depart from Hertz theory on a half-space.
+    """A pad, and how its contacts depart from Hertz theory on a half-space."""
 
-    Attributes
-    ----------
-    modulus : float
-        E*, MPa.
-    thickness : float
-        Of the tissue over bone, mm; infinite for a half-space.
-    curvature : float
-        Radius of the pressed pad over that of its photographs.
-    area_power : float
-        Extra exponent of the area's growth with load.
-    falls_above : float
-        Load above which the area falls with it, N.
-    elongation : float or None
-        ln of the length along the finger over that across; that of Hertz theory where None.
-    repeats : int
-        Contacts at each load.
-    with_curve : bool
-        Whether the finger has a loading curve, or R_g alone.
-    stated_thickness : float or None
-        What the manifest says of the tissue's effective thickness, mm.
-    """
-
-    modulus: float = 0.3
-    thickness: float = np.inf
-    curvature: float = 1.0
-    area_power: float = 0.0
-    falls_above: float = np.inf
-    elongation: float | None = None
-    repeats: int = 1
-    with_curve: bool = False
-    stated_thickness: float | None = None
+    modulus: float = 0.3  # E*, MPa
+    thickness: float = np.inf  # of the tissue over bone, mm
+    curvature: float = 1.0  # radius of the pressed pad over that of its photographs
+    area_power: float = 0.0  # extra exponent of the area's growth with load
+    falls_above: float = np.inf  # load above which the area falls with it, N
+    elongation: float | None = (
+        None  # ln of the length along the finger over that across, if not Hertz theory's
+    )
+    repeats: int = 1  # contacts at each load
+    with_curve: bool = False  # whether the finger has a loading curve, or R_g alone
+    stated_thickness: float | None = None  # what the manifest says of the effective thickness, mm
 
 
 class Pressed(NamedTuple):
@@ -154,27 +135,17 @@ def simulated(truth: Truth, seed: int, folder: Path) -> SimulatedStudy:
     true_wedge = np.radians(wedge + rng.normal(0, WEDGE_STD))
     radii = principal_radii(axes, true_wedge)
     study = study_of({"f": None}, axes, AXES_STD, wedge_angle_deg_std=WEDGE_STD, load_relative_std=LOAD_STD)
-    pad = finger(
-        "f",
-        axes + rng.normal(0, AXES_STD, 3),
-        AXES_STD,
-        effective_thickness=truth.stated_thickness,
-        effective_thickness_std=truth.stated_thickness and 0.1 * truth.stated_thickness,
-    )
+    t = truth.stated_thickness
+    thickness: dict[str, Any] = {"effective_thickness": t, "effective_thickness_std": t and 0.1 * t}
+    pad = finger("f", axes + rng.normal(0, AXES_STD, 3), AXES_STD, **thickness)
     rows = model_contacts(study, {"f": pad}, list(_contacts(truth, radii, wedge, rng)))
     summaries = pool_contacts(rows)
-    curve = _curve(truth, radii, wedge, rng, finger=pad, folder=folder)
+    curve = _curve(truth, radii, (wedge, pad.semi_axes), rng, folder)
     (validity,) = validity_of(study, {"f": pad}, rows, summaries, [curve])
     highest = press(truth, radii, LOADS[-1])
-    return SimulatedStudy(
-        validity,
-        {
-            # The sphere of the true area at the true indentation.
-            RADIUS: highest.area / (np.pi * highest.indentation),
-            MODULUS: 750 * truth.modulus,
-            INDENTATION: highest.indentation,
-        },
-    )
+    radius = highest.area / (np.pi * highest.indentation)  # the sphere of the true area and indentation
+    true = {RADIUS: radius, MODULUS: 750 * truth.modulus, INDENTATION: highest.indentation}
+    return SimulatedStudy(validity, true)
 
 
 def _contacts(
@@ -202,13 +173,12 @@ def _contacts(
 def _curve(
     truth: Truth,
     radii: tuple[float, float],
-    wedge: float,
+    given: tuple[float, FloatArray],
     rng: np.random.Generator,
-    *,
-    finger: FingerResult,
     folder: Path,
 ) -> CurveResult:
     """Return the finger's loading data: R_g with its uncertainty, or a fitted record."""
+    wedge, axes = given
     if not truth.with_curve:
         highest = press(truth, radii, LOADS[-1])
         radius = highest.area / (np.pi * highest.indentation) * (1 + rng.normal(0, LOADING_STD))
@@ -221,25 +191,22 @@ def _curve(
     force = np.concatenate([before, loads]) + rng.normal(0, 0.003, 100)
     depth = np.concatenate([np.linspace(0, 0.38, 20), [0.4 + one.indentation for one in pressed]])
     area = np.concatenate([before, [one.area for one in pressed]]) + rng.normal(0, 0.3, 100)
-    record = np.column_stack(
-        [np.arange(100) * 0.02, force, depth + rng.normal(0, 0.002, 100), np.maximum(area, 0)]
-    )
+    depth = depth + rng.normal(0, 0.002, 100)
+    record = np.column_stack([np.arange(100) * 0.02, force, depth, np.maximum(area, 0)])
     header = "time_s,force_N,displacement_mm,area_mm2"
     np.savetxt(folder / "curve.csv", record, delimiter=",", header=header, comments="")
     curve = Curve(finger="f", wedge_angle_deg=wedge, file="curve.csv")
-    return curve_result(curve, Ellipsoid(*finger.semi_axes), 0.5, folder)
+    return curve_result(curve, Ellipsoid(*axes), 0.5, folder)
 
 
 @dataclass(slots=True)
 class Score:
-    """What the studies of one case came to."""
+    """What the studies of one case came to; what intervals hold without the model's part stands apart."""
 
     verdicts: list[str] = field(default_factory=list)
     p_values: list[float] = field(default_factory=list)
-    covered: dict[str, list[bool]] = field(default_factory=lambda: {RADIUS: [], MODULUS: [], INDENTATION: []})
-    covered_without: dict[str, list[bool]] = field(
-        default_factory=lambda: {RADIUS: [], MODULUS: [], INDENTATION: []}
-    )
+    covered: dict[str, list[bool]] = field(default_factory=lambda: {name: [] for name in HEADLINES})
+    covered_without: dict[str, list[bool]] = field(default_factory=lambda: {name: [] for name in HEADLINES})
 
     def add(self, one: SimulatedStudy) -> None:
         """Add a study."""
@@ -256,18 +223,11 @@ class Score:
         return float(np.mean([verdict in verdicts for verdict in self.verdicts]))
 
 
-def scores(
-    repeats: int,
-    curve_repeats: int,
-    cases: dict[str, Truth] = CASES,
-    on_case: Callable[[str], None] = lambda _: None,
-) -> dict[str, Score]:
+def scores(repeats: int, curve_repeats: int, cases: dict[str, Truth] = CASES) -> dict[str, Score]:
     """Return the score of each case over simulated studies."""
-    found: dict[str, Score] = {}
+    found = {name: Score() for name in cases}
     with tempfile.TemporaryDirectory() as folder:
         for name, truth in cases.items():
-            on_case(name)
-            found[name] = Score()
             for seed in range(curve_repeats if truth.with_curve else repeats):
                 found[name].add(simulated(truth, seed, Path(folder)))
     return found
@@ -276,21 +236,16 @@ def scores(
 def report(repeats: int = 200, curve_repeats: int = 30) -> None:
     """Print verdicts and coverage."""
     found = scores(repeats, curve_repeats)
-    keys = RADIUS, MODULUS, INDENTATION
-    head = "A/(πξ): held (without the model's part)", "E", "ξ"
+
+    def cells(score: Score) -> Iterator[str]:
+        yield from (f"{100 * score.share(word):.0f} %" for word in VERDICTS)
+        yield from (f"{share(score.covered[key])} ({share(score.covered_without[key])})" for key in HEADLINES)
+
     table(
-        ("truth", "studies", "holds", "strained", "fails", *head),
-        (
-            (
-                name,
-                len(score.verdicts),
-                *(f"{100 * score.share(word):.0f} %" for word in ("holds", "strained", "fails")),
-                *(f"{share(score.covered[key])} ({share(score.covered_without[key])})" for key in keys),
-            )
-            for name, score in found.items()
-        ),
+        ("truth", "studies", *VERDICTS, "A/(πξ): held (without the model's part)", "E", "ξ"),
+        ((name, len(score.verdicts), *cells(score)) for name, score in found.items()),
         "Verdicts on studies of four loads each, and intervals at the highest load",
     )
-    p_values = np.concatenate([found[name].p_values for name in HOLDING])
+    p_values = np.array([p for name in HOLDING for p in found[name].p_values])
     below = [f"{100 * np.mean(p_values < limit):.1f} % below {limit:g}" for limit in (0.5, 0.05, 0.001)]
     print(f"\nOf p where the model holds, {', '.join(below)}.")

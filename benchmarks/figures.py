@@ -1,23 +1,25 @@
-"""Figures of docs/reference/validation.md."""
-
-from pathlib import Path
+"""Figures of docs/reference/validation.md and docs/explanation/bone.md: ``python -m benchmarks.figures``."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from benchmarks import ROOT
 from benchmarks.claims.fast_laws import kept_contacts
+from benchmarks.claims.tissue_thickness import WEDGES, area_over_pi_indentation, placed
 from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, VERMILLION, in_style, new_figure
 from fingerpad.geometry import Paraboloid
+from fingerpad.published import fit_tissue_thickness
+from fingerpad.published.dzidek2017 import PublishedWedge
 
-_IMAGES = Path(__file__).parents[2] / "docs" / "images"
 _RADIUS, _MODULUS = 10.0, 0.1
 _BALL = Paraboloid(_RADIUS, _RADIUS)
-_COLOURS = {0.5: BLUE, 0.3: VERMILLION}
+_COLOURS = {0.5: BLUE, 0.3: VERMILLION}  # by ν
+_OF_ANGLE = {30: BLUE, 45: VERMILLION}
 _SOLVED = np.array([0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.7, 3.0])
 _LINES = np.geomspace(0.03, 3.0, 300)
 _LIMIT = 0.005
@@ -164,10 +166,80 @@ def _error_axes(axes: Axes) -> None:
 
 
 def _save(figure: Figure, name: str) -> None:
-    figure.savefig(_IMAGES / name, dpi=200, metadata={"Software": None})
+    figure.savefig(ROOT / "docs" / "images" / name, dpi=200, metadata={"Software": None})
 
 
-def report() -> None:
-    """Draw both figures."""
+@in_style
+def radius_against_thickness() -> None:
+    """Draw R_g against the thickness for both angles, with the measured R_g as bands."""
+    figure, (axes,) = new_figure(width_mm=125, height_mm=82)
+    depths = np.linspace(3, 16, 200)
+    fit = fit_tissue_thickness()
+    axes.axvspan(*fit.interval_mm, color="#eeeeee", lw=0, zorder=0)
+    axes.axvline(fit.thickness_mm, color=GREY, lw=0.8, zorder=1)
+    for angle, wedge in WEDGES.items():
+        colour, measured = _OF_ANGLE[angle], wedge.measured_radius_mm.value
+        std = wedge.pooled_uncertainty_mm.value
+        axes.axhspan(measured - std, measured + std, color=colour, alpha=0.13, lw=0)
+        axes.axhline(measured, color=colour, lw=0.8, ls=(0, (1, 1.5)))
+        axes.text(3.15, measured - 0.15, f"measured $R_g$, {angle}°", color=colour, va="top")
+        for method, dashes in (("ellipse", "-"), ("direct", (0, (4, 2)))):
+            place, area = placed(method, wedge), np.array(wedge.area_mm2.value)
+            ratio = area_over_pi_indentation(place, Tissue(1.0, thickness=depths), area)
+            axes.plot(depths, ratio, color=colour, ls=dashes)
+            if method == "ellipse":
+                axes.text(14, ratio[-40] + 0.5, f"θ = {angle}°", color=colour, weight="bold", ha="center")
+            deep = area_over_pi_indentation(place, Tissue(1.0), area)
+            axes.plot([16.6, 17.6], [deep, deep], color=colour, ls=dashes, clip_on=False)
+    axes.plot([], [], color=BLACK, label="semi-axes by fitted ellipses")
+    axes.plot([], [], color=BLACK, ls=(0, (4, 2)), label="semi-axes measured directly")
+    axes.legend(loc="upper right")
+    low, high = fit.interval_mm
+    words = f"t = {fit.thickness_mm:.1f} mm\n({low:.1f} to {high:.1f})"
+    axes.text(fit.thickness_mm + 0.12, 27.7, words, va="top")
+    axes.axvline(16.3, color="white", lw=3.5, zorder=4)
+    axes.set(xlim=(3, 17.6), ylim=(8, 28), ylabel="A/(πξ) at 2 N (mm)", yticks=range(8, 29, 4))
+    axes.set_xlabel("thickness t of the tissue (mm); ∞: half-space")
+    axes.set_xticks([*range(4, 17, 2), 17.1], [*map(str, range(4, 17, 2)), "∞"])
+    _save(figure, "bone_thickness.png")
+
+
+@in_style
+def area_against_indentation() -> None:
+    """Draw A against πξ at both angles: Hertz theory, half-space, layer, and the measured slope."""
+    figure, panels = new_figure(width_mm=170, height_mm=82, columns=2)
+    for axes, (angle, wedge) in zip(panels, WEDGES.items(), strict=True):
+        _area_panel(axes, angle, wedge)
+    figure.set_layout_engine("constrained", wspace=0.08)
+    _save(figure, "bone_area.png")
+
+
+def _area_panel(axes: Axes, angle: int, wedge: PublishedWedge) -> None:
+    placement, colour = placed("ellipse", wedge), _OF_ANGLE[angle]
+    last, thickness = wedge.area_mm2.value, fit_tissue_thickness().thickness_mm
+    area = np.linspace(0, last, 200)[1:]
+
+    def whole_pad(depth: float) -> FloatArray:
+        return np.pi * fast_contact(placement, Tissue(1.0, thickness=depth), area=area).indentation
+
+    paraboloid = np.pi * hertz_contact(placement, Tissue(1.0), area=area).indentation
+    measured, std = wedge.measured_radius_mm.value, wedge.pooled_uncertainty_mm.value
+    far = np.array([0, 1.15 * last / measured])
+    axes.fill_between(far, far * (measured - std), far * (measured + std), color=BLACK, alpha=0.1, lw=0)
+    words = f"slope $R_g$ = {measured} mm, measured"
+    axes.plot(far, far * measured, color=BLACK, ls=(0, (1, 1.5)), label=words)
+    axes.plot(paraboloid, area, color=GREY, ls=(0, (4, 2)), label="Hertz theory")
+    axes.plot(whole_pad(np.inf), area, color=GREY, label="whole pad, half-space")
+    on_bone = whole_pad(thickness)
+    axes.plot(on_bone, area, color=colour, lw=1.8, label=f"whole pad, {thickness:.1f} mm on bone")
+    axes.plot(on_bone[-1], last, "o", color=colour, mfc="white", ms=5, label="printed area, 2 N", ls="none")
+    axes.set(xlim=(0, 1.02 * whole_pad(np.inf)[-1]), ylim=(0, 1.18 * last), title=f"θ = {angle}°")
+    axes.set(xlabel="πξ (mm)", ylabel="contact area A (mm²)")
+    axes.legend(loc="lower right")
+
+
+if __name__ == "__main__":
     layer()
     pads()
+    radius_against_thickness()
+    area_against_indentation()
