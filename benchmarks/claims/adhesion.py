@@ -12,6 +12,20 @@ from benchmarks.truth.adhesion import KINDS, POISSON, Record, records
 from fingerpad.exceptions import FingerpadError
 from fingerpad.loading import LawFit, LoadingCurve, fit_adhesion
 
+WORDS = {
+    "pad": "pads",
+    "pad_compliant": "pads, displacement of a stage that yields",
+    "afm": "spheres of a force microscope",
+    "afm_stage": "the same, displacement of the stage",
+    "hertz": "no adhesion",
+    "hysteresis": "contact line pinned",
+    "rate": "w grows with speed",
+    "md": "Maugis–Dugdale",
+    "truncated": "ends before pull-off",
+    "no_contact": "never touches",
+    "rough_noise": "noise 15 to 50 % of the pull-off",
+}
+
 
 def fit_record(record: Record) -> LawFit | None:
     """Return the fit of one record, None where it is refused."""
@@ -59,12 +73,12 @@ def report(count: int = 20, seed: int = 23) -> None:
         fitted = [one for one in found if not one["refused"]]
         refused = f"{len(found) - len(fitted)} of {len(found)}"
         if not fitted:
-            return kind, refused, *8 * ("–",)
+            return WORDS[kind], refused, *8 * ("–",)
         shares = [f"{sum(one[name] for one in fitted):.0f}" for name in ("E", "w", "x0", "flagged", "silent")]
         modulus, work, hertz = (
             float(np.nanmedian([one[name] for one in fitted])) for name in ("E std", "w std", "hertz")
         )
-        return kind, refused, *shares, percent(modulus), percent(work), f"{hertz:.2f}"
+        return WORDS[kind], refused, *shares, percent(modulus), percent(work), f"{hertz:.2f}"
 
     held = "E held", "w held", "x₀ held", "flagged", "silent"
     table(("records", "refused", *held, "± E", "± w", "E of Hertz theory / E"), map(cells, KINDS))

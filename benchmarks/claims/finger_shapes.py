@@ -23,6 +23,7 @@ FAMILIES: Final[dict[str, Mapping[str, Draw]]] = {
     },
     "known curvature": {name: partial(fingertips.render, name) for name in fingertips.SHAPES},
 }
+WEDGES_DEG: Final = (15, 30, 45, 60)
 Finger: TypeAlias = tuple[str, ShapedFinger, PhotographFit | None]
 
 
@@ -49,20 +50,20 @@ def measure(truth: ShapedFinger) -> PhotographFit | None:
         return None
 
 
-def print_accuracy(fingers: Iterable[Finger]) -> None:
+def print_accuracy(family: str, count: int, seed: int) -> None:
     """Print how well semi-axes and radii at the place of contact are found."""
-    done = list(fingers)
+    done = list(measured(family, count, seed))
     print_semi_axes(done)
-    print_radii(done)
+    print_radii(done, family)
 
 
-def print_radii(fingers: Iterable[Finger], wedges_deg: tuple[int, ...] = (15, 30, 45, 60)) -> None:
+def print_radii(fingers: Iterable[Finger], of: str) -> None:
     """Print errors of the radius of curvature in the plane of a side face, where wedges touch."""
     rows: dict[str, list[tuple[float, float, float]]] = {}
     for name, truth, found in fingers:
         if found is None or truth.face != "radial":
             continue
-        for angle in np.radians(wedges_deg):
+        for angle in np.radians(WEDGES_DEG):
             true, (radius, std) = truth.radius(angle), found.outline_radius(angle)
             ellipse = found.ellipse_radius(angle)
             rows.setdefault(name, []).append((radius / true - 1, std / radius, ellipse / true - 1))
@@ -75,7 +76,7 @@ def print_radii(fingers: Iterable[Finger], wedges_deg: tuple[int, ...] = (15, 30
             for e, s, by_ellipse in [np.array(some).T]
             for seen in [np.isfinite(e)]
         ),
-        "Radius of curvature where a wedge touches, in the plane of a side face: outline alone",
+        f"Radius of curvature where a wedge touches, in the plane of a side face: outline alone, {of}",
     )
 
 
@@ -96,4 +97,4 @@ def print_semi_axes(fingers: Iterable[Finger]) -> None:
 
 def report(count: int = 24, seed: int = 5) -> None:
     """Print errors, stated uncertainty and coverage by shape."""
-    print_accuracy(measured("superellipses", count, seed))
+    print_accuracy("superellipses", count, seed)

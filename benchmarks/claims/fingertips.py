@@ -1,8 +1,8 @@
 """Photographs of fingertips of known curvature: semi-axes, and the radius at the place of contact."""
 
-from benchmarks.claims.finger_shapes import measured, print_accuracy
+from benchmarks.claims.finger_shapes import print_accuracy
 
 
 def report(count: int = 24, seed: int = 5) -> None:
     """Print errors, stated uncertainty and coverage by shape."""
-    print_accuracy(measured("known curvature", count, seed))
+    print_accuracy("known curvature", count, seed)

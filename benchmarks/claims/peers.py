@@ -27,7 +27,6 @@ from skimage import filters, measure, morphology
 from statsmodels.stats.meta_analysis import combine_effects
 
 from benchmarks import ROOT
-from benchmarks.claims import contact_solver
 from benchmarks.claims.loading_truth import CONDITIONS as CURVES
 from benchmarks.claims.loading_truth import make_curve, random_pad
 from benchmarks.tables import off, percent, stated, table
@@ -384,4 +383,3 @@ def report(images: int = 2, curves: int = 12) -> None:
     contact_image(images)
     loading(curves)
     pooled()
-    contact_solver.speed()

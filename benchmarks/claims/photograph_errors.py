@@ -47,4 +47,4 @@ def report(seed: int = 85, sides: int = 5) -> None:
     cv2.setNumThreads(1)
     print_roughness()
     for family in FAMILIES:
-        print_radii(measured(family, sides, seed, ("radial",)))
+        print_radii(measured(family, sides, seed, ("radial",)), family)
