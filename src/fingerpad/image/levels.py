@@ -1,4 +1,4 @@
-"""Levels of a picture: their memory, as arguments, upright, on white, as luma, and as light."""
+"""Levels of a picture: their memory, as arguments, upright, on white, as luma, as light, and their ground."""
 
 from os import PathLike
 from typing import Any, Final, TypeAlias

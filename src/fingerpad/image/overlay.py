@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final, TypeAlias
 
 import cv2
+import imagecodecs
 import numpy as np
 import numpy.typing as npt
 from PIL import Image
@@ -27,8 +28,10 @@ Canvas: TypeAlias = npt.NDArray[np.uint8]
 INK: Final[Colour] = (20, 20, 20)
 PAPER: Final[Colour] = (255, 255, 255)
 
-# A third of the time of zlib's default, 6, for files an eighth larger. JPEG and TIFF have no such level.
+# Level 2 of zlib, and the one filter SUB of PNG in place of the best of five for each row: a fifth of the
+# time of level 6, for files a tenth larger.
 _PNG_LEVEL: Final = 2
+_PNG_FILTER: Final = 16
 # Okabe and Ito's colours, safe for colour-blind readers; red, green, blue.
 REGION_COLOUR: Colour = (0, 158, 115)
 ELLIPSE_COLOUR: Colour = (213, 94, 0)
@@ -133,7 +136,10 @@ def write_overlay(
     path = Path(path)
     canvas = draw_overlay(pixels, found, label=label)
     try:
-        Image.fromarray(canvas).save(path, compress_level=_PNG_LEVEL)
+        if path.suffix.lower() == ".png":
+            path.write_bytes(imagecodecs.png_encode(canvas, level=_PNG_LEVEL, filter=_PNG_FILTER))
+        else:
+            Image.fromarray(canvas).save(path)
     except (OSError, ValueError) as error:
         raise ImageError(
             f"{path}: cannot be written ({error}): check the folder and end the name in .png"
