@@ -6,9 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from benchmarks import ROOT
-from benchmarks.claims.fast_laws import kept_contacts
 from benchmarks.claims.tissue_thickness import WEDGES, area_over_pi_indentation, placed
-from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts
+from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts, kept_contacts
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import SolvedContact, Tissue, fast_contact, hertz_contact, solve_contact
 from fingerpad.figures.style import BLACK, BLUE, GREEN, GREY, VERMILLION, in_style, new_figure

@@ -4,16 +4,19 @@ import json
 import multiprocessing
 import tempfile
 import time
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import tifffile
+import tomlkit
 
 from benchmarks.memory import peak_mb, peak_of_children_mb
+from benchmarks.tables import table
 from fingerpad.report import write_report
 from fingerpad.simulate import render_sequence
 from fingerpad.study.engine.runner import Progress
@@ -28,24 +31,8 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.status import study_status
 
 FPS = 500
-_FINGER = """
-[[fingers]]
-name = "finger_{number}"
-semi_axes_mm = {{ palmar = 7.9, distal = 13.8, radial_ulnar = 11.8 }}
-semi_axes_mm_std = {{ palmar = 0.1, distal = 0.1, radial_ulnar = 0.1 }}
-synthetic = true
-"""
-_SEQUENCE = """
-[[sequences]]
-name = "sequence_{number}"
-finger = "finger_{finger}"
-wedge_angle_deg = {wedge}
-file = "sequence_{number}.tif"
-force = "force_{number}.csv"
-scale = {{ ppi = {ppi} }}
-frames_per_second = 500
-synthetic = true
-"""
+AXES = {"palmar": 7.9, "distal": 13.8, "radial_ulnar": 11.8}
+Row: TypeAlias = tuple[str, str, str]  # what, measured, asked for
 
 
 def make_study(folder: Path, *, sequences: int, frames: int, ppi: float, size: float = 1.0) -> Path:
@@ -61,34 +48,41 @@ def make_study(folder: Path, *, sequences: int, frames: int, ppi: float, size: f
                 writer.write(pages[page], contiguous=False)
         rows = "\n".join(f"{k / FPS},{loads[page]}" for k, page in enumerate(stretched))
         (folder / f"force_{number}.csv").write_text(f"time_s,force_N\n{rows}\n", encoding="ascii")
-    fingers = "".join(_FINGER.format(number=number) for number in range(5))
-    tables = "".join(
-        _SEQUENCE.format(number=number, finger=number % 5, wedge=(15, 45)[number // 5 % 2], ppi=ppi)
+    given = {"semi_axes_mm": AXES, "semi_axes_mm_std": dict.fromkeys(AXES, 0.1), "synthetic": True}
+    tables = [
+        {
+            "name": f"sequence_{number}",
+            "finger": f"finger_{number % 5}",
+            "wedge_angle_deg": (15, 45)[number // 5 % 2],
+            "file": f"sequence_{number}.tif",
+            "force": f"force_{number}.csv",
+            "scale": {"ppi": ppi},
+            "frames_per_second": FPS,
+            "synthetic": True,
+        }
         for number in range(sequences)
-    )
+    ]
+    study = {
+        "title": "Synthetic sequences",
+        "fingers": [{"name": f"finger_{number}", **given} for number in range(5)],
+        "sequences": tables,
+    }
     manifest = folder / "study.toml"
-    manifest.write_text(f'title = "Synthetic sequences"\n{fingers}{tables}', encoding="utf-8")
+    manifest.write_text(tomlkit.dumps(study), encoding="utf-8")
     return manifest
 
 
-def engines(sequences: int = 4, frames: int = 1500) -> None:
-    """Print frames a second of one process, of two, and of two workers of Dask, and what keeping costs."""
-    print(f"\nMeasuring {sequences * frames:,} frames of 614 x 582 px, start of processes included")
+def engines(sequences: int = 4, frames: int = 1500) -> Iterator[Row]:
+    """Yield how one process, two, and two workers of Dask compare, and what keeping costs."""
     with tempfile.TemporaryDirectory() as folder:
         manifest = make_study(Path(folder), sequences=sequences, frames=frames, ppi=1000)
-        rates: dict[str, float] = {}
-        for name, options in (
-            ("one process", {}),
-            ("two processes", {"workers": 2}),
-            ("Dask, two workers", {"workers": 2, "scheduler": "local"}),
-        ):
-            seconds, spent = _timed(manifest, Path(folder) / name, **options)
-            rates[name] = sequences * frames / seconds
-            aside = f", {100 * (seconds / spent - 1):.1f} % of it beside measuring (asked: 5)"
-            print(f"    {name:<18} {rates[name]:6.1f} frames/s{aside if not options else ''}")
-        pool = rates["two processes"]
-        print(f"    two processes over one: {pool / rates['one process']:.2f} (asked: 1.85)")
-        print(f"    Dask over two processes: {rates['Dask, two workers'] / pool:.2f} (asked: 0.85)")
+        one, spent = _timed(manifest, Path(folder) / "one")
+        two, _ = _timed(manifest, Path(folder) / "two", workers=2)
+        dask, _ = _timed(manifest, Path(folder) / "dask", workers=2, scheduler="local")
+    yield "frames of 614 × 582 px a second, two processes", f"{sequences * frames / two:.0f}", "–"
+    yield "two processes over one", f"{one / two:.2f}", "1.85"
+    yield "Dask with two workers, over two processes", f"{two / dask:.2f}", "0.85"
+    yield "keys, store and overlays, over measuring", f"{100 * (one / spent - 1):.1f} %", "5 %"
 
 
 def _timed(manifest: Path, out: Path, **options: Any) -> tuple[float, float]:
@@ -103,48 +97,38 @@ def _timed(manifest: Path, out: Path, **options: Any) -> tuple[float, float]:
     return reported[-1][0] - reported[0][0], sum(one.seconds for _, one in reported)
 
 
-def long_sequence(short: int = 200, long: int = 20_000) -> None:
-    """Print the peak memory of measuring a short and a long TIFF, parent and workers."""
-    print("\nPeak memory of measuring a TIFF of small frames with two processes")
-    peaks = {frames: _in_child(_sequence_memory, frames) for frames in (short, long)}
-    for frames, (seconds, own, worker) in peaks.items():
-        print(
-            f"    {frames:6,} frames: this process {own:.0f} MB, the larger worker {worker:.0f} MB, "
-            f"{frames / seconds:.0f} frames/s"
-        )
-    more = [peaks[long][k] - peaks[short][k] for k in (1, 2)]
-    print(f"    the long one needs {more[0]:.0f} and {more[1]:.0f} MB more (asked: 100)")
+def long_sequence(short: int = 200, long: int = 20_000) -> Iterator[Row]:
+    """Yield what a long TIFF of small frames takes beyond a short one, parent and workers."""
+    more = np.subtract(_in_child(_sequence_memory, long), _in_child(_sequence_memory, short))
+    what = f"memory of {long:,} frames of a TIFF beyond that of {short}: parent, worker"
+    yield what, f"{more[0]:.0f}, {more[1]:.0f} MB", "100 MB"
 
 
-def _sequence_memory(frames: int) -> tuple[float, float, float]:
+def _sequence_memory(frames: int) -> tuple[float, float]:
     with tempfile.TemporaryDirectory() as folder:
         manifest = make_study(Path(folder), sequences=1, frames=frames, ppi=240, size=0.4)
-        seconds, _ = _timed(manifest, Path(folder) / "out", workers=2)
-        return seconds, peak_mb(), peak_of_children_mb()
+        run_study(manifest, Path(folder) / "out", workers=2)
+        return peak_mb(), peak_of_children_mb()
 
 
-def stored_study(sequences: int = 50, frames: int = 2000) -> None:
-    """Print what a finished study of many frames costs: its status, and a run that measures nothing."""
-    print(f"\nA finished study of {sequences} sequences, {sequences * frames:,} frames")
+def stored_study(sequences: int = 50, frames: int = 2000) -> Iterator[Row]:
+    """Yield what a finished study of many frames costs: its status, and a run that measures nothing."""
+    what = f"of a finished study of {sequences * frames:,} frames"
     with tempfile.TemporaryDirectory() as folder:
         manifest = make_study(Path(folder), sequences=sequences, frames=frames, ppi=240, size=0.4)
         out = Path(folder) / "out"
         _fill(manifest, out)
         start = time.perf_counter()
-        status = study_status(manifest, out)
-        seconds = time.perf_counter() - start
-        print(f"    status: {seconds:.2f} s (asked: 1), done {status.done} of {status.total}")
-        rows, spent, peak = _in_child(_again, manifest, out)
-        print(
-            f"    run again: {rows:,} rows, tables and report in {spent:.0f} s, {peak:.0f} MB at most "
-            f"(asked: 300); store {(out / STORE_NAME).stat().st_size / 1e6:.0f} MB"
-        )
+        study_status(manifest, out)
+        yield f"`status` {what}", f"{time.perf_counter() - start:.2f} s", "1 s"
+        seconds, peak = _in_child(_again, manifest, out)
+        yield f"another run {what}: tables and report", f"{seconds:.0f} s, {peak:.0f} MB", "–, 500 MB"
 
 
-def _again(manifest: Path, out: Path) -> tuple[int, float, float]:
+def _again(manifest: Path, out: Path) -> tuple[float, float]:
     start = time.perf_counter()
-    result = run_study(manifest, out, write_report=write_report)
-    return len(result.rows), time.perf_counter() - start, peak_mb()
+    run_study(manifest, out, write_report=write_report)
+    return time.perf_counter() - start, peak_mb()
 
 
 def measured_scales(study: Study, folder: Path) -> dict[str, FoundScale | str]:
@@ -183,6 +167,4 @@ def _in_child(work: Any, *args: Any) -> Any:
 
 def report() -> None:
     """Print time and memory of engines, of one long sequence, and of a study that is stored."""
-    engines()
-    long_sequence()
-    stored_study()
+    table(("", "measured", "target"), chain(engines(), long_sequence(), stored_study()))

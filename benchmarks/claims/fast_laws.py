@@ -6,11 +6,10 @@ from functools import partial
 
 import numpy as np
 
-from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts
+from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts, kept_contacts
 from benchmarks.tables import table
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import Tissue, fast_contact, hertz_contact, solve_contact
-from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.fast_laws import plate_gap, press
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
@@ -30,11 +29,8 @@ def circles() -> None:
         fast = fast_contact(ball, tissue, load=force)
         for i, size in enumerate(sizes):
             solved = solve_contact(ball, tissue, load=float(force[i]))
-            found = (
-                (hertz.area[i], hertz.indentation[i]),
-                (fast.area[i], fast.indentation[i]),
-                (solved.area, solved.indentation),
-            )
+            found = [(one.area[i], one.indentation[i]) for one in (hertz, fast)]
+            found.append((solved.area, solved.indentation))
             errors = [f"{a / area[i] - 1:+.0e}, {x / indentation[i] - 1:+.0e}" for a, x in found]
             ratios = (f"{one:.3f}" for one in (1 / depth[i], load[i] / depth[i] ** 1.5, load[i]))
             rows.append((f"{size:g}", f"{nu:g}", *ratios, *errors))
@@ -84,14 +80,6 @@ def held_out() -> None:
     )
 
 
-def kept_contacts(rows: FloatArray, *, is_pad: bool) -> tuple[AnyPlacement, Tissue]:
-    """Return placements and tissue of kept contacts, of E* = 1."""
-    if not is_pad:
-        return Paraboloid(1000.0, rows[:, 2]), Tissue.of_reduced_modulus(1.0, rows[:, 0], thickness=1.0)
-    pads = Placement(Ellipsoid(*rows[:, :3].T), wedge_angle=rows[:, 3], roll_angle=rows[:, 4])
-    return pads, Tissue.of_reduced_modulus(1.0, rows[:, 6], thickness=rows[:, 5])
-
-
 def _cell(fast: FloatArray, solved: FloatArray, hertz: FloatArray) -> str:
     return f"{np.abs(fast / solved - 1).max():.2%} ({np.abs(hertz / solved - 1).max():.0%})"
 
@@ -100,11 +88,8 @@ def cost(count: int = 400_000) -> None:
     """Print the laws' time over that of Hertz theory, side by side."""
     rng = np.random.default_rng(0)
     first = rng.uniform(8, 20, count)
-    second, load, thickness = (
-        first * rng.uniform(0.6, 1, count),
-        rng.uniform(0.1, 2, count),
-        rng.uniform(5, 12, count),
-    )
+    second = first * rng.uniform(0.6, 1, count)
+    load, thickness = rng.uniform(0.1, 2, count), rng.uniform(5, 12, count)
     nu = rng.uniform(0.3, 0.5, count)
     pads = Ellipsoid(*rng.uniform([7, 11, 9], [9, 15, 12], (count, 3)).T)
     bodies, soft = Paraboloid(first, second), Tissue(youngs_modulus=0.075)

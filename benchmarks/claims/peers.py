@@ -11,10 +11,10 @@ import os
 import subprocess
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from types import ModuleType
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 import cv2
 import lmfit
@@ -153,21 +153,15 @@ def _ask(peer: str) -> tuple[list[list[float]], float] | None:
     return rows, seconds
 
 
-@dataclass(frozen=True)
-class Measured:
-    """Area and semi-axes that one way of measuring finds; NaN where it finds none."""
-
-    area: float
-    semi_major: float
-    semi_minor: float
-
-
-_NONE: Final = Measured(np.nan, np.nan, np.nan)
+# Area and semi-axes that one way of measuring finds; NaN where it finds none.
+Measured: TypeAlias = tuple[float, float, float]
+_NONE: Final = (math.nan,) * 3
 
 
 def contact_image(count: int = 2) -> None:
     """Print errors of gross area and semi-axes on images of known truth, and the time of an image."""
     images = [image for _, image in independent_images(count, seed=77)]
+    truth = np.array([(image.gross_area, *image.semi_axes) for image in images])
     rows = []
     for name, way in (
         ("fingerpad", _by_fingerpad),
@@ -181,25 +175,16 @@ def contact_image(count: int = 2) -> None:
         except ImportError:
             rows.append((f"{name}: not installed", *4 * ("–",), 0))
             continue
-        area = np.array([one.area / image.gross_area - 1 for one, image in zip(found, images, strict=True)])
-        axes = np.array(
-            [
-                np.divide((one.semi_major, one.semi_minor), image.semi_axes) - 1
-                for one, image in zip(found, images, strict=True)
-            ]
-        )
+        errors = np.array(found) / truth - 1
+        area, rms = errors[:, 0], float(np.sqrt(np.nanmean(errors[:, 1:] ** 2)))
         seconds = best(lambda way=way: way(images[0]), repeats=3)  # type: ignore[misc]
         none, worst = int(np.isnan(area).sum()), percent(float(np.nanmax(np.abs(area))))
-        rows.append((name, off(area), worst, percent(_rms(axes)), f"{1e3 * seconds:.0f} ms", none))
+        rows.append((name, off(area), worst, percent(rms), f"{1e3 * seconds:.0f} ms", none))
     table(
         ("contact images", "area: bias, rms error", "worst", "semi-axes, rms", "one image", "none found"),
         rows,
         f"{len(images)} contact images of independent truth in {len(CONDITIONS)} conditions",
     )
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.nanmean(values**2)))
 
 
 def _by_fingerpad(image: IndependentImage) -> Measured:
@@ -208,7 +193,7 @@ def _by_fingerpad(image: IndependentImage) -> Measured:
     except ImageError:
         return _NONE
     ellipse = found.ellipse
-    return Measured(found.gross_area, float(ellipse.semi_major), float(ellipse.semi_minor))
+    return found.gross_area, float(ellipse.semi_major), float(ellipse.semi_minor)
 
 
 def _by_scikit_image(image: IndependentImage) -> Measured:
@@ -257,9 +242,7 @@ def _largest_region(mask: npt.NDArray[np.bool_], image: IndependentImage) -> Mea
         return _NONE
     one = max(regions, key=lambda region: region.area)
     scale = image.mm_per_px
-    return Measured(
-        one.area_filled * scale**2, one.axis_major_length / 2 * scale, one.axis_minor_length / 2 * scale
-    )
+    return one.area_filled * scale**2, one.axis_major_length / 2 * scale, one.axis_minor_length / 2 * scale
 
 
 def pooled() -> None:

@@ -31,33 +31,16 @@ class Compared(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """A calibrated model, and the images that its numbers are fitted to.
+    """A calibrated model, and the images that its numbers are fitted to."""
 
-    Parameters
-    ----------
-    model : dataclass instance
-        With the values in use.
-    of : str
-        What the errors are, with their unit.
-    places, tuned, stds : tuple of str
-        Fields that move the result, by least squares of the errors; fields by likelihood, whatever they
-        change; fields that only change what uncertainty is stated, each the standard deviation of an effect.
-    kept : mapping
-        Why each other field is not fitted.
-    sample : callable
-        A list of what is compared, from images of each condition and a seed.
-    compare : callable
-        Errors and stated standard deviations of a sample under a model.
-    """
-
-    model: Any
-    of: str
-    places: tuple[str, ...] = ()
-    tuned: tuple[str, ...] = ()
-    stds: tuple[str, ...] = ()
-    kept: Mapping[str, str] = field(default_factory=dict)
-    sample: Callable[[int, int], Sequence[Any]]
-    compare: Callable[[Any, Sequence[Any]], Compared]
+    model: Any  # with the values in use
+    of: str  # what the errors are, with their unit
+    places: tuple[str, ...] = ()  # fields that move the result, by least squares of the errors
+    tuned: tuple[str, ...] = ()  # fields by likelihood, whatever they change
+    stds: tuple[str, ...] = ()  # standard deviations of effects, which change only what is stated
+    kept: Mapping[str, str] = field(default_factory=dict)  # why each other field is not fitted
+    sample: Callable[[int, int], Sequence[Any]]  # of so many images of each condition, and a seed
+    compare: Callable[[Any, Sequence[Any]], Compared]  # of a sample under a model
 
 
 @dataclass(frozen=True, kw_only=True)

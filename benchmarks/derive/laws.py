@@ -12,15 +12,21 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.claims import fast_laws
-from benchmarks.derive.solved_contacts import AREA_BIAS, KEPT, circular_contacts, layer_spectrum
+from benchmarks.derive.solved_contacts import (
+    AREA_BIAS,
+    KEPT,
+    circular_contacts,
+    kept_contacts,
+    kept_pads,
+    layer_spectrum,
+)
 from fingerpad._arrays import BoolArray, FloatArray
 from fingerpad.contact import Tissue, hertz_contact, solve_contact_ellipse
 from fingerpad.contact import law_coefficients as law
-from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.elliptic import curvature_ratio
 from fingerpad.contact.fast_laws import plate_gap
 from fingerpad.contact.law_factors import LayerFactors, PadFactors, layer_basis, thin_layer
-from fingerpad.geometry import Ellipsoid, Gap, Paraboloid, Placement
+from fingerpad.geometry import Gap
 
 _SERIES = 5  # coefficients of a layer's series that are known
 _ROUNDS = 15  # of weighting, towards the least largest error
@@ -49,11 +55,10 @@ class Solved:
         return (1 - self.k) ** 2 / self.k
 
 
-def solved(
-    placement: AnyPlacement, results: FloatArray, thickness: FloatArray, poisson_ratio: FloatArray
-) -> Solved:
-    """Compare solved contacts with Hertz theory; results as `solved_contacts` keeps them."""
-    load, area, indentation, ratio, peak = results.T
+def solved(rows: FloatArray, *, is_pad: bool) -> Solved:
+    """Compare kept contacts with Hertz theory."""
+    placement, tissue = kept_contacts(rows, is_pad=is_pad)
+    load, area, indentation, ratio, peak = rows[:, -5:].T
     area = area / AREA_BIAS
     gap, hertz = plate_gap(placement), hertz_contact(placement, Tissue.of_reduced_modulus(1.0), area=area)
     radius, k = np.sqrt(area / np.pi), 1 / hertz.aspect_ratio
@@ -65,29 +70,24 @@ def solved(
         indentation=indentation / hertz.indentation,
         peak=peak * area / (1.5 * load),
         ratio=ratio,
-        size=radius / thickness,
-        poisson_ratio=poisson_ratio,
+        size=radius / tissue.thickness,
+        poisson_ratio=tissue.poisson_ratio,
         gap=gap,
     )
 
 
 def elliptical(rows: FloatArray) -> Solved:
     """Return kept elliptical paraboloids on a layer."""
-    return solved(Paraboloid(1000.0, rows[:, 2]), rows[:, 3:], np.ones(len(rows)), rows[:, 0])
+    return solved(rows, is_pad=False)
 
 
 def pads(rows: FloatArray) -> Solved:
     """Return kept pads, but for those far beyond the laws' range."""
-    rows = rows[_is_near(rows)]
-    return solved(_placement(rows), rows[:, 7:], rows[:, 5], rows[:, 6])
-
-
-def _placement(rows: FloatArray) -> Placement:
-    return Placement(Ellipsoid(*rows[:, :3].T), wedge_angle=rows[:, 3], roll_angle=rows[:, 4])
+    return solved(rows[_is_near(rows)], is_pad=True)
 
 
 def _is_near(rows: FloatArray) -> BoolArray:
-    k, _, _ = solve_contact_ellipse(*_placement(rows).curvature.principal_radii)
+    k, _, _ = solve_contact_ellipse(*kept_pads(rows).curvature.principal_radii)
     size = np.sqrt(rows[:, 8] / np.pi) / rows[:, 5]
     return (size < 3.05) & (k > np.where(size > 0, 0.49, 0.32))
 
@@ -367,14 +367,19 @@ def coefficients() -> dict[str, FloatArray]:
     }
 
 
+def fit_all() -> None:
+    """Fit all coefficients, and put them in place of those in use."""
+    kept = np.load(KEPT)
+    fit_layer(elliptical(kept["elliptical"]))
+    fit_pads(pads(kept["pads"]))
+    fit_both(pads(kept["layered"]))
+    fit_guesses()
+
+
 def fitted() -> dict[str, FloatArray]:
     """Return all coefficients, fitted again; the laws keep theirs."""
-    kept = np.load(KEPT)
     with patch.multiple(law, **{name: getattr(law, name) for name in _MEANINGS}):
-        fit_layer(elliptical(kept["elliptical"]))
-        fit_pads(pads(kept["pads"]))
-        fit_both(pads(kept["layered"]))
-        fit_guesses()
+        fit_all()
         return coefficients()
 
 
@@ -387,15 +392,6 @@ def show(images: int, seed: int, other: int) -> None:  # noqa: ARG001 - the solv
     fast_laws.report()
 
 
-def main() -> None:
-    """Fit and write everything."""
-    kept = np.load(KEPT)
-    fit_layer(elliptical(kept["elliptical"]))
-    fit_pads(pads(kept["pads"]))
-    fit_both(pads(kept["layered"]))
-    fit_guesses()
-    write()
-
-
 if __name__ == "__main__":
-    main()
+    fit_all()
+    write()

@@ -106,6 +106,10 @@ def compare_radii(model: Any, seen: Sequence[SeenRadius]) -> Compared:
 _OF_SEMI_AXES = "error of the semi-axes, as a share"
 _FLAGGED = "choice: what is flagged"
 _LOOKED_AT = "choice: where the outline is looked at"
+_LENGTHS = (
+    "side_across_std", "side_along_std", "front_across_std", "front_along_std", "side_axis_std", "shaft",
+    "hidden", "height_by_width", "of_tilt_std",
+)  # fmt: skip
 PROBLEMS = (
     Problem(
         model=RADIUS,
@@ -119,17 +123,7 @@ PROBLEMS = (
     Problem(
         model=LENGTHS,
         of=_OF_SEMI_AXES,
-        tuned=(
-            "side_across_std",
-            "side_along_std",
-            "front_across_std",
-            "front_along_std",
-            "side_axis_std",
-            "shaft",
-            "hidden",
-            "height_by_width",
-            "of_tilt_std",
-        ),
+        tuned=_LENGTHS,
         stds=("added",),
         kept={"no_ellipse": _FLAGGED, "window": _LOOKED_AT, "seen": _LOOKED_AT},
         sample=faces,

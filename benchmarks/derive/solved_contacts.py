@@ -11,13 +11,14 @@ import numpy as np
 
 from fingerpad._arrays import FloatArray
 from fingerpad.contact import SolvedContact, Tissue, hertz_contact, solve_contact
+from fingerpad.contact.contact import AnyPlacement
 from fingerpad.contact.elliptic import curvature_ratio
 from fingerpad.contact.influence import layer_compliance_ratio
 from fingerpad.exceptions import GeometryError
 from fingerpad.geometry import Ellipsoid, Paraboloid, Placement
 
 KEPT = Path(__file__).with_name("solved_contacts.npz")
-AREA_BIAS = 1.000545  # of the solver\'s area at 128² cells, from circular contacts; the median
+AREA_BIAS = 1.000545  # of the solver's area at 128² cells, from circular contacts; the median
 _POINTS = 128
 RATIOS_OF_AXES = 1.0, 0.85, 0.7, 0.58, 0.48
 _SIZES = 0.15, 0.3, 0.5, 0.75, 1.05, 1.4, 1.9, 2.5, 3.1
@@ -35,20 +36,8 @@ def circular_contacts(sizes: FloatArray, poisson_ratio: float, nodes: int = 48) 
     """Return W/W_H and ξ/ξ_H at equal area, and p0/p0_H at equal load, for paraboloids on a bonded layer.
 
     With the Hankel transform of the pressure ∫φ(s) cos(qs) ds over the contact's radius, φ satisfies a
-    Fredholm equation of the second kind with a smooth kernel; φ vanishes at the edge.
-
-    Parameters
-    ----------
-    sizes : ndarray, shape (n,)
-        Contact radius over thickness, a/t.
-    poisson_ratio : float
-        ν.
-    nodes : int
-        Of the quadrature.
-
-    Returns
-    -------
-    ndarray, shape (n, 3)
+    Fredholm equation of the second kind with a smooth kernel; φ vanishes at the edge. Sizes are contact radii
+    over the thickness; the shape is (n, 3).
     """
     wavenumber, weight = layer_spectrum(poisson_ratio)
     node, step = np.polynomial.legendre.leggauss(nodes)
@@ -76,6 +65,18 @@ def _central_pressure(s: FloatArray, phi: FloatArray) -> float:
     return float(-weight @ chebyshev.chebval(2 * ((node + 1) / 2) ** 2 - 1, slope))
 
 
+def kept_contacts(rows: FloatArray, *, is_pad: bool) -> tuple[AnyPlacement, Tissue]:
+    """Return placements and tissue of kept contacts, of E* = 1."""
+    if not is_pad:
+        return Paraboloid(1000.0, rows[:, 2]), Tissue.of_reduced_modulus(1.0, rows[:, 0], thickness=1.0)
+    return kept_pads(rows), Tissue.of_reduced_modulus(1.0, rows[:, 6], thickness=rows[:, 5])
+
+
+def kept_pads(rows: FloatArray) -> Placement:
+    """Return the pads of kept contacts on their plates."""
+    return Placement(Ellipsoid(*rows[:, :3].T), wedge_angle=rows[:, 3], roll_angle=rows[:, 4])
+
+
 def _row(found: SolvedContact, *inputs: float) -> tuple[float, ...]:
     return (
         *inputs,
@@ -88,22 +89,10 @@ def _row(found: SolvedContact, *inputs: float) -> tuple[float, ...]:
 
 
 def elliptical(size: float, poisson_ratio: float, axis_ratio: float) -> tuple[float, ...]:
-    """Solve one elliptical paraboloid on a layer of thickness 1.
+    """Solve an elliptical paraboloid on a layer of thickness 1; √(ℓd ℓe)/t and ℓe/ℓd are Hertz theory's.
 
-    Parameters
-    ----------
-    size : float
-        About √(ℓd ℓe)/t.
-    poisson_ratio : float
-        ν.
-    axis_ratio : float
-        ℓe/ℓd in Hertz theory.
-
-    Returns
-    -------
-    tuple of float
-        ν, ℓe/ℓd and the smaller radius, then load over E*, area, indentation, axis ratio and peak
-        pressure over E*. The larger radius is 1000.
+    Returned are ν, ℓe/ℓd and the smaller radius, then load over E*, area, indentation, axis ratio and peak
+    pressure over E*. The larger radius is 1000.
     """
     large = 1000.0
     small = large / float(curvature_ratio(axis_ratio))
@@ -116,21 +105,9 @@ def elliptical(size: float, poisson_ratio: float, axis_ratio: float) -> tuple[fl
 
 
 def pads(count: int, seed: int, *, on_layer: bool) -> FloatArray:
-    """Solve random pads of the sizes of fingers, at random placements, on deep tissue or on a layer.
+    """Solve random pads of the sizes of fingers, at random placements, on deep tissue or on a random layer.
 
-    Parameters
-    ----------
-    count : int
-        How many.
-    seed : int
-        Of the random numbers.
-    on_layer : bool
-        Whether the tissue has a random thickness and ν; else it is a half-space.
-
-    Returns
-    -------
-    ndarray, shape (count, 12)
-        Semi-axes, wedge and roll, thickness and ν, then the results as `elliptical` has them.
+    Of each it returns semi-axes, wedge and roll, thickness and ν, then the results as `elliptical` has them.
     """
     rng = np.random.default_rng(seed)
     rows: list[tuple[float, ...]] = []
