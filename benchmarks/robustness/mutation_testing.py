@@ -3,7 +3,8 @@
 Each mutant is one change by an operator of Cosmic Ray (another sign, comparison, number, truth value …) to
 a copy of the source. It survives if all tests of its package that reach it pass: testmon tells which these
 are, and runs the fastest first, until 20 s of processor time are spent. Annotations, decorators, imports,
-errors and f-strings are not mutated. ``pip install cosmic-ray pytest-testmon`` first.
+errors and f-strings are not mutated. ``pip install cosmic-ray pytest-testmon`` first. (mutmut leaves out
+properties, cached functions and the constants of modules, where much of the science stands.)
 """
 
 import argparse

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fingerpad.exceptions import GeometryError
-from fingerpad.geometry import Ellipsoid, Placement
+from fingerpad.geometry import Counterface, Ellipsoid, Placement
 
 PAD = Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8)
 
@@ -78,3 +78,10 @@ def test_invalid_roll_angle(bad: float) -> None:
 def test_placement_needs_an_ellipsoid() -> None:
     with pytest.raises(GeometryError, match="ellipsoid must be an Ellipsoid, found tuple"):
         Placement((7.9, 13.8, 11.8), wedge_angle=0.5)
+
+
+def test_a_sphere_adds_its_curvature_in_each_direction() -> None:
+    flat = Placement(PAD, wedge_angle=0.5, roll_angle=0.3).gap
+    against = Placement(PAD, wedge_angle=0.5, roll_angle=0.3, counterface=Counterface.sphere(20.0)).gap
+    found = sorted([1 / against.first_radius, 1 / against.second_radius])
+    assert_allclose(found, sorted([1 / flat.first_radius + 1 / 20, 1 / flat.second_radius + 1 / 20]))

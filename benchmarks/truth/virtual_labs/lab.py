@@ -79,9 +79,8 @@ class _Lab:
         self.laws = {w: Law.of(gap, 1.15 * deepest, thickness, poisson) for w, gap in self.gaps.items()}
         # Loads stay within the laws; a finger too soft for 2 N is made stiffer.
         load_over_modulus = min(float(law.load(deepest)) for law in self.laws.values()) / (1 - poisson**2)
-        youngs_modulus = max(
-            float(np.exp(rng.uniform(np.log(30), np.log(100)))) / 1000, 2.02 / load_over_modulus
-        )
+        drawn_modulus = float(np.exp(rng.uniform(np.log(30), np.log(100)))) / 1000
+        youngs_modulus = max(drawn_modulus, 2.02 / load_over_modulus)
         self.reduced = youngs_modulus / (1 - poisson**2)
         highest = youngs_modulus * load_over_modulus
         self.loads = (0.5, 1, 2, 4) if highest > 4 else (0.5, 1, 2, 3) if highest > 3 else (0.5, 0.8, 1.3, 2)
@@ -93,20 +92,8 @@ class _Lab:
         scale_std = round(rng.uniform(0.002, 0.01), 4)
         self.mm_per_px = 25.4 / self.device.ppi * (1 + rng.normal(0, scale_std))
         self.gain = rng.normal(0, 0.8 * self.load_std)
-        self.truth = Truth(
-            *(
-                seed,
-                bone,
-                kind,
-                method,
-                self.device.kind,
-                pad,
-                youngs_modulus * 1000,
-                poisson,
-                thickness,
-                unstated,
-            )
-        )
+        drawn = seed, bone, kind, method, self.device.kind, pad, youngs_modulus * 1000, poisson, thickness
+        self.truth = Truth(*drawn, unstated)
         self.lines = [
             f'title = "Virtual lab {seed}"\npoisson_ratio = {self.stated_poisson}\n[uncertainty]',
             f"wedge_angle_deg_std = {wedge_std}\nroll_angle_deg_std = {roll_std}",
@@ -122,10 +109,8 @@ class _Lab:
             before, keys = measured[method]()
             self.lines.append(f'{before}[[fingers]]\nname = "{name}"\nsynthetic = true\n{keys}')
         if self.thickness_stated:
-            self.lines.append(
-                f"effective_thickness_mm = {self.truth.thickness + self.rng.normal(0, 1.0):.2f}"
-            )
-            self.lines.append("effective_thickness_mm_std = 1.0")
+            stated = self.truth.thickness + self.rng.normal(0, 1.0)
+            self.lines.append(f"effective_thickness_mm = {stated:.2f}\neffective_thickness_mm_std = 1.0")
 
     def _direct(self) -> tuple[str, str]:
         std, pad = round(self.rng.uniform(0.1, 0.3), 2), self.truth.pad
@@ -163,10 +148,8 @@ class _Lab:
                 mean_pressures = [float(law.load(x)) / float(law.area(x)) for x in (xi, top)]
                 pressure = min(mean_pressures[0] / mean_pressures[1], 1.1)
                 contact = law.outline(xi), np.asarray(law.profile(np.sqrt(xi))), pressure
-                _save(
-                    contact_image(*contact, self.device, self.mm_per_px, rng=self.rng)[0],
-                    self.folder / f"{name}.png",
-                )
+                picture, _ = contact_image(*contact, self.device, self.mm_per_px, rng=self.rng)
+                _save(picture, self.folder / f"{name}.png")
                 major, minor = ellipse_of(contact[0])
                 truth.areas[name], truth.axes[name] = np.pi * major * minor, (major, minor)
                 truth.indentation[name] = xi
@@ -193,19 +176,14 @@ class _Lab:
         noise = rng.uniform(0.003, 0.008), rng.uniform(0.001, 0.004), rng.uniform(0.4, 1.2)
         measured = (1 + gain) * force + rng.uniform(-0.05, 0.05) + rng.uniform(-0.01, 0.01) * time
         name = f"curve_{wedge}.csv"
-        write_curve(self.folder / name, (time, measured, displacement, area), noise, rng)
-        self.lines += [
-            "[[curves]]",
-            f'finger = "finger"\nwedge_angle_deg = {wedge}',
-            f'file = "{name}"\nsynthetic = true',
-        ]
+        _write_curve(self.folder / name, (time, measured, displacement, area), noise, rng)
+        self.lines.append(f'[[curves]]\nfinger = "finger"\nwedge_angle_deg = {wedge}')
+        self.lines.append(f'file = "{name}"\nsynthetic = true')
         if self.compliance:
             std = 0.1 * self.compliance
             found = max(self.compliance + rng.normal(0, std), 0.001)
-            self.lines += [
-                f"stage_compliance_mm_per_N = {found:.5f}",
-                f"stage_compliance_mm_per_N_std = {std:.5f}",
-            ]
+            self.lines.append(f"stage_compliance_mm_per_N = {found:.5f}")
+            self.lines.append(f"stage_compliance_mm_per_N_std = {std:.5f}")
         truth.contact_offset[wedge] = offset
         x, w, a = seen[seen > 0], force[seen > 0], area[seen > 0]
         radius = float((a * x).sum() / (np.pi * x**2).sum())
@@ -218,7 +196,7 @@ class _Lab:
         truth.loading_radius[wedge], truth.initial_modulus[wedge] = radius, float(fit.x[0]) * 1000
 
 
-def write_curve(
+def _write_curve(
     path: Path, columns: Sequence[Array], noise: tuple[float, float, float], rng: Generator
 ) -> None:
     """Write a curve with noise of force, displacement and area; no area is seen before contact."""

@@ -250,17 +250,15 @@ class Law:
         """Solve contacts at depths that are even in √ξ."""
         roots = np.sqrt(deepest) * np.arange(1, steps + 1) / steps
         solved = [press(gap, root**2, thickness, poisson) for root in roots]
-        return cls(
-            interpolate.CubicSpline(
-                roots, [np.log(c.load / r**3) for c, r in zip(solved, roots, strict=True)]
-            ),
-            interpolate.CubicSpline(
-                roots, [np.log(c.area / r**2) for c, r in zip(solved, roots, strict=True)]
-            ),
-            interpolate.CubicSpline(roots, [c.outline / r for c, r in zip(solved, roots, strict=True)]),
-            interpolate.CubicSpline(roots, [c.profile for c in solved]),
-            deepest,
-        )
+        pairs = list(zip(solved, roots, strict=True))
+        values = [
+            [np.log(c.load / r**3) for c, r in pairs],
+            [np.log(c.area / r**2) for c, r in pairs],
+            [c.outline / r for c, r in pairs],
+            [c.profile for c in solved],
+        ]
+        load, area, outline, profile = (interpolate.CubicSpline(roots, one) for one in values)
+        return cls(load, area, outline, profile, deepest)
 
     def load(self, indentation: Array | float) -> Array:
         """Return W/E*."""
@@ -287,14 +285,9 @@ def ellipse_of(outline: Array) -> tuple[float, float]:
     c, s, w = np.cos(angle), np.sin(angle), outline
     area = np.mean(w**2) * np.pi
     mean = 2 * np.pi / 3 * np.array([np.mean(w**3 * c), np.mean(w**3 * s)]) / area
-    second = (
-        np.pi
-        / 2
-        * np.array(
-            [[np.mean(w**4 * c * c), np.mean(w**4 * c * s)], [np.mean(w**4 * c * s), np.mean(w**4 * s * s)]]
-        )
-    )
-    moment = second / area - np.outer(mean, mean)
+    mixed = np.mean(w**4 * c * s)
+    second = np.array([[np.mean(w**4 * c * c), mixed], [mixed, np.mean(w**4 * s * s)]])
+    moment = np.pi / 2 * second / area - np.outer(mean, mean)
     minor, major = np.sqrt(np.linalg.eigvalsh(moment))
     scale = np.sqrt(area / (np.pi * minor * major))
     return float(major * scale), float(minor * scale)

@@ -33,18 +33,13 @@ class Device:
     def draw(cls, kind: str, rng: Generator) -> "Device":
         """Draw a device of a kind: sharp, soft or dirty."""
         ridge_width, widening = rng.uniform(0.5, 0.62), rng.uniform(0.25, 0.45)
+        ppi = float(rng.choice([500, 600])) if kind == "sharp" else 500.0
         if kind == "sharp":
-            ppi, look = (
-                float(rng.choice([500, 600])),
-                (rng.uniform(0.015, 0.03), 0.0, 0.0, rng.uniform(1, 4), 0, 0.0, 0.03),
-            )
+            look = rng.uniform(0.015, 0.03), 0.0, 0.0, rng.uniform(1, 4), 0, 0.0, 0.03
         elif kind == "soft":
-            ppi, look = (
-                500.0,
-                (rng.uniform(0.05, 0.09), rng.uniform(0.2, 0.4), rng.uniform(0.1, 0.3), 3.0, 0, 1.0, 0.06),
-            )
+            look = rng.uniform(0.05, 0.09), rng.uniform(0.2, 0.4), rng.uniform(0.1, 0.3), 3.0, 0, 1.0, 0.06
         else:
-            ppi, look = 500.0, (rng.uniform(0.02, 0.05), rng.uniform(0, 0.15), 0.0, 6.0, 40, 5.0, 0.15)
+            look = rng.uniform(0.02, 0.05), rng.uniform(0, 0.15), 0.0, 6.0, 40, 5.0, 0.15
         return cls(kind, ppi, *look, bool(rng.random() < 0.7), ridge_width, widening)
 
 
@@ -154,11 +149,8 @@ def silhouette(pad: Pad, face: str, widening: float) -> Array:
     if face == "palmar":
         x, y, left = pad.radial_ulnar * np.cos(angle), pad.distal * np.sin(angle), 1.0
     else:
-        x, y, left = (
-            pad.palmar * np.cos(angle) ** (2 / p),
-            pad.distal * np.sin(angle) ** (2 / p),
-            pad.dorsal_ratio,
-        )
+        x, y = pad.palmar * np.cos(angle) ** (2 / p), pad.distal * np.sin(angle) ** (2 / p)
+        left = pad.dorsal_ratio
     right_side = np.concatenate([np.stack([x[0] * wide, -shaft[::-1]], axis=1), np.stack([x, y], axis=1)])
     left_side = right_side[::-1] * [-left, 1]
     return np.concatenate([right_side, left_side])
