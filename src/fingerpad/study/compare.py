@@ -210,7 +210,10 @@ def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
     whose = _owners(study)
     verdicts = []
     for one in study.summary.summaries:
-        for model, found in _models(one):
+        models: dict[str, ValidityRecord | LayerValidityRecord] = {"Hertz theory": one.validity}
+        if one.validity.on_layer and one.on_layer:
+            models[f"{one.on_layer.effective_thickness_mm:g} mm of tissue over bone"] = one.validity.on_layer
+        for model, found in models.items():
             telling = [check for check in found.checks if check.verdict == found.verdict]
             verdicts.append(
                 ValidityVerdict(
@@ -224,12 +227,6 @@ def verdicts_of(study: FinishedStudy) -> list[ValidityVerdict]:
                 )
             )
     return verdicts
-
-
-def _models(one: PlacementRecord) -> Iterator[tuple[str, ValidityRecord | LayerValidityRecord]]:
-    yield "Hertz theory", one.validity
-    if one.validity.on_layer and one.on_layer:
-        yield f"{one.on_layer.effective_thickness_mm:g} mm of tissue over bone", one.validity.on_layer
 
 
 def values_of(study: FinishedStudy) -> list[Value]:

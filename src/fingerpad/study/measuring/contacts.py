@@ -92,8 +92,8 @@ class ObservationItem(OneTaskItem[Observation]):
 
     def result(self) -> Measurement:
         """Return what was measured, as a person reviewed it."""
-        # The load may have changed since.
-        record = {"observation": self.name, **self.record, "load_N": self.table.load_N}
+        # The load may have changed since; of the name one copy is enough.
+        record = {**self.record, "observation": self.name, "load_N": self.table.load_N}
         return reviewed(from_record(Measurement, record), self.correction)
 
 
