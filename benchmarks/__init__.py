@@ -3,6 +3,8 @@
 ``claims``
     One module for each table: ``python -m benchmarks NAME`` prints it and writes it to ``results/NAME.md``
     with its date, commit and sample.
+``figures``
+    Draws the figures of the documentation: ``python -m benchmarks.figures``.
 ``derive``
     Constants of the library fitted again: ``python -m benchmarks.derive NAME``.
 ``robustness``

@@ -12,6 +12,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from benchmarks.truth.true_image import eight_bit
+
 Array = npt.NDArray[np.float64]
 Rng = np.random.Generator
 
@@ -81,16 +83,13 @@ def scene(kind: str, seed: int) -> Scene:
     lamps = _lamps(kind, pale, rng)
     if kind == "low contrast":
         level = 0.25 + float(_mirrored(UP, -UP, lamps, disc.roughness))
-        lamps = lamps._replace(
-            table=disc.metal * level * rng.choice([rng.uniform(0.6, 0.78), rng.uniform(1.25, 1.6)])
-        )
+        contrast = rng.choice([rng.uniform(0.6, 0.78), rng.uniform(1.25, 1.6)])
+        lamps = lamps._replace(table=disc.metal * level * contrast)
     discs = [disc]
     if kind == "two coins":
-        discs.append(
-            _a_disc(kind, rng)._replace(
-                x=-rng.uniform(2.15, 2.4), y=rng.uniform(-0.3, 0.3), size=rng.uniform(0.8, 1.1)
-            )
-        )
+        second = _a_disc(kind, rng)
+        x, y, size = -rng.uniform(2.15, 2.4), rng.uniform(-0.3, 0.3), rng.uniform(0.8, 1.1)
+        discs.append(second._replace(x=x, y=y, size=size))
     ground_points = origins + rays * (-origins[2] / rays[2])
     light = _ground(kind, ground_points, discs, lamps, rng)
     if kind not in ("no coin", "a square"):
@@ -253,13 +252,11 @@ def _slopes(x: Array, y: Array, disc: Disc) -> tuple[Array, Array]:
     height = height + (0.012 * blob + 0.004 * fine) * (r < 0.6)
     height = cv2.GaussianBlur(height, (0, 0), 1.2) * disc.relief
     down, right = np.gradient(height, grid[1] - grid[0])
-    at = (
-        ((x + 1.05) / (grid[1] - grid[0])).astype(np.float32),
-        ((y + 1.05) / (grid[1] - grid[0])).astype(np.float32),
+    at_x, at_y = (((one + 1.05) / (grid[1] - grid[0])).astype(np.float32) for one in (x, y))
+    along, across = (
+        cv2.remap(s.astype(np.float32), at_x, at_y, cv2.INTER_LINEAR).astype(np.float64)
+        for s in (right, down)
     )
-    slopes = [
-        cv2.remap(s.astype(np.float32), *at, cv2.INTER_LINEAR).astype(np.float64) for s in (right, down)
-    ]
     distance = np.hypot(x, y) + 1e-12
     # The rounded edge falls off as a quarter circle; a washer's hole likewise, inward.
     into = np.clip((distance - 1 + disc.rounding) / disc.rounding, 0, 0.98)
@@ -270,7 +267,7 @@ def _slopes(x: Array, y: Array, disc: Disc) -> tuple[Array, Array]:
         fall = fall - back / np.sqrt(1 - back**2)
         turned = 0.06 * np.sin(distance * 180 + rng.uniform(0, 6))
         fall = fall + turned * (into == 0) * (back == 0)
-    return slopes[0] - fall * x / distance * -1, slopes[1] + fall * y / distance
+    return along + fall * x / distance, across + fall * y / distance
 
 
 def _ground(kind: str, points: Array, discs: list[Disc], lamps: Lamps, rng: Rng) -> Array:
@@ -390,11 +387,4 @@ def _exposed(light: Array, kind: str, rng: Rng) -> npt.NDArray[np.uint8]:
     coded = np.clip(exposed, 0, 1) ** (1 / 2.2)
     if kind == "washer on a prism" and rng.random() < 0.5:
         coded = np.clip(exposed, 0, 1)  # a machine-vision camera is linear
-    image = np.rint(255 * coded).astype(np.uint8)
-    return np.asarray(
-        cv2.imdecode(
-            cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(60, 96))])[1],
-            cv2.IMREAD_GRAYSCALE,
-        ),
-        dtype=np.uint8,
-    )
+    return eight_bit(coded, int(rng.integers(60, 96)))
