@@ -223,9 +223,8 @@ def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
     doubts: dict[str, list[tuple[int, Flag]]] = {}
     for name, count, flag in text.doubtful_frames(result):
         doubts.setdefault(name, []).append((count, flag))
-    sequences = list(zip(result.sequences, result.frames(), strict=True))
-    drawn = plots.evenly(len(sequences), _MOST_PRESSES)
-    pictures = _share(_MOST_PICTURES, len(sequences))
+    drawn = plots.evenly(len(result.sequences), _MOST_PRESSES)
+    pictures = _share(_MOST_PICTURES, len(result.sequences))
     return [
         {
             "sequence": sequence,
@@ -236,7 +235,7 @@ def _sequences(result: StudyResult, draw: _Draw) -> list[dict[str, Any]]:
             "doubts": doubts.get(sequence.manifest.name, ()),
             "overlays": sequence.overlays[:pictures],
         }
-        for number, (sequence, frames) in enumerate(sequences)
+        for number, (sequence, frames) in enumerate(zip(result.sequences, result.frames(), strict=True))
     ]
 
 

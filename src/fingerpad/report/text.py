@@ -264,7 +264,7 @@ def doubtful_curves(result: StudyResult) -> dict[Flag, list[str]]:
 
 def doubtful_frames(result: StudyResult) -> Iterator[tuple[str, int, Flag]]:
     """Yield for each sequence and flag the sequence's name, the number of frames, and the flag."""
-    frames = result.rows[result.rows["frame"].notna()]
+    frames = result.rows[["sequence", "flags"]][result.rows["frame"].notna()]  # all columns take much memory
     doubts = Counter(zip(frames["sequence"].to_numpy(), frames["flags"].to_numpy(), strict=True))
     counts: Counter[tuple[str, str]] = Counter()
     for (name, flags), count in doubts.items():

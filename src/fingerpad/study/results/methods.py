@@ -173,10 +173,10 @@ def _reviewed(result: StudyResult) -> Iterator[str]:
         yield f"All was measured automatically, then {listed} manually by {_joined(people)}."
     else:
         yield "All was measured automatically, without manual review."
-    measured = result.rows[result.rows["status"] == "measured"]
-    single = measured[measured["frame"].isna()]
-    if left_out := int((~single["pooled"].to_numpy()).sum()):
-        yield f"Because of flags {left_out} of {counted(len(single), 'single contact')} were not pooled."
+    single = (result.rows["status"] == "measured") & result.rows["frame"].isna()
+    if left_out := int((single & ~result.rows["pooled"]).sum()):
+        contacts = counted(int(single.sum()), "single contact")
+        yield f"Because of flags {left_out} of {contacts} were not pooled."
 
 
 def _models(result: StudyResult) -> Iterator[str]:
