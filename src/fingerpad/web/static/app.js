@@ -65,20 +65,16 @@ function show({ fresh = false } = {}) {
 }
 
 function failed(error) {
-  render(
-    work,
-    h(
-      "div.empty",
-      { role: "alert" },
+  render(work, [
+    h("div.empty", { role: "alert" }, [
       h("h1", "The page cannot be loaded"),
       h("p", error.message),
       error.status === 403 && h("p", "Open the complete address that the terminal shows."),
-      h(
-        "div.actions",
+      h("div.actions", [
         h("button.primary", { type: "button", onclick: () => location.reload() }, "Try again"),
-      ),
-    ),
-  );
+      ]),
+    ]),
+  ]);
 }
 
 bindEverywhere(

@@ -108,12 +108,11 @@ export class Corrections {
       const theirs = this.document.history.at(-1);
       const mine = await ask(
         "Another window corrected this image",
-        h(
-          "p",
+        h("p", [
           theirs
             ? `${theirs.who || "Someone"} saved ${describeChange(theirs)} just now. Yours is not saved yet.`
             : "It was changed just now.",
-        ),
+        ]),
         "Apply mine as well",
         { no: "Keep their correction" },
       );

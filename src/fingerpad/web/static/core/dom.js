@@ -2,8 +2,9 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 
+/** What is shown of a child, or of lists of them. */
 const shown = (children) =>
-  children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false);
+  [children].flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false);
 
 /** Properties that the user changes too: what was set last is remembered. */
 const ENTERED = ["value", "checked"];
@@ -31,8 +32,8 @@ export function enter(node, key, value) {
   node[key] = value;
 }
 
-function fill(node, parts) {
-  const [properties, ...children] = parts[0]?.constructor === Object ? parts : [{}, ...parts];
+function fill(node, ...given) {
+  const [properties, children] = given[0]?.constructor === Object ? given : [{}, given[0]];
   for (const [key, value] of Object.entries(properties)) {
     if (value === undefined || value === null || value === false) continue;
     if (key.startsWith("on")) on(node, key.slice(2), value);
@@ -47,34 +48,30 @@ function fill(node, parts) {
 }
 
 /**
- * Make an HTML element: h("p.soft", { title: "…" }, "text", child), or h("p", "text").
+ * Make an HTML element: h("p.soft", { title: "…" }, "text"), h("p", "text"), or h("ul", [first, second]).
  *
  * @param {string} name
- * @param {...any} parts properties, if there are any, and children
+ * @param {any} [properties] if there are any
+ * @param {any} [children] one, or a list
  * @returns {any}
  */
-export function h(name, ...parts) {
+export function h(name, properties, children) {
   const [tag, ...classes] = name.split(".");
   const node = document.createElement(tag || "div");
   if (classes.length) node.className = classes.join(" ");
-  return fill(node, parts);
+  return fill(node, properties, children);
 }
 
-/**
- * Make an SVG element.
- *
- * @param {string} name
- * @param {...any} parts properties, if there are any, and children
- * @returns {any}
- */
-export function s(name, ...parts) {
+/** Make an SVG element. @type {typeof h} */
+export function s(name, properties, children) {
   const [tag, ...classes] = name.split(".");
   const node = document.createElementNS(SVG, tag);
   if (classes.length) node.setAttribute("class", classes.join(" "));
-  return fill(node, parts);
+  return fill(node, properties, children);
 }
 
-export function render(node, ...children) {
+/** Put children, or nothing, in place of the content of an element. */
+export function render(node, children = []) {
   node.replaceChildren(...shown(children));
   return node;
 }
@@ -83,7 +80,7 @@ export function render(node, ...children) {
  * Make the content of an element equal to `children`, and keep the nodes that are there: those with the same
  * `key`, else the next of the same kind. So the focus, what is being typed, and what is folded open stay.
  */
-export function update(node, ...children) {
+export function update(node, children) {
   /** @type {any[]} */
   const wanted = shown(children).map((child) =>
     child instanceof Node ? child : document.createTextNode(String(child)),
@@ -119,7 +116,7 @@ function patch(old, now) {
     if (old.getAttribute(name) !== value && name !== "open") old.setAttribute(name, value);
   for (const kind of Object.keys(now.heard ?? {})) if (!old.heard?.[kind]) old.addEventListener(kind, hear);
   old.heard = { ...now.heard };
-  update(old, ...now.childNodes);
+  update(old, [...now.childNodes]);
   if ("disabled" in now) old.disabled = now.disabled;
   for (const key of ENTERED) {
     const [before, after] = [old.entered?.[key], now.entered?.[key]];

@@ -49,40 +49,33 @@ export function listen() {
 const shown = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", Escape: "Esc" };
 
 function table(title, keys) {
-  return h(
-    "section",
+  return h("section", [
     h("h3", title),
-    h(
-      "dl.keys",
+    h("dl.keys", [
       keys.map(([names, words]) => [
-        h(
-          "dt",
+        h("dt", [
           names.split(" ").map((name) =>
-            h(
-              "kbd",
+            h("kbd", [
               name
                 .split("+")
                 .map((part) => shown[part] ?? part)
                 .join("+"),
-            ),
+            ]),
           ),
-        ),
+        ]),
         h("dd", words),
       ]),
-    ),
-  );
+    ]),
+  ]);
 }
 
 export function showHelp() {
-  const dialog = h(
-    "dialog.help",
-    { "aria-label": "Keys" },
-    h(
-      "header",
+  const dialog = h("dialog.help", { "aria-label": "Keys" }, [
+    h("header", [
       h("h2", "Keys"),
       h("button", { type: "button", autofocus: true, onclick: () => dialog.close() }, "Close"),
-    ),
-    h("div.columns", here.length > 0 && table("This step", here), table("Everywhere", everywhere)),
-  );
+    ]),
+    h("div.columns", [here.length > 0 && table("This step", here), table("Everywhere", everywhere)]),
+  ]);
   openDialog(dialog);
 }

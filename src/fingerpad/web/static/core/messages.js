@@ -10,8 +10,7 @@ import { h, render } from "./dom.js";
  */
 export function toast(words, { kind = "info", action, stays = kind === "error" } = {}) {
   const box = document.getElementById("messages");
-  const message = h(
-    `div.message.${kind}`,
+  const message = h(`div.message.${kind}`, [
     h("p", words),
     action &&
       h("button.link", { type: "button", onclick: () => (action.do(), message.remove()) }, action.words),
@@ -20,7 +19,7 @@ export function toast(words, { kind = "info", action, stays = kind === "error" }
       { type: "button", "aria-label": "Close this message", onclick: () => message.remove() },
       "×",
     ),
-  );
+  ]);
   for (const each of box.children) if (each.firstChild.textContent === words) each.remove();
   box.append(message);
   while (box.children.length > 4) box.firstElementChild.remove();
@@ -63,13 +62,14 @@ export function ask(title, body, yes, { no = "Cancel", kind = "primary" } = {}) 
     const dialog = h(
       "dialog.question",
       { "aria-label": title, onclose: () => resolve(dialog.returnValue === "yes") },
-      h("h2", title),
-      h("div.body", body),
-      h(
-        "div.actions",
-        h("button", { type: "button", onclick: () => dialog.close() }, no),
-        h("button", { class: kind, type: "button", autofocus: kind === "primary", onclick: agree }, yes),
-      ),
+      [
+        h("h2", title),
+        h("div.body", body),
+        h("div.actions", [
+          h("button", { type: "button", onclick: () => dialog.close() }, no),
+          h("button", { class: kind, type: "button", autofocus: kind === "primary", onclick: agree }, yes),
+        ]),
+      ],
     );
     dialog.addEventListener("keydown", (event) => {
       if (event.key !== "Enter" || kind !== "primary" || !event.target.matches("input")) return;

@@ -21,12 +21,13 @@ export const signedPercent = (share) =>
  * @param {{ was?: string, mark?: string, title?: string }} [options]
  */
 export function quantityRow(label, text, { was, mark, title } = {}) {
-  return h(
-    "div.reading",
-    { title },
-    h("dt", mark && h("span.swatch", { style: { background: `var(--${mark})` } }), label),
-    h("dd", h("span.number", text), was && was !== text && h("span.was", h("span.sr", "automatic: "), was)),
-  );
+  return h("div.reading", { title }, [
+    h("dt", [mark && h("span.swatch", { style: { background: `var(--${mark})` } }), label]),
+    h("dd", [
+      h("span.number", text),
+      was && was !== text && h("span.was", [h("span.sr", "automatic: "), was]),
+    ]),
+  ]);
 }
 
 export function ago(when) {

@@ -51,17 +51,13 @@ function stepStatus(step) {
 
 export function drawSidebar(open, steps) {
   const study = workspace.study;
-  render(
-    sidebar,
-    h(
-      "a.brand",
-      { href: "#/study", "aria-label": "fingerpad, to the study" },
+  render(sidebar, [
+    h("a.brand", { href: "#/study", "aria-label": "fingerpad, to the study" }, [
       h("img", { src: mark, alt: "", width: 26, height: 26 }),
       h("span", "fingerpad"),
-    ),
+    ]),
     study &&
-      h(
-        "div.study-name",
+      h("div.study-name", [
         h("span.eyebrow", "Study"),
         h("strong", { title: study.title }, study.title || study.name),
         h(
@@ -69,14 +65,12 @@ export function drawSidebar(open, steps) {
           { type: "button", onclick: () => workspace.close().catch(showError) },
           "Other studies",
         ),
-      ),
+      ]),
     study &&
-      h(
-        "ol.steps",
+      h("ol.steps", [
         steps.map(([key, words], index) => {
           const [wanting, kind] = stepStatus(key);
-          return h(
-            "li",
+          return h("li", [
             h(
               "a",
               {
@@ -84,21 +78,25 @@ export function drawSidebar(open, steps) {
                 "aria-current": key === open ? "step" : undefined,
                 "aria-keyshortcuts": index + 1,
               },
-              h("span.step-number", { "aria-hidden": "true" }, index + 1),
-              h("span.step-name", words),
-              wanting && h("span.step-state", { class: `step-state ${kind}` }, wanting),
+              [
+                h("span.step-number", { "aria-hidden": "true" }, index + 1),
+                h("span.step-name", words),
+                wanting && h("span.step-state", { class: `step-state ${kind}` }, wanting),
+              ],
             ),
-          );
+          ]);
         }),
-      ),
+      ]),
     h("div.grow"),
-    h(
-      "div.switches",
+    h("div.switches", [
       themeSwitch(),
-      h("button", { type: "button", onclick: () => showHelp(), "aria-label": "Keys" }, "Keys", h("kbd", "?")),
-    ),
+      h("button", { type: "button", onclick: () => showHelp(), "aria-label": "Keys" }, [
+        "Keys",
+        h("kbd", "?"),
+      ]),
+    ]),
     h("p.version", `fingerpad ${workspace.session?.version ?? ""} · local only`),
-  );
+  ]);
   // On a small screen the steps are one row, which scrolls.
   sidebar.querySelector("[aria-current]")?.scrollIntoView({ block: "nearest", inline: "center" });
 }
@@ -127,12 +125,12 @@ function themeSwitch() {
         workspace.emit("theme");
       },
     },
-    s(
-      "svg",
-      { viewBox: "0 0 16 16", width: 14, height: 14, "aria-hidden": "true" },
-      s("circle", { cx: 8, cy: 8, r: 6.2, fill: "none", stroke: "currentColor", "stroke-width": 1.4 }),
-      s("path", { d: "M8 1.8a6.2 6.2 0 0 1 0 12.4z", fill: "currentColor" }),
-    ),
-    words,
+    [
+      s("svg", { viewBox: "0 0 16 16", width: 14, height: 14, "aria-hidden": "true" }, [
+        s("circle", { cx: 8, cy: 8, r: 6.2, fill: "none", stroke: "currentColor", "stroke-width": 1.4 }),
+        s("path", { d: "M8 1.8a6.2 6.2 0 0 1 0 12.4z", fill: "currentColor" }),
+      ]),
+      words,
+    ],
   );
 }

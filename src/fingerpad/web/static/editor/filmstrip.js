@@ -115,8 +115,7 @@ export class Filmstrip {
         "aria-setsize": this.entries.length,
         "aria-posinset": index + 1,
       },
-      h("div.thumb"),
-      h("div.cell-label"),
+      [h("div.thumb"), h("div.cell-label")],
     );
     cell.id = `cell-${index}`;
     cell.style.transform = `translateX(${index * CELL}px)`;

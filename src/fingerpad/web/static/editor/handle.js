@@ -16,9 +16,7 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
   const node = s(
     `g.handle.${kind || "point"}`,
     { tabindex: 0, role: "button", "aria-label": label, "aria-roledescription": "handle" },
-    s("circle.reach", { r: 13 }),
-    shapeOf(kind),
-    s("title", label),
+    [s("circle.reach", { r: 13 }), shapeOf(kind), s("title", label)],
   );
   /** @type {Point} */
   let at = [0, 0];
@@ -88,11 +86,11 @@ export function handle(stage, { label, kind = "", move, commit, step, remove }) 
 function shapeOf(kind) {
   if (kind === "axis") return s("rect.knob", { x: -5, y: -5, width: 10, height: 10, rx: 1.5 });
   if (kind === "turn")
-    return s(
-      "g",
+    return s("g", [
       s("circle.knob", { r: 6.5 }),
       s("path.sign", { d: "M-3 1.2A3.1 3.1 0 1 1 1 3M-3.9-1.6-3 1.3-.2.4" }),
-    );
-  if (kind === "centre") return s("g", s("circle.knob", { r: 5.5 }), s("path.sign", { d: "M-3 0H3M0-3V3" }));
+    ]);
+  if (kind === "centre")
+    return s("g", [s("circle.knob", { r: 5.5 }), s("path.sign", { d: "M-3 0H3M0-3V3" })]);
   return s("circle.knob", { r: 5 });
 }

@@ -18,14 +18,12 @@ export class Histogram {
     this.above = s("path.bars.above");
     this.automatic = s("path.automatic");
     this.mark = s("path.threshold");
-    this.plot = s(
-      "svg.histogram",
-      { preserveAspectRatio: "none", "aria-hidden": "true" },
+    this.plot = s("svg.histogram", { preserveAspectRatio: "none", "aria-hidden": "true" }, [
       this.bars,
       this.above,
       this.automatic,
       this.mark,
-    );
+    ]);
     this.input = h("input", {
       type: "range",
       min: 1,
@@ -39,7 +37,7 @@ export class Histogram {
       onchange: () => this.#chosen(),
     });
     this.text = h("output.number");
-    this.root = h("div.levels", this.plot, this.input, this.text);
+    this.root = h("div.levels", [this.plot, this.input, this.text]);
     this.plot.addEventListener("pointerdown", (event) => this.#press(event));
   }
 

@@ -46,16 +46,14 @@ export class PhaseLimits {
     this.resetButton = act("Reset", "Reset the phases to automatic", () =>
       this.#corrections?.keep(() => ({})),
     );
-    this.reason = h("label.why", "Reason", this.why);
-    this.bar = h(
-      "div.trace-bar",
-      { hidden: true },
+    this.reason = h("label.why", ["Reason", this.why]);
+    this.bar = h("div.trace-bar", { hidden: true }, [
       this.words,
       this.reason,
       this.undoButton,
       this.redoButton,
       this.resetButton,
-    );
+    ]);
   }
 
   /**
@@ -142,35 +140,28 @@ export class PhaseLimits {
     const starts = this.#starts;
     this.#drawBands(starts);
     const held = this.layer.children.length === starts.length;
-    if (!held)
-      render(
-        this.layer,
-        starts.map((_, k) => this.#limit(k)),
-      );
+    if (!held) render(this.layer, [starts.map((_, k) => this.#limit(k))]);
     for (const [k, node] of [...this.layer.children].entries()) this.#put(node, k, starts);
   }
 
   #drawBands(starts) {
     const { x, ends, top, bottom, height } = this.#place;
     const inside = (time) => x(Math.max(ends[0], Math.min(ends[1], time)));
-    render(
-      this.bands,
+    render(this.bands, [
       starts.flatMap(({ phase, start_s }, k) => {
         const [left, right] = [inside(start_s), inside(starts[k + 1]?.start_s ?? ends[1])];
         const inContact = phase !== "before" && phase !== "after";
         return [
           inContact &&
-            s(
-              "g.band",
-              { "data-phase": phase },
+            s("g.band", { "data-phase": phase }, [
               s("rect", { x: left, y: top, width: right - left, height: bottom - top }),
               right - left > 22 + 5.6 * phase.length &&
                 s("text", { x: (left + right) / 2, y: height - 7, "text-anchor": "middle" }, phase),
-            ),
+            ]),
           s("path.limit", { d: `M${left.toFixed(1)} ${top}V${bottom}` }),
         ];
       }),
-    );
+    ]);
   }
 
   /** The handle of a limit. */

@@ -99,24 +99,20 @@ export class SequenceTraces {
     this.alignWords = h("span.soft", { role: "status" });
     this.keepButton = button("Keep this alignment", () => this.events.aligned(this.#start()));
     this.keepButton.hidden = true;
-    this.bar = h(
-      "div.trace-bar",
+    this.bar = h("div.trace-bar", [
       this.playButton,
-      h("label", this.alignBox, "Drag the area to align it with the force"),
+      h("label", [this.alignBox, "Drag the area to align it with the force"]),
       this.alignWords,
       this.keepButton,
       (this.figure = h("span")),
-    );
-    this.root = h(
-      "div.traces",
-      { hidden: true },
-      h("div.trace-bars", this.bar, this.phases.bar),
-      h(
-        "div.trace-plots",
-        h("div.time-plot", this.plot, this.phases.layer),
+    ]);
+    this.root = h("div.traces", { hidden: true }, [
+      h("div.trace-bars", [this.bar, this.phases.bar]),
+      h("div.trace-plots", [
+        h("div.time-plot", [this.plot, this.phases.layer]),
         this.sides.map(({ plot }) => plot),
-      ),
-    );
+      ]),
+    ]);
     this.observer = new ResizeObserver(() => this.#draw());
     this.observer.observe(this.root);
     this.plot.addEventListener("pointerdown", (event) => this.#press(event));
@@ -174,17 +170,15 @@ export class SequenceTraces {
     const number = (value) => short(value, 2);
     const label = (x, y, words, kind, anchor = "start") =>
       s("text", { x, y, class: kind, "text-anchor": anchor }, words);
-    this.areas = s(
-      "g.areas",
+    this.areas = s("g.areas", [
       s("path", {
         d: dots(areas.map((area, k) => (area ? [this.x(times[k]), this.areaY(area)] : null)))
           .map(({ d }) => d)
           .join(""),
       }),
-    );
+    ]);
     this.line = s("path.cursor", { d: `M0 ${PAD.top}V${bottom}`, visibility: "hidden" });
-    render(
-      this.plot,
+    render(this.plot, [
       this.phases.bands,
       s("path.axis", { d: `M${PAD.left} ${PAD.top}V${bottom}H${width - PAD.right}V${PAD.top}` }),
       s("path.load", { d: path(time.map((t, k) => [this.x(t), this.loadY(load[k])])) }),
@@ -196,7 +190,7 @@ export class SequenceTraces {
       label(width - PAD.right + 4, bottom, frames.length ? "mm²" : "", "area"),
       label(PAD.left - 4, HEIGHT - 7, `${short(ends[0], 3)} s`, "", "end"),
       label(width - PAD.right + 4, HEIGHT - 7, `${short(ends[1], 3)} s`, ""),
-    );
+    ]);
     const step =
       frames.length > 1 ? (times.at(-1) - times[0]) / (times.length - 1) : (ends[1] - ends[0]) / 500;
     this.phases.draw({ x: this.x, time: this.time, ends, top: PAD.top, bottom, height: HEIGHT, step });
@@ -230,8 +224,7 @@ export class SequenceTraces {
       side.grown = s("path.grown");
       side.drawn = 0;
       const number = (value) => short(value, 3);
-      render(
-        side.plot,
+      render(side.plot, [
         s("path.axis", { d: `M${SIDE_LEFT} ${PAD.top}V${bottom}H${right}` }),
         s("path.all", { d: side.points.map(({ d }) => d).join("") }),
         side.grown,
@@ -239,7 +232,7 @@ export class SequenceTraces {
         s("text", { x: SIDE_LEFT + 6, y: PAD.top + 9 }, side.words),
         side.points.length > 0 &&
           s("text", { x: right, y: PAD.top + 9, "text-anchor": "end" }, `≤ ${number(high)}`),
-      );
+      ]);
       side.plot.style.display = side.points.length ? "" : "none";
     }
   }

@@ -24,29 +24,22 @@ export class Stage {
     this.fixed = new Set();
     this.picture = h("img.picture", { alt: "", draggable: "false" });
     this.world = s("g.world");
-    this.crosshair = s(
-      "g.crosshair",
-      { visibility: "hidden" },
+    this.crosshair = s("g.crosshair", { visibility: "hidden" }, [
       s("path.casing", { d: "M-14 0H14M0-14V14" }),
       s("path", { d: "M-14 0H14M0-14V14" }),
-    );
+    ]);
     this.overlay = s(
       "svg.overlay",
       { "aria-hidden": "false", role: "group", "aria-label": "Overlay of the image" },
-      this.world,
-      this.crosshair,
+      [this.world, this.crosshair],
     );
-    this.bar = h("div.scale-bar", { hidden: true }, h("i"), h("span.number"));
+    this.bar = h("div.scale-bar", { hidden: true }, [h("i"), h("span.number")]);
     this.where = h("span.number.where");
     this.note = h("div.stage-note", { role: "status" });
     this.root = h(
       "div.stage",
       { tabindex: 0, role: "application", "aria-roledescription": "picture", "aria-label": label },
-      this.picture,
-      this.overlay,
-      this.bar,
-      h("div.hud", this.where, this.#zoomButtons()),
-      this.note,
+      [this.picture, this.overlay, this.bar, h("div.hud", [this.where, this.#zoomButtons()]), this.note],
     );
     this.#pointer();
     this.root.addEventListener("keydown", (event) => this.#key(event));
@@ -58,8 +51,7 @@ export class Stage {
   #zoomButtons() {
     const make = (words, label, act) =>
       h("button", { type: "button", "aria-label": label, title: label, onclick: act, tabindex: -1 }, words);
-    return h(
-      "div.zoom",
+    return h("div.zoom", [
       make("−", "Zoom out (−)", () => this.zoomBy(1 / 1.4)),
       (this.percent = h(
         "button.number",
@@ -73,7 +65,7 @@ export class Stage {
         "100 %",
       )),
       make("+", "Zoom in (+)", () => this.zoomBy(1.4)),
-    );
+    ]);
   }
 
   /** Show an image of `rows` × `columns`; the zoom is kept if the size is the same. */

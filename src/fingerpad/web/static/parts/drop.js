@@ -43,21 +43,19 @@ export class Drop {
       onchange: () => this.send([...this.chooser.files].map((file) => ({ file }))),
     });
     this.progress = h("div.sending", { role: "status", "aria-live": "polite" });
-    this.root = h(
-      "div.drop",
-      h(
-        "div",
+    this.root = h("div.drop", [
+      h("div", [
         h("strong", "Drop photographs, contact images, sequences and curves here"),
         h(
           "p.soft",
           "PNG, JPEG, TIFF (8 or 16 bit), a folder of frames; curves and forces as CSV, XLSX, MAT " +
             "or TDMS; a spreadsheet (CSV, XLSX) that says what they are. Files stay on this computer.",
         ),
-      ),
+      ]),
       button("Choose files", () => this.chooser.click(), { kind: "primary" }),
       this.chooser,
       this.progress,
-    );
+    ]);
   }
 
   /** Accept drops on all of `area`. */
@@ -80,7 +78,7 @@ export class Drop {
     const refused = [];
     for (const [index, { file, folder }] of files.entries()) {
       const bar = h("progress", { max: 1, value: 0, "aria-label": `Sending ${file.name}` });
-      render(this.progress, h("span", `${index + 1} of ${files.length}: ${file.name}`), bar);
+      render(this.progress, [h("span", `${index + 1} of ${files.length}: ${file.name}`), bar]);
       try {
         kept.push(await upload(file, { folder, progress: (share) => (bar.value = share) }));
       } catch (error) {

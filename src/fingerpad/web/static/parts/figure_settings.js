@@ -52,13 +52,12 @@ async function openFigureSettings({ name, caption }) {
       URL.revokeObjectURL(preview.src);
       preview.src = URL.createObjectURL(drawing);
     }
-    render(
-      links,
+    render(links, [
       answer.ok &&
         FORMATS.map((kind) =>
           h("a.button", { href: address(kind, { attachment: true }), download: "" }, kind.toUpperCase()),
         ),
-    );
+    ]);
   };
   const set = (key) => (value) => {
     settings[key] = value;
@@ -83,13 +82,12 @@ async function openFigureSettings({ name, caption }) {
     },
   });
   const axis = ({ axis, name: words }) =>
-    h(
-      "fieldset",
+    h("fieldset", [
       h("legend", words),
       numberField("From", { placeholder: "data", onset: set(`${axis}_low`) }),
       numberField("To", { placeholder: "data", onset: set(`${axis}_high`) }),
       choiceField("Scale", { value: "", options: SCALES, onset: set(`${axis}_scale`) }),
-    );
+    ]);
   const swatch = (colour, place) =>
     h("input", {
       type: "color",
@@ -103,33 +101,29 @@ async function openFigureSettings({ name, caption }) {
   const dialog = h(
     "dialog.figure-settings",
     { "aria-label": `Figure ${name}`, onclose: () => URL.revokeObjectURL(preview.src) },
-    h(
-      "header",
-      h("h2", name.replaceAll("_", " ")),
-      button("Close", () => dialog.close()),
-    ),
-    h(
-      "div.figure-panel",
-      h("div.figure-preview", preview, refusal),
-      h(
-        "div.fields",
-        field("Journal", column),
-        width,
-        length("Height", "height_mm", details.height_mm),
-        numberField("Font", { placeholder: "7.5", min: 3, max: 30, onset: set("font_pt"), unit: "pt" }),
-        details.axes.filter(({ settable, name: words }) => settable && words).map(axis),
-        details.colours.length > 0 &&
-          h("fieldset", h("legend", "Colours"), h("div.swatches", details.colours.map(swatch))),
-        numberField("Resolution of PNG", {
-          placeholder: "300",
-          min: 50,
-          max: 1200,
-          onset: set("dpi"),
-          unit: "dpi",
-        }),
-        links,
-      ),
-    ),
+    [
+      h("header", [h("h2", name.replaceAll("_", " ")), button("Close", () => dialog.close())]),
+      h("div.figure-panel", [
+        h("div.figure-preview", [preview, refusal]),
+        h("div.fields", [
+          field("Journal", column),
+          width,
+          length("Height", "height_mm", details.height_mm),
+          numberField("Font", { placeholder: "7.5", min: 3, max: 30, onset: set("font_pt"), unit: "pt" }),
+          details.axes.filter(({ settable, name: words }) => settable && words).map(axis),
+          details.colours.length > 0 &&
+            h("fieldset", [h("legend", "Colours"), h("div.swatches", details.colours.map(swatch))]),
+          numberField("Resolution of PNG", {
+            placeholder: "300",
+            min: 50,
+            max: 1200,
+            onset: set("dpi"),
+            unit: "dpi",
+          }),
+          links,
+        ]),
+      ]),
+    ],
   );
   openDialog(dialog);
   await draw();

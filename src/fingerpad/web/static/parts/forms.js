@@ -1,6 +1,6 @@
 // Form controls with labels and units.
 
-import { enter, h, newId, on } from "../core/dom.js";
+import { enter, h, newId, on, render } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { rules } from "../core/workspace.js";
 
@@ -16,12 +16,11 @@ export function field(label, control, { unit, hint, wide } = {}) {
   control.id = id;
   const hintId = hint && newId("hint");
   if (hint) control.setAttribute("aria-describedby", hintId);
-  return h(
-    wide ? "div.field.wide" : "div.field",
+  return h(wide ? "div.field.wide" : "div.field", [
     h("label", { for: id }, label),
-    h("div.control", control, unit && h("span.unit", unit)),
+    h("div.control", [control, unit && h("span.unit", unit)]),
     hint && h("p.hint", { id: hintId }, hint),
-  );
+  ]);
 }
 
 /** A number in the unit of a field, where the cell says its own. */
@@ -194,14 +193,16 @@ export function choose({ value, options, onset, label }) {
   const select = h(
     "select",
     { "aria-label": label, onchange: ({ currentTarget }) => onset?.(currentTarget.value) },
-    options.map((option) => {
-      const [key, words] = Array.isArray(option) ? option : [option, option];
-      return h(
-        "option",
-        { key: key ?? "", value: key ?? "", selected: (key ?? "") === (value ?? "") },
-        words,
-      );
-    }),
+    [
+      options.map((option) => {
+        const [key, words] = Array.isArray(option) ? option : [option, option];
+        return h(
+          "option",
+          { key: key ?? "", value: key ?? "", selected: (key ?? "") === (value ?? "") },
+          words,
+        );
+      }),
+    ],
   );
   enter(select, "value", value ?? "");
   return select;
@@ -246,7 +247,7 @@ export function check(label, { checked, onset } = {}) {
     checked,
     onchange: ({ currentTarget }) => onset?.(currentTarget.checked),
   });
-  return h("label.check", box, h("span", label));
+  return h("label.check", [box, h("span", label)]);
 }
 
 /**
@@ -258,8 +259,7 @@ export function button(words, onclick, { kind = "", key, disabled, title, label 
   return h(
     "button",
     { type: "button", class: kind, onclick, disabled, title, "aria-label": label, "aria-keyshortcuts": key },
-    words,
-    key && h("kbd", { "aria-hidden": "true" }, key),
+    [words, key && h("kbd", { "aria-hidden": "true" }, key)],
   );
 }
 
@@ -329,18 +329,14 @@ export function segments(label, options, value, onset, { vertical = false } = {}
 
 /** A notice with actions, shown where there is nothing else. */
 export function empty(title, words, ...actions) {
-  return h("div.empty", h("h2", title), h("p", words), actions.length > 0 && h("div.actions", actions));
+  return h("div.empty", [h("h2", title), h("p", words), actions.length > 0 && h("div.actions", actions)]);
 }
 
 export const chip = (words, kind = "", title) => h("span", { class: `chip ${kind}`, title }, words);
 export const synthetic = (yes) => yes && h("span.synthetic", "synthetic");
 
 /** A list of items. */
-export const list = (items, name = "ul") =>
-  h(
-    name,
-    items.map((item) => h("li", item)),
-  );
+export const list = (items, name = "ul") => h(name, [items.map((item) => h("li", item))]);
 
 /** A fault by the name of its owner, if the words end with it, and without its number in the manifest. */
 function faultWords({ place, words }) {
@@ -356,4 +352,21 @@ export function faultList(error) {
     { role: "alert" },
     error.faults?.length > 0 ? list(error.faults.map(faultWords)) : h("p", error.message),
   );
+}
+
+/**
+ * Do what the server may refuse, and list its errors in `place`. Return whether it was done.
+ *
+ * @param {Element} place
+ * @param {() => Promise<any>} work
+ */
+export async function attempt(place, work) {
+  render(place);
+  try {
+    await work();
+    return true;
+  } catch (error) {
+    render(place, faultList(error));
+    return false;
+  }
 }

@@ -48,8 +48,4 @@ const PATHS = {
 
 /** @param {keyof typeof PATHS} name */
 export const icon = (name) =>
-  s(
-    "svg",
-    { viewBox: "0 0 20 20", "aria-hidden": "true" },
-    PATHS[name].map((d) => s("path", { d })),
-  );
+  s("svg", { viewBox: "0 0 20 20", "aria-hidden": "true" }, [PATHS[name].map((d) => s("path", { d }))]);

@@ -58,7 +58,7 @@ function fieldOf({ kind, key, place, words }) {
     ];
   if (place in NUMBERS) {
     const { unit, max } = NUMBERS[place];
-    return h("div.control", number({ min: 0, max, label, onset: set }), h("span.unit", unit));
+    return h("div.control", [number({ min: 0, max, label, onset: set }), h("span.unit", unit)]);
   }
   if (kind === "scale")
     return h("a", { href: `#/scale/${encodeURIComponent(key)}` }, `Open the scale ${key}`);
@@ -76,20 +76,17 @@ const nameOf = ({ kind, key }) => (kind === "photograph" ? key.split("/", 1)[0] 
  *   asks for the semi-axes of a finger
  */
 export function missingList(entries, { named = false, axes } = {}) {
-  return h(
-    "ul.missing",
+  return h("ul.missing", [
     entries.map((entry) =>
-      h(
-        "li",
+      h("li", [
         named && h("strong", nameOf(entry)),
         h("span", entry.words),
-        h(
-          "div.missing-field",
+        h("div.missing-field", [
           entry.place.startsWith("semi_axes_mm") && axes
             ? button("Enter the semi-axes", () => axes(entry.key), { kind: "small" })
             : fieldOf(entry),
-        ),
-      ),
+        ]),
+      ]),
     ),
-  );
+  ]);
 }

@@ -77,8 +77,7 @@ export class PadScene {
     this.root = h(
       "div.pad-scene",
       { tabindex: 0, role: "img", "aria-label": "The pad in three dimensions" },
-      this.canvas,
-      this.svg,
+      [this.canvas, this.svg],
     );
     this.observer = new ResizeObserver(() => this.draw());
     this.observer.observe(this.root);
@@ -201,8 +200,7 @@ export class PadScene {
       "principal direction across": ["across", scene.transverse_radius_mm],
     };
     const [x, y] = project(scene.contact_point_mm);
-    render(
-      this.marks,
+    render(this.marks, [
       line([...scene.platen_mm, scene.platen_mm[0]], "platen-edge"),
       this.edges.map((edge) => line(edge, "wedge-edge")),
       scene.lines.map(({ name, points_mm: points }) => {
@@ -223,7 +221,7 @@ export class PadScene {
           s("text.station-name", { x: cx + 6, y: cy - 4 }, `${index ? "" : "u = "}${u}°`),
         ];
       }),
-    );
+    ]);
     this.#separateNames();
   }
 

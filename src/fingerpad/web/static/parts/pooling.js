@@ -47,11 +47,7 @@ export function poolingList(pooling) {
   const { frames, frames_pooled: framesPooled } = pooling;
   const why = text({ value: "", placeholder: REASON, label: "Reason of the correction" });
   const list = h("ul.pooling-list");
-  const draw = () =>
-    update(
-      list,
-      pooling.in_question.map((one) => row(one)),
-    );
+  const draw = () => update(list, [pooling.in_question.map((one) => row(one))]);
   /** @param {Answers["PooledContact"]} one */
   const row = (one) => {
     const wanted = one.correction?.include ?? one.pooled;
@@ -68,26 +64,22 @@ export function poolingList(pooling) {
       }
     };
     const load = one.load_N === null ? "" : `, ${short(one.load_N)} N`;
-    return h(
-      "li",
-      { "data-pooled": String(one.pooled) },
-      h(
-        "div",
+    return h("li", { "data-pooled": String(one.pooled) }, [
+      h("div", [
         h("a", { href: `#/contacts/images/${encodeURIComponent(one.item)}` }, one.item),
         `${load} is ${one.pooled ? "pooled" : "left out"}${one.why ? `: ${one.why}` : ""}. `,
-        one.correction && h("strong", correctionWords(one.correction), ". "),
+        one.correction && h("strong", [correctionWords(one.correction), ". "]),
         one.correction && one.correction.include !== one.pooled && "It takes effect with the next run.",
-      ),
-      h(
-        "div.actions",
+      ]),
+      h("div.actions", [
         button(wanted ? "Leave out" : "Include", set({ include: !wanted }), {
           kind: "small",
           label: `${wanted ? "Leave out" : "Include"} ${one.item}`,
         }),
         one.correction &&
           button("Undo", set(null), { kind: "small", label: `Undo the correction of ${one.item}` }),
-      ),
-    );
+      ]),
+    ]);
   };
   draw();
   const counts = [
@@ -96,13 +88,11 @@ export function poolingList(pooling) {
     frames > 0 && `${framesPooled} of ${frames} frames pooled`,
   ].filter(Boolean);
   if (!pooling.in_question.length) return h("p.soft.pooling-count", counts.join(", "));
-  return h(
-    "details.pooling",
-    { open: pooled + rejected < contacts },
+  return h("details.pooling", { open: pooled + rejected < contacts }, [
     h("summary", counts.join(", ")),
-    h("label.why", h("span", "Reason"), why),
+    h("label.why", [h("span", "Reason"), why]),
     list,
-  );
+  ]);
 }
 
 /**
@@ -112,18 +102,16 @@ export function poolingList(pooling) {
  * @param {{ words: (code: string) => string, set: (pooling: object | null) => any }} options
  */
 export function poolingOf({ pooled, excluding_flags: flags, correction }, { words, set }) {
-  return h(
-    pooled ? "div.pooling-note" : "div.pooling-note.note",
+  return h(pooled ? "div.pooling-note" : "div.pooling-note.note", [
     h("strong", pooled ? "Counts in the pooled radius" : "Left out of the pooled radius"),
     flags.length > 0 && [": ", flags.map(words).join("; ")],
     ". ",
     correction && [correctionWords(correction), ". "],
-    h(
-      "div.actions",
+    h("div.actions", [
       button(pooled ? "Leave out" : "Include", () => set({ include: !pooled, why: REASON }), {
         kind: "small",
       }),
       correction && button("Undo the correction", () => set(null), { kind: "small" }),
-    ),
-  );
+    ]),
+  ]);
 }

@@ -35,15 +35,13 @@ export const figureOf = (figures, group, kind) =>
  * @param {Answers["FigureEntry"] | undefined} figure
  */
 export const groupHeader = (group, figure) =>
-  h(
-    "header",
-    h(
-      "h2",
+  h("header", [
+    h("h2", [
       `${group.finger}, `,
       symbol("θ"),
       ` = ${group.words.wedge_angle_deg}`,
       group.roll_angle_deg ? [", ", symbol("φ"), ` = ${group.words.roll_angle_deg}`] : "",
-    ),
+    ]),
     synthetic(group.synthetic),
     h("div.actions", figureButton(figure)),
-  );
+  ]);

@@ -23,10 +23,9 @@ export const axesNotes = () =>
   workspace.study.fingers
     .filter(({ status }) => status === "stale" || status === "failed")
     .map(({ name, status, reason }) =>
-      h(
-        "div.note",
+      h("div.note", [
         status === "failed"
           ? [h("strong", "No semi-axes in the last run: "), `${reason}.`]
           : [h("strong", `Semi-axes of ${name} are out of date. `), `Its ${CHANGED}; run the study again.`],
-      ),
+      ]),
     );

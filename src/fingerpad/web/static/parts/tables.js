@@ -20,20 +20,17 @@ export const statusChip = ({ status, reason, complete }) =>
 export const incompleteChip = ({ complete }) => complete === false && chip("incomplete", "warn");
 
 /**
- * A card with a title, words beside it, and a table or what stands in its place.
+ * A card with a table, or with words where there are no rows.
  *
  * @param {string} title
- * @param {any} words
- * @param {any} actions
- * @param {any} content
+ * @param {{ words: any, actions?: any, headings: Parameters<typeof table>[1], none?: any,
+ *   rows: 0 | HTMLTableRowElement[] }} of
  */
-export const card = (title, words, actions, content) =>
-  h(
-    "section.card",
-    { "aria-label": title },
-    h("header", h("h2", title), h("span.soft", words), actions && h("div.actions", actions)),
-    content,
-  );
+export const tableCard = (title, { words, actions, headings, rows, none }) =>
+  h("section.card", { "aria-label": title }, [
+    h("header", [h("h2", title), h("span.soft", words), actions && h("div.actions", actions)]),
+    rows ? table(title, headings, rows) : h("p.soft", none),
+  ]);
 
 /**
  * A table. The column without a heading holds buttons; a heading can be `{ words, title }`, of numbers.
@@ -42,7 +39,7 @@ export const card = (title, words, actions, content) =>
  * @param {(string | { words: any, title?: string })[]} headings
  * @param {HTMLTableRowElement[]} rows
  */
-export function table(label, headings, rows) {
+function table(label, headings, rows) {
   const heading = (one) =>
     typeof one === "string"
       ? h("th", { scope: "col" }, one || h("span.sr", "Actions"))
@@ -61,7 +58,7 @@ export function table(label, headings, rows) {
  */
 export function tableOf(name, headings, rows) {
   const cells = headings.map((one) => (typeof one === "string" ? h("th", { scope: "col" }, one) : one));
-  return h(name, h("thead", h("tr", cells)), h("tbody", rows));
+  return h(name, [h("thead", h("tr", cells)), h("tbody", rows)]);
 }
 
 /**

@@ -23,16 +23,13 @@ export function agreementOf({ first_operators: first, agreement, unseen }) {
         { role: "alert" },
         `The first operator is ${first.join(", ")}. Another person has to do this: enter their name above.`,
       ),
-    h(
-      "p.soft",
+    h("p.soft", [
       "Images in random order: stop after as many as you like.",
       unseen > 0 && ` ${unseen} more wait for the first operator.`,
-    ),
+    ]),
     // Closed: who knows the bias may correct for it.
     agreement.map((one) =>
-      h(
-        "details",
-        { "data-live": "agreement" },
+      h("details", { "data-live": "agreement" }, [
         h("summary", `Agreement by the last run${one.synthetic ? ", synthetic images" : ""}`),
         h(
           "p.number",
@@ -45,21 +42,19 @@ export function agreementOf({ first_operators: first, agreement, unseen }) {
             const found = one[key];
             return (
               found &&
-              h(
-                "tr",
+              h("tr", [
                 h("th", { scope: "row" }, words),
                 h("td.number", signedPercent(found.bias)),
-                h(
-                  "td.number",
+                h("td.number", [
                   found.limits[0] === null
                     ? "from 3 images on"
                     : found.limits.map(signedPercent).join(" to "),
-                ),
-              )
+                ]),
+              ])
             );
           }),
         ),
-      ),
+      ]),
     ),
     !agreement.length && h("p.soft", "Run the study to see how far both agree."),
   ];

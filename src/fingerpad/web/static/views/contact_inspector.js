@@ -120,7 +120,7 @@ export class ContactInspector extends Inspector {
       "replace",
       (action) => this.view.setAction(action),
     );
-    return h("div.stack-small", actions, h("p.soft", hint));
+    return h("div.stack-small", [actions, h("p.soft", hint)]);
   }
 
   tool() {
@@ -161,19 +161,16 @@ export class ContactInspector extends Inspector {
 
   head() {
     const { entry, lines } = this.view.context();
-    render(
-      this.parts.head,
-      h(
-        "div.headline",
+    render(this.parts.head, [
+      h("div.headline", [
         h("h2", entry.frame === undefined ? entry.item : `Frame ${entry.frame}`),
-        h(
-          "span",
+        h("span", [
           this.isSmooth() && chip("smooth surface"),
           synthetic(entry.synthetic ?? this.view.sequence?.synthetic),
-        ),
-      ),
+        ]),
+      ]),
       h("p.context", lines.join(" · ")),
-    );
+    ]);
   }
 
   wait() {
@@ -184,11 +181,10 @@ export class ContactInspector extends Inspector {
 
   /** Before the second operator has outlined anything. */
   blind() {
-    render(
-      this.parts.numbers,
+    render(this.parts.numbers, [
       h("h3", "Contact"),
       h("p", "Outline the contact by lasso, polygon or threshold. No other outline is shown."),
-    );
+    ]);
     this.settings(null);
   }
 
@@ -200,8 +196,7 @@ export class ContactInspector extends Inspector {
   /** @param {ContactMeasurement | null} answer @param {string} [problem] */
   show(answer, problem) {
     if (!answer) {
-      render(
-        this.parts.numbers,
+      render(this.parts.numbers, [
         h("h3", "Result"),
         h("p.note.bad", { role: "alert" }, problem),
         !this.view.lacking?.length &&
@@ -210,7 +205,7 @@ export class ContactInspector extends Inspector {
             "p.soft",
             "Try another threshold, polarity, seed point or the brush; otherwise reject the image.",
           ),
-      );
+      ]);
       this.settings(null);
       return;
     }
@@ -224,53 +219,45 @@ export class ContactInspector extends Inspector {
         title: words,
         was: corrected && automatic ? automatic.words[key] : undefined,
       });
-    render(
-      this.parts.numbers,
+    render(this.parts.numbers, [
       model &&
-        h(
-          "div.headline.main-number",
-          h("span", "Corrected radius ", symbol("R_g^corr")),
+        h("div.headline.main-number", [
+          h("span", ["Corrected radius ", symbol("R_g^corr")]),
           h("span.figure-big.number", { "data-live": "radius" }, model.words.radius_from_indentation_mm),
           verdictOf(model, "radius_from_indentation_mm"),
           outOfDate(),
-        ),
-      h("div.headline", h("h3", "Contact"), chip(answer.by, corrected ? "accent" : "")),
-      h(
-        "dl.readings",
-        { "data-live": "numbers" },
+        ]),
+      h("div.headline", [h("h3", "Contact"), chip(answer.by, corrected ? "accent" : "")]),
+      h("dl.readings", { "data-live": "numbers" }, [
         QUANTITIES_SHOWN.filter(([key]) => key !== "ridge_area_mm2" || !this.isSmooth()).map(line),
         !this.isSmooth() && quantityRow("Ridge period", numbers.words.ridge_period_mm),
         quantityRow([symbol("IoU"), " of ellipse and region"], numbers.words.ellipse_iou ?? "–", {
           title: "intersection over union; 1 is a perfect match",
         }),
-      ),
+      ]),
       model && [
-        h("div.headline", h("h3", layered(model) ? "Model, Hertz theory" : "Model"), outOfDate()),
-        h(
-          "dl.readings",
+        h("div.headline", [h("h3", layered(model) ? "Model, Hertz theory" : "Model"), outOfDate()]),
+        h("dl.readings", [
           MODEL.map(([key, label, words]) =>
             quantityRow(label(), [model.words[key], " ", verdictOf(model, key)], { title: words }),
           ),
-        ),
+        ]),
       ],
       layered(model) && [
         h("h3", `Model, ${model.words.effective_thickness_mm} of tissue over bone`),
-        h(
-          "dl.readings",
-          { "data-live": "layer" },
+        h("dl.readings", { "data-live": "layer" }, [
           ON_LAYER.map(([key, label, words]) => quantityRow(label(), model.words[key], { title: words })),
-        ),
+        ]),
         model.layer_flag && h("p.soft", `Out of range. ${adviseCode(model.layer_flag)}`),
       ],
       !model &&
-        h(
-          "p.soft",
+        h("p.soft", [
           this.view.lacking?.length
             ? "The corrected radius needs what is missing above."
             : answer.waits
               ? "Measuring the photographs of the finger …"
               : "The corrected radius needs the finger's semi-axes: see Study and Photographs.",
-        ),
+        ]),
       flagNote(answer.flags),
       answer.pooling &&
         !this.view.blind &&
@@ -280,15 +267,14 @@ export class ContactInspector extends Inspector {
           set: (pooling) => this.view.decidePooling(pooling),
         }),
       notesOf(model).length > 0 &&
-        h(
-          "details",
+        h("details", [
           h("summary", `Doubtful values (${notesOf(model).length})`),
           list(
             notesOf(model).map((code) => adviseCode(code)),
             "ul.note",
           ),
-        ),
-    );
+        ]),
+    ]);
     this.settings(answer);
   }
 
@@ -297,11 +283,9 @@ export class ContactInspector extends Inspector {
     const { change } = this.view.corrections;
     const used = answer?.settings;
     const smooth = this.isSmooth();
-    update(
-      this.parts.settings,
+    update(this.parts.settings, [
       h("h3", "Settings"),
-      h(
-        "div.fields",
+      h("div.fields", [
         choiceField("Polarity", {
           value:
             change.dark_on_light === undefined || change.dark_on_light === null
@@ -328,7 +312,7 @@ export class ContactInspector extends Inspector {
             placeholder: used?.threshold == null ? "automatic" : `automatic: ${short(used.threshold)}`,
             onset: (value) => this.view.set("threshold", value),
           }),
-      ),
+      ]),
       this.view.sequence &&
         answer &&
         check("Key frame: carry this ellipse to the frames up to the next one (k)", {
@@ -340,7 +324,7 @@ export class ContactInspector extends Inspector {
         SHARED.some((key) => change[key] !== undefined && change[key] !== null) &&
         button("Apply to similar images …", () => this.view.applyToSimilar(), { kind: "small" }),
       !this.view.blind && check("Show the automatic outline", { onset: (on) => this.view.showAutomatic(on) }),
-    );
+    ]);
   }
 }
 

@@ -4,9 +4,7 @@ import { post } from "../core/api.js";
 import { withoutDefaults } from "../core/corrections.js";
 import { showError, toast } from "../core/messages.js";
 import { describeCode } from "../core/workspace.js";
-import { ContactOverlay } from "../editor/contact_overlay.js";
-import { Lasso, Polygon } from "../editor/lasso.js";
-import { Click } from "../editor/tools.js";
+import { Click, ContactOverlay, Lasso, Polygon } from "../editor/drawing.js";
 import { Review } from "./review.js";
 import { applyToSimilar } from "./similar.js";
 
@@ -18,8 +16,6 @@ const outlined = ({ ellipse_px: ellipse, threshold, strokes }) =>
 export class ContactReview extends Review {
   /** @type {"add" | "remove" | "replace"} */
   action = "replace";
-  /** @type {Lasso | Polygon | null} */
-  area = null;
   /** @type {Answers["ContactLevels"] | null} */
   levels = null;
   levelsKey = "";
@@ -45,9 +41,9 @@ export class ContactReview extends Review {
     const change = this.blind ? this.corrections.change : undefined;
     if (this.blind && !outlined(change)) {
       this.measured = null;
-      this.editor.hide();
+      this.editor.set(null);
       this.overlay.clear();
-      this.area?.dry();
+      this.stage.tool?.dry?.();
       this.inspector.blind();
     } else {
       // Photographs that no run has measured take longer than the contact.
@@ -82,7 +78,7 @@ export class ContactReview extends Review {
 
   /** The correction with another threshold, while it is moved. */
   tryThreshold(threshold) {
-    this.editor.hide();
+    this.editor.set(null);
     this.tryOut(withoutDefaults({ ...this.corrections.change, threshold, accepted: false, rejected: null }));
   }
 
@@ -100,10 +96,9 @@ export class ContactReview extends Review {
     if (!live) {
       const { centre_px: centre, major_ends_px: major, minor_ends_px: minor } = answer.handles;
       this.stage.setMessage("");
-      this.editor.show(centre, major[0], minor[0]);
+      this.editor.place(centre, major[0], minor[0]);
       this.showTool();
-      this.brush?.dry();
-      this.area?.dry();
+      this.stage.tool?.dry?.();
     }
     this.inspector.show(answer);
   }
@@ -128,8 +123,7 @@ export class ContactReview extends Review {
       if (!this.corrections) return;
       if (this.blind && stroke.action !== "replace" && !outlined(this.corrections.change)) {
         toast(this.nothingToAccept);
-        this.brush?.dry();
-        this.area?.dry();
+        this.stage.tool?.dry?.();
         return;
       }
       this.keep((change) => ({
@@ -137,10 +131,8 @@ export class ContactReview extends Review {
         strokes: [...(stroke.action === "replace" ? [] : (change.strokes ?? [])), stroke],
       }));
     };
-    if (tool === "lasso" || tool === "polygon") {
-      this.area = new (tool === "lasso" ? Lasso : Polygon)(this.stage, { action: this.action, done });
-      return this.area;
-    }
+    const Area = { lasso: Lasso, polygon: Polygon }[tool];
+    if (Area) return new Area(this.stage, { action: this.action, done });
     return this.paint(tool, done);
   }
 
@@ -151,12 +143,12 @@ export class ContactReview extends Review {
   /** @param {"add" | "remove" | "replace"} action what an area that is drawn around does */
   setAction(action) {
     this.action = action;
-    this.area?.setAction(action);
+    this.stage.tool?.setAction?.(action);
     this.stage.root.focus({ preventScroll: true });
   }
 
   ellipse() {
-    const { centre, lengths } = this.editor.shape;
+    const { centre, lengths } = this.editor.value;
     const turned = lengths[1] > lengths[0];
     return {
       centre: [...centre],

@@ -68,15 +68,14 @@ class Contacts extends ContactReview {
   }
 
   #nothing() {
-    render(
-      this.root,
+    render(this.root, [
       h("header.head", h("h1", "Contacts")),
       empty(
         "No contact images yet",
         "Drop contact images or frames of a sequence on the Study page, and enter finger, angle and load.",
         h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
-    );
+    ]);
   }
 
   #build() {
@@ -116,13 +115,12 @@ class Contacts extends ContactReview {
       inspector: new ContactInspector(this),
       bar: [
         this.traces.root,
-        h(
-          "div.filmstrip-bar",
-          h("label", "Images", this.sourceChoice),
-          h("label", "Show", this.filterChoice),
+        h("div.filmstrip-bar", [
+          h("label", ["Images", this.sourceChoice]),
+          h("label", ["Show", this.filterChoice]),
           this.fingers,
           this.count,
-        ),
+        ]),
       ],
     });
     this.bind([
@@ -211,7 +209,7 @@ class Contacts extends ContactReview {
       this.#filter(this.filter);
     };
     const options = [["", "all"], ...names];
-    render(this.fingers, "Finger", choose({ value: this.finger, label: "Finger", options, onset }));
+    render(this.fingers, ["Finger", choose({ value: this.finger, label: "Finger", options, onset })]);
   }
 
   async #align(start) {

@@ -31,16 +31,10 @@ export class Inspector {
       this.view.stage.root.focus({ preventScroll: true });
       this.view.rejectFor(this.reason());
     });
-    this.root = h(
-      "div.stack",
-      { "aria-busy": "true" },
+    this.root = h("div.stack", { "aria-busy": "true" }, [
       Object.values(this.parts),
-      h(
-        "datalist",
-        { id: "reasons" },
-        reasons.map((value) => h("option", { value })),
-      ),
-    );
+      h("datalist", { id: "reasons" }, [reasons.map((value) => h("option", { value }))]),
+    ]);
     this.footer = h("div.footer", this.#reviewButtons());
   }
 
@@ -59,11 +53,10 @@ export class Inspector {
       for (const key of Object.keys(look)) set(key, 100);
     };
     const reset = button("Reset", resetAll, { kind: "small" });
-    return h(
-      "details",
+    return h("details", [
       h("summary", "Brightness and contrast, for looking only"),
-      h("div.stack-small", sliders.brightness, sliders.contrast, reset),
-    );
+      h("div.stack-small", [sliders.brightness, sliders.contrast, reset]),
+    ]);
   }
 
   #reviewButtons() {
@@ -79,15 +72,15 @@ export class Inspector {
     };
     const { accept, undo, redo, reject } = this.buttons;
     return [
-      h("div.review-buttons", accept, undo, redo, reject),
-      h("label.why", h("span", "Reason to reject"), this.why),
+      h("div.review-buttons", [accept, undo, redo, reject]),
+      h("label.why", [h("span", "Reason to reject"), this.why]),
     ];
   }
 
   /** Show what the item lacks, with its fields. @param {Answers["Missing"][]} entries */
   missing(entries) {
     this.parts.missing.hidden = !entries.length;
-    update(this.parts.missing, h("h3", "Missing"), missingList(entries));
+    update(this.parts.missing, [h("h3", "Missing"), missingList(entries)]);
   }
 
   reason() {
@@ -116,8 +109,7 @@ export class Inspector {
   resetButtons(parts) {
     const { change } = this.view.corrections;
     const made = (value) => (Array.isArray(value) ? value.length > 0 : Boolean(value));
-    return h(
-      "div.actions",
+    return h("div.actions", [
       parts.map(
         ([key, words]) =>
           made(change[key]) &&
@@ -125,7 +117,7 @@ export class Inspector {
             kind: "small",
           }),
       ),
-    );
+    ]);
   }
 
   corrected() {
@@ -133,44 +125,38 @@ export class Inspector {
     this.buttons.undo.disabled = !document.can_undo;
     this.buttons.redo.disabled = !document.can_redo;
     this.buttons.revert.disabled = !Object.keys(change).length;
-    render(
-      this.buttons.reject,
+    render(this.buttons.reject, [
       change.rejected ? "Undo rejection" : "Reject",
       h("kbd", { "aria-hidden": "true" }, "x"),
-    );
+    ]);
     this.buttons.accept.classList.toggle("accepted", Boolean(change.accepted));
     const records = [...document.history].reverse();
-    render(
-      this.parts.history,
-      h("div.headline", h("h3", "History"), this.buttons.revert),
+    render(this.parts.history, [
+      h("div.headline", [h("h3", "History"), this.buttons.revert]),
       document.on_another_image &&
         h(
           "p.note.bad",
           { role: "alert" },
           "The image file has changed since this correction. Check it, then accept or reset it.",
         ),
-      h(
-        "div.chips",
+      h("div.chips", [
         change.accepted && chip("accepted", "good"),
         change.rejected && chip(`rejected: ${change.rejected}`, "bad"),
-      ),
+      ]),
       records.length
-        ? h(
-            "ol.history",
-            { tabindex: 0, "aria-label": "History of corrections" },
+        ? h("ol.history", { tabindex: 0, "aria-label": "History of corrections" }, [
             records.map((record) =>
-              h(
-                "li",
+              h("li", [
                 h("span", describeChange(record)),
                 h(
                   "time",
                   { datetime: record.when, title: record.when },
                   `${record.who || "unknown"}, ${ago(record.when)}`,
                 ),
-              ),
+              ]),
             ),
-          )
+          ])
         : h("p.soft", "Measured automatically."),
-    );
+    ]);
   }
 }

@@ -100,29 +100,20 @@ export class NewFiles {
     this.#useCoin();
     const shown = files.slice(0, 60);
     this.status.textContent = this.toLookAt ? `Looking at ${plural(this.toLookAt)} …` : LOOKED;
-    update(
-      this.root,
-      h(
-        "header",
+    update(this.root, [
+      h("header", [
         h("h2", `${files.length} new file${files.length > 1 ? "s" : ""}`),
         this.status,
-        h(
-          "div.actions",
-          button("Add to study", () => this.#use(), { kind: "primary" }),
-        ),
-      ),
+        h("div.actions", [button("Add to study", () => this.#use(), { kind: "primary" })]),
+      ]),
       this.problem,
       allRow(this),
       this.tools.root,
-      h(
-        "div.table-wrap",
-        { tabindex: 0, role: "group", "aria-label": "New files" },
+      h("div.table-wrap", { tabindex: 0, role: "group", "aria-label": "New files" }, [
         tableOf(
           "table",
           COLUMNS.map(([words, key]) =>
-            h(
-              "th",
-              { scope: "col" },
+            h("th", { scope: "col" }, [
               words,
               key &&
                 files.length > 1 &&
@@ -131,28 +122,24 @@ export class NewFiles {
                   label: `Fill down: ${words}`,
                   title: "Fill empty fields from the one above",
                 }),
-            ),
+            ]),
           ),
           shown.map((file) => fileRow(this, file)),
         ),
-      ),
+      ]),
       files.length > shown.length &&
         h("p.soft", `${files.length - shown.length} more files are not listed; "Add to study" adds all.`),
       check("These files are synthetic (rendered or simulated)", {
         checked: this.shared.synthetic,
         onset: (on) => (this.shared.synthetic = on),
       }),
-      h(
-        "datalist",
-        { id: "fingers" },
+      h("datalist", { id: "fingers" }, [
         workspace.study.fingers.map(({ name }) => h("option", { value: name })),
-      ),
-      h(
-        "datalist",
-        { id: "new-scales" },
+      ]),
+      h("datalist", { id: "new-scales" }, [
         [...scaleNames(), "500 ppi", "1000 ppi", "0.05 mm/px"].map((value) => h("option", { value })),
-      ),
-    );
+      ]),
+    ]);
   }
 
   /** What is known of the new files. */
@@ -242,25 +229,22 @@ export class NewFiles {
   /** List unused files of the study folder that were not uploaded. */
   #drawRest(files) {
     this.rest.hidden = !files.length;
-    render(
-      this.rest,
+    render(this.rest, [
       h("summary", `${files.length} more file${files.length > 1 ? "s" : ""} in the study folder, not used`),
-      h(
-        "ul.rest",
+      h("ul.rest", [
         files
           .slice(0, 200)
           .map(({ file, bytes: size }) =>
-            h(
-              "li",
+            h("li", [
               h("code", file),
               " ",
               h("span.soft.number", bytes(size)),
               file.startsWith("uploads/") &&
                 button("×", () => this.forget(file), { kind: "icon", label: `Remove ${base(file)}` }),
-            ),
+            ]),
           ),
-      ),
-    );
+      ]),
+    ]);
   }
 
   async #loadInfo(file) {
@@ -307,25 +291,22 @@ export class NewFiles {
     const uses = Object.assign({}, ...Object.values(rules().uses));
     const right = await ask(
       open.length === 1 ? "Is this right?" : "Are these right?",
-      h(
-        "ul.guesses",
+      h("ul.guesses", [
         open
           .slice(0, 30)
           .map((draft) =>
-            h(
-              "li",
+            h("li", [
               h("img.small-thumb", { src: picture("thumbnail", `file:${draft.file}`), alt: "" }),
               h("strong", base(draft.file)),
-              h(
-                "span",
+              h("span", [
                 uses[draft.use],
                 draft.use === "photograph" && draft.face && `, ${draft.face} face`,
                 guessesOf(draft).includes("scale") && `, ${draft.guess.scales[draft.use].why}`,
-              ),
-            ),
+              ]),
+            ]),
           ),
         open.length > 30 && h("li", `and ${open.length - 30} more`),
-      ),
+      ]),
       "Yes, add them",
       { no: "Change" },
     );
@@ -362,18 +343,16 @@ export class NewFiles {
     }
     try {
       await workspace.edit(...edits);
-      if (!waiting.length) render(this.tools.report);
-      const { missing } = workspace.study;
-      const left =
-        missing.length &&
-        `${missing.length === 1 ? "One entry is" : `${missing.length} entries are`} missing.`;
-      return toast(left ? `${plural(added)} added. ${left}` : `${plural(added)} added.`, {
-        kind: "good",
-        ...(left && { action: { words: "Show", do: this.showMissing } }),
-      });
     } catch (error) {
-      render(this.problem, faultList(error));
-      return undefined;
+      return render(this.problem, faultList(error));
     }
+    if (!waiting.length) render(this.tools.report);
+    const { missing } = workspace.study;
+    const left =
+      missing.length && `${missing.length === 1 ? "One entry is" : `${missing.length} entries are`} missing.`;
+    return toast(left ? `${plural(added)} added. ${left}` : `${plural(added)} added.`, {
+      kind: "good",
+      ...(left && { action: { words: "Show", do: this.showMissing } }),
+    });
   }
 }

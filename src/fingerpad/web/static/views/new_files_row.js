@@ -66,17 +66,14 @@ export function fileRow(files, { file, kind, bytes: size }) {
   });
   load.dataset.unit = "N";
   wedge.dataset.unit = "°";
-  return h(
-    "tr",
-    { key: file },
-    h(
-      "td",
+  return h("tr", { key: file }, [
+    h("td", [
       kind === "picture"
         ? h("img.small-thumb", { src: picture("thumbnail", `file:${file}`), alt: "", loading: "lazy" })
         : h("span.chip", kind),
-    ),
-    h("td", h("strong", name), h("div.soft", about(files, file, size))),
-    h("td", use, guessed(draft, "use")),
+    ]),
+    h("td", [h("strong", name), h("div.soft", about(files, file, size))]),
+    h("td", [use, guessed(draft, "use")]),
     draft.use === "coin"
       ? h("td", { colspan: 5 }, coinChoice(files, file))
       : [
@@ -86,11 +83,8 @@ export function fileRow(files, { file, kind, bytes: size }) {
           h("td", { "data-label": "Load, N" }, takes(draft, "load_N") && load),
           h("td", { "data-label": "Scale" }, takes(draft, "scale") && scaleCell(files, file)),
         ],
-    h(
-      "td",
-      button("×", () => files.forget(file), { kind: "icon", label: `Remove ${name}` }),
-    ),
-  );
+    h("td", [button("×", () => files.forget(file), { kind: "icon", label: `Remove ${name}` })]),
+  ]);
 }
 
 /** @param {import("./new_files.js").NewFiles} files */
@@ -110,15 +104,13 @@ function coinChoice(files, file) {
     draft.diameter_mm = value;
     files.draw();
   };
-  return h(
-    "div.coin-choice",
+  return h("div.coin-choice", [
     choose({
       ...coinOptions(draft.diameter_mm, "which coin?"),
       label: `Coin on ${name}`,
       onset: (value) => value && set(Number(value)),
     }),
-    h(
-      "label",
+    h("label", [
       "diameter, mm",
       number({
         value: draft.diameter_mm,
@@ -127,8 +119,8 @@ function coinChoice(files, file) {
         label: `Diameter of the coin on ${name}, mm`,
         onset: set,
       }),
-    ),
-  );
+    ]),
+  ]);
 }
 
 export const COIN = "coin in ";
@@ -216,8 +208,7 @@ export function allRow(files) {
   };
   const scaleFor = (use, words, placeholder) =>
     files.files.some((file) => drafts.get(file).use === use) &&
-    h(
-      "label",
+    h("label", [
       `scale of ${words}`,
       text({
         value: shared[`scale_${use}`],
@@ -226,12 +217,10 @@ export function allRow(files) {
         label: `Scale of all new ${words}`,
         onset: (value, field) => (files.reading = scaleOf(use, value, field)),
       }),
-    );
-  return h(
-    "div.common",
+    ]);
+  return h("div.common", [
     h("span.soft", "All files:"),
-    h(
-      "label",
+    h("label", [
       "finger",
       text({
         value: shared.finger,
@@ -241,9 +230,8 @@ export function allRow(files) {
         label: "Finger of all new files",
         onset: (value, input) => value && input.checkValidity() && every("finger", value),
       }),
-    ),
-    h(
-      "label",
+    ]),
+    h("label", [
       "wedge °",
       number({
         value: shared.wedge_angle_deg,
@@ -252,8 +240,8 @@ export function allRow(files) {
         label: "Wedge angle of all new files, degrees",
         onset: (value) => every("wedge_angle_deg", value),
       }),
-    ),
+    ]),
     scaleFor("observation", "contact images", "e.g. 500 ppi"),
     scaleFor("photograph", "photographs", "e.g. 0.05 mm/px"),
-  );
+  ]);
 }

@@ -42,7 +42,7 @@ export class NewFileTools {
     this.report = h("div", { "aria-live": "polite" });
     this.matches = /** @type {Answers["StatedFile"][]} */ ([]);
     this.preview = h("div", { "aria-live": "polite" });
-    this.root = h("div.new-file-tools", this.#sheet(), this.#pattern(), this.report);
+    this.root = h("div.new-file-tools", [this.#sheet(), this.#pattern(), this.report]);
   }
 
   #sheet() {
@@ -52,8 +52,7 @@ export class NewFileTools {
       placeholder: "file\tfinger\twedge\tload (N)\nIMG_0031\tindex\t30\t0.5",
       spellcheck: "false",
     });
-    return h(
-      "details",
+    return h("details", [
       h("summary", "Fill in from a spreadsheet"),
       h(
         "p.soft",
@@ -61,11 +60,8 @@ export class NewFileTools {
           "file, and any of person, finger, face, type, wedge, load, scale, session.",
       ),
       area,
-      h(
-        "div.actions",
-        button("Fill in", () => this.join({ text: area.value })),
-      ),
-    );
+      h("div.actions", [button("Fill in", () => this.join({ text: area.value }))]),
+    ]);
   }
 
   #pattern() {
@@ -79,17 +75,16 @@ export class NewFileTools {
       this.take(fit);
       toast(`${plural(fit.length)} filled in by the pattern.`, { kind: "good" });
     });
-    return h(
-      "details",
+    return h("details", [
       h("summary", "Fill in from the file names"),
       h(
         "p.soft",
         "Write the name of one file, with {person}, {finger}, {face}, {wedge}, {load} or {session} in " +
           "place of what changes, and * for anything else.",
       ),
-      h("div.actions", field, use),
+      h("div.actions", [field, use]),
       this.preview,
-    );
+    ]);
   }
 
   /** Join a spreadsheet that was dropped or pasted. */
@@ -104,10 +99,8 @@ export class NewFileTools {
         .map(({ file, problem }) => `${base(file)}: ${problem}`);
       this.take(found.files);
       const unknown = found.columns.filter(({ header, meaning }) => header && meaning === null);
-      render(
-        this.report,
-        h(
-          "div.note",
+      render(this.report, [
+        h("div.note", [
           h("strong", `${found.files.length} of ${files.length} files found in the spreadsheet. `),
           "Columns: ",
           found.columns
@@ -119,15 +112,14 @@ export class NewFileTools {
           found.files_without_row.length > 0 &&
             h("p", `Files without a row: ${some(found.files_without_row.map(base))}.`),
           found.rows_without_file.length > 0 &&
-            h(
-              "p",
+            h("p", [
               "Rows without one file: ",
               some(found.rows_without_file.map(({ line, file }) => `${file || "no name"} (line ${line})`)),
               ".",
-            ),
+            ]),
           problems.length > 0 && h("p", `Not read: ${some(problems)}.`),
-        ),
-      );
+        ]),
+      ]);
     } catch (error) {
       render(this.report, h("div.faults", { role: "alert" }, h("p", error.message)));
     }
@@ -144,12 +136,9 @@ export class NewFileTools {
       this.matches = files;
       const keys = SHOWN.filter(([key]) => files.some(({ values }) => values[key] !== null));
       const fit = files.filter(({ problem }) => !problem).length;
-      return render(
-        this.preview,
+      return render(this.preview, [
         h("p.soft", `${fit} of ${files.length} names fit.`),
-        h(
-          "div.table-wrap",
-          { tabindex: 0, role: "group", "aria-label": "What the pattern gives" },
+        h("div.table-wrap", { tabindex: 0, role: "group", "aria-label": "What the pattern gives" }, [
           tableOf(
             "table.tight",
             ["File", ...keys.map(([, words]) => words), ""],
@@ -157,16 +146,15 @@ export class NewFileTools {
               .sort((one, other) => Number(Boolean(other.problem)) - Number(Boolean(one.problem)))
               .slice(0, 40)
               .map(({ file, values, problem }) =>
-                h(
-                  "tr",
+                h("tr", [
                   h("td", base(file)),
                   keys.map(([key]) => h("td", values[key] ?? "")),
                   h("td", problem && chip(problem, "warn")),
-                ),
+                ]),
               ),
           ),
-        ),
-      );
+        ]),
+      ]);
     } catch (error) {
       if (wanted !== this.wanted) return undefined;
       return error.status === 422 ? render(this.preview, h("p.soft", error.message)) : showError(error);

@@ -46,19 +46,16 @@ class PadView {
       h("a.button", { href: "#/study" }, "Go to study"),
     );
     this.caption = h("div.pad-caption");
-    render(
-      root,
-      h(
-        "header.head",
-        h("div", h("h1", "Pad"), h("p", "The ellipsoidal pad on its wedge under the platen.")),
-        h("div.actions", ...this.#views()),
-      ),
-      h(
-        "div.panes.no-tools.pad-panes",
-        h("div.pad-main", this.nothing, this.scene.root, this.caption),
+    render(root, [
+      h("header.head", [
+        h("div", [h("h1", "Pad"), h("p", "The ellipsoidal pad on its wedge under the platen.")]),
+        h("div.actions", [...this.#views()]),
+      ]),
+      h("div.panes.no-tools.pad-panes", [
+        h("div.pad-main", [this.nothing, this.scene.root, this.caption]),
         h("aside.inspector", { "aria-label": "Placement", tabindex: 0 }, this.side),
-      ),
-    );
+      ]),
+    ]);
     bindHere([
       ["w", "Wedge angle up", () => this.#nudge("wedge", 1)],
       ["W", "Wedge angle down", () => this.#nudge("wedge", -1)],
@@ -116,24 +113,20 @@ class PadView {
         this.#ask();
       };
       this[`set_${key}`] = set;
-      return h("div.angle", field(title, slider), h("div.control", typed, h("span.unit", "°")));
+      return h("div.angle", [field(title, slider), h("div.control", [typed, h("span.unit", "°")])]);
     };
     render(this.axesTitle, h("h3", "Semi-axes"));
-    render(
-      this.side,
+    render(this.side, [
       h("h2.sr", "Pad and placement"),
-      h(
-        "section",
+      h("section", [
         choiceField("Finger", { value: this.finger, options, onset: (value) => this.#choose(value) }),
         finger?.synthetic && h("div", synthetic(true)),
-      ),
-      h(
-        "section",
+      ]),
+      h("section", [
         this.axesTitle,
         finger
           ? this.axesShown
-          : h(
-              "div.fields",
+          : h("div.fields", [
               AXES.map(([axis, words]) =>
                 numberField(words, {
                   value: this.axes[axis],
@@ -142,16 +135,15 @@ class PadView {
                   unit: "mm",
                 }),
               ),
-            ),
-      ),
-      h(
-        "section",
+            ]),
+      ]),
+      h("section", [
         h("h3", "Placement"),
         angle("wedge", ["Wedge angle ", symbol("θ")], "Wedge angle θ", 0, 90),
         angle("roll", ["Roll angle ", symbol("φ")], "Roll angle φ", -60, 60),
-      ),
+      ]),
       this.numbers,
-    );
+    ]);
   }
 
   #nudge(key, by) {
@@ -184,39 +176,33 @@ class PadView {
   /** @param {Answers["PadGeometry"]} answer */
   #show(answer) {
     this.answer = answer;
-    render(this.axesTitle, h("h3", "Semi-axes"), staleChip(this.finger));
-    render(
-      this.axesShown,
+    render(this.axesTitle, [h("h3", "Semi-axes"), staleChip(this.finger)]);
+    render(this.axesShown, [
       AXES.map(([axis, words]) => quantityRow(words, answer.words[`semi_axes_mm.${axis}`])),
-    );
+    ]);
     this.scene.show(answer, `The pad on a wedge of ${this.wedge}°, touching at u = ${answer.words.u_deg}`);
-    render(
-      this.caption,
-      h("span", h("i.key.along"), "principal direction along the finger"),
-      h("span", h("i.key.across"), "across the finger"),
-      h("span", h("i.key.contact"), "point of contact"),
-      h("span", h("i.key.place"), "parametric angle ", symbol("u")),
-      h("span", h("i.key.platen"), "platen"),
-      h("span", h("i.key.wedge"), "wedge"),
-    );
-    render(
-      this.numbers,
-      h(
-        "div.headline",
-        h("span", "Contact at ", symbol("u")),
+    render(this.caption, [
+      h("span", [h("i.key.along"), "principal direction along the finger"]),
+      h("span", [h("i.key.across"), "across the finger"]),
+      h("span", [h("i.key.contact"), "point of contact"]),
+      h("span", [h("i.key.place"), "parametric angle ", symbol("u")]),
+      h("span", [h("i.key.platen"), "platen"]),
+      h("span", [h("i.key.wedge"), "wedge"]),
+    ]);
+    render(this.numbers, [
+      h("div.headline", [
+        h("span", ["Contact at ", symbol("u")]),
         h("span.figure-big.number", { "data-live": "u" }, answer.words.u_deg),
-      ),
+      ]),
       answer.v_deg !== null &&
         Math.abs(answer.v_deg - 90) > 0.005 &&
-        h("p.soft.number", symbol("v"), ` = ${answer.words.v_deg}`),
+        h("p.soft.number", [symbol("v"), ` = ${answer.words.v_deg}`]),
       h("div", staleChip(this.finger)),
-      h(
-        "dl.readings",
-        { "data-live": "radii" },
+      h("dl.readings", { "data-live": "radii" }, [
         QUANTITIES_SHOWN.map(([key, label]) => quantityRow(label(), answer.words[key])),
-      ),
+      ]),
       !this.finger && h("p.soft", "No uncertainty: these semi-axes belong to no finger of the study."),
-    );
+    ]);
   }
 
   update() {

@@ -48,11 +48,10 @@ export class PhotographInspector extends Inspector {
 
   head() {
     const { finger, file, synthetic: made } = this.view.entry;
-    render(
-      this.parts.head,
-      h("div.headline", h("h2", `${finger}, ${faceWords(this.view.entry)}`), synthetic(made)),
+    render(this.parts.head, [
+      h("div.headline", [h("h2", `${finger}, ${faceWords(this.view.entry)}`), synthetic(made)]),
       h("p.soft", `${file} · ${whichScale(this.view.entry)}`),
-    );
+    ]);
   }
 
   wait() {
@@ -65,23 +64,19 @@ export class PhotographInspector extends Inspector {
   /** @param {PhotographMeasurement | null} answer @param {string} [problem] */
   show(answer, problem) {
     if (!answer) {
-      render(
-        this.parts.face,
+      render(this.parts.face, [
         h("p.note.bad", { role: "alert" }, problem),
         !this.view.lacking?.length &&
           h("p.soft", "Draw a region of interest round the fingertip, or add points on its outline."),
-      );
+      ]);
       render(this.parts.pad);
       this.settings();
       return;
     }
     const { automatic } = answer;
-    render(
-      this.parts.face,
-      h("div.headline", h("h3", "This face"), chip(answer.by, automatic ? "accent" : "")),
-      h(
-        "dl.readings",
-        { "data-live": "face" },
+    render(this.parts.face, [
+      h("div.headline", [h("h3", "This face"), chip(answer.by, automatic ? "accent" : "")]),
+      h("dl.readings", { "data-live": "face" }, [
         answer.axes.map((axis) =>
           quantityRow(`${NAMES[axis]} semi-axis`, answer.words[`semi_axes_mm.${axis}`], {
             mark: "face",
@@ -98,9 +93,9 @@ export class PhotographInspector extends Inspector {
           ),
         ),
         quantityRow("Tilt", answer.words.tilt_deg ?? "–"),
-      ),
+      ]),
       flagNote(answer.flags, PHOTOGRAPH_FLAGS),
-    );
+    ]);
     this.#pad(answer);
     this.settings();
   }
@@ -109,28 +104,23 @@ export class PhotographInspector extends Inspector {
   #pad({ finger, finger_error: problem }) {
     if (finger === undefined || (finger === null && !problem)) {
       if (!this.parts.pad.querySelector("[data-live]"))
-        render(this.parts.pad, h("h3", "All faces combined"), h("p.soft", "Measuring the other faces …"));
+        render(this.parts.pad, [h("h3", "All faces combined"), h("p.soft", "Measuring the other faces …")]);
       return;
     }
     if (!finger) {
-      render(
-        this.parts.pad,
+      render(this.parts.pad, [
         h("h3", "All faces combined"),
         h("p.soft", problem ?? "At least two faces are needed."),
-      );
+      ]);
       return;
     }
     const agree = finger.degrees_of_freedom > 0 ? !finger.disagree : null;
-    render(
-      this.parts.pad,
-      h(
-        "div.headline",
+    render(this.parts.pad, [
+      h("div.headline", [
         h("h3", "All faces combined"),
         agree === null ? null : agree ? chip("faces agree", "good") : chip("faces disagree", "warn"),
-      ),
-      h(
-        "dl.readings",
-        { "data-live": "finger" },
+      ]),
+      h("dl.readings", { "data-live": "finger" }, [
         Object.entries(NAMES).map(([axis, words]) =>
           quantityRow(`${words} semi-axis`, h("strong.figure", finger.words[`semi_axes_mm.${axis}`])),
         ),
@@ -139,15 +129,13 @@ export class PhotographInspector extends Inspector {
             symbol("χ²"),
             ` = ${finger.chi_square.toPrecision(3)}, df = ${finger.degrees_of_freedom}, ${finger.p_words}`,
           ]),
-      ),
+      ]),
       finger.disagreements?.length > 0 &&
-        h(
-          "details",
-          { open: true },
+        h("details", { open: true }, [
           h("summary", "Deviation of each face"),
           differences(finger.disagreements),
-        ),
-    );
+        ]),
+    ]);
   }
 
   /** Change the photograph's table of the study. */
@@ -168,11 +156,9 @@ export class PhotographInspector extends Inspector {
         options: SIDES,
         onset: (value) => this.view.set(key, value || null),
       });
-    update(
-      this.parts.settings,
+    update(this.parts.settings, [
       h("h3", "Settings"),
-      h(
-        "div.fields",
+      h("div.fields", [
         face &&
           choiceField("Face", {
             value: face,
@@ -190,21 +176,20 @@ export class PhotographInspector extends Inspector {
           ),
         side("tip", "Fingertip points"),
         ["distal", "radial", "ulnar"].includes(this.view.entry.face) && side("palmar_side", "Palmar side"),
-      ),
+      ]),
       this.resetButtons(RESETS),
-    );
+    ]);
   }
 
   /** @param {Answers["LengthMeasurement"]} answer */
   length(answer) {
     const line = this.parts.tool.querySelector("[data-live=length]");
     if (line)
-      render(
-        line,
+      render(line, [
         h("span.figure-big.number", answer.words.length_mm),
         h("br"),
         "uncertainty of each end: 1 px",
-      );
+      ]);
   }
 }
 
@@ -221,21 +206,17 @@ function differences(faces) {
   );
   // Small deviations look small.
   const most = Math.max(...rows.map(([, value]) => Math.abs(value)), 0.05);
-  return h(
-    "div.differences",
+  return h("div.differences", [
     rows.map(([label, value]) => {
       const width = (Math.abs(value) / most) * 48;
-      return h(
-        "div.difference",
+      return h("div.difference", [
         h("span", label),
-        s(
-          "svg",
-          { viewBox: "-50 0 100 10", width: 100, height: 10, "aria-hidden": "true" },
+        s("svg", { viewBox: "-50 0 100 10", width: 100, height: 10, "aria-hidden": "true" }, [
           s("path", { d: "M0 0V10", class: "zero" }),
           s("rect", { x: value < 0 ? -width : 0, y: 2, width, height: 6 }),
-        ),
+        ]),
         h("span.number", signedPercent(value)),
-      );
+      ]);
     }),
-  );
+  ]);
 }

@@ -3,8 +3,9 @@
 import { LatestRequest, post } from "../core/api.js";
 import { h, render, s } from "../core/dom.js";
 import { workspace } from "../core/workspace.js";
+import { Click } from "../editor/drawing.js";
 import { handle } from "../editor/handle.js";
-import { Click, Line } from "../editor/tools.js";
+import { Line } from "../editor/shapes.js";
 import { empty } from "../parts/forms.js";
 import { icon } from "../parts/icons.js";
 import { missingOf } from "../parts/missing_fields.js";
@@ -54,8 +55,7 @@ class Photographs extends Review {
   }
 
   #nothing() {
-    render(
-      this.root,
+    render(this.root, [
       h("header.head", h("h1", "Photographs")),
       empty(
         "No photographs yet",
@@ -64,7 +64,7 @@ class Photographs extends Review {
           "also be entered.",
         h("a.button.primary", { href: "#/study" }, "Go to study"),
       ),
-    );
+    ]);
   }
 
   #build(wanted) {
@@ -147,10 +147,10 @@ class Photographs extends Review {
     if (!live) {
       const { centre_px: centre, across_end_px: across, along_end_px: along } = answer.handles;
       this.stage.setMessage("");
-      this.editor.show(centre, across, along);
+      this.editor.place(centre, across, along);
       this.used.setAttribute("d", dots(answer.points_px));
       this.out.setAttribute("d", dots(answer.outliers_px));
-      this.brush?.dry();
+      this.stage.tool?.dry?.();
       this.showTool();
     }
     this.inspector.show(answer);
@@ -216,7 +216,7 @@ class Photographs extends Review {
   /** @returns {NonNullable<BodyOf<"/measure/photograph", "post">["handles"]>} */
   #handles() {
     return {
-      centre_px: this.editor.shape.centre,
+      centre_px: this.editor.value.centre,
       across_end_px: this.editor.end(0),
       along_end_px: this.editor.end(1),
     };

@@ -35,16 +35,14 @@ class Results {
       "plot",
       (key) => (location.hash = `#/results/${key}`),
     );
-    render(
-      root,
-      h(
-        "header.head",
-        h("div", h("h1", "Results"), h("p", "Values ± standard uncertainty.")),
+    render(root, [
+      h("header.head", [
+        h("div", [h("h1", "Results"), h("p", "Values ± standard uncertainty.")]),
         h("div.actions", this.tabs),
-      ),
+      ]),
       this.banner,
       this.body,
-    );
+    ]);
     bindHere([
       ...PARTS.map(([name, , key, words]) => [key, words, () => (location.hash = `#/results/${name}`)]),
       ["/", "Search the table", () => this.part?.search?.()],
@@ -78,10 +76,9 @@ class Results {
     this.part
       .load()
       .catch((error) =>
-        render(
-          home,
-          h("div.empty", { role: "alert" }, h("h2", "This cannot be shown"), h("p", error.message)),
-        ),
+        render(home, [
+          h("div.empty", { role: "alert" }, [h("h2", "This cannot be shown"), h("p", error.message)]),
+        ]),
       );
   }
 
@@ -110,30 +107,26 @@ class Results {
   #sayFresh() {
     const { results } = workspace.study;
     const { assumed, taken_as_exact: exact } = workspace.study;
-    render(
-      this.banner,
+    render(this.banner, [
       results?.there &&
         this.key !== "audit" &&
         exact.length + assumed.length > 0 &&
-        h(
-          "div.banner.note",
+        h("div.banner.note", [
           exact.length > 0 && exactNote(exact),
           assumed.length > 0 &&
-            h(
-              "p",
+            h("p", [
               `Assumed to be known, until you enter other values: ${assumed.join(" and ")}. `,
               h("a", { href: "#/study" }, "Set"),
-            ),
-        ),
+            ]),
+        ]),
       results?.there &&
         !results.fresh &&
-        h(
-          "div.banner.note",
+        h("div.banner.note", [
           "The study has changed since the last run. ",
           h("a", { href: workspace.study.ready ? "#/run/start" : "#/study" }, "Run again"),
           " to update the results; only what has changed is measured.",
-        ),
-    );
+        ]),
+    ]);
   }
 
   update() {
@@ -157,8 +150,11 @@ function exactNote(exact) {
     ".",
   ];
   const words = (inputs) => `No uncertainty is given for ${inputs}: the uncertainties shown are too small. `;
-  if (exact.length <= 3) return h("p", words(exact.join(", ")), where);
-  return h("details", h("summary", words(`${exact.length} inputs`)), h("p", `${exact.join(", ")}. `, where));
+  if (exact.length <= 3) return h("p", [words(exact.join(", ")), where]);
+  return h("details", [
+    h("summary", words(`${exact.length} inputs`)),
+    h("p", [`${exact.join(", ")}. `, where]),
+  ]);
 }
 
 export const open = (root, rest) => new Results(root, rest);

@@ -16,17 +16,14 @@ export class Audit {
   async load() {
     const { items } = await get("/api/published");
     const count = (verdict) => items.filter((item) => item.verdict === verdict).length;
-    render(
-      this.root,
+    render(this.root, [
       h(
         "p.lead",
         `Supplement of Dzidek et al. (2017): ${items.length} published numbers compared with the values ` +
           `that its equations give. ${count("reproduced")} are reproduced, ${count(MISPRINT)} with a ` +
           "known misprint, and the others are not reproducible from the published values.",
       ),
-      h(
-        "div.table-wrap",
-        { tabindex: 0, role: "region", "aria-label": "Audit of the published tables" },
+      h("div.table-wrap", { tabindex: 0, role: "region", "aria-label": "Audit of the published tables" }, [
         tableOf(
           "table.audit",
           [
@@ -39,18 +36,17 @@ export class Audit {
           ],
           items.map(row),
         ),
-      ),
-    );
+      ]),
+    ]);
   }
 }
 
 /** @param {Answers["AuditedNumber"]} number */
 function row({ item, words, verdict, formula, remark }) {
-  return h(
-    "tr",
+  return h("tr", [
     h("th", { scope: "row" }, item),
     [words.printed, words.computed, words.range, words.with_misprint].map((each) => h("td.number", each)),
     h("td", chip(verdict, KIND[verdict] ?? "warn")),
-    h("td.formula", formula && h("code", formula), remark && h("p.soft", remark)),
-  );
+    h("td.formula", [formula && h("code", formula), remark && h("p.soft", remark)]),
+  ]);
 }

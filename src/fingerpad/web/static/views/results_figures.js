@@ -30,13 +30,12 @@ export class Figures {
         ({ name }) =>
           !kind || (["curve", "sequence"].includes(kind) ? name.startsWith(kind) : name.endsWith(kind)),
       );
-      render(
-        this.grid,
+      render(this.grid, [
         shown.map((figure) => this.#card(figure)),
         !shown.length && h("p.soft", "There are no such figures in this study."),
-      );
+      ]);
     };
-    render(this.root, h("div.plot-bar", choiceField("Show", { options: kinds, onset: draw })), this.grid);
+    render(this.root, [h("div.plot-bar", choiceField("Show", { options: kinds, onset: draw })), this.grid]);
     draw("");
   }
 
@@ -46,14 +45,12 @@ export class Figures {
     const words = caption || name.replaceAll("_", " ");
     const save = (address, kind) =>
       h("a.button", { href: `${address}?attachment=1`, "aria-label": `${kind} of ${name}` }, kind);
-    return h(
-      "figure.card",
+    return h("figure.card", [
       h("img", { src: svg, alt: words, loading: "lazy" }),
-      h(
-        "figcaption",
+      h("figcaption", [
         h("p", words),
-        h("div.actions", save(svg, "SVG"), png && save(png, "PNG"), figureButton(figure, "")),
-      ),
-    );
+        h("div.actions", [save(svg, "SVG"), png && save(png, "PNG"), figureButton(figure, "")]),
+      ]),
+    ]);
   }
 }

@@ -64,21 +64,17 @@ export class Plots {
     this.figures = figures;
     const fingers = [...new Set(this.groups.map(({ finger }) => finger))];
     if (!this.groups.length) {
-      render(
-        this.root,
-        h(
-          "p.lead",
+      render(this.root, [
+        h("p.lead", [
           "There are no contacts in these results: a plot needs finger, angle, load and scale. ",
           h("a", { href: "#/study" }, "See the Study page."),
-        ),
-      );
+        ]),
+      ]);
       return;
     }
     this.grid = h("div.plot-grid");
-    render(
-      this.root,
-      h(
-        "div.plot-bar",
+    render(this.root, [
+      h("div.plot-bar", [
         choiceField("Against load", {
           value: this.quantity,
           options: QUANTITIES,
@@ -95,9 +91,9 @@ export class Plots {
           onset: (value) => ((this.bars = value), this.#draw()),
         }),
         (this.legend = h("div.legend", { "aria-label": "Legend" })),
-      ),
+      ]),
       this.grid,
-    );
+    ]);
     this.watcher = new IntersectionObserver(
       (entries) => {
         for (const { isIntersecting, target } of entries) if (isIntersecting) this.#plot(target);
@@ -135,19 +131,19 @@ export class Plots {
       return [
         onLayer &&
           any(onLayer) && [
-            h("span", h("i.dot-mark"), "Hertz theory"),
-            h("span", h("i.square-mark"), "on the layer over bone"),
+            h("span", [h("i.dot-mark"), "Hertz theory"]),
+            h("span", [h("i.square-mark"), "on the layer over bone"]),
           ],
         hollow,
       ];
     }
     const loading = groups.some((group) => group.loading_radius_mm != null);
     return [
-      h("span", h("i.dot-mark"), symbol("R_g^corr")),
+      h("span", [h("i.dot-mark"), symbol("R_g^corr")]),
       any("radius_from_compliance_mm") &&
-        h("span", h("i.square-mark"), symbol("R_Aξ"), loading && [", compare with ", symbol("R_g")]),
-      h("span", h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"),
-      loading && h("span", h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"),
+        h("span", [h("i.square-mark"), symbol("R_Aξ"), loading && [", compare with ", symbol("R_g")]]),
+      h("span", [h("i.line-mark.dotted"), symbol("R_0g"), ", undeformed pad"]),
+      loading && h("span", [h("i.line-mark.dashed"), symbol("R_g"), ", from loading data"]),
       hollow,
     ];
   }
@@ -158,17 +154,13 @@ export class Plots {
     const node = why ? h("p.soft", why) : h("div.chart", { role: "img", "aria-label": this.#words(group) });
     node.group = group;
     const fact = (label, key) =>
-      group[key] !== null && h("div", h("dt", label), h("dd.number", group.words[key]));
-    return h(
-      "section.card.plot-card",
-      { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` },
+      group[key] !== null && h("div", [h("dt", label), h("dd.number", group.words[key])]);
+    return h("section.card.plot-card", { "aria-label": `${group.finger}, wedge ${group.wedge_angle_deg}°` }, [
       groupHeader(group, figureOf(this.figures, group, FIGURES[this.quantity])),
-      h(
-        "dl.facts",
+      h("dl.facts", [
         group.radius_from_indentation_mm !== null &&
-          h(
-            "div.main-fact",
-            h("dt", symbol("R_g^corr"), ", pooled"),
+          h("div.main-fact", [
+            h("dt", [symbol("R_g^corr"), ", pooled"]),
             h(
               "dd.number",
               {
@@ -176,27 +168,23 @@ export class Plots {
                   ? "standard uncertainty with what the model leaves uncertain"
                   : "",
               },
-              group.words.radius_from_indentation_mm,
-              " ",
-              verdictChip(group.radius_verdict, group.checks),
+              [group.words.radius_from_indentation_mm, " ", verdictChip(group.radius_verdict, group.checks)],
             ),
-          ),
+          ]),
         fact(symbol("R_0g"), "mean_curvature_radius_mm"),
         fact(symbol("R_g"), "loading_radius_mm"),
-      ),
+      ]),
       poolingList(group.pooling),
       node,
-      h(
-        "details.range",
+      h("details.range", [
         h("summary", `Does the model hold? ${group.verdict}`),
         list(
           group.checks.map(({ words }) => words),
           "ul.note",
         ),
-      ),
+      ]),
       group.range_notes.length > 0 &&
-        h(
-          "details.range",
+        h("details.range", [
           h("summary", `Doubtful values (${group.range_notes.length})`),
           list(
             group.range_notes.map(
@@ -205,8 +193,8 @@ export class Plots {
             ),
             "ul.note",
           ),
-        ),
-    );
+        ]),
+    ]);
   }
 
   /** Why there is nothing to plot; empty if there is. @param {Answers["PlottedGroup"]} group */

@@ -19,22 +19,20 @@ export class Simulator {
     this.groups = groups;
     this.figures = figures;
     this.cards = h("div.plot-grid");
-    render(
-      this.root,
+    render(this.root, [
       h(
         "p.lead",
         "What MuJoCo, Drake and Newton take for each finger, the largest error of the load over the range, " +
           "and the files that are ready to run.",
       ),
-      h(
-        "div.filters",
+      h("div.filters", [
         this.#number("Lowest load", "lowest_load_N", "N"),
         this.#number("Highest load", "highest_load_N", "N"),
         this.#number("Effective mass (MuJoCo)", "mass_kg", "kg"),
         this.#number("Thickness", "thickness_mm", "mm", "of the study"),
-      ),
+      ]),
       this.cards,
-    );
+    ]);
     this.#draw();
   }
 
@@ -47,10 +45,7 @@ export class Simulator {
   }
 
   #draw() {
-    render(
-      this.cards,
-      this.groups.map((group) => this.#card(group)),
-    );
+    render(this.cards, [this.groups.map((group) => this.#card(group))]);
   }
 
   /** @param {Answers["BudgetGroup"]} group */
@@ -61,19 +56,17 @@ export class Simulator {
     );
     const body = h("div.stack-small", h("p.soft", { role: "status" }, "Computing …"));
     get("/results/simulator", /** @type {any} */ (query))
-      .then((found) => render(body, numbers(found), download(query, finger, wedge)))
+      .then((found) => render(body, [numbers(found), download(query, finger, wedge)]))
       .catch((error) => render(body, h("p.note", { role: "alert" }, error.message)));
     // Of the curves of this finger and angle, the first that has the figure.
     const drawn = this.figures.find(
       ({ name }) => name.replace(/^curve\d+_/, "") === `${group.figure}_simulator`,
     );
-    return h(
-      "section.card",
-      { "aria-label": `${finger}, wedge ${wedge}°` },
+    return h("section.card", { "aria-label": `${finger}, wedge ${wedge}°` }, [
       groupHeader(group, drawn),
       drawn && h("img", { src: drawn.svg, alt: drawn.caption, loading: "lazy" }),
       body,
-    );
+    ]);
   }
 }
 
@@ -88,22 +81,19 @@ const numbers = ({ source, model, targets, notes }) => [
       ...["Largest error of load", "Area factor"].map((words) => h("th.number", { scope: "col" }, words)),
     ],
     targets.map(({ name, value, worst_relative_error: error, area_factor: factor, assumes }) =>
-      h(
-        "tr",
-        { title: `Assumes ${assumes}` },
+      h("tr", { title: `Assumes ${assumes}` }, [
         h("th", { scope: "row" }, name),
         h("td", value),
         h("td.number", percent(error)),
         h("td.number", factor === null ? "–" : `× ${factor.toFixed(2)}`),
-      ),
+      ]),
     ),
   ),
   list(notes, "ul.note"),
 ];
 
 const download = (query, finger, wedge) =>
-  h(
-    "div.actions",
+  h("div.actions", [
     h(
       "a.button",
       {
@@ -113,4 +103,4 @@ const download = (query, finger, wedge) =>
       },
       "Files (ZIP)",
     ),
-  );
+  ]);

@@ -78,10 +78,8 @@ export class Table {
     this.more = h("span.soft", { hidden: true }, "More columns to the right: scroll sideways.");
     this.size = new ResizeObserver(() => this.#showMore());
     this.size.observe(this.table);
-    render(
-      this.root,
-      h(
-        "div.filters",
+    render(this.root, [
+      h("div.filters", [
         field("Search", search),
         filter("Finger", "finger", "all", names),
         filter("Wedge", "wedge_angle_deg", "all", angles),
@@ -90,10 +88,10 @@ export class Table {
         check("All columns", { onset: (on) => ((this.all = on), this.#draw()) }),
         h("span.grow"),
         h("a.button", { href: download("results.csv?attachment=1") }, "CSV"),
-      ),
-      h("div.table-head", this.count, h("div.actions", this.more, this.pager)),
+      ]),
+      h("div.table-head", [this.count, h("div.actions", [this.more, this.pager])]),
       this.table,
-    );
+    ]);
     await this.#ask({});
   }
 
@@ -125,8 +123,7 @@ export class Table {
           .filter(Boolean);
     const range = `, ${offset + 1} to ${Math.min(matching, offset + LIMIT)} shown`;
     this.count.textContent = `${matching} of ${total} rows${matching > LIMIT ? range : ""}`;
-    render(
-      this.pager,
+    render(this.pager, [
       matching > LIMIT && [
         button("‹", () => this.#ask({ offset: Math.max(0, offset - LIMIT) }), {
           kind: "small",
@@ -139,14 +136,13 @@ export class Table {
           label: "Next rows",
         }),
       ],
-    );
+    ]);
     if (!rows.length) {
       render(this.table, h("p.soft.no-rows", "No rows match the filters."));
       return;
     }
     const numeric = (key) => rows.some((row) => typeof row[key] === "number");
-    render(
-      this.table,
+    render(this.table, [
       tableOf(
         "table.tight",
         [
@@ -154,11 +150,8 @@ export class Table {
           ...shown.map((column) => this.#header(column, numeric(column.key))),
         ],
         rows.map((row, index) =>
-          h(
-            "tr",
-            h(
-              "th",
-              { scope: "row" },
+          h("tr", [
+            h("th", { scope: "row" }, [
               this.#link(row),
               " ",
               synthetic(row.synthetic),
@@ -167,12 +160,12 @@ export class Table {
                 .split(" ")
                 .filter(Boolean)
                 .map((flag) => chip(flag.replaceAll("_", " "), "warn", describeCode(flag))),
-            ),
+            ]),
             shown.map(({ key }) => this.#cell(row, words[index], key, numeric(key))),
-          ),
+          ]),
         ),
       ),
-    );
+    ]);
     this.#showMore();
   }
 
@@ -208,14 +201,20 @@ export class Table {
         "aria-sort": way,
         title: term ? undefined : words,
       },
-      button(
-        [
-          term ? symbol(term, { inControl: true, words: labelParts(label) }) : labelParts(label),
-          h("span", { "aria-hidden": "true" }, way === "ascending" ? " ↑" : way === "descending" ? " ↓" : ""),
-        ],
-        () => this.#ask({ sort: next, offset: 0 }),
-        { label: `Sort by ${label}` },
-      ),
+      [
+        button(
+          [
+            term ? symbol(term, { inControl: true, words: labelParts(label) }) : labelParts(label),
+            h(
+              "span",
+              { "aria-hidden": "true" },
+              way === "ascending" ? " ↑" : way === "descending" ? " ↓" : "",
+            ),
+          ],
+          () => this.#ask({ sort: next, offset: 0 }),
+          { label: `Sort by ${label}` },
+        ),
+      ],
     );
   }
 
@@ -228,11 +227,10 @@ export class Table {
   #cell(row, words, key, isNumber) {
     const value = row[key];
     if (key === "status")
-      return h(
-        "td",
+      return h("td", [
         chip(value, KIND[value] ?? "", row.reason || undefined),
         row.reason && h("div.soft.reason", row.reason),
-      );
+      ]);
     if (typeof value === "number") return h("td.number", words[key] ?? String(value));
     return h(
       isNumber ? "td.number" : "td",

@@ -5,10 +5,10 @@ import { Corrections, withoutDefaults } from "../core/corrections.js";
 import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
-import { EllipseEditor } from "../editor/ellipse_editor.js";
+import { Brush } from "../editor/drawing.js";
 import { Filmstrip } from "../editor/filmstrip.js";
+import { Box, EllipseEditor } from "../editor/shapes.js";
 import { Stage } from "../editor/stage.js";
-import { Box, Brush } from "../editor/tools.js";
 import { segments } from "../parts/forms.js";
 import { keysOf, panesOf } from "./review_layout.js";
 
@@ -31,8 +31,6 @@ export class Review {
   last;
   /** @type {Corrections | null} */
   corrections = null;
-  /** @type {Brush | null} */
-  brush = null;
   at = -1;
   /** @type {"first" | "second"} */
   operator = "first";
@@ -87,7 +85,7 @@ export class Review {
     this.stage.root.append(this.mark);
     this.addOverlay();
     this.editor = new EllipseEditor(this.stage, axes, (_, final) => this.#dragged(final));
-    this.box = new Box(this.stage, (box) => this.set("region_of_interest_px", box));
+    this.box = new Box(this.stage, (box, final) => final && this.set("region_of_interest_px", box));
     this.toolbar = segments("Tools", tools, this.tool, (tool) => this.use(tool), { vertical: true });
     this.strip = new Filmstrip({ label: "Images", chosen: (index) => this.choose(index), describe });
     this.live = new LatestRequest(
@@ -128,7 +126,7 @@ export class Review {
     this.measured = null;
     this.stage.root.classList.remove("rejected"); // the image before may have been
     this.inspector.root.hidden = this.inspector.footer.hidden = false;
-    this.editor.hide();
+    this.editor.set(null);
     this.box.set(null);
     this.clearOverlay();
     this.lacking = undefined;
@@ -169,7 +167,7 @@ export class Review {
     this.corrections?.close();
     this.corrections = this.measured = null;
     this.stage.hide();
-    this.editor.hide();
+    this.editor.set(null);
     this.box.set(null);
     this.clearOverlay();
     this.inspector.root.hidden = this.inspector.footer.hidden = true;
@@ -200,7 +198,7 @@ export class Review {
   #failed(error) {
     this.measured = null;
     this.unreached = [0, 403].includes(error.status) ? error : null;
-    this.editor.hide();
+    this.editor.set(null);
     this.clearOverlay();
     this.stage.setScale(null);
     this.inspector.show(null, error.message);
@@ -242,7 +240,6 @@ export class Review {
   use(tool) {
     this.tool = tool;
     this.toolbar.show(tool);
-    this.brush = null;
     this.stage.use(tool === "box" ? this.box : this.makeTool(tool));
     this.showTool();
     this.stage.root.focus({ preventScroll: true });
@@ -251,22 +248,20 @@ export class Review {
 
   /** Make a brush; `done` is called with each stroke. */
   paint(action, done) {
-    this.brush = new Brush(this.stage, { action, radius: this.radius, done });
-    return this.brush;
+    return new Brush(this.stage, { action, radius: this.radius, done });
   }
 
   showTool() {
     const editing = this.tool === "ellipse" && this.measured && !this.corrections?.change.rejected;
     const shown = (yes) => (yes ? "" : "none");
-    for (const { node } of Object.values(this.editor.handles)) node.style.display = shown(editing);
-    this.editor.stalk.style.display = shown(editing);
-    this.box.layer.style.display = shown(this.tool === "box" || this.box.box);
-    for (const { node } of this.box.handles) node.style.display = shown(this.tool === "box");
+    this.editor.grips.style.display = shown(editing);
+    this.box.layer.style.display = shown(this.tool === "box" || this.box.value);
+    this.box.grips.style.display = shown(this.tool === "box");
   }
 
   setRadius(radius) {
     this.radius = Math.round(Math.min(200, Math.max(1, radius)));
-    this.brush?.setRadius(this.radius);
+    this.stage.tool?.setRadius?.(this.radius);
     this.inspector.radius?.show(this.radius);
   }
 

@@ -22,7 +22,7 @@ export function reviewMarks({ corrected, accepted, rejected, interpolated }) {
 /** The name saved with corrections; the browser remembers it. */
 function whoButton() {
   const shown = button("", askName, { kind: "small", title: "Saved with each correction" });
-  const show = () => render(shown, h("span.soft", "Corrections by"), h("strong", who() || "…"));
+  const show = () => render(shown, [h("span.soft", "Corrections by"), h("strong", who() || "…")]);
   async function askName() {
     const name = text({ value: who() });
     const body = field("Name or initials", name, { hint: "Saved with each correction." });
@@ -42,19 +42,16 @@ function whoButton() {
  * @param {any} bar above the filmstrip
  */
 export const panesOf = (view, title, words, bar) => [
-  h("header.head", h("div", h("h1", title), h("p", words)), h("div.actions", whoButton())),
-  h(
-    "div.panes",
+  h("header.head", [h("div", [h("h1", title), h("p", words)]), h("div.actions", whoButton())]),
+  h("div.panes", [
     view.toolbar,
     view.stage.root,
-    h(
-      "aside.inspector",
-      { "aria-label": "Selected image", tabindex: 0 },
+    h("aside.inspector", { "aria-label": "Selected image", tabindex: 0 }, [
       view.inspector.root,
       view.inspector.footer,
-    ),
-    h("section.filmstrip-panel", { "aria-label": "All images" }, bar, view.strip.root),
-  ),
+    ]),
+    h("section.filmstrip-panel", { "aria-label": "All images" }, [bar, view.strip.root]),
+  ]),
 ];
 
 /** The keys of all reviews, and those of one. @param {import("./review.js").Review} view */

@@ -5,7 +5,7 @@ import { h, render, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { bytes } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
-import { button, check, chip, choiceField, faultList, list, withoutOverlap } from "../parts/forms.js";
+import { attempt, button, check, chip, choiceField, list, withoutOverlap } from "../parts/forms.js";
 
 const STATES = {
   idle: "Nothing is running",
@@ -38,14 +38,12 @@ const FILES = [
 ];
 
 const exportCard = (title, words, actions, more = null) =>
-  h(
-    "section.card.export",
-    { "aria-label": title },
+  h("section.card.export", { "aria-label": title }, [
     h("h3", title),
     h("p.soft", words),
     more,
     h("div.actions", actions || h("span.soft", "available after a run")),
-  );
+  ]);
 
 class Run {
   constructor(root, rest) {
@@ -55,14 +53,12 @@ class Run {
     this.status = h("section.card.run-status", { "aria-label": "The run" });
     this.exports = h("div.exports");
     this.leftOut = h("div");
-    render(
-      root,
-      h(
-        "header.head",
-        h("div", h("h1", "Run & export"), h("p", "A run measures only what is new or has changed.")),
-      ),
-      h("div.scroll.stack", this.status, this.exports),
-    );
+    render(root, [
+      h("header.head", [
+        h("div", [h("h1", "Run & export"), h("p", "A run measures only what is new or has changed.")]),
+      ]),
+      h("div.scroll.stack", [this.status, this.exports]),
+    ]);
     this.removeListener = workspace.on("run", () => this.#draw());
     bindHere([
       ["Enter", "Run", () => this.#start()],
@@ -84,13 +80,10 @@ class Run {
 
   #start = withoutOverlap(async () => {
     if (this.busy || !workspace.study.ready) return;
-    render(this.problem);
-    try {
+    await attempt(this.problem, async () => {
       await post("/run", { workers: this.workers, force: this.fresh });
       await this.#poll();
-    } catch (error) {
-      render(this.problem, faultList(error));
-    }
+    });
   });
 
   async #cancel() {
@@ -110,28 +103,23 @@ class Run {
     const run = workspace.run ?? workspace.study.run;
     const { ready, counts, results } = workspace.study;
     const finished = run.state === "done" && results?.fresh;
-    update(
-      this.status,
-      h(
-        "header",
+    update(this.status, [
+      h("header", [
         h("h2", STATES[run.state] ?? run.state),
         h("span.sr", { role: "status" }, STATES[run.state] ?? run.state),
         finished && chip("up to date", "good"),
         run.state === "failed" && chip("failed", "bad"),
-      ),
+      ]),
       this.busy
         ? [
             progressOf(run),
-            h(
-              "div.actions",
-              { key: "actions" },
+            h("div.actions", { key: "actions" }, [
               button("Stop", () => this.#cancel(), { kind: "bad", key: "c" }),
-            ),
+            ]),
           ]
         : [
             run.error && h("div.note.bad", { role: "alert" }, run.error),
-            h(
-              "p",
+            h("p", [
               counts
                 ? [
                     h("strong.number", counts.done),
@@ -142,25 +130,21 @@ class Run {
                     ".",
                   ]
                 : "",
-            ),
+            ]),
             !ready &&
-              h(
-                "div.note",
+              h("div.note", [
                 "The study is incomplete: a run needs every entry. ",
                 h("a", { href: "#/study" }, "See the Study page."),
-              ),
-            h(
-              "div.run-options",
+              ]),
+            h("div.run-options", [
               choiceField("Processes", {
                 value: String(this.workers),
                 options: ["1", "2", "4", "8"],
                 onset: (value) => (this.workers = Number(value)),
               }),
               check("Re-measure all", { checked: this.fresh, onset: (on) => (this.fresh = on) }),
-            ),
-            h(
-              "div.actions",
-              { key: "actions" },
+            ]),
+            h("div.actions", { key: "actions" }, [
               button("Run", () => this.#start(), {
                 kind: finished ? "" : "primary",
                 key: "Enter",
@@ -169,32 +153,27 @@ class Run {
               ["done", "cancelled"].includes(run.state) &&
                 workspace.study.results?.there &&
                 h(finished ? "a.button.primary" : "a.button", { href: "#/results" }, "See the results"),
-            ),
+            ]),
           ],
       run.failures?.length > 0 &&
-        h(
-          "div.note.bad.failures",
-          { tabindex: 0, role: "region", "aria-label": "Failures" },
+        h("div.note.bad.failures", { tabindex: 0, role: "region", "aria-label": "Failures" }, [
           h("strong", `${run.failures.length} failed`),
           list(run.failures.slice(0, 50)),
-        ),
+        ]),
       this.problem,
-    );
+    ]);
   }
 
   #drawExports() {
     const { results } = workspace.study;
     const there = results?.there;
-    render(
-      this.exports,
-      h(
-        "div.headline",
+    render(this.exports, [
+      h("div.headline", [
         h("h2", "Export"),
         there &&
           h("span.soft", results.fresh ? "up to date" : "from the last run; the study has changed since"),
-      ),
-      h(
-        "div.export-grid",
+      ]),
+      h("div.export-grid", [
         FILES.map(([file, title, words]) => {
           const can = file === "study.zip" || (file === "report.html" ? results?.report : there);
           const link = {
@@ -206,7 +185,10 @@ class Run {
           return exportCard(
             title,
             words,
-            can && [h("a.button", link, "Download"), file === "report.html" && h("a.button", open, "Open")],
+            can && [
+              h("a.button", link, "Download"),
+              file === "report.html" && h("a.button", open, "Open"),
+            ],
             file === "study.zip" && this.leftOut,
           );
         }),
@@ -215,28 +197,24 @@ class Run {
           "Each figure of the report as SVG, PDF, PNG and CSV.",
           there && h("a.button", { href: "#/results/figures" }, "Show figures"),
         ),
-      ),
-    );
+      ]),
+    ]);
   }
 
   /** Show the contents of the ZIP and the files left out. */
   async #listBundle() {
     const { files, bytes: size, left_out: left } = await get("/bundle");
-    render(
-      this.leftOut,
+    render(this.leftOut, [
       h("p.soft.number", `${files} files, ${bytes(size)}`),
       left.length > 0 &&
-        h(
-          "details",
+        h("details", [
           h("summary", `${left.length} left out`),
-          h(
-            "ul.rest.left-out",
-            { tabindex: 0 },
-            left.slice(0, 200).map(({ file, why }) => h("li", h("code", file), `: ${why}`)),
+          h("ul.rest.left-out", { tabindex: 0 }, [
+            left.slice(0, 200).map(({ file, why }) => h("li", [h("code", file), `: ${why}`])),
             left.length > 200 && h("li.soft", `and ${left.length - 200} more, all listed in the ZIP`),
-          ),
-        ),
-    );
+          ]),
+        ]),
+    ]);
   }
 
   update() {
@@ -260,11 +238,10 @@ function progressOf(run) {
   if (measuring) bar.setAttribute("value", String(run.done));
   return [
     bar,
-    h(
-      "p.run-line.number",
+    h("p.run-line.number", [
       h("span", `${counted}${duration(run.seconds ?? 0)}${left}`),
-      h("span", `${phaseOf(run)} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current))),
-    ),
+      h("span", [`${phaseOf(run)} `, h("strong", { "data-live": "file" }, run.file || fileOf(run.current))]),
+    ]),
   ];
 }
 

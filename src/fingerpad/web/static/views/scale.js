@@ -7,9 +7,10 @@ import { bindHere } from "../core/keys.js";
 import { showError, toast } from "../core/messages.js";
 import { short } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
+import { Line, ThreePoints } from "../editor/shapes.js";
 import { Stage } from "../editor/stage.js";
-import { Line, ThreePoints } from "../editor/tools.js";
 import {
+  attempt,
   button,
   chip,
   choiceField,
@@ -60,27 +61,23 @@ class Scales {
       (error) => this.#failed(error),
       this.result,
     );
-    render(
-      root,
-      h(
-        "header.head",
-        h("div", h("h1", "Scale"), h("p", "Images that share a named scale share its uncertainty.")),
+    render(root, [
+      h("header.head", [
+        h("div", [h("h1", "Scale"), h("p", "Images that share a named scale share its uncertainty.")]),
         (this.actions = h("div.actions")),
-      ),
-      h(
-        "div.panes.no-tools.scale-panes",
-        h(
-          "div.scale-main",
+      ]),
+      h("div.panes.no-tools.scale-panes", [
+        h("div.scale-main", [
           this.list,
           this.stage.root,
           (this.plainWords = empty(
             "This scale needs no image",
             "See the data sheet of the scanner or camera. The uncertainty enters every result.",
           )),
-        ),
-        h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, this.form, this.footer),
-      ),
-    );
+        ]),
+        h("aside.inspector", { "aria-label": "Selected scale", tabindex: 0 }, [this.form, this.footer]),
+      ]),
+    ]);
     bindHere([
       ["n", "New scale", () => this.#start(null)],
       ["Ctrl+Enter", "Save scale", () => this.#keep()],
@@ -109,7 +106,6 @@ class Scales {
     this.#drawForm();
     this.#show(this.file);
     this.line.set(this.table.line ?? null);
-    this.line.kept = this.table.line;
     this.#useTool();
     this.#ask();
   }
@@ -133,13 +129,11 @@ class Scales {
   }
 
   #drawList() {
-    render(
-      this.actions,
+    render(this.actions, [
       button("New scale", () => this.#start(null), { key: "n" }),
       workspace.study.ready && h("a.button.primary", { href: "#/run/start" }, "Run the study"),
-    );
-    render(
-      this.list,
+    ]);
+    render(this.list, [
       workspace.study.scales.map(({ name, words, used_by: uses }) =>
         h(
           "button.scale-item",
@@ -148,18 +142,15 @@ class Scales {
             "aria-pressed": String(this.old?.name === name),
             onclick: () => this.#start(scaleNamed(name)),
           },
-          h("strong", name),
-          h("span.soft", words),
-          chip(`${uses} image${uses === 1 ? "" : "s"}`),
+          [h("strong", name), h("span.soft", words), chip(`${uses} image${uses === 1 ? "" : "s"}`)],
         ),
       ),
       h(
         "button.scale-item.new",
         { type: "button", "aria-pressed": String(!this.old), onclick: () => this.#start(null) },
-        h("strong", "+ New scale"),
-        h("span.soft", "ruler, coin, grid or resolution"),
+        [h("strong", "+ New scale"), h("span.soft", "ruler, coin, grid or resolution")],
       ),
-    );
+    ]);
   }
 
   #drawForm() {
@@ -174,15 +165,12 @@ class Scales {
       pattern: namePattern(),
     });
     this.nameField.addEventListener("input", () => (this.name = this.nameField.value.trim()));
-    render(
-      this.form,
-      h(
-        "section",
+    render(this.form, [
+      h("section", [
         h("h2", this.old ? `Scale ${this.old.name}` : "New scale"),
         field("Name", this.nameField, { hint: this.old ? "A new name creates a new scale." : undefined }),
-      ),
-      h(
-        "section",
+      ]),
+      h("section", [
         h("h3", "Type of scale"),
         segments(
           "Type of scale",
@@ -190,30 +178,27 @@ class Scales {
           this.way,
           (way) => this.#choose(way),
         ),
-      ),
+      ]),
       WAYS[this.way].picture &&
-        h(
-          "section",
+        h("section", [
           choiceField("Image", {
             value: this.file,
             options,
             onset: (file) => this.#take(file),
             hint: WAYS[this.way].picture,
           }),
-        ),
+        ]),
       h("section", this.fields),
       h("section", this.result),
       h("section", this.images.parts),
-    );
-    render(
-      this.footer,
-      h(
-        "div.actions",
+    ]);
+    render(this.footer, [
+      h("div.actions", [
         button("Save scale", () => this.#keep(), { kind: "primary", key: "Ctrl+Enter" }),
         this.old && button("Delete", () => this.#delete(), { kind: "bad" }),
-      ),
+      ]),
       (this.problem = h("div")),
-    );
+    ]);
     this.#drawFields();
     this.stage.root.hidden = !WAYS[this.way].picture;
     this.plainWords.hidden = !this.stage.root.hidden;
@@ -307,23 +292,20 @@ class Scales {
       (answer.grid?.points_px ?? []).map(([row, column]) => `M${column} ${row}h0`).join(""),
     );
     if (this.way === "line") this.line.write(`${this.table.length_mm} mm`);
-    render(
-      this.result,
+    render(this.result, [
       h("h3", "Scale"),
       h("p.figure-big.number", { "data-live": "scale" }, answer.words.mm_per_px),
-      h(
-        "p.soft.number",
+      h("p.soft.number", [
         answer.words.resolution_ppi,
         answer.relative_std > 0
           ? `, relative uncertainty ${short(answer.relative_std * 100, 2)} %`
           : ", uncertainty not stated",
-      ),
+      ]),
       answer.coin &&
-        h(
-          "p.soft.number",
+        h("p.soft.number", [
           `${this.way === "circle" ? "circle" : "coin"}: radius `,
           answer.coin.words.radius_px,
-        ),
+        ]),
       answer.grid && gridWords(answer.grid),
       flagNote(answer.flags),
       answer.grid &&
@@ -333,7 +315,7 @@ class Scales {
           (name) => this.#start(scaleNamed(name)),
           (error) => render(this.problem, faultList(error)),
         ),
-    );
+    ]);
   }
 
   #failed(error) {
@@ -353,18 +335,14 @@ class Scales {
       { kind: "scale", key: this.name, set: definitionOf(this.table, this.way) },
       ...this.images.edits(this.name),
     ];
-    try {
-      await workspace.edit(...edits);
-      toast(
-        edits.length > 1
-          ? `Scale ${this.name} saved and set for ${edits.length - 1} image${edits.length > 2 ? "s" : ""}.`
-          : `Scale ${this.name} saved.`,
-        { kind: "good" },
-      );
-      this.#start(scaleNamed(this.name));
-    } catch (error) {
-      render(this.problem, faultList(error));
-    }
+    if (!(await attempt(this.problem, () => workspace.edit(...edits)))) return;
+    toast(
+      edits.length > 1
+        ? `Scale ${this.name} saved and set for ${edits.length - 1} image${edits.length > 2 ? "s" : ""}.`
+        : `Scale ${this.name} saved.`,
+      { kind: "good" },
+    );
+    this.#start(scaleNamed(this.name));
   }
 
   #wrong(words, control) {

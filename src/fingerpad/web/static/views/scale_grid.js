@@ -11,8 +11,7 @@ const few = (share) => percent(share, share < 0.001 ? 2 : 1);
 
 /** @param {NonNullable<ScaleMeasurement["grid"]>} grid */
 export function gridWords(grid) {
-  return h(
-    "dl.grid-words.number",
+  return h("dl.grid-words.number", [
     [
       ["Points off the plane", `${grid.residual_px.toFixed(2)} px`],
       ["Sides of a pixel differ by", few(grid.anisotropy)],
@@ -20,7 +19,7 @@ export function gridWords(grid) {
       ["Left once rectified", few(grid.unevenness)],
       ["Once rectified", grid.words.rectified_mm_per_px],
     ].map(([words, value]) => [h("dt", words), h("dd", value)]),
-  );
+  ]);
 }
 
 /**

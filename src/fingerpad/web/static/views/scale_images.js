@@ -42,13 +42,11 @@ export class ScaleImages {
         checked: mine || (!this.scale && !scale && kind === lacking),
       });
       this.takers.set(box, { kind, key, scale });
-      return h(
-        "label.check",
-        { "data-kind": kind },
+      return h("label.check", { "data-kind": kind }, [
         box,
         h("span", label),
         h("span.soft", scale ? (mine ? "" : typeof scale === "string" ? scale : "own scale") : "none yet"),
-      );
+      ]);
     });
     const only = (kind) => {
       for (const [box, taker] of this.takers) box.checked = taker.kind === kind;
@@ -59,11 +57,10 @@ export class ScaleImages {
       rows.length
         ? h("div.takers", { tabindex: 0, role: "group", "aria-label": "Images with this scale" }, boxes)
         : h("p.soft", "No images yet; choose this scale when you add them."),
-      h(
-        "div.actions",
+      h("div.actions", [
         has("photograph") && button("Only photographs", () => only("photograph"), { kind: "small" }),
         has("observation") && button("Only contact images", () => only("observation"), { kind: "small" }),
-      ),
+      ]),
     ];
   }
 }

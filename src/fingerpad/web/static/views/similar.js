@@ -21,14 +21,12 @@ class Card {
     this.words = h("div.similar-words", { "aria-live": "polite" }, h("p.loading", "Measuring …"));
     this.accept = button("Accept", () => this.#accept(), { kind: "primary small", disabled: true });
     this.leave = button("Leave", () => this.#decide("left"), { kind: "small" });
-    this.root = h(
-      "li.similar-card",
-      { "aria-label": image.item, "data-item": image.item },
+    this.root = h("li.similar-card", { "aria-label": image.item, "data-item": image.item }, [
       this.picture,
       h("strong", image.item),
       this.words,
-      (this.actions = h("div.actions", this.accept, this.leave)),
-    );
+      (this.actions = h("div.actions", [this.accept, this.leave])),
+    ]);
   }
 
   async load() {
@@ -49,30 +47,26 @@ class Card {
   }
 
   #draw(info, now, then) {
-    render(
-      this.picture,
+    render(this.picture, [
       h("img", { src: info.preview ?? picture("preview", this.image.item), alt: "", loading: "lazy" }),
-      s(
-        "svg.overlay",
-        { viewBox: `-0.5 -0.5 ${info.columns_px} ${info.rows_px}` },
+      s("svg.overlay", { viewBox: `-0.5 -0.5 ${info.columns_px} ${info.rows_px}` }, [
         s("path.own", { d: pathOf(now?.outline_px) }),
         s("path.region", { d: pathOf(then?.outline_px) }),
-      ),
-    );
+      ]),
+    ]);
     this.picture.style.aspectRatio = `${info.columns_px} / ${info.rows_px}`;
   }
 
   #describe(now, then) {
     const area = (answer) => answer.numbers.gross_area_mm2;
-    render(
-      this.words,
+    render(this.words, [
       h("p.number", `Area ${then.numbers.words.gross_area_mm2}`),
       h(
         "p.soft.number",
         now ? `${signedPercent(area(then) / area(now) - 1)} from now` : "No contact is found now.",
       ),
       then.flags.length > 0 && h("p.soft", then.flags.map(describeCode).join("; ")),
-    );
+    ]);
   }
 
   async #accept() {
@@ -110,29 +104,23 @@ export async function applyToSimilar(item) {
     (next?.accept ?? done).focus();
   }
   const done = button("Close", () => dialog.close());
-  render(
-    dialog,
-    h(
-      "header",
-      h(
-        "div",
+  render(dialog, [
+    h("header", [
+      h("div", [
         h("h2", "Apply to similar images"),
         h(
           "p.soft",
           `The ${describeChange({ action: "change", change: settings })} of ${item} on the other images of ` +
             "this finger with the same scale. Dashed: the outline now. Each is kept only once you accept it.",
         ),
-      ),
+      ]),
       done,
-    ),
+    ]),
     cards.length
-      ? h(
-          "ul.similar-cards",
-          cards.map(({ root }) => root),
-        )
+      ? h("ul.similar-cards", [cards.map(({ root }) => root)])
       : h("p", "No other image of this finger and scale would change."),
     h("footer", status),
-  );
+  ]);
   openDialog(dialog);
   for (const card of cards) if (dialog.open) await card.load();
   if (dialog.open && cards.length && !cards.some(({ state }) => state)) cards[0].accept.focus();

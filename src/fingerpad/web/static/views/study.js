@@ -4,7 +4,7 @@ import { h, render, update } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
-import { button, choiceField, faultList, field, number, numberField, textField } from "../parts/forms.js";
+import { attempt, button, choiceField, field, number, numberField, textField } from "../parts/forms.js";
 import { missingList, SURFACES } from "../parts/missing_fields.js";
 import { axesNotes } from "../parts/stale_axes.js";
 import { NewFiles } from "./new_files.js";
@@ -28,16 +28,14 @@ class StudyView {
     );
     this.heading = h("div");
     this.ready = h("div.actions");
-    render(
-      root,
-      h("header.head", this.heading, this.ready),
-      h(
-        "div.scroll.study-grid",
-        h("div.stack.across", this.drop.root, this.files.root),
-        h("div.stack", this.tables.root, this.files.rest),
+    render(root, [
+      h("header.head", [this.heading, this.ready]),
+      h("div.scroll.study-grid", [
+        h("div.stack.across", [this.drop.root, this.files.root]),
+        h("div.stack", [this.tables.root, this.files.rest]),
         this.side,
-      ),
-    );
+      ]),
+    ]);
     this.drop.watch(root);
     bindHere([
       ["a", "Add files", () => this.drop.chooser.click()],
@@ -56,11 +54,9 @@ class StudyView {
     const { study } = workspace;
     const all = study.observations.length + study.sequences.length;
     this.drop.root.classList.toggle("slim", study.fingers.length + all > 0);
-    update(
-      this.heading,
+    update(this.heading, [
       h("h1", study.title || study.name),
-      h(
-        "p",
+      h("p", [
         [
           count(study.fingers.length, "finger"),
           count(study.observations.length, "contact"),
@@ -69,10 +65,9 @@ class StudyView {
         ]
           .filter(Boolean)
           .join(", "),
-      ),
-    );
-    update(
-      this.ready,
+      ]),
+    ]);
+    update(this.ready, [
       study.ready
         ? h("a.button.primary", { href: "#/run/start" }, "Run the study")
         : [
@@ -81,10 +76,10 @@ class StudyView {
               study.fingers.length + all > 0 &&
               button("Show what is missing", () => this.#showMissing(), { kind: "small" }),
           ],
-    );
+    ]);
     this.files.draw();
     this.tables.draw();
-    update(this.side, this.#missing(), this.#uncertainty(), this.#settings(), this.#apparatus());
+    update(this.side, [this.#missing(), this.#uncertainty(), this.#settings(), this.#apparatus()]);
   }
 
   #missing() {
@@ -93,47 +88,34 @@ class StudyView {
     if (ready && !missing.length) {
       if (notes.length) return h("section.card", { "aria-label": "Semi-axes" }, h("div.stack", notes));
       if (observations.length + sequences.length)
-        return h(
-          "section.card",
-          h("div.note.good", h("strong", "Nothing is missing."), " The study can run."),
-        );
-      return h(
-        "section.card",
-        h(
-          "div.note",
+        return h("section.card", [
+          h("div.note.good", [h("strong", "Nothing is missing."), " The study can run."]),
+        ]);
+      return h("section.card", [
+        h("div.note", [
           h("strong", "No contacts yet."),
           " Drop contact images or a sequence, and enter finger, angle and load.",
-        ),
-      );
+        ]),
+      ]);
     }
-    return h(
-      "section.card",
-      { "aria-label": "Missing" },
-      h("header", h("h2", "Missing"), h("span.soft", missing.length)),
+    return h("section.card", { "aria-label": "Missing" }, [
+      h("header", [h("h2", "Missing"), h("span.soft", missing.length)]),
       missing.length
-        ? h(
-            "div.missing-box",
-            { tabindex: 0, role: "group", "aria-label": "Missing entries" },
+        ? h("div.missing-box", { tabindex: 0, role: "group", "aria-label": "Missing entries" }, [
             missingList(missing.slice(0, 40), {
               named: true,
               axes: (name) => this.tables.fingers.askSemiAxes(name),
             }),
             missing.length > 40 && h("p.soft", `and ${missing.length - 40} more`),
-          )
+          ])
         : h("p.soft", "Start by dropping files: photographs of the finger and contact images."),
       ready && h("p.soft", "The study can run without them."),
       notes,
-    );
+    ]);
   }
 
-  async #change(kind, set) {
-    const problem = this.problems[kind];
-    render(problem);
-    try {
-      await workspace.edit({ kind, key: "", set });
-    } catch (error) {
-      render(problem, faultList(error));
-    }
+  #change(kind, set) {
+    return attempt(this.problems[kind], () => workspace.edit({ kind, key: "", set }));
   }
 
   #uncertainty() {
@@ -146,13 +128,10 @@ class StudyView {
         placeholder: `${now[key]} assumed`,
         onset: (value) => this.#change("uncertainty", { [key]: value }),
       });
-    return h(
-      "section.card",
-      { "aria-label": "Common uncertainties" },
+    return h("section.card", { "aria-label": "Common uncertainties" }, [
       h("header", h("h2", "Common uncertainties")),
       h("p.soft", "Standard uncertainties. A value of 0 makes the uncertainties of the results too small."),
-      h(
-        "div.fields.two",
+      h("div.fields.two", [
         field("Wedge angle ±", of("wedge_angle_deg_std"), { unit: "°" }),
         field("Roll angle ±", of("roll_angle_deg_std"), { unit: "°" }),
         field("Load, relative ±", of("load_relative_std", 1), { hint: "0.01 is 1 %" }),
@@ -166,23 +145,19 @@ class StudyView {
           onset: (value) => this.#change("uncertainty", { method: value }),
           wide: true,
         }),
-      ),
+      ]),
       this.problems.uncertainty,
-    );
+    ]);
   }
 
   /** What the methods section of the report says of the experiment. */
   #apparatus() {
     const now = workspace.study.apparatus;
     const onset = (key) => (value) => this.#change("apparatus", { [key]: value || null });
-    return h(
-      "section.card",
-      { "aria-label": "Apparatus" },
-      h(
-        "details",
-        h("summary", h("strong", "Apparatus"), " – for the methods section of the report"),
-        h(
-          "div.fields.two",
+    return h("section.card", { "aria-label": "Apparatus" }, [
+      h("details", [
+        h("summary", [h("strong", "Apparatus"), " – for the methods section of the report"]),
+        h("div.fields.two", [
           APPARATUS.map(([key, words, example]) =>
             textField(words, { value: now[key], placeholder: example, onset: onset(key), wide: true }),
           ),
@@ -198,20 +173,17 @@ class StudyView {
             onset: onset("dwell_s"),
             unit: "s",
           }),
-        ),
+        ]),
         this.problems.apparatus,
-      ),
-    );
+      ]),
+    ]);
   }
 
   #settings() {
     const { study } = workspace;
-    return h(
-      "section.card",
-      { "aria-label": "Study settings" },
+    return h("section.card", { "aria-label": "Study settings" }, [
       h("header", h("h2", "Settings")),
-      h(
-        "div.fields.two",
+      h("div.fields.two", [
         textField("Title", {
           value: study.title,
           onset: (title) => title && this.#change("study", { title }),
@@ -229,11 +201,11 @@ class StudyView {
           options: SURFACES,
           onset: (surface) => this.#change("study", { surface }),
         }),
-      ),
-      study.description && h("details", h("summary", "Description"), h("p.soft", study.description)),
+      ]),
+      study.description && h("details", [h("summary", "Description"), h("p.soft", study.description)]),
       this.problems.study,
-      h("p.soft.folder", "Folder: ", h("code", study.name)),
-    );
+      h("p.soft.folder", ["Folder: ", h("code", study.name)]),
+    ]);
   }
 }
 

@@ -7,7 +7,7 @@ import { workspace } from "../core/workspace.js";
 import { button, chip, field, namePattern, number, numberIn, synthetic, text } from "../parts/forms.js";
 import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
 import { staleChip } from "../parts/stale_axes.js";
-import { card, cell, incompleteChip, paged, row, table } from "../parts/tables.js";
+import { cell, incompleteChip, paged, row, tableCard } from "../parts/tables.js";
 
 const PAGE = 12;
 
@@ -24,24 +24,19 @@ export class FingerTable {
       this.page = page;
       this.tables.draw();
     });
-    return card(
-      "Fingers",
-      "semi-axes from photographs or entered",
-      [pager, button("Add a finger", () => this.#addFinger(), { kind: "small" })],
-      fingers.length
-        ? table(
-            "Fingers",
-            [
-              "Finger",
-              ...AXES.map(([, words]) => ({ words: `${words}, mm` })),
-              { words: "Thickness, mm", title: "effective thickness of the tissue over bone" },
-              "Photographs",
-              "",
-            ],
-            shown.map((finger) => this.#finger(finger)),
-          )
-        : h("p.soft", "No fingers yet. Add a photograph, or enter the semi-axes."),
-    );
+    return tableCard("Fingers", {
+      words: "semi-axes from photographs or entered",
+      actions: [pager, button("Add a finger", () => this.#addFinger(), { kind: "small" })],
+      headings: [
+        "Finger",
+        ...AXES.map(([, words]) => ({ words: `${words}, mm` })),
+        { words: "Thickness, mm", title: "effective thickness of the tissue over bone" },
+        "Photographs",
+        "",
+      ],
+      rows: fingers.length && shown.map((finger) => this.#finger(finger)),
+      none: "No fingers yet. Add a photograph, or enter the semi-axes.",
+    });
   }
 
   /** @param {Finger} finger */
@@ -58,33 +53,28 @@ export class FingerTable {
         staleChip(name, "out of date"),
       ),
       AXES.map(([axis]) => h("td.number", words[`semi_axes_mm.${axis}`] ?? "–")),
-      h(
-        "td.number",
+      h("td.number", [
         button(thickness === null ? "Enter" : words.effective_thickness_mm, () => this.#thickness(finger), {
           kind: "small",
           label: `Thickness of ${name}`,
           title: "Effective thickness over bone",
         }),
-      ),
+      ]),
       cell(
         photographs?.length
-          ? h(
-              "div.faces",
-              photographs.map((photograph) => this.#face(photograph)),
-            )
+          ? h("div.faces", [photographs.map((photograph) => this.#face(photograph))])
           : h("span.soft", finger.table.semi_axes_mm ? "entered" : "none"),
       ),
       cell(
-        h(
-          "div.actions",
+        h("div.actions", [
           !photographs?.length &&
             button("Semi-axes", () => this.#semiAxes(finger), {
               kind: "small",
               label: `Semi-axes of ${name}`,
             }),
           button("✎", () => this.#rename(finger), { kind: "icon", label: `Rename ${name}`, title: "Rename" }),
-          this.tables.removal("finger", name, name, name),
-        ),
+          this.tables.removal("finger", name, name),
+        ]),
       ),
     );
   }
@@ -94,8 +84,7 @@ export class FingerTable {
     const words = [photograph.face, photograph.outline && "outline"].filter(Boolean).join(", ");
     const kind = photograph.rejected ? "warn" : photograph.accepted ? "good" : "";
     const name = photograph.file?.split("/").at(-1);
-    return h(
-      "div.face",
+    return h("div.face", [
       photograph.outline
         ? words && chip(words, kind)
         : h(
@@ -105,21 +94,22 @@ export class FingerTable {
               title: photograph.file,
               "aria-label": `Photograph ${name}`,
             },
-            h("img.small-thumb", { src: picture("thumbnail", photograph.item), alt: "", loading: "lazy" }),
-            words && chip(words, kind),
+            [
+              h("img.small-thumb", { src: picture("thumbnail", photograph.item), alt: "", loading: "lazy" }),
+              words && chip(words, kind),
+            ],
           ),
       missingList(missingOf("photograph", photograph.item)),
-      this.tables.removal("photograph", photograph.item, `the photograph ${name}`, `the photograph ${name}`),
-    );
+      this.tables.removal("photograph", photograph.item, `the photograph ${name}`),
+    ]);
   }
 
   /** Ask for the name of a finger; empty if cancelled. */
   async #askName(words, doing, value = "") {
     const name = text({ placeholder: "left_index", value, pattern: namePattern() });
-    const body = h(
-      "div",
+    const body = h("div", [
       field("Name of the finger", name, { hint: "Letters, digits, - and _. A space becomes _." }),
-    );
+    ]);
     return (await ask(words, body, doing)) ? name.value.trim() : "";
   }
 
@@ -158,21 +148,18 @@ export class FingerTable {
       const some = fields.some(({ value }) => value !== "");
       for (const input of fields) input.required = some;
     };
-    const body = h(
-      "div.stack",
-      { oninput: requireAll },
+    const body = h("div.stack", { oninput: requireAll }, [
       h(
         "p",
         "Semi-axes of the pad, each with its standard uncertainty. Leave all empty if photographs follow.",
       ),
-      h(
-        "div.fields.two",
+      h("div.fields.two", [
         inputs.map(([, words, value, its]) => [
           field(words, value, { unit: "mm" }),
           field("± (standard uncertainty)", its, { unit: "mm" }),
         ]),
-      ),
-    );
+      ]),
+    ]);
     requireAll();
     const save = await ask(`Semi-axes of ${finger.name}`, body, "Save");
     if (!save || fields.every(({ value }) => value === "")) return;
@@ -187,20 +174,18 @@ export class FingerTable {
     /** @type {Record<string, any>} */
     const { effective_thickness_mm: now, effective_thickness_mm_std: std } = finger.table;
     const [value, its] = [now, std].map((each) => number({ value: each, min: 0 }));
-    const body = h(
-      "div.stack",
+    const body = h("div.stack", [
       h(
         "p",
         "Effective thickness of the tissue over bone: that of a flat layer which acts like this finger's " +
           "narrow and curved bone. Results then show the whole pad on that layer beside Hertz theory. " +
           "Without an uncertainty it is taken as exact; empty fields remove it.",
       ),
-      h(
-        "div.fields.two",
+      h("div.fields.two", [
         field("Effective thickness", value, { unit: "mm" }),
         field("± (standard uncertainty)", its, { unit: "mm" }),
-      ),
-    );
+      ]),
+    ]);
     if (!(await ask(`Thickness of ${finger.name}`, body, "Save"))) return;
     this.tables.change("finger", finger.name, {
       effective_thickness_mm: numberIn(value),

@@ -1,46 +1,51 @@
 // Tables of fingers, contacts, sequences and loading data, edited in place.
 
 import { h, render, reset, update } from "../core/dom.js";
+import { symbol } from "../core/glossary.js";
 import { ask } from "../core/messages.js";
-import { workspace } from "../core/workspace.js";
-import { button, choose, faultList, number } from "../parts/forms.js";
+import { describeCode, workspace } from "../core/workspace.js";
+import { attempt, button, chip, choose, field, number, numberIn, synthetic } from "../parts/forms.js";
 import { scaleChoice } from "../parts/scale_ways.js";
-import { ContactTable } from "./study_contacts.js";
-import { CurveTable } from "./study_curves.js";
+import { cell, paged, row, statusChip, tableCard } from "../parts/tables.js";
 import { FingerTable } from "./study_fingers.js";
-import { sequenceTable } from "./study_sequences.js";
+
+/** Contacts on a page. */
+const PAGE = 50;
+// So few are found at a glance.
+const FEW = 15;
+
+const reviewLink = (source, item, words) =>
+  h("a", { href: `#/contacts/${[source, item].filter(Boolean).map(encodeURIComponent).join("/")}` }, words);
 
 export class StudyTables {
+  /** The page of contacts that is shown, and what of them is looked for. */
+  page = 0;
+  wanted = "";
+
   constructor() {
     this.problem = h("div");
     this.root = h("div.stack");
     this.fingers = new FingerTable(this);
-    this.contacts = new ContactTable(this);
-    this.curves = new CurveTable(this);
   }
 
   draw() {
     const { fingers, observations, sequences, curves } = workspace.study;
-    update(
-      this.root,
+    update(this.root, [
       this.problem,
       this.fingers.draw(fingers),
-      this.contacts.draw(observations),
-      sequences.length > 0 && sequenceTable(this, sequences),
-      this.curves.draw(curves),
-    );
+      this.#contacts(observations),
+      sequences.length > 0 && this.#sequences(sequences),
+      this.#curves(curves),
+    ]);
   }
 
   async change(kind, key, set) {
-    render(this.problem);
-    try {
-      await workspace.edit({ kind, key, set });
-    } catch (error) {
-      reset(this.root);
-      this.draw();
-      render(this.problem, faultList(error));
-      this.problem.scrollIntoView({ block: "nearest" });
-    }
+    if (await attempt(this.problem, () => workspace.edit({ kind, key, set }))) return;
+    const refusal = [...this.problem.childNodes];
+    reset(this.root);
+    this.draw();
+    render(this.problem, refusal);
+    this.problem.scrollIntoView({ block: "nearest" });
   }
 
   /**
@@ -50,7 +55,7 @@ export class StudyTables {
    * @param {string} key
    * @param {any} one
    */
-  cells(kind, key, one, named = key) {
+  #cells(kind, key, one, named = key) {
     const set = (name) => (value) => this.change(kind, key, { [name]: value });
     const of = (name, control, needed = true) =>
       h("td", { "data-empty": needed && (one[name] ?? null) === null }, control);
@@ -68,11 +73,8 @@ export class StudyTables {
       finger: () => {
         const names = workspace.study.fingers.map(({ name }) => name);
         const options = one.finger ? names : [["", "– select –"], ...names];
-        return of(
-          "finger",
-          choose({ value: one.finger ?? "", options, label: `Finger of ${named}`, onset: set("finger") }),
-          false,
-        );
+        const label = `Finger of ${named}`;
+        return of("finger", choose({ value: one.finger ?? "", options, label, onset: set("finger") }), false);
       },
       scale: () => {
         const { scale: value, scale_words: words } = one;
@@ -82,12 +84,159 @@ export class StudyTables {
   }
 
   /** A button that removes an entry, once that is confirmed. */
-  removal(kind, key, label, words) {
+  removal(kind, key, words, label = words) {
     const remove = async () => {
       const body = h("p", "Its file stays in the study folder.");
       if (await ask(`Remove ${words} from the study?`, body, "Remove", { kind: "bad" }))
         this.change(kind, key, null);
     };
     return button("×", remove, { kind: "icon", label: `Remove ${label}` });
+  }
+
+  #turn(page) {
+    this.page = page;
+    this.draw();
+  }
+
+  /** @param {Observation[]} observations */
+  #contacts(observations) {
+    const many = observations.length > FEW;
+    const wanted = many ? this.wanted : "";
+    const found = observations.filter((one) =>
+      [one.item, one.finger ?? ""].some((words) => words.toLowerCase().includes(wanted)),
+    );
+    const { shown, pager } = paged(found, this.page, PAGE, (page) => this.#turn(page));
+    const oninput = ({ currentTarget }) => {
+      this.wanted = currentTarget.value.trim().toLowerCase();
+      this.#turn(0);
+    };
+    const rolled =
+      observations.some(({ roll_angle_deg: roll }) => roll) ||
+      workspace.study.uncertainty.roll_angle_deg_std > 0;
+    const roll = rolled ? ["Roll, °"] : [];
+    const find = { type: "search", placeholder: "name or finger", "aria-label": "Find contacts", oninput };
+    return tableCard("Contacts", {
+      words: wanted ? `${found.length} of ${observations.length}` : `${observations.length} in all`,
+      actions: (many || pager) && [many && h("input", find), pager],
+      headings: ["Contact", "Finger", "Wedge, °", ...roll, "Load, N", "Scale", "Status", ""],
+      rows: observations.length && shown.map((one) => this.#contact(one, rolled)),
+      none: "No contacts yet. Drop contact images above; each is one contact at one load.",
+    });
+  }
+
+  /** @param {Observation} one @param {boolean} rolled */
+  #contact(one, rolled) {
+    const cells = this.#cells("observation", one.item, one);
+    return row(
+      cell(
+        one.file ? reviewLink("images", one.item, one.item) : one.item,
+        " ",
+        synthetic(one.synthetic),
+        one.flags.length > 0 && [" ", chip("flagged", "warn", one.flags.map(describeCode).join("; "))],
+      ),
+      cells.finger(),
+      cells.number("wedge_angle_deg", "Wedge angle", { max: 90 }),
+      rolled && cells.number("roll_angle_deg", "Roll angle", { min: undefined }, false),
+      cells.number("load_N", "Load"),
+      one.file ? cells.scale() : h("td.soft", "ellipse given"),
+      cell(statusChip(one)),
+      cell(this.removal("observation", one.item, one.item)),
+    );
+  }
+
+  /** @param {Sequence[]} sequences */
+  #sequences(sequences) {
+    return tableCard("Sequences", {
+      words: "contact images with force",
+      headings: ["Sequence", "Finger", "Wedge, °", "Force, frame rate", "Scale", "Status", ""],
+      rows: sequences.map((one) => this.#sequence(one)),
+    });
+  }
+
+  /** @param {Sequence} one */
+  #sequence(one) {
+    const cells = this.#cells("sequence", one.name, one);
+    const files = workspace.study.files.filter(({ kind }) => kind === "table").map(({ file }) => file);
+    const force = [...new Set([one.force, ...files].filter(Boolean))];
+    const options = [["", "– select table –"], ...force.map((file) => [file, file.split("/").at(-1)])];
+    const label = `Force of ${one.name}`;
+    const rate = number({
+      value: one.frames_per_second,
+      min: 0,
+      label: `Frames per second of ${one.name}`,
+      onset: cells.set("frames_per_second"),
+    });
+    return row(
+      cell(
+        reviewLink(`sequence:${one.name}`, null, one.name),
+        " ",
+        synthetic(one.synthetic),
+        one.frames && h("div.soft.number", `${one.frames} frames`),
+      ),
+      cells.finger(),
+      cells.number("wedge_angle_deg", "Wedge angle", { max: 90 }),
+      cell(
+        choose({ value: one.force ?? "", options, label, onset: cells.set("force") }),
+        h("div.control.below", [rate, h("span.unit", "frames/s")]),
+      ),
+      cells.scale(),
+      cell(statusChip(one)),
+      cell(this.removal("sequence", one.name, one.name)),
+    );
+  }
+
+  /** @param {State["curves"]} curves */
+  #curves(curves) {
+    const words = h("span", ["Add ", symbol("R_g", { inControl: true }), " from elsewhere"]);
+    const disabled = !workspace.study.fingers.length;
+    return tableCard("Loading data", {
+      words: ["force–displacement curves, or ", symbol("R_g"), " from elsewhere"],
+      actions: button(words, () => this.#addRadius(), { kind: "small", disabled }),
+      headings: ["Source", "Finger", "Wedge, °", { words: [symbol("R_g"), ", mm"] }, "Status", ""],
+      rows: curves.length && curves.map((one) => this.#curve(one)),
+      none: [
+        "None. The study runs without them; ",
+        symbol("R_g"),
+        " is then not compared with the corrected radius.",
+      ],
+    });
+  }
+
+  /** @param {State["curves"][number]} one */
+  #curve(one) {
+    const name = `curve ${one.key}`;
+    const cells = this.#cells("curve", one.key, one, name);
+    return row(
+      cell(one.file ?? "from elsewhere", " ", synthetic(one.synthetic)),
+      cell(one.finger ?? "–"),
+      cells.number("wedge_angle_deg", "Wedge angle", { max: 90 }),
+      h("td.number", one.loading_radius_mm ? one.words.loading_radius_mm : one.file ? "from the curve" : "–"),
+      cell(statusChip(one)),
+      cell(this.removal("curve", one.key, one.file ?? "this radius", name)),
+    );
+  }
+
+  /** Ask for a radius of loading data that are not here. */
+  async #addRadius() {
+    const names = workspace.study.fingers.map(({ name }) => name);
+    const finger = choose({ value: names[0], options: names });
+    const wedge = number({ min: 0, max: 90 });
+    const radius = number({ min: 0 });
+    const std = number({ min: 0 });
+    const fields = h("div.fields", [
+      field("Finger", finger),
+      field("Wedge angle", wedge, { unit: "°" }),
+      field("R_g", radius, { unit: "mm" }),
+      field("± (standard uncertainty)", std, { unit: "mm" }),
+    ]);
+    if (!(await ask("R_g from loading data", fields, "Add")) || numberIn(radius) === null) return;
+    const entered = {
+      finger: finger.value,
+      loading_radius_mm: numberIn(radius),
+      wedge_angle_deg: numberIn(wedge),
+      loading_radius_mm_std: numberIn(std),
+    };
+    const set = Object.fromEntries(Object.entries(entered).filter(([, value]) => value !== null));
+    this.change("curve", String(workspace.study.curves.length), set);
   }
 }

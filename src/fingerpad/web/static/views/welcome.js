@@ -4,7 +4,7 @@ import { ApiError } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { showError } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
-import { button, faultList, field, list, text, withoutOverlap } from "../parts/forms.js";
+import { attempt, button, field, list, text, withoutOverlap } from "../parts/forms.js";
 
 const mark = new URL("../mark.svg", import.meta.url).href;
 
@@ -22,76 +22,60 @@ class Welcome {
       onchange: () => this.#import(this.chooser.files[0]),
     });
     this.title.addEventListener("keydown", (event) => event.key === "Enter" && this.#create());
-    render(
-      root,
-      h(
-        "div.scroll.welcome",
-        h(
-          "header",
+    render(root, [
+      h("div.scroll.welcome", [
+        h("header", [
           h("img", { src: mark, alt: "", width: 56, height: 56 }),
-          h(
-            "div",
+          h("div", [
             h("h1", "fingerpad"),
             h(
               "p.soft",
               "From photographs and fingerprints to corrected radii of curvature, each with its uncertainty.",
             ),
-          ),
-        ),
-        h(
-          "div.welcome-grid",
-          h(
-            "section.card.stack",
+          ]),
+        ]),
+        h("div.welcome-grid", [
+          h("section.card.stack", [
             h("h2", "New study"),
             field("Title", this.title, { hint: `A new folder is created in ${folder}.` }),
-            h(
-              "div.actions",
+            h("div.actions", [
               button("Create study", () => this.#create(), { kind: "primary" }),
               button("Try the example", () => this.#example(), {
                 title: "A small synthetic study: photographs, contacts and a loading curve of known truth",
               }),
-            ),
+            ]),
             this.problem,
-          ),
-          h(
-            "section.card.stack",
+          ]),
+          h("section.card.stack", [
             h("h2", "Open study"),
             studies.length
               ? list(
                   studies.map(({ name, title }) =>
-                    h(
-                      "button",
-                      { type: "button", onclick: () => workspace.open(name).catch(showError) },
+                    h("button", { type: "button", onclick: () => workspace.open(name).catch(showError) }, [
                       h("strong", title || name),
                       title && h("code", name),
-                    ),
+                    ]),
                   ),
                   "ul.studies",
                 )
               : h("p.soft", `There are no studies in ${folder} yet.`),
-          ),
-          h(
-            "section.card.stack",
+          ]),
+          h("section.card.stack", [
             h("h2", "Import study"),
             h("p.soft", "A ZIP file exported by fingerpad: images, corrections and results."),
-            h(
-              "div.actions",
-              button("Choose ZIP file", () => this.chooser.click()),
-              this.chooser,
-            ),
-          ),
-        ),
-        h(
-          "ol.how",
+            h("div.actions", [button("Choose ZIP file", () => this.chooser.click()), this.chooser]),
+          ]),
+        ]),
+        h("ol.how", [
           [
             "Drop photographs and contact images",
             "Set the scale",
             "Check outlines and contacts",
             "Run, and plot the corrected radius against load",
           ].map((words) => h("li", words)),
-        ),
-      ),
-    );
+        ]),
+      ]),
+    ]);
     this.title.focus();
   }
 
@@ -106,13 +90,7 @@ class Welcome {
         .replace(/[^a-z0-9]+/g, "-")
         .replace(/^-+|-+$/g, "")
         .slice(0, 60) || "study";
-    render(this.problem);
-    try {
-      await workspace.create(name, title);
-      location.hash = "#/study";
-    } catch (error) {
-      render(this.problem, faultList(error));
-    }
+    if (await attempt(this.problem, () => workspace.create(name, title))) location.hash = "#/study";
     return undefined;
   });
 
