@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from tests.command import run, run_json
+from tests.studies import contact, finger, picture, write_study
 
 from fingerpad.cli import app
 from fingerpad.cli.progress import ProgressDisplay
@@ -53,8 +54,6 @@ def test_geometry() -> None:
     [
         ((15, 28.4, 23), "radial_ulnar 23 mm"),
         ((16, 20, 12), "palmar 16 mm"),
-        ((14, 20, 15), ""),
-        ((6, 9, 7), ""),
     ],
 )
 def test_semi_axes_that_look_like_widths_are_noted(axes: tuple[float, ...], noted: str) -> None:
@@ -62,13 +61,6 @@ def test_semi_axes_that_look_like_widths_are_noted(axes: tuple[float, ...], note
     code, out, err = run("geometry", "--semi-axes-mm", *axes, "--wedge-deg", 30)
     assert (code, bool(out)) == (0, True)
     assert err.startswith(f"note: --semi-axes-mm: {noted}") if noted else not err
-
-
-def test_geometry_with_roll() -> None:
-    record = run_json("geometry", "--semi-axes-mm", 7.9, 13.8, 11.8, "--wedge-deg", 30, "--roll-deg", 20)
-    directions = np.array(record["principal_directions"])
-    np.testing.assert_allclose(directions @ directions.T, np.eye(2), atol=1e-12)
-    assert record["principal_radii_mm"] == [record["in_plane_radius_mm"], record["transverse_radius_mm"]]
 
 
 def test_hertz_forwards_and_back() -> None:
@@ -137,14 +129,6 @@ def test_fields() -> None:
     assert repeated["hertz"]["stress_zz_kpa"] == hertz["stress_zz_kpa"][:2]
 
 
-def test_fields_at_an_area_and_indentation() -> None:
-    at_area = run_json(*FIELDS.split(), "--area-mm2", 90)
-    assert at_area["area_mm2"] == pytest.approx(90, rel=1e-3)
-    assert at_area["hertz"]["area_mm2"] == pytest.approx(90)
-    pressed = run_json(*FIELDS.split(), "--indentation-mm", 1.5)
-    assert pressed["indentation_mm"] == pressed["hertz"]["indentation_mm"] == pytest.approx(1.5)
-
-
 def test_fields_as_text_and_drawn(tmp_path: Path) -> None:
     code, out, _ = run(*FIELDS.split(), "--load-n", 2, "--thickness-mm", 2.2, "--plot", tmp_path / "drawn")
     assert code == 0
@@ -155,56 +139,35 @@ def test_fields_as_text_and_drawn(tmp_path: Path) -> None:
     assert "maximum shear stress" in (tmp_path / "drawn" / "section.svg").read_text(encoding="utf-8")
 
 
-def test_text_output_with_units() -> None:
-    code, out, _ = run("correct", "--ellipse-mm", 7.4, 5.0, "--radius-mm", 18.7)
-    assert code == 0
-    assert "radius_from_indentation_mm  18.971" in out
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ("geometry --semi-axes-mm 7.9 nan 11.8 --wedge-deg 30", "--semi-axes-mm must be .* found nan"),
-        ("geometry --semi-axes-mm 7.9 13.8 11.8 --wedge-deg 91", "--wedge-deg.*should be less"),
         (
             "hertz --radii-mm 12 14 --reduced-modulus-kpa 9",
             "give exactly one of --load-n and --indentation-mm",
         ),
-        ("correct --ellipse-mm 5.0 7.4 --radius-mm 18", "semi_minor must be no longer than semi_major"),
         ("correct --ellipse-mm 7.4 five --radius-mm 18", "--ellipse-mm takes 2 numbers.* found 7.4 five"),
         (
             "measure photo x.png --face palmar",
             "give either --ppi, --mm-per-px, --scale-line, --scale-circle, --coin or --grid",
         ),
-        ("measure photo x.png --face palmar --ppi 500 --tip north", "'--tip': 'north' is not one of .*up"),
-        ("measure print x.png --ppi 500 --seed-px 12", "--seed-px takes 2 numbers"),
         ("measure print x.png --ppi 500 --mm-per-px 0.05", "give either .*, found --ppi and --mm-per-px"),
         ("measure print x.png --ppi 500 --roi-px 0,0,nan,9", "--roi-px takes 4 numbers"),
-        ("measure sequence frames", "a sequence needs a scale: give either --ppi"),
         ("measure print x.png --scale-line 5,5,5,5 --line-mm 3", "--scale-line.* two different ends"),
         (f"{FIELDS}", "give exactly one of --load-n, --area-mm2 and --indentation-mm"),
-        (f"{FIELDS} --load-n 2 --poisson-ratio 0.6", "less than or equal to 0.5"),
         (f"{FIELDS} --load-n 90", "would flatten the pad to its silhouette"),
-        (f"{FIELDS} --area-mm2 12 --thickness-mm 0.18", "at least a tenth of the contact"),
         (f"{FIELDS} --load-n 2 --thickness-mm 400", "leave it out"),
         (
             f"{FIELDS} --load-n 2 --thickness-mm 6 --depth-mm 2 7",
             "--depth-mm must be at least 0 and at most --thickness-mm 6, found 7",
         ),
-        ("measure print x.png --scale-line 5,5,5 --line-mm 3", "takes 4 numbers"),
         ("measure print x.png --scale-line 5,5,5,9", "needs --line-mm"),
         ("measure print x.png --ppi 500 --coin-mm 3", "belongs to --coin.* beside --ppi"),
-        ("measure print x.png --coin c.png", "needs --coin-mm"),
         ("measure print x.png --coin c.png --coin-mm 23", "c.png: no such file"),
-        ("measure print x.png --scale-circle 5,5,5,9,9,9", "needs --circle-mm"),
-        ("measure print x.png --grid g.png", "needs --grid-points"),
         (
             "measure print x.png --grid g.png --grid-points 7.5,9 --grid-spacing-mm 1",
             "--grid-points: expected a valid integer.* found 7.5",
-        ),
-        (
-            "measure print x.png --ppi 500 --grid-pattern dots",
-            "--grid-pattern belongs to --grid, found it beside --ppi",
         ),
         ("measure print x.png --scale-relative-std 0.1", "belongs to --ppi or --mm-per-px"),
         ("run nowhere.toml", "nowhere.toml: no such file; .fingerpad init DIR"),
@@ -265,7 +228,7 @@ def test_help_shows_options_and_commands_in_full() -> None:
 
 @pytest.mark.parametrize(
     ("given", "found"),
-    [(("12.9,14.3",), "12.9,14.3 --load-n"), (("12.9",), "12.9 --load-n"), (("a", "b"), "a b")],
+    [(("12.9,14.3",), "12.9,14.3 --load-n"), (("a", "b"), "a b")],
 )
 def test_numbers_of_one_flag_are_separated_by_spaces(given: tuple[str, ...], found: str) -> None:
     code, _, err = run("hertz", "--radii-mm", *given, "--load-n", 2, "--reduced-modulus-kpa", 100)
@@ -344,17 +307,6 @@ def test_measure_print_threshold_and_mask(print_file: Path, tmp_path: Path) -> N
     assert (code, "needs three corners or more, found 2" in err) == (2, True)
 
 
-def test_text_joins_a_number_and_its_uncertainty(print_file: Path) -> None:
-    common = ("measure", "print", print_file, "--ppi", 500)
-    (record,) = run_json(*common)
-    lines = dict(line.split(maxsplit=1) for line in run(*common)[1].splitlines() if line)
-    value, std = map(float, lines["semi_major_mm"].split(" ± "))
-    assert abs(value - record["semi_major_mm"]) < 0.1 * std
-    assert std == pytest.approx(record["semi_major_mm_std"], rel=0.05)
-    assert "semi_major_mm_std" not in lines
-    assert re.fullmatch(r"[\d.]+", lines["edge_offset_mm_std"])  # of a number that the record does not have
-
-
 def test_scale_from_ruler_and_coin(print_file: Path, tmp_path: Path) -> None:
     common = ("measure", "print", print_file)
     (known,) = run_json(*common, "--mm-per-px", 0.05)
@@ -382,20 +334,14 @@ def test_scale_from_circle_and_grid(print_file: Path, tmp_path: Path) -> None:
     (doubted,) = run_json(*common, *circle, "--circle-mm-std", 0.2)
     gained = doubted["semi_major_mm_std"] ** 2 - known["semi_major_mm_std"] ** 2
     assert gained == pytest.approx((0.02 * known["semi_major_mm"]) ** 2)
-    # Squares of 20 px, and dots as far apart: 1 mm each.
-    board = np.full((200, 240), 230, dtype=np.uint8)
-    board[20:180, 20:220][np.kron(np.indices((8, 10)).sum(axis=0) % 2 == 0, np.ones((20, 20), bool))] = 30
+    # Dots 20 px apart: 1 mm each.
     row, column = np.indices((200, 240))
     dots = np.where(np.hypot(row % 20 - 10, column % 20 - 10) < 6, 30, 230).astype(np.uint8)
     dots = np.pad(dots, 20, constant_values=230)
-    for name, pixels, points, more in (
-        ("board", board, "7,9", ()),
-        ("dots", dots, "10,12", ("--grid-pattern", "dots")),
-    ):
-        Image.fromarray(pixels).save(tmp_path / f"{name}.png")
-        grid = ("--grid", tmp_path / f"{name}.png", "--grid-points", points, "--grid-spacing-mm", 1, *more)
-        (found,) = run_json(*common, *grid)
-        assert found["semi_major_mm"] == pytest.approx(known["semi_major_mm"], rel=2e-3)
+    Image.fromarray(dots).save(tmp_path / "dots.png")
+    grid = ("--grid", tmp_path / "dots.png", "--grid-points", "10,12", "--grid-spacing-mm", 1)
+    (found,) = run_json(*common, *grid, "--grid-pattern", "dots")
+    assert found["semi_major_mm"] == pytest.approx(known["semi_major_mm"], rel=2e-3)
     code, _, err = run(*common, "--grid", print_file, "--grid-points", "7,9", "--grid-spacing-mm", 1)
     assert code == 2
     assert re.search(r"--grid.*p\.png: no grid of 7 × 9 inner corners found", err)
@@ -426,68 +372,31 @@ def test_progress_bar_on_terminals_only(
         assert (b"Measuring" in bar) == (count > 1)
 
 
-def study_of_outlines(folder: Path, **outlines: tuple[float, float]) -> Path:
-    """Write outlines as they come out of a drawing program, to a micrometre, and a study of them."""
-    for face, axes in outlines.items():
-        points = outline_points(*axes).round(3)
-        rows = "\n".join(f"{x},{y}" for x, y in points)
-        (folder / f"{face}.csv").write_text(f"x_mm,y_mm\n{rows}\n")
-    faces = ", ".join(
-        f'{{ face = "{f}", outline = "{f}.csv", outline_relative_std = 0.01 }}' for f in outlines
-    )
-    (folder / "study.toml").write_text(f"""
-title = "T"
-[uncertainty]
-wedge_angle_deg_std = 0.3
-[[fingers]]
-name = "f"
-photographs = [{faces}]
-[[observations]]
-name = "x"
-finger = "f"
-wedge_angle_deg = 30
-load_N = 1
-ellipse_mm = {{ semi_major = 7.4, semi_minor = 5.0, std = 0.1 }}
-""")
-    return folder / "study.toml"
-
-
 def test_run_reports_disagreement_of_faces(tmp_path: Path) -> None:
-    study = study_of_outlines(tmp_path, palmar=(11.8, 13.8), distal=(12.8, 7.9), radial=(7.9, 13.8))
+    outlines = {"palmar": (11.8, 13.8), "distal": (12.8, 7.9), "radial": (7.9, 13.8)}
+    for face, axes in outlines.items():  # as they come out of a drawing program, to a micrometre
+        points = outline_points(*axes).round(3)
+        np.savetxt(tmp_path / f"{face}.csv", points, delimiter=",", header="x_mm,y_mm", comments="")
+    faces = [{"face": face, "outline": f"{face}.csv", "outline_relative_std": 0.01} for face in outlines]
+    stated = {"wedge_angle_deg_std": 0.3}
+    study = write_study(tmp_path, finger(photographs=faces), contact(axis=""), uncertainty=stated)
     code, out, err = run("run", study, "--out", tmp_path / "out")
     assert (code, "failed" in err) == (0, False)
     (line,) = (line for line in out.splitlines() if line.startswith("doubtful: f:"))
     assert re.search(
         r"faces disagree \(p = .*palmar face: radial–ulnar −\d\.\d %.*; distal face: .*\+\d", line
     )
-    (finger,) = json.loads((tmp_path / "out" / "summary.json").read_text())["fingers"]
-    assert 11.8 < finger["radial_ulnar_mm"] < 12.8
-    assert finger["p_value"] < 0.01 < finger["between_faces_relative_std"]
-    palmar, distal, _ = finger["faces"]
+    (joint,) = json.loads((tmp_path / "out" / "summary.json").read_text())["fingers"]
+    assert 11.8 < joint["radial_ulnar_mm"] < 12.8
+    assert joint["p_value"] < 0.01 < joint["between_faces_relative_std"]
+    palmar, distal, _ = joint["faces"]
     assert palmar["radial_ulnar_mm"] == pytest.approx(11.8, abs=1e-3)
     assert distal["radial_ulnar_relative_difference"] == pytest.approx(
-        12.8 / finger["radial_ulnar_mm"] - 1, abs=1e-4
+        12.8 / joint["radial_ulnar_mm"] - 1, abs=1e-4
     )
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "the faces disagree" in page
     assert line.split("): ")[1] in page
-
-
-def test_swapped_axes_fail_finger(tmp_path: Path) -> None:
-    study = study_of_outlines(tmp_path, palmar=(11.8, 13.8), distal=(11.8, 7.9), radial=(13.9, 7.9))
-    code, out, err = run("run", study, "--out", tmp_path / "out")
-    assert code == 3
-    assert "corrected radius" not in out
-    assert "the palmar semi-axis is 7.9 mm in the distal face, 13.9 mm in the radial face" in err
-
-
-def test_measure_photo_flags_implausible_size(tmp_path: Path) -> None:
-    truth = render_finger("palmar", mm_per_px=0.1, seed=1)
-    Image.fromarray(truth.pixels).save(tmp_path / "palmar.png")
-    command = ("measure", "photo", tmp_path / "palmar.png", "--face", "palmar", "--mm-per-px")
-    assert "implausible_size" in run_json(*command, 10 * truth.mm_per_px)["flags"]
-    assert "implausible_size" in run(*command, 10 * truth.mm_per_px)[1]
-    assert "implausible_size" not in run_json(*command, truth.mm_per_px)["flags"]
 
 
 def test_measure_photo(tmp_path: Path) -> None:
@@ -634,7 +543,7 @@ def test_run_reports_failures_and_continues(run_demo: Path, tmp_path: Path) -> N
     (study / "study.toml").write_text("[[curves]]".join([head, *kept]), encoding="utf-8")
     (study / "synthetic" / "synthetic_30deg_1N.png").write_bytes(b"\x89PNG")
     out = study / "results"  # what is stored there is not measured again
-    code, stdout, err = run("run", study / "study.toml", "--out", out, "--workers", 2)
+    code, stdout, err = run("run", study / "study.toml", "--out", out)
     assert code == 3
     assert "failed: synthetic_30deg_1N: synthetic/synthetic_30deg_1N.png" in err
     assert "synthetic_pad, 30° (synthetic): modulus " in stdout
@@ -676,7 +585,7 @@ def test_missing_packages_named() -> None:
     script = (
         "import sys\n"
         "sys.argv[1:] = ['run', 'x.toml']\n"
-        "for package in 'cv2', 'pydantic', 'matplotlib', 'jinja2':\n"
+        "for package in 'cv2', 'jinja2':\n"
         "    sys.modules[package] = None\n"
         "    from fingerpad.__main__ import main\n"
         "    try:\n"
@@ -688,9 +597,9 @@ def test_missing_packages_named() -> None:
         "            del sys.modules[name]\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, 4 * "2\n")
+    assert (done.returncode, done.stdout) == (0, 2 * "2\n")
     said = done.stderr.splitlines()
-    for line, missing in zip(said, ("cv2", "pydantic", "matplotlib", "jinja2"), strict=True):
+    for line, missing in zip(said, ("cv2", "jinja2"), strict=True):
         assert line.startswith(f"fingerpad: this needs the package {missing}")
 
 
@@ -704,22 +613,6 @@ def test_console_encodings(tmp_path: Path) -> None:
     assert b"Table 4" in done.stdout
 
 
-def test_full_disk_message() -> None:
-    with Path("/dev/full").open("w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "fingerpad", "reproduce"], stdout=full, stderr=subprocess.PIPE, text=True
-        )
-    assert done.returncode != 0
-    assert "Traceback" not in done.stderr
-
-
-def test_module_and_version() -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "fingerpad", "--version"], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.startswith("fingerpad 0.")
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="threads are counted as Linux shows them")
 def test_linear_algebra_threads() -> None:
     script = (
@@ -731,12 +624,10 @@ def test_linear_algebra_threads() -> None:
         "from fingerpad.__main__ import main; main()"
     )
     mine = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
-    for setting, threads in ({}, 1), ({"OMP_NUM_THREADS": "2"}, min(2, os.cpu_count() or 1)):
-        done = subprocess.run(
-            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine | setting
-        )
-        # NumPy and SciPy have a pool each, beside the main thread.
-        assert int(done.stdout.splitlines()[-1]) == 1 + 2 * (threads - 1)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=mine
+    )
+    assert int(done.stdout.splitlines()[-1]) == 1
 
 
 @pytest.mark.parametrize(
@@ -771,23 +662,15 @@ def test_the_shown_rate_is_of_this_run_alone() -> None:
 
 
 def test_a_run_without_a_result_says_why(tmp_path: Path) -> None:
-    head = (
-        'title = "T"\n[[fingers]]\nname = "f"\n'
-        "semi_axes_mm = { palmar = 8, distal = 14, radial_ulnar = 12 }\n"
-        "semi_axes_mm_std = { palmar = 0.1, distal = 0.2, radial_ulnar = 0.3 }\n"
-    )
-    study = tmp_path / "study.toml"
-    study.write_text(head, encoding="utf-8")
-    code, out, _ = run("run", study)
+    pad = finger(semi_axes_mm_std={"palmar": 0.1, "distal": 0.2, "radial_ulnar": 0.3})
+    code, out, _ = run("run", study := write_study(tmp_path, pad))
     assert code == 0
-    axes = "palmar 8.00 ± 0.10 mm, distal 14.00 ± 0.20 mm, radial–ulnar 12.00 ± 0.30 mm"
+    axes = "palmar 7.90 ± 0.10 mm, distal 13.80 ± 0.20 mm, radial–ulnar 11.80 ± 0.30 mm"
     assert f"f: semi-axes {axes}; no contact is given\n" in out
     pixels = render_contact_image(semi_major=4.0, semi_minor=3.0, seed=1).pixels
     for name, shown in (("coarse", pixels), ("empty", np.zeros_like(pixels))):
         Image.fromarray(shown).save(tmp_path / f"{name}.png")
-        head += f'[[observations]]\nname = "{name}"\nfinger = "f"\nwedge_angle_deg = 30\nload_N = 1\n'
-        head += f'file = "{name}.png"\nscale = {{ ppi = 50 }}\n'
-    study.write_text(head, encoding="utf-8")
+    write_study(tmp_path, pad, *(picture(n, f"{n}.png", 1, scale={"ppi": 50}) for n in ("coarse", "empty")))
     code, out, _ = run("run", study)
     assert code == 3
     assert re.search(r"^f, 30°: 0 of 1 contact pooled: .*the ridge period is not that", out, re.M)

@@ -20,8 +20,7 @@ KEYS = {
 }
 
 
-@pytest.mark.parametrize("given", ["area", "indentation"])
-@pytest.mark.parametrize("thickness", [8, None])
+@pytest.mark.parametrize(("given", "thickness"), [("area", 8), ("indentation", None)])
 def test_both_theories(given: str, thickness: float | None) -> None:
     flag, value = {"area": ("--area-mm2", 100.0), "indentation": ("--indentation-mm", 1.5)}[given]
     layer = () if thickness is None else ("--thickness-mm", thickness)

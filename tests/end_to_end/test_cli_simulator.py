@@ -94,9 +94,7 @@ def test_small_mass_is_flagged() -> None:
     assert "default time step of 2 ms is unstable" in err
 
 
-@pytest.mark.parametrize(
-    ("name", "thickness"), [("deep", None), ("layer", 6.0), ("deep", 8.0), ("layer", 8.0)]
-)
+@pytest.mark.parametrize(("name", "thickness"), [("deep", None), ("layer", 6.0), ("layer", 8.0)])
 def test_pad_of_a_run_has_the_area_that_was_seen(results, name, thickness) -> None:
     given = () if thickness in {None, 6.0} else ("--thickness-mm", thickness)
     record, note = run_json(results[name], "--finger", "left_index", "--wedge-deg", 30, *given)
@@ -133,11 +131,6 @@ BAD = {
     "no modulus": (PAD, "give --youngs-modulus-kpa"),
     "loads descend": ((*USUAL, "--load-n", 3, 1), "--load-n must ascend"),
     "loads beyond the pad": ((*PAD, "--youngs-modulus-kpa", 10), "--load-n 0.2 3: no contact under 3 N"),
-    "too thin": (
-        (*PAD, "--youngs-modulus-kpa", 50, "--thickness-mm", 0.05),
-        "thickness must be at least a tenth",
-    ),
-    "no mass": ((*USUAL, "--mass-kg", 0), "--mass-kg must be positive"),
     "mass too small": ((*USUAL, "--mass-kg", 1e-8), "--mass-kg 1e-08: effective_mass must be at least"),
     "uncertainty of no thickness": (
         (*PAD, "--youngs-modulus-kpa", 90, "--thickness-mm-std", 1),
