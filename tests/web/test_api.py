@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from benchmarks.truth.grids import Scene
 from PIL import Image, ImageSequence
-from tests.web.conftest import DEMO, serving
+from tests.web.conftest import serving
 
 from fingerpad.geometry import Ellipsoid, Placement
 from fingerpad.simulate import render_coin
@@ -67,44 +67,11 @@ def test_the_state_lists_each_item_once(standing):
     assert not state["results"]["there"]
 
 
-def test_frames_are_paged(standing):
-    whole = standing.ask("frames", sequence="synthetic_press_30deg")
-    part = standing.ask("frames", sequence="synthetic_press_30deg", offset=20, limit=10)
-    assert whole["total"] == part["total"] == 24
-    assert part["frames"] == whole["frames"][20:]
-
-
-def test_previews_show_the_picture_as_it_is(standing):
-    answer = standing.study_get("picture/preview", item=PRINT)
-    assert answer.headers["content-type"] == "image/png"
-    shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_UNCHANGED)
-    file = cv2.imread(str(DEMO / "synthetic" / f"{PRINT}.png"), cv2.IMREAD_UNCHANGED)
-    np.testing.assert_array_equal(shown, file)
-    small = standing.study_get("picture/thumbnail", item=PRINT).content
-    assert max(cv2.imdecode(np.frombuffer(small, np.uint8), cv2.IMREAD_UNCHANGED).shape[:2]) == 192
-
-
-def test_a_photograph_keeps_its_colours(standing):
-    answer = standing.study_get("picture/preview", item=PHOTO)
-    assert answer.headers["content-type"] == "image/jpeg"
-    shown = cv2.imdecode(np.frombuffer(answer.content, np.uint8), cv2.IMREAD_COLOR).astype(float)
-    file = cv2.imread(str(DEMO / PHOTO.partition("/")[2])).astype(float)
-    assert (
-        np.abs(shown.mean(axis=(0, 1)) - file.mean(axis=(0, 1))).max() < 1.5
-    )  # a swap of colours would be tens
-
-
 def test_frames_are_shown_one_by_one(standing):
     shown = [
         standing.study_get("picture/preview", item=f"synthetic_press_30deg#{k}").content for k in (3, 12)
     ]
     assert shown[0] != shown[1]
-
-
-def test_images_with_a_version_are_cached_and_others_are_revalidated(standing):
-    info = standing.ask("picture/info", item=PRINT)
-    assert "immutable" in standing.get(info["thumbnail"]).headers["cache-control"]
-    assert "no-cache" in standing.study_get("picture/thumbnail", item=PRINT).headers["cache-control"]
 
 
 def test_sixteen_bits_fill_the_whole_range_of_a_preview(client, studies_folder):
@@ -414,14 +381,6 @@ def test_bad_requests_get_messages(standing, method, path, body, status):
     assert answer.status_code == status, answer.text
     assert answer.json()["error"]
     assert "Traceback" not in answer.text
-
-
-@pytest.mark.parametrize("body", [{"workers": "2"}, {"force": "yes"}, {"force": 1}])
-def test_bodies_are_not_converted(standing, body):
-    """A number as text is a mistake of who asks."""
-    answer = standing.study_post("run", **body)
-    assert answer.status_code == 400
-    assert answer.json()["faults"][0]["place"] == next(iter(body))
 
 
 @pytest.mark.parametrize(

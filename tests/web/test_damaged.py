@@ -1,7 +1,6 @@
 """Damaged studies: every route responds, with a message where it fails."""
 
 import json
-import os
 import shutil
 
 import pytest
@@ -37,17 +36,6 @@ def require_words(client, *, slow=False):
             assert answer.json()["error"]
 
 
-def test_a_finger_without_a_name_is_reported_and_every_route_answers(client, folder):
-    manifest = folder / "study.toml"
-    manifest.write_text(manifest.read_text().replace('name = "left_index_direct"\n', ""))
-    state = client.ask("state")
-    assert not state["ready"]
-    assert any(
-        "study.toml: fingers[1].name: required, but missing" in one["words"] for one in state["missing"]
-    )
-    require_words(client)
-
-
 def without(key):
     return lambda summary: summary.pop(key)
 
@@ -64,7 +52,6 @@ def set_to(value, *path):
 DAMAGED = {
     "no curves": (without("curves"), "summary.json: is not understood (curves: Field required)"),
     "half a covariance": (set_to([[1.0]], "fingers", 0, "covariance_mm2"), "fingers.0.covariance_mm2"),
-    "negative variance": (set_to(-1.0, "fingers", 0, "covariance_mm2", 0, 0), "not be negative"),
 }
 
 
@@ -91,45 +78,18 @@ def test_a_damaged_summary_is_told_and_every_route_answers(client, folder, kind)
     require_told(client, folder, words)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        (",load_N,", ",load_kN,", "its columns are not those of this version"),
-        (",30.0,2.0,", ",30.0,x,", "load_N holds what is no float"),
-        (",30.0,2.0,", ",30.0,1e999,", "load_N holds an infinite number"),
-    ],
-)
-def test_damaged_rows_are_told_and_every_route_answers(client, folder, old, new, words):
+def test_damaged_rows_are_told_and_every_route_answers(client, folder):
     path = folder / "results" / "results.csv"
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
-    require_told(client, folder, words)
+    path.write_text(path.read_text().replace(",30.0,2.0,", ",30.0,x,", 1))
+    require_told(client, folder, "load_N holds what is no float")
 
 
-@pytest.mark.parametrize("content", ["null", "[" * 100_000, "\x00"])
-@pytest.mark.parametrize("name", ["results.csv", "summary.json"])
+@pytest.mark.parametrize(("name", "content"), [("results.csv", "\x00"), ("summary.json", "[" * 100_000)])
 def test_results_that_are_something_else_are_told(client, folder, name, content):
     (folder / "results" / name).write_text(content)
     write_sums(folder / "results")
     assert name in client.ask("state")["results"]["faults"][0]
     assert client.study_get("results/plot").status_code == 409
-
-
-INCOMPLETE = {
-    "scale of another kind": "[scales]\na = 3\n",
-    "lists in a curve": "[[curves]]\nfinger = [1]\nwedge_angle_deg = {a = 1}\nfile = [[]]\n",
-}
-
-
-@pytest.mark.parametrize("kind", INCOMPLETE)
-def test_an_odd_incomplete_table_is_reported_and_every_route_answers(client, folder, kind):
-    manifest = folder / "study.toml"
-    manifest.write_text(f"{manifest.read_text()}\n{INCOMPLETE[kind]}")
-    state = client.ask("state")
-    assert state["missing"]
-    assert not state["ready"]
-    require_words(client)
 
 
 def test_an_odd_correction_is_reported_and_every_route_answers(client, folder):
@@ -148,17 +108,7 @@ def test_a_study_that_cannot_be_opened_leaves_the_current_one_open(client, folde
     assert client.ask("state")["name"] == "demo"
 
 
-def test_odd_files_in_the_folder_do_no_harm(client, folder):
-    os.mkfifo(folder / "pipe.png")
-    (folder / "loop").symlink_to("loop")
-    (folder / "self").symlink_to(folder)
-    (folder / "lost.png").symlink_to("nowhere.png")
-    (folder / os.fsdecode(b"\xff.png")).write_bytes(b"x")
-    assert client.ask("state")["ready"]
-    require_words(client, slow=True)
-
-
-@pytest.mark.parametrize("count", [8, pytest.param(50, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("count", [4, pytest.param(50, marks=pytest.mark.nightly)])
 def test_studies_mutated_at_random_are_answered(folder, count):
     add_corrections(folder)
     answers = ask_mutated(folder, count)

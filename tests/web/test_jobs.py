@@ -6,7 +6,6 @@ import re
 import shutil
 import sqlite3
 import threading
-import zipfile
 from types import SimpleNamespace
 
 import numpy as np
@@ -130,79 +129,6 @@ def test_the_page_writes_what_the_command_line_writes(client, study, tmp_path):
         assert ours == theirs, name
         if "overlays" not in name:
             assert client.study_get(f"download/{name}").content == (study / "results" / name).read_bytes()
-
-
-def test_an_imported_study_gives_the_same_results_without_measuring(finished_client, finished, tmp_path):
-    correction = {"item": "o2", "expected": 0, "who": "ada", "change": {"accepted": True}}
-    assert finished_client.study_post("corrections", **correction).status_code == 201
-    run_of(finished_client)
-    before = (finished / "results/results.csv").read_bytes()
-    archive = finished_client.study_get("download/study.zip")
-    assert archive.headers["content-type"] == "application/zip"
-    names = zipfile.ZipFile(io.BytesIO(archive.content)).namelist()
-    assert {"study.toml", "corrections.jsonl", "results/store.sqlite", "results/report.html"} <= set(names)
-    assert not any(name.startswith(".") or name.endswith(".lock") for name in names)
-    elsewhere = Workspace(tmp_path / "elsewhere")
-    (tmp_path / "elsewhere").mkdir()
-    with serving(elsewhere) as other:
-        answer = other.post("/api/session/import", params={"name": "demo"}, content=archive.content)
-        assert answer.status_code == 201, answer.text
-        state = answer.json()
-        assert state["results"]["fresh"]
-        assert state["counts"]["done"] == 3
-        assert {one["item"]: one["accepted"] for one in state["observations"]} == {
-            "o1": False,
-            "o2": True,
-            "o4": False,
-        }
-        assert run_of(other)["state"] == "done"
-        assert other.study_get("download/results.csv").content == before
-    assert (tmp_path / "elsewhere/demo/results/results.csv").read_bytes() == before
-
-
-def test_a_correction_makes_a_result_stale_and_the_next_run_takes_it(finished_client):
-    before = {row["item"]: row for row in finished_client.ask("results/rows")["rows"]}
-    assert {one["status"] for one in finished_client.ask("state")["observations"]} == {"done"}
-    one = finished_client.tell("measure/contact", item="o2")
-    row, column = one["ellipse_px"]["centre"]
-    stroke = {"action": "remove", "points_px": [[row - 110, column]], "radius_px": 40}
-    body = {"item": "o2", "expected": 0, "who": "ada", "change": {"strokes": [stroke]}}
-    assert finished_client.study_post("corrections", **body).status_code == 201
-    state = finished_client.ask("state")
-    assert {one["item"]: one["status"] for one in state["observations"]} == {
-        "o1": "done",
-        "o2": "stale",
-        "o4": "done",
-    }
-    assert not state["results"]["fresh"]
-    assert finished_client.ask("results/rows")["rows"][1]["gross_area_mm2"] == before["o2"]["gross_area_mm2"]
-    seen = finished_client.tell("measure/contact", item="o2")["numbers"]
-    run_of(finished_client)
-    after = {row["item"]: row for row in finished_client.ask("results/rows")["rows"]}
-    assert after["o2"]["gross_area_mm2"] == pytest.approx(seen["gross_area_mm2"])
-    assert after["o2"]["gross_area_mm2"] < before["o2"]["gross_area_mm2"]
-    assert after["o1"] == before["o1"]
-    assert (after["o2"]["reviewed_by"], after["o2"]["measured_by"]) == ("ada", "corrected")
-    assert finished_client.ask("state")["results"]["fresh"]
-
-
-def test_results_change_without_new_measurements(finished_client):
-    """A load or a rejection leaves each item done, and yet the results are no longer those of the study."""
-    state = finished_client.ask("state")
-    assert state["results"]["fresh"]
-    edits = [{"kind": "observation", "key": "o2", "set": {"load_N": 2.5}}]
-    state = finished_client.tell("edits", expected=state["digest"], edits=edits)
-    assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
-    run_of(finished_client)
-    assert finished_client.ask("state")["results"]["fresh"]
-    finished_client.study_post("corrections", item="o4", expected=0, who="ada", change={"rejected": "no"})
-    state = finished_client.ask("state")
-    assert (state["counts"]["done"], state["results"]["fresh"]) == (3, False)
-    run_of(finished_client)
-    rows = {row["item"]: row for row in finished_client.ask("results/rows")["rows"]}
-    assert (rows["o4"]["status"], rows["o4"]["pooled"], rows["o2"]["load_N"]) == ("rejected", False, 2.5)
-    pooling = finished_client.ask("results/plot")["groups"][0]["pooling"]
-    assert [pooling[name] for name in ("contacts", "contacts_pooled", "contacts_rejected")] == [3, 2, 1]
 
 
 def test_results_of_another_picture_are_not_up_to_date(finished_client, finished):

@@ -1,7 +1,6 @@
 """`fingerpad app`: printed address, local access only, and shutdown."""
 
 import os
-import re
 import signal
 import socket
 import subprocess
@@ -153,26 +152,3 @@ def test_a_port_in_use_is_reported(studies_folder, monkeypatch):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         said = refused(studies_folder, monkeypatch, "demo", "--port", taken.getsockname()[1])
     assert "--port" in said
-
-
-def test_a_package_that_is_not_installed_is_named_with_the_way_to_it(studies_folder):
-    """In a process of its own, where nothing is imported yet."""
-    code = (
-        "import sys\n"
-        "from fingerpad.cli import app\n"
-        "from typer.testing import CliRunner\n"
-        "for package in 'fastapi', 'uvicorn', 'tomlkit':\n"
-        "    before = dict(sys.modules)\n"
-        "    sys.modules[package] = None\n"
-        "    done = CliRunner().invoke(app, ['app', 'demo', '--no-browser'])\n"
-        "    print(done.exit_code, package, done.stderr)\n"
-        "    for name in sys.modules.keys() - before:\n"
-        "        del sys.modules[name]\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=studies_folder, capture_output=True, text=True, timeout=60
-    )
-    for package in ("fastapi", "uvicorn", "tomlkit"):
-        assert re.search(
-            rf"2 {package} .*needs the package {package}\S*: pip install 'fingerpad\[app\]'", done.stdout
-        )

@@ -22,7 +22,7 @@ STATEFUL = ("/api/session/", f"{STUDY}/run", f"{STUDY}/events")
 DOCUMENT = make_api().openapi()
 KNOWN = {(method.upper(), path) for path, methods in DOCUMENT["paths"].items() for method in methods}
 # The nightly profile draws more, and others each time.
-EXAMPLES = 100 if os.environ.get("HYPOTHESIS_PROFILE") == "nightly" else 5
+EXAMPLES = 100 if os.environ.get("HYPOTHESIS_PROFILE") == "nightly" else 2
 PATIENCE_S = 120  # test machines may be slow
 # Names of Plotly, of files, and an example.
 OF_OTHERS = {"paper_bgcolor", "plot_bgcolor", "plotly_click", "error_y"} | {

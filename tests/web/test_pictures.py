@@ -31,39 +31,6 @@ def test_what_was_used_last_is_kept_up_to_the_size(ask, made):
     assert made == ["a", "b", "c", "b"]
 
 
-def test_all_is_kept_that_fits_to_the_last_byte(ask, made):
-    for _ in range(3):
-        ask("a", 4)
-        ask("b", 6)
-    assert made == ["a", "b"]
-
-
-def test_room_that_was_made_is_used_again(ask, made):
-    for key in range(20):
-        ask(key, 5)
-    made.clear()
-    for key in (18, 19):
-        ask(key, 5)
-    assert made == []
-
-
-def test_a_value_beyond_the_size_is_kept_until_another_one_comes(ask, made):
-    assert len(ask("large", 50)) == len(ask("large", 50)) == 50
-    assert made == ["large"]
-    ask("small")
-    ask("small")
-    assert made == ["large", "small"]
-    ask("large", 50)
-    assert made == ["large", "small", "large"]
-
-
-def test_what_could_not_be_made_is_tried_again(ask, made):
-    cache = Cache(10, len)
-    with pytest.raises(ZeroDivisionError):
-        cache.get("a", lambda: 1 / 0)
-    assert cache.get("a", lambda: b"x") == b"x"
-
-
 def test_two_that_ask_at_once_share_one_value():
     cache, made, going = Cache(10, len), [], threading.Event()
 

@@ -6,12 +6,9 @@ import tomllib
 import zipfile
 
 import pytest
-from PIL import Image
 from playwright.sync_api import expect
-from tests.end_to_end.page.browser import DEMO, PRINTS, Late, Tab, box, drag, focus, middle, settle, stroke
+from tests.end_to_end.page.browser import DEMO, Tab, box, drag, focus, middle, settle, stroke
 from tests.waiting import wait_until
-
-from fingerpad.simulate import render_coin
 
 CONTACTS = [DEMO / "synthetic" / f"synthetic_30deg_{load}N.png" for load in (0.5, 2, 4)]
 PICTURE_THERE = """() => document.querySelector('.stage .picture').naturalWidth
@@ -132,17 +129,6 @@ def test_an_assumed_uncertainty_is_no_entry(empty_tab: Tab) -> None:
         assert ("wedge_angle_deg_std" in manifest.read_text()) is kept
     expect(wedge).to_have_value("")
     expect(wedge).to_have_attribute("placeholder", "3 assumed")
-
-
-@pytest.mark.nightly
-def test_a_double_press_creates_one_study(empty_tab: Tab) -> None:
-    page = empty_tab.open()
-    late = Late(page, "**/api/session/new")
-    page.get_by_label("Title").fill("Once")
-    page.keyboard.press("Enter")
-    page.keyboard.press("Enter")
-    late.let_go()
-    page.get_by_role("heading", name="Once").wait_for()
 
 
 def test_files_dropped_on_the_page(empty_tab: Tab) -> None:
@@ -311,25 +297,6 @@ def test_line_on_a_ruler_by_pointer_then_by_keyboard(tab: Tab, demo) -> None:
     assert "# Scales that several pictures share" in manifest
 
 
-@pytest.mark.nightly
-def test_coin_gives_the_scale(tab: Tab, demo) -> None:
-    Image.fromarray(render_coin(radius=120, seed=3).pixels).save(demo / "coin.png")
-    page = tab.open("scale")
-    page.get_by_role("button", name="+ New scale").click()
-    page.get_by_role("radio", name="Coin").click()
-    page.get_by_label("Image", exact=True).select_option("coin.png")
-    page.wait_for_function(PICTURE_THERE)
-    page.get_by_label("Diameter").fill("24")
-    page.get_by_label("Diameter").press("Enter")
-    found = page.locator("[data-live=scale]")
-    found.wait_for()
-    assert float(found.inner_text().split()[0]) == pytest.approx(24 / 240, rel=0.01)
-    page.get_by_label("Name", exact=True).fill("camera_2")
-    page.get_by_role("button", name="Save scale").click()
-    page.get_by_role("heading", name="Scale camera_2").wait_for()
-    assert 'coin = "coin.png"' in (demo / "study.toml").read_text()
-
-
 def test_line_drawn_with_keys_alone(tab: Tab) -> None:
     page = tab.open("scale")
     page.get_by_role("button", name="+ New scale").press("Enter")
@@ -384,33 +351,3 @@ def test_report_and_study_folder_are_exported(tab: Tab, run_demo, tmp_path) -> N
     page.get_by_label("ZIP file of a study").set_input_files(folder.value.path())
     page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
     expect(tab.page.locator("#sidebar .step-state.good").first).to_have_text("complete")
-
-
-@pytest.mark.nightly
-def test_files_left_out_are_listed_and_the_export_is_imported(tab: Tab, demo, tmp_path) -> None:
-    (tmp_path / "outside.png").write_bytes(b"x")
-    (demo / "outside.png").symlink_to(tmp_path / "outside.png")
-    (demo / "a:b.png").write_bytes(b"odd")
-    page = tab.open("run")
-    page.get_by_text("2 left out").click()
-    page.get_by_text("outside.png: a link that leaves the study folder").wait_for()
-    page.get_by_text("a:b.png: a name that not every system can have").wait_for()
-    with page.expect_download() as folder:
-        page.get_by_role("link", name="Download Study folder").click()
-    archive = tmp_path / "demo.zip"  # named as the study that is there
-    folder.value.save_as(archive)
-    page.get_by_role("button", name="Other studies").click()
-    page.get_by_label("ZIP file of a study").set_input_files(archive)
-    page.get_by_role("heading", name="Left index finger pad of Dzidek et al. 2017").wait_for()
-    assert (demo.parent / "demo-2" / "study.toml").read_bytes() == (demo / "study.toml").read_bytes()
-    assert not (demo.parent / "demo-2" / "a:b.png").exists()
-
-
-@pytest.mark.nightly
-@pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")
-def test_real_slap_of_four_fingers_can_be_sent(empty_tab: Tab) -> None:
-    page = empty_tab.open()
-    begin(page, "Slaps")
-    page.set_input_files("input[type=file][multiple]", PRINTS / "slap_left_four_500ppi.png")
-    page.get_by_text("px").first.wait_for()
-    page.locator(".new-files .small-thumb").wait_for()

@@ -15,7 +15,6 @@ from tests.end_to_end.page.browser import (
     changed,
     drag,
     focus,
-    launched,
     lift,
     middle,
     moving,
@@ -107,18 +106,6 @@ def test_pages_are_accessible(browser, run_demo) -> None:
         page.get_by_role("dialog", name="Keys").wait_for()
         tab.close()
     assert {view: what for view, what in found.items() if what} == {}
-
-
-def test_numbers_follow_a_dragged_handle(tab: Tab) -> None:
-    page = tab.open(f"contacts/images/{PRINT}")
-    before = numbers(page)
-    x, y = middle(page.get_by_role("button", name="End of the semi-major axis", exact=True))
-    page.mouse.move(x, y)
-    page.mouse.down()
-    for step in range(1, 6):
-        page.mouse.move(x + 4 * step, y)
-        before = moving(page, before)
-    lift(page)
 
 
 def test_two_windows_do_not_lose_each_others_corrections(tab: Tab, browser, demo) -> None:
@@ -234,36 +221,6 @@ def test_a_window_without_events_asks_about_the_conflict(tab: Tab, demo) -> None
 
 
 @pytest.mark.nightly
-def test_confirmed_edits_survive_a_killed_server(browser, demo) -> None:
-    with launched(demo) as (server, process):
-        tab = Tab(browser, server)
-        tab.expected += [
-            "ERR_CONNECTION_REFUSED",
-            "ERR_CONNECTION_RESET",
-            "ERR_EMPTY_RESPONSE",
-            "ERR_INCOMPLETE_CHUNKED",
-        ]
-        page = tab.open(f"contacts/images/{PRINT}")
-        before = numbers(page)
-        drag(page, page.get_by_role("button", name="End of the semi-major axis", exact=True), -25, 0)
-        confirmed = changed(page, before)
-        x, y = middle(page.get_by_role("button", name="End of the semi-minor axis", exact=True))
-        page.mouse.move(x, y)
-        page.mouse.down()
-        page.mouse.move(x, y + 30, steps=3)
-        process.kill()
-        lift(page)
-        page.get_by_text("fingerpad does not respond.").first.wait_for()
-        tab.close()
-    with served(demo.parent, demo) as server:
-        tab = Tab(browser, server)
-        page = tab.open(f"contacts/images/{PRINT}")
-        page.get_by_text("manual", exact=True).wait_for()
-        assert numbers(page) == confirmed
-        tab.close()
-
-
-@pytest.mark.nightly
 def test_two_thousand_frames_open_at_once_and_scroll(browser, tmp_path) -> None:
     study = tmp_path / "long"
     (study / "frames").mkdir(parents=True)
@@ -333,16 +290,4 @@ def test_fields_are_not_redrawn_while_typing(tab: Tab, demo) -> None:
     settle(page)
     expect(page.get_by_label("Load, relative ±")).to_have_value("0.02")
     expect(page.get_by_label("Load, relative ±")).to_be_focused()
-    require_three_uncertainties(demo)
-
-
-def test_fast_edits_are_saved_in_order(tab: Tab, demo) -> None:
-    page, late = first_edit_on_its_way(tab)
-    page.keyboard.type("0.25")
-    page.keyboard.press("Tab")
-    page.keyboard.type("0.02")
-    page.keyboard.press("Enter")
-    with page.expect_response(lambda answer: "load_relative_std" in (answer.request.post_data or "")):
-        late.let_go()
-    settle(page)
     require_three_uncertainties(demo)

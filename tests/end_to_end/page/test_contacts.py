@@ -6,12 +6,8 @@ import tomllib
 
 import numpy as np
 import pytest
-import tifffile
-from PIL import Image
 from playwright.sync_api import expect
 from tests.end_to_end.page.browser import (
-    DEMO,
-    PRINTS,
     Late,
     Tab,
     changed,
@@ -83,26 +79,6 @@ def test_brush_by_pointer_removes_and_adds_region(tab: Tab, demo) -> None:
     assert [stroke["action"] for stroke in corrections(demo)[-1]["change"]["strokes"]] == ["remove", "add"]
 
 
-def test_brush_by_keyboard(tab: Tab, demo) -> None:
-    page = tab.open(f"contacts/images/{PRINT}")
-    before = numbers(page)
-    page.keyboard.press("b")
-    for _ in range(6):
-        page.keyboard.press("]")
-    for _ in range(8):
-        page.keyboard.press("Shift+ArrowRight")
-    page.keyboard.press("Space")
-    for _ in range(3):
-        page.keyboard.press("ArrowDown")
-    page.keyboard.press("Space")
-    changed(page, before)
-    (stroke,) = corrections(demo)[-1]["change"]["strokes"]
-    rows = [row for row, _ in stroke["points_px"]]
-    assert stroke["action"] == "add"
-    assert rows == sorted(rows)
-    assert rows[-1] > rows[0]
-
-
 def test_lasso_by_pointer_replaces_the_region_and_is_undone(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
@@ -123,6 +99,7 @@ def test_lasso_by_pointer_replaces_the_region_and_is_undone(tab: Tab, demo) -> N
     assert numbers(page) == before
 
 
+@pytest.mark.nightly
 def test_polygon_by_keyboard(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     before = numbers(page)
@@ -259,42 +236,6 @@ def test_threshold_polarity_seed_and_region_of_interest(tab: Tab, demo) -> None:
     expect(page.get_by_text("automatic", exact=True)).to_be_visible()
 
 
-@pytest.mark.nightly
-def test_an_address_opens_its_image_from_any_view(tab: Tab) -> None:
-    page = tab.open(f"contacts/images/{PRINT}")
-    numbers(page)
-    for item, source in {
-        "synthetic_30deg_4N": "images",
-        "synthetic_press_30deg#3": "sequence:synthetic_press_30deg",
-        PRINT: "images",
-    }.items():
-        tab.go(f"contacts/{source}/{item.replace('#', '%23')}")
-        heading = "Frame 3" if "#" in item else item
-        page.get_by_role("heading", name=heading, exact=True).wait_for()
-        before = numbers(page)
-        focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
-        changed(page, before)
-        expect(page.locator(".history li")).to_have_count(1)
-        page.keyboard.press("u")
-        assert numbers(page) == before
-
-
-def test_reject_with_a_reason_and_undo(tab: Tab, demo) -> None:
-    page = tab.open(f"contacts/images/{PRINT}")
-    numbers(page)
-    page.get_by_label("Reason to reject").fill("smeared")
-    page.keyboard.press("Enter")
-    page.wait_for_url(re.compile("synthetic_30deg_4N"))
-    assert corrections(demo)[-1]["change"] == {"rejected": "smeared"}
-    page.get_by_label("Show", exact=True).select_option("rejected")
-    page.locator(".stage.rejected").wait_for()
-    expect(page.locator(".filmstrip .cell")).to_have_count(1)
-    page.locator("h1").click()
-    page.keyboard.press("x")
-    page.wait_for_function("() => !document.querySelector('.stage.rejected')")
-    assert corrections(demo)[-1]["change"] == {}
-
-
 def test_an_image_is_judged_by_its_own_corrections(tab: Tab, demo) -> None:
     page = tab.open(f"contacts/images/{PRINT}")
     numbers(page)
@@ -319,17 +260,6 @@ def test_an_image_is_judged_by_its_own_corrections(tab: Tab, demo) -> None:
     late.wait()
     assert page.locator(".stage.rejected").count() == 0
     late.let_go()
-
-
-def test_frames_of_a_sequence(tab: Tab, demo) -> None:
-    page = tab.open("contacts/sequence:synthetic_press_30deg")
-    numbers(page)
-    page.keyboard.press(".")
-    page.wait_for_url(re.compile("%233"))
-    before = numbers(page)
-    focus(page, "End of the semi-major axis").press("Shift+ArrowUp")
-    changed(page, before)
-    assert corrections(demo)[-1]["item"] == "synthetic_press_30deg#3"
 
 
 def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> None:
@@ -357,81 +287,6 @@ def test_key_frames_carry_their_ellipses_to_those_between(tab: Tab, demo) -> Non
         "8",
     ]
     expect(page.get_by_role("checkbox", name="Key frame")).not_to_be_checked()
-
-
-@pytest.mark.nightly
-def test_sixteen_bit_tiff_is_shown_and_measured(empty_tab: Tab) -> None:
-    page = empty_tab.open()
-    deep = empty_tab.folder / "deep.tif"
-    shallow = np.asarray(Image.open(DEMO / "synthetic/synthetic_30deg_2N.png"), dtype=np.uint16)
-    tifffile.imwrite(deep, shallow * 100 + 7000)
-    begin_with_print(page, deep, "0.0508")
-    expect(page.locator("[data-part=head]")).to_contain_text("16 bit", use_inner_text=True)
-    assert value(numbers(page), "mm²") == pytest.approx(116.3, rel=0.02)
-    shades = page.evaluate(
-        "() => { const image = document.querySelector('.stage .picture');"
-        " const canvas = new OffscreenCanvas(40, 40);"
-        " const draw = canvas.getContext('2d'); draw.drawImage(image, 0, 0, 40, 40);"
-        " const all = draw.getImageData(0, 0, 40, 40).data.filter((_, i) => i % 4 === 0);"
-        " return [Math.min(...all), Math.max(...all)] }"
-    )
-    assert shades[0] < 60
-    assert shades[1] > 200
-
-
-def begin_with_print(page, picture, mm_per_px: str | None = None) -> None:
-    """New study of one print whose finger has typed semi-axes, and open it among the contacts.
-
-    Its scale is entered, or else the one that its file states.
-    """
-    page.get_by_label("Title").fill("One print")
-    page.keyboard.press("Enter")
-    page.set_input_files("input[type=file][multiple]", picture)
-    page.get_by_role("button", name="Add to study").wait_for()
-    stem = picture.stem
-    page.get_by_label(f"Finger on {picture.name}").fill("right_index")
-    page.get_by_label(f"Wedge angle of {picture.name}, degrees").fill("0")
-    page.get_by_label(f"Load of {picture.name}, newtons").fill("1")
-    page.keyboard.press("Tab")
-    page.get_by_role("button", name="Add to study").click()
-    if mm_per_px is None:
-        page.get_by_role("button", name="Yes, add them").click()
-    page.get_by_text("1 file added").wait_for()
-    page.get_by_role("button", name="Semi-axes of right_index").click()
-    boxes = page.locator("dialog input")
-    for index, words in enumerate(["7.9", "0.2", "13.8", "0.2", "11.8", "0.2"]):
-        boxes.nth(index).fill(words)
-    page.get_by_role("button", name="Save", exact=True).click()
-    page.get_by_text("13.80 ± 0.20").wait_for()
-    page.locator("h1").click()
-    if mm_per_px is not None:
-        page.keyboard.press("2")
-        page.get_by_role("radio", name="mm/px").click()
-        page.get_by_label("Millimetres per pixel").fill(mm_per_px)
-        page.keyboard.press("Enter")
-        page.get_by_label("Name", exact=True).fill("reader")
-        page.keyboard.press("Control+Enter")
-        page.get_by_role("button", name="Save scale").click()
-        page.get_by_role("heading", name="Scale reader").wait_for()
-    page.locator("h1").click()
-    page.keyboard.press("4")
-    page.get_by_role("heading", name=stem).wait_for()
-    numbers(page)
-
-
-@pytest.mark.skipif(not PRINTS.exists(), reason="the real prints are not on this machine")
-def test_real_contact_image_is_corrected_and_accepted(empty_tab: Tab) -> None:
-    page = empty_tab.open()
-    begin_with_print(page, PRINTS / "right_index_500ppi.png")
-    before = numbers(page)
-    assert 120 < value(before, "mm²") < 300
-    focus(page, "End of the semi-major axis").press("Shift+ArrowDown")
-    after = changed(page, before)
-    assert value(after, "mm²") < value(before, "mm²")
-    page.keyboard.press("Enter")
-    page.get_by_text("This was the last image").wait_for()
-    (study,) = (empty_tab.folder / "one-print").glob("corrections.jsonl")
-    assert json.loads(study.read_text().splitlines()[-1])["change"]["accepted"] is True
 
 
 def test_sequence_is_scrubbed_played_and_aligned(tab: Tab, demo) -> None:

@@ -3,6 +3,7 @@
 import re
 import tomllib
 
+import pytest
 from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, numbers
 
@@ -22,6 +23,7 @@ def stated(example) -> dict:
     return tomllib.loads((example / "study.toml").read_text())
 
 
+@pytest.mark.nightly
 def test_a_photograph_without_face_shows_and_takes_its_face(example_tab: Tab, example) -> None:
     without(example, r'face = "palmar", ')
     example_tab.expected.append("422")

@@ -186,6 +186,7 @@ def test_pasted_cells_are_a_spreadsheet(empty_tab: Tab, plain_names) -> None:
     expect(page.get_by_label("Finger on IMG_0031.jpg")).to_have_value("")
 
 
+@pytest.mark.nightly
 def test_new_files_are_accessible_and_fit_the_screen(browser, tmp_path, plain_names) -> None:
     with served(tmp_path) as server:
         tab = Tab(browser, server, bypass_csp=True)

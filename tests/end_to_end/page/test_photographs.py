@@ -66,6 +66,7 @@ def test_dragged_axis_moves_the_joint_result(tab: Tab, demo) -> None:
     expect(page.get_by_text("automatic", exact=True)).to_be_visible()
 
 
+@pytest.mark.nightly
 def test_axes_and_rotation_by_keyboard(tab: Tab, demo) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")
@@ -100,6 +101,7 @@ def test_points_are_added_moved_and_erased(tab: Tab, demo) -> None:
     assert set(last_change(demo)) == {"erased"}
 
 
+@pytest.mark.nightly
 def test_region_of_interest_by_keyboard(tab: Tab, demo) -> None:
     page = tab.open("photographs")
     before = numbers(page, "face")

@@ -140,7 +140,7 @@ def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:
     page.wait_for_url(re.compile("contacts/images/synthetic_45deg_0.5N"))
 
 
-@pytest.mark.parametrize(("left", "then"), [("plot", "table"), ("rows", "plot"), ("budget", "audit")])
+@pytest.mark.parametrize(("left", "then"), [("rows", "plot")])
 def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: str) -> None:
     page = tab.go("pad")
     late = Late(page, f"**/api/studies/*/results/{left}*")
@@ -193,9 +193,7 @@ def test_figure_for_publication(tab: Tab) -> None:
 @pytest.mark.parametrize(
     ("view", "choice", "figure"),
     [
-        ("results/plot", "corrected radius", "synthetic_pad_30deg_synthetic_corrected_radius"),
         ("results/plot", "contact area", "synthetic_pad_30deg_synthetic_area"),
-        ("results/budget", "", "left_index_direct_45deg_budget"),
         ("contacts/sequence:synthetic_press_30deg", "", "sequence_synthetic_press_30deg_synthetic"),
     ],
 )

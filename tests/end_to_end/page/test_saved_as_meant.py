@@ -6,6 +6,7 @@ import shutil
 import tomllib
 from pathlib import Path
 
+import pytest
 from PIL import Image
 from playwright.sync_api import expect
 from tests.end_to_end.page.browser import Tab, changed, drag, focus, launched, numbers, served
@@ -89,6 +90,7 @@ def test_a_reason_never_undoes_a_rejection(tab: Tab, demo) -> None:
     expect(page.get_by_text("rejected: smeared", exact=True)).to_have_count(0)
 
 
+@pytest.mark.nightly
 def test_the_page_stays_where_saving_failed_and_goes_on_once_the_server_is_back(browser, demo) -> None:
     with launched(demo) as (server, process):
         tab = Tab(browser, server)
@@ -152,6 +154,7 @@ def test_no_scale_is_taken_without_being_asked(browser, written_example, tmp_pat
         tab.close()
 
 
+@pytest.mark.nightly
 def test_a_file_name_may_hold_signs_of_addresses(browser, tmp_path) -> None:
     name = "IMG 50% #12.jpg"
     folder = write_example(tmp_path / "signs" / "example").parent

@@ -17,6 +17,7 @@ def resize(page: Page, width: int, height: int = 800) -> None:
     settle(page)
 
 
+@pytest.mark.nightly
 def test_nothing_scrolls_sideways_and_a_contact_is_accepted(example_tab: Tab) -> None:
     page = example_tab.open()
     for width, item, following in ((390, "contact_0.5N", "contact_1N"), (683, "contact_1N", "contact_2N")):

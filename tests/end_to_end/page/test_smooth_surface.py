@@ -45,6 +45,7 @@ def test_a_contact_is_said_to_be_smooth(page_of, smooth) -> None:
     assert table(smooth, "observations")[0]["surface"] == "ridged"
 
 
+@pytest.mark.nightly
 def test_a_sequence_is_said_to_be_smooth(page_of, smooth) -> None:
     page = page_of("contacts/sequence:press/press%236")
     page.get_by_label("Surface (sequence)").select_option("smooth")
