@@ -144,9 +144,9 @@ def report(repeats: int = 40, first_seed: int = 90_000) -> None:
         rows = np.array(found, dtype=float)
         if not case.lag:
             pooled.append(rows)
-        width = np.nanmedian(rows[:, 3]) if np.isfinite(rows[:, 3]).any() else math.nan
+        width = f"{np.nanmedian(rows[:, 3]):.2f}" if np.isfinite(rows[:, 3]).any() else "–"
         weight = f"{np.median(rows[:, 6]):.3f}"
-        return name, *_shares(rows), f"{width:.2f}", share(rows[:, 4]), share(rows[:, 5]), weight, refused
+        return name, *_shares(rows), width, share(rows[:, 4]), share(rows[:, 5]), weight, refused
 
     head = "curves", "t held", "E held", "x₀ held", "width of t over t", "open above", "undetermined"
     table(
