@@ -32,7 +32,7 @@ from fingerpad.study.results.pooling import Summary, area_exponent
 from fingerpad.study.results.rows import PlacementKey
 from fingerpad.study.results.study_result import StudyResult
 from fingerpad.study.results.summary_file import UncertaintyCheckRecord
-from fingerpad.study.results.table import Indices, Row, records
+from fingerpad.study.results.table import Indices, Row, records, with_areas
 from fingerpad.study.results.validity.model_checks import RADIUS
 from fingerpad.units import KPA_PER_MPA
 
@@ -139,14 +139,14 @@ def summary_plots(result: StudyResult, summary: Summary) -> Iterator[Plot]:
         ),
     )
     if np.ptp(rows["load_N"].to_numpy()) > 0:
-        exponent = area_exponent(summary.areas)
+        exponent, seen = area_exponent(summary.areas), with_areas(rows)
         yield Plot(
             name=f"{name}_area",
             figure=panel(
                 figures.plot_area_against_load,
                 rows["load_N"],
-                np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"],
-                area_std=_area_std(rows),
+                seen["gross_area_mm2"],
+                area_std=seen["gross_area_mm2_std"],
                 exponent=exponent.value,
                 exponent_std=exponent.std,
                 synthetic=synthetic,
@@ -452,7 +452,8 @@ def _pad(result: StudyResult, summary: Summary, row: Row) -> Figure:
 
 
 def _areas(rows: pd.DataFrame, _: Answer) -> dict[str, Any]:
-    return _points(rows, np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"], _area_std(rows))
+    seen = with_areas(rows)
+    return _points(seen, seen["gross_area_mm2"], seen["gross_area_mm2_std"])
 
 
 def _moduli(rows: pd.DataFrame, found: Answer) -> dict[str, Any]:
@@ -476,13 +477,6 @@ def _points(rows: pd.DataFrame, value: pd.Series, std: pd.Series) -> dict[str, F
     columns = {"x": rows["load_N"], "value": value, "std": std, "left_out": ~rows["pooled"]}
     known = value.notna() & (rows["load_N"] > 0)
     return {name: column[known].to_numpy() for name, column in columns.items()}
-
-
-def _area_std(rows: pd.DataFrame) -> pd.Series:
-    """Return the standard uncertainty of areas: that of an image, or of an ellipse that was given."""
-    relative = [rows[f"{name}_std"] / rows[name] for name in ("semi_major_mm", "semi_minor_mm")]
-    given = np.pi * rows["semi_major_mm"] * rows["semi_minor_mm"] * np.hypot(*relative)
-    return rows["gross_area_mm2_std"].fillna(given)
 
 
 def _aspect_ratio_std(rows: pd.DataFrame) -> FloatArray:

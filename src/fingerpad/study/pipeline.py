@@ -11,7 +11,7 @@ from typing import Any, Final, TypeAlias
 
 from fingerpad._columns import columns_in_toml, unread_notes
 from fingerpad._files import make_folder
-from fingerpad._plausible import MOST_N, in_radians, semi_axes_doubt, unit_doubts
+from fingerpad._plausible import unit_doubts
 from fingerpad.exceptions import FingerpadError, LoadingError, ManifestError, StoreError
 from fingerpad.image.sequence.force import unread_force_columns
 from fingerpad.loading.curve import unread_curve_columns
@@ -168,7 +168,8 @@ def run_study(
                         *second.notes,
                         *map(_DAMAGED.format, damaged),
                         *_notes(measured, log),
-                        *_unit_notes(study, measured.curves),
+                        *study.doubts(),
+                        *_unit_notes(measured.curves),
                         *_repeated_files(study),
                         *_column_notes(study, folder),
                     ),
@@ -254,22 +255,12 @@ def _notes(measured: Measured, log: CorrectionLog) -> Iterator[str]:
     yield from map(_NOT_THERE.format, frames_beyond(measured.sequences, context.active_corrections))
 
 
-def _unit_notes(study: Study, curves: Iterable[CurveResult]) -> Iterator[str]:
-    """Yield which lengths, loads and angles look as if they were given in another unit, or twice as large."""
-    for finger in study.fingers:
-        axes = finger.semi_axes_mm
-        if axes and (doubt := semi_axes_doubt((axes.palmar, axes.distal, axes.radial_ulnar))):
-            yield f"{finger.name}: semi_axes_mm: {doubt}"
+def _unit_notes(curves: Iterable[CurveResult]) -> Iterator[str]:
+    """Yield which quantities of loading curves look as if they were in another unit."""
     for curve in curves:
         if curve.curve is not None:
             for doubt in unit_doubts(curve.curve.load, curve.curve.indentation, curve.curve.area):
                 yield f"{curve.manifest.file}: {doubt}"
-    pressed = [one.name for one in study.observations if one.load_N > MOST_N]
-    if pressed:
-        yield f"{_first_of(pressed)}: more than {MOST_N:g} N: load_N is in newtons, not millinewtons"
-    placed = [one.name for one in (*study.observations, *study.sequences) if in_radians(one.wedge_angle_deg)]
-    if placed:
-        yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
 
 
 def _repeated_files(study: Study) -> Iterator[str]:
@@ -304,10 +295,6 @@ def _column_notes(study: Study, folder: Path) -> Iterator[str]:
         except LoadingError:
             continue  # its own result says so
         yield from (f"{file}: {note}" for note in unread_notes(found, partial(_mapped, key, columns)))
-
-
-def _first_of(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"
 
 
 def _drawn(items: StudyItems, store: Store) -> Iterator[tuple[str, str]]:

@@ -97,6 +97,7 @@ def test_pad_is_painted_with_its_lines(tab: Tab) -> None:
 
 def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
     page = tab.go("results")
+    page.get_by_label("Against load", exact=True).select_option("corrected radius")
     page.locator(".chart .scatterlayer .point").first.wait_for()
     cards = page.locator(".plot-card")
     expect(cards).to_have_count(6)
@@ -112,7 +113,7 @@ def test_corrected_radius_with_its_lines_and_bars(tab: Tab) -> None:
     cards.first.get_by_text("Does the model hold? strained").click()
     cards.first.get_by_text("E of Hertz theory and the whole pad on a half-space: strained").wait_for()
     page.get_by_label("Against load", exact=True).select_option("gross_area_mm2")
-    page.get_by_text("gross area (mm²)").first.wait_for()
+    page.get_by_text("contact area A (mm²)").first.wait_for()
 
 
 def test_table_is_filtered_sorted_and_leads_to_the_picture(tab: Tab) -> None:

@@ -16,6 +16,8 @@ from pydantic import (
     model_validator,
 )
 
+from fingerpad._plausible import MOST_N, in_radians, semi_axes_doubt
+
 
 def not_tiny(value: float) -> float:
     """Return a value that is more than positive by name: arithmetic on others underflows."""
@@ -641,6 +643,21 @@ class Study(ManifestModel):
                 if (scale := getattr(one, "scale", None)) is not None:
                     yield scale
 
+    def doubts(self) -> Iterator[str]:
+        """Yield which lengths, loads and angles look as if they were in another unit, or twice as large."""
+        for finger in self.fingers:
+            axes = finger.semi_axes_mm
+            if axes and (doubt := semi_axes_doubt((axes.palmar, axes.distal, axes.radial_ulnar))):
+                yield f"{finger.name}: semi_axes_mm: {doubt}"
+        pressed = [one.name for one in self.observations if one.load_N > MOST_N]
+        if pressed:
+            yield f"{_first_of(pressed)}: more than {MOST_N:g} N: load_N is in newtons, not millinewtons"
+        placed = [
+            one.name for one in (*self.observations, *self.sequences) if in_radians(one.wedge_angle_deg)
+        ]
+        if placed:
+            yield f"{_first_of(placed)}: less than 1.6°: wedge_angle_deg is in degrees, not radians"
+
     def assumed(self) -> list[str]:
         """Name the uncertainties that results assume, since the manifest does not state them."""
         common = self.uncertainty
@@ -680,3 +697,7 @@ class Study(ManifestModel):
                 yield f"the scale “{name}”"
         if any(isinstance(one, ManifestModel) and is_exact(one) for one in self.scales_in_use()):
             yield "scales of single pictures"
+
+
+def _first_of(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{names[0]} and {len(names) - 1} more"

@@ -308,6 +308,15 @@ def table_of(
     return pd.DataFrame(columns, index=index, copy=False)
 
 
+def with_areas(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return rows with the area of the ellipse where it was given in place of an image."""
+    axes = rows[["semi_major_mm", "semi_minor_mm"]].to_numpy()
+    area = np.pi * axes.prod(axis=1)
+    relative = np.hypot(*(rows[["semi_major_mm_std", "semi_minor_mm_std"]].to_numpy() / axes).T)
+    given = {"gross_area_mm2": area, "gross_area_mm2_std": area * relative}
+    return rows.assign(**{name: rows[name].fillna(pd.Series(of, rows.index)) for name, of in given.items()})
+
+
 class GrowingArray:
     """An array that is added to at its end, in place: lists of parts would be held twice when joined."""
 

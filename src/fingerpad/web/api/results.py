@@ -21,7 +21,7 @@ from fingerpad.study.results.load import Results
 from fingerpad.study.results.result_set import RERUN
 from fingerpad.study.results.rows import PLACEMENT
 from fingerpad.study.results.summary_file import PlacementRecord, UncertaintyCheckRecord
-from fingerpad.study.results.table import COLUMNS, GLOSSARY, Column, Row, items, records
+from fingerpad.study.results.table import COLUMNS, GLOSSARY, Column, Row, items, records, with_areas
 from fingerpad.web.answers import (
     Answer,
     Cell,
@@ -329,7 +329,7 @@ def plot(opened: Opened, params: Query[PlotParams]) -> Plot:
 def _group(of: PlacementRecord, table: pd.DataFrame, active: Mapping[str, ActiveCorrection]) -> PlottedGroup:
     placement = zip(PLACEMENT, of.key, strict=True)
     placed = np.logical_and.reduce([table[name].to_numpy() == value for name, value in placement])
-    rows = table[placed & table[_PLOTTED[0]].notna()]
+    rows = with_areas(table[placed & table[_PLOTTED[0]].notna()])
     rejected = placed & (table["status"].to_numpy() == "rejected") & table["frame"].isna()
     radius = of.validity.headlines[_PLOTTED[0]]
     codes = Counter(code for notes in items(rows["range_notes"]) for code in (notes or "").split())

@@ -246,6 +246,7 @@ class State(Answer):
     apparatus: Apparatus
     taken_as_exact: list[str]
     assumed: list[str]
+    doubts: list[str]
     ready: bool
     missing: list[Missing]
     scales: list[ScaleEntry]
@@ -323,6 +324,7 @@ def state_of(opened: StudySession) -> State:
         stated=sorted(study.uncertainty.model_fields_set),
         taken_as_exact=study.taken_as_exact(),
         assumed=study.assumed(),
+        doubts=list(study.doubts()),
         ready=not loaded.issues,
         missing=opened.missing(),
         scales=known.scales(),

@@ -8,8 +8,8 @@ import { quantityRow } from "../core/quantity.js";
 import { workspace } from "../core/workspace.js";
 import { button, choiceField, empty, field, number, numberField, synthetic } from "../parts/forms.js";
 import { AXES } from "../parts/missing_fields.js";
+import { staleChip } from "../parts/notes.js";
 import { PadScene } from "../parts/pad_scene.js";
-import { staleChip } from "../parts/stale_axes.js";
 
 /** @type {[key: string, label: () => any][]} */
 const QUANTITIES_SHOWN = [

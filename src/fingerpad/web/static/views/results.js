@@ -4,6 +4,7 @@ import { h, render } from "../core/dom.js";
 import { bindHere } from "../core/keys.js";
 import { workspace } from "../core/workspace.js";
 import { empty, segments } from "../parts/forms.js";
+import { doubtNotes } from "../parts/notes.js";
 import { Audit } from "./results_audit.js";
 import { Budget } from "./results_budget.js";
 import { Figures } from "./results_figures.js";
@@ -108,6 +109,7 @@ class Results {
     const { results } = workspace.study;
     const { assumed, taken_as_exact: exact } = workspace.study;
     render(this.banner, [
+      results?.there && this.key !== "audit" && doubtNotes(),
       results?.there &&
         this.key !== "audit" &&
         exact.length + assumed.length > 0 &&

@@ -4,28 +4,25 @@ import { get } from "../core/api.js";
 import { h, render } from "../core/dom.js";
 import { symbol } from "../core/glossary.js";
 import { short } from "../core/quantity.js";
-import { workspace } from "../core/workspace.js";
 import { chart, colour, forget } from "../parts/chart.js";
 import { choiceField, list } from "../parts/forms.js";
 import { poolingList } from "../parts/pooling.js";
 import { figureOf, groupHeader, verdictChip } from "../parts/results.js";
 
-// Quantities plotted against load: key, name, axis title, and whether the axes are logarithmic.
-/** @type {[key: string, name: string, axis: string, logarithmic?: boolean][]} */
+const RADIUS = "radius_from_indentation_mm";
+
+// Quantities plotted against load, as the report has them: key, name, axis title, and whether from zero.
+/** @type {[key: string, name: string, axis: string, fromZero?: boolean][]} */
 const QUANTITIES = [
-  ["radius_from_indentation_mm", "corrected radius", "corrected radius of curvature (mm)"],
-  ["gross_area_mm2", "contact area", "gross area (mm²)", true],
+  ["gross_area_mm2", "contact area", "contact area A (mm²)", true],
+  ["youngs_modulus_kpa", "Young's modulus", "Young's modulus E (kPa)", true],
+  [RADIUS, "corrected radius", "corrected radius of curvature (mm)"],
+  ["indentation_mm", "indentation", "indentation ξ (mm)", true],
   ["aspect_ratio", "aspect ratio", "aspect ratio ℓd/ℓe"],
-  ["indentation_mm", "indentation", "indentation ξ (mm)"],
-  ["youngs_modulus_kpa", "Young's modulus", "Young's modulus E (kPa)"],
 ];
 
 // The figures of the report that show them, by the end of their names.
-const FIGURES = {
-  radius_from_indentation_mm: "corrected_radius",
-  gross_area_mm2: "area",
-  aspect_ratio: "aspect_ratio",
-};
+const FIGURES = { [RADIUS]: "corrected_radius", gross_area_mm2: "area", aspect_ratio: "aspect_ratio" };
 
 // Quantities that the whole pad on its layer of tissue has too.
 const ON_LAYER = {
@@ -35,9 +32,6 @@ const ON_LAYER = {
 
 // As in the figures of the report.
 const FADED = 0.4;
-
-// Ticks at 1, 2 and 5 of each decade; without a format those between powers of ten are their first digits.
-const LOGARITHMIC = { type: "log", dtick: "D2", tickformat: "~g" };
 
 const BARS = [
   ["all", "all uncertainties"],
@@ -126,7 +120,7 @@ export class Plots {
       groups.some(({ rows }) => rows.pooled.includes(false)) && h("span", "faded: left out of the pool"),
     ];
     const any = (key) => groups.some(({ rows }) => rows[key].some((value) => value !== null));
-    if (this.quantity !== QUANTITIES[0][0]) {
+    if (this.quantity !== RADIUS) {
       const onLayer = ON_LAYER[this.quantity];
       return [
         onLayer &&
@@ -200,20 +194,16 @@ export class Plots {
   /** Why there is nothing to plot; empty if there is. @param {Answers["PlottedGroup"]} group */
   #why({ rows }) {
     const [key, words] = QUANTITIES.find(([each]) => each === this.quantity);
-    const drawn = [key, ON_LAYER[key], key === QUANTITIES[0][0] && "radius_from_compliance_mm"].filter(
-      Boolean,
-    );
+    const drawn = [key, ON_LAYER[key], key === RADIUS && "radius_from_compliance_mm"].filter(Boolean);
     const there = (index) => rows.load_N[index] !== null && drawn.some((each) => rows[each][index] !== null);
     /** @type {any[]} */
     const items = rows.item;
     if (items.some((_, index) => there(index))) return "";
-    const given = new Set(
-      workspace.study.observations.filter(({ status }) => status === "given").map(({ item }) => item),
-    );
-    const none = `No contact here has a ${words} to plot`;
-    return key === "gross_area_mm2" && items.every((item) => given.has(item))
-      ? `${none}: their ellipses are given, and no image was measured.`
-      : [`${none}; `, h("a", { href: "#/results/table" }, "the table"), " says what each lacks."];
+    return [
+      `No contact here has a ${words} to plot; `,
+      h("a", { href: "#/results/table" }, "the table"),
+      " says what each lacks.",
+    ];
   }
 
   /** @param {Answers["PlottedGroup"]} group */
@@ -232,8 +222,8 @@ export class Plots {
     /** @type {Record<string, any[]>} */
     const rows = group.rows;
     const [measured, compliance, panel, ink] = ["measured", "compliance", "panel", "undeformed"].map(colour);
-    const radius = this.quantity === QUANTITIES[0][0];
-    const [key, words, title, logarithmic] = QUANTITIES.find(([each]) => each === this.quantity);
+    const radius = this.quantity === RADIUS;
+    const [key, words, title, fromZero] = QUANTITIES.find(([each]) => each === this.quantity);
     const given = radius && this.bars === "given";
     const std = rows[given ? `${key}_fixed_geometry_std` : `${key}_total_std`] ?? rows[`${key}_std`];
     const layerKey = ON_LAYER[key];
@@ -300,7 +290,7 @@ export class Plots {
       await chart(node, traces, {
         x: "normal load W (N)",
         y: title,
-        ranges: logarithmic ? { x: LOGARITHMIC, y: LOGARITHMIC } : {},
+        ranges: fromZero ? { y: { rangemode: "tozero" } } : {},
         shapes: lines.map(([, value, dash]) => ({
           type: "line",
           xref: "paper",

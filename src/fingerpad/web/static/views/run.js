@@ -185,10 +185,7 @@ class Run {
           return exportCard(
             title,
             words,
-            can && [
-              h("a.button", link, "Download"),
-              file === "report.html" && h("a.button", open, "Open"),
-            ],
+            can && [h("a.button", link, "Download"), file === "report.html" && h("a.button", open, "Open")],
             file === "study.zip" && this.leftOut,
           );
         }),

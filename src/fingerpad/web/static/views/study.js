@@ -6,7 +6,7 @@ import { workspace } from "../core/workspace.js";
 import { Drop } from "../parts/drop.js";
 import { attempt, button, choiceField, field, number, numberField, textField } from "../parts/forms.js";
 import { missingList, SURFACES } from "../parts/missing_fields.js";
-import { axesNotes } from "../parts/stale_axes.js";
+import { axesNotes, doubtNotes } from "../parts/notes.js";
 import { NewFiles } from "./new_files.js";
 import { StudyTables } from "./study_tables.js";
 
@@ -84,9 +84,9 @@ class StudyView {
 
   #missing() {
     const { missing, ready, observations, sequences } = workspace.study;
-    const notes = axesNotes();
+    const notes = [...doubtNotes(), ...axesNotes()];
     if (ready && !missing.length) {
-      if (notes.length) return h("section.card", { "aria-label": "Semi-axes" }, h("div.stack", notes));
+      if (notes.length) return h("section.card", { "aria-label": "To check" }, h("div.stack", notes));
       if (observations.length + sequences.length)
         return h("section.card", [
           h("div.note.good", [h("strong", "Nothing is missing."), " The study can run."]),

@@ -6,7 +6,7 @@ import { ask } from "../core/messages.js";
 import { workspace } from "../core/workspace.js";
 import { button, chip, field, namePattern, number, numberIn, synthetic, text } from "../parts/forms.js";
 import { AXES, missingList, missingOf } from "../parts/missing_fields.js";
-import { staleChip } from "../parts/stale_axes.js";
+import { staleChip } from "../parts/notes.js";
 import { cell, incompleteChip, paged, row, tableCard } from "../parts/tables.js";
 
 const PAGE = 12;

@@ -1,4 +1,4 @@
-// Semi-axes of the last run whose photographs, scale or corrections have changed since.
+// Notes about what is entered: what looks wrong, and semi-axes of the last run that are out of date.
 
 import { h } from "../core/dom.js";
 import { workspace } from "../core/workspace.js";
@@ -29,3 +29,6 @@ export const axesNotes = () =>
           : [h("strong", `Semi-axes of ${name} are out of date. `), `Its ${CHANGED}; run the study again.`],
       ]),
     );
+
+/** Notes about values of the manifest that look as if they were meant otherwise, as full widths. */
+export const doubtNotes = () => workspace.study.doubts.map((words) => h("div.note.warn", `${words}.`));
