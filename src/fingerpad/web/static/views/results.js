@@ -109,7 +109,7 @@ class Results {
     const { results } = workspace.study;
     const { assumed, taken_as_exact: exact } = workspace.study;
     render(this.banner, [
-      results?.there && this.key !== "audit" && doubtNotes(),
+      results?.there && this.key !== "audit" && doubtNotes("div.banner.note"),
       results?.there &&
         this.key !== "audit" &&
         exact.length + assumed.length > 0 &&
