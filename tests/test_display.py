@@ -5,7 +5,6 @@ import dataclasses
 import importlib
 import io
 import re
-import sys
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -158,11 +157,6 @@ def test_reprs_of_large_results_are_short(large: list[object]) -> None:
         assert "<pre>" in one._repr_html_()
 
 
-def test_summary_shows_long_results_below(large: list[object]) -> None:
-    assert "contact=SolvedContact(…)" in repr(large[0])
-    assert large[0].contact.summary() in large[0].summary()
-
-
 def test_uncertain_outputs_print_one_line_each() -> None:
     quantities = {"palmar": (7.9, 0.1), "distal": (13.8, 0.1), "radial_ulnar": (11.8, 0.1), "load": (2, 0.02)}
     ellipse = {"semi_major": (7.4, 0.1), "semi_minor": (5.0, 0.1)}
@@ -201,11 +195,6 @@ def test_notebook_drawings(results: dict[str, object]) -> None:
     assert green.any()  # the outline of the contact
 
 
-def test_text_without_drawing_packages(results, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "fingerpad.figures.show", None)
-    assert results["fit"]._repr_html_().startswith("<pre>Fit of a loading curve")
-
-
 @pytest.mark.parametrize(
     ("name", "file", "start"),
     [
@@ -221,12 +210,6 @@ def test_show_saves_by_suffix(results, tmp_path: Path, name: str, file: str, sta
     assert (tmp_path / file).read_bytes().startswith(start)
     assert drawing._repr_png_().startswith(b"\x89PNG")
     assert len(repr(drawing)) < 100
-
-
-def test_saved_overlay_equals_drawn_overlay(results, tmp_path: Path) -> None:
-    fp.show(results["contact image"], tmp_path / "a.png")
-    overlay = fp.image.draw_overlay(contact().pixels, results["contact image"])
-    np.testing.assert_array_equal(np.array(Image.open(tmp_path / "a.png")), overlay)
 
 
 def test_show_errors(results, tmp_path: Path) -> None:

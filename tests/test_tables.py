@@ -94,18 +94,6 @@ def test_columns_of_a_matrix_are_named_by_their_number(tmp_path: Path) -> None:
     assert curve.indentation.tolist() == pytest.approx([0.02, 0.03])
 
 
-def test_other_vectors_of_a_mat_file_do_not_matter(tmp_path: Path) -> None:
-    path = tmp_path / "a.mat"
-    path.write_bytes(mat(force_N=[1, 2], displacement_mm=[3, 4], window=np.arange(9.0), on=[True, False]))
-    assert read_loading_curve(path).load.tolist() == [1, 2]
-    rows = [["force_N", "displacement_mm", "notes"], [1.0, 3.0, "a"], [2.0, 4.0, "b"], ["", "", "mean"]]
-    path.with_suffix(".xlsx").write_bytes(workbook(sheet_xml(rows)))
-    assert read_loading_curve(path.with_suffix(".xlsx")).load.tolist() == [1, 2]
-    path.write_bytes(mat(force_N=[1, 2, 3], displacement_mm=[3, 4]))
-    with pytest.raises(LoadingError, match="row 3, column 'displacement_mm': '' is .* number: fill it in"):
-        read_loading_curve(path)
-
-
 @pytest.mark.parametrize(
     ("style", "found"), [(1, "2023-03-15"), (2, "2023-03-15 06:00:00"), (3, "45000 days,.*")]
 )

@@ -183,7 +183,7 @@ def run_package(name: str, count: int, seed: int, sample: list[Mutant] | None) -
     folder, paths = PACKAGES[name]
     with TemporaryDirectory(prefix="mutants-") as temporary:
         copy = Path(temporary).resolve()
-        for part in ("src", "tests", "benchmarks", "examples"):
+        for part in ("src", "tests", "benchmarks", "examples", "docs"):
             shutil.copytree(ROOT / part, copy / part, ignore=shutil.ignore_patterns("__pycache__"))
         shutil.copy(ROOT / "pyproject.toml", copy)
         paths = [folder, *(path for path in paths if (copy / path).exists())]

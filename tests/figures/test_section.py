@@ -1,5 +1,7 @@
 """The section under a contact: what is drawn where, and in which units."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -9,9 +11,17 @@ from fingerpad.geometry import Ellipsoid, Placement
 
 PLACEMENT = Placement(Ellipsoid(palmar=7.9, distal=13.8, radial_ulnar=11.8), wedge_angle=np.radians(30))
 TISSUE = Tissue.of_reduced_modulus(0.09, thickness=4.0)
-HERTZ = ContactField.of_hertz(PLACEMENT, TISSUE, load=2.0)
-LAYER = ContactField.of_solution(solve_contact(PLACEMENT, TISSUE, load=2.0, points=64))
 RECEPTORS = {"Pacinian": (1.5, 2.5), "Merkel": (0.7, 1.0), "deep": (30.0, 40.0)}
+
+
+@cache
+def hertz_field() -> ContactField:
+    return ContactField.of_hertz(PLACEMENT, TISSUE, load=2.0)
+
+
+@cache
+def layer_field() -> ContactField:
+    return ContactField.of_solution(solve_contact(PLACEMENT, TISSUE, load=2.0, points=64))
 
 
 def texts(axes) -> list[str]:
@@ -20,18 +30,20 @@ def texts(axes) -> list[str]:
 
 def test_pressure_is_in_kpa() -> None:
     axes = new_figure()[1][0]
-    plot_contact_pressure(axes, LAYER.section(points=101, levels=2), hertz=HERTZ.section(levels=2))
+    plot_contact_pressure(
+        axes, layer_field().section(points=101, levels=2), hertz=hertz_field().section(levels=2)
+    )
     assert axes.get_ylabel() == "pressure (kPa)"
     solved, hertz = axes.get_lines()
-    assert solved.get_ydata().max() == pytest.approx(1000 * LAYER.contact.peak_pressure, rel=0.01)
-    assert hertz.get_ydata().max() == pytest.approx(1000 * HERTZ.contact.peak_pressure, rel=1e-3)
+    assert solved.get_ydata().max() == pytest.approx(1000 * layer_field().contact.peak_pressure, rel=0.01)
+    assert hertz.get_ydata().max() == pytest.approx(1000 * hertz_field().contact.peak_pressure, rel=1e-3)
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["whole pad", "Hertz"]
 
 
 def test_shear_is_in_kpa_and_its_highest_marked() -> None:
     axes = new_figure()[1][0]
-    section = HERTZ.section(points=41, levels=31)
-    shear, depth = HERTZ.highest_shear_on_axis()
+    section = hertz_field().section(points=41, levels=31)
+    shear, depth = hertz_field().highest_shear_on_axis()
     filled = plot_section(axes, section, highest_shear=(shear, depth))
     assert filled.levels[0] == 0
     assert filled.levels[-2] <= 1000 * section.maximum_shear.max() <= filled.levels[-1]
@@ -43,18 +55,18 @@ def test_shear_is_in_kpa_and_its_highest_marked() -> None:
 
 def test_bone_lies_under_a_layer_alone() -> None:
     axes, other = new_figure(columns=2)[1]
-    plot_section(axes, LAYER.section(points=21, levels=9))
+    plot_section(axes, layer_field().section(points=21, levels=9))
     (bone,) = axes.patches
     assert bone.get_y() == 4.0
     assert bone.get_y() + bone.get_height() == pytest.approx(axes.get_ylim()[0])
     assert texts(axes) == ["bone"]
-    plot_section(other, HERTZ.section(points=21, levels=9))
+    plot_section(other, hertz_field().section(points=21, levels=9))
     assert not other.patches
 
 
 def test_receptors_are_named_in_order_and_apart() -> None:
     axes = new_figure()[1][0]
-    plot_section(axes, LAYER.section(points=21, levels=9))
+    plot_section(axes, layer_field().section(points=21, levels=9))
     mark_receptors(axes, RECEPTORS, spacing=1.5)
     named = {text.get_text(): text for text in axes.texts if text.get_text() != "bone"}
     assert list(named) == ["Merkel", "Pacinian"]
@@ -66,7 +78,7 @@ def test_receptors_are_named_in_order_and_apart() -> None:
 
 @pytest.mark.parametrize("width", [85.0, 170.0])
 def test_figure_has_equal_scales(width: float) -> None:
-    figure = section_figure(LAYER, hertz=HERTZ, receptors=RECEPTORS, width_mm=width)
+    figure = section_figure(layer_field(), hertz=hertz_field(), receptors=RECEPTORS, width_mm=width)
     _, lower, bar = figure.axes
     assert bar.get_xlabel() == "maximum shear stress (kPa)"
     sides = figure.get_size_inches() * lower.get_position().size

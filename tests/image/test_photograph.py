@@ -6,7 +6,6 @@ from functools import cache
 import numpy as np
 import pytest
 from PIL import Image
-from tests.image import hand_mesh
 
 from fingerpad.exceptions import FitError, ImageError
 from fingerpad.flags import FLAGS
@@ -174,52 +173,6 @@ def test_interval_coverage():
     assert np.sum(np.array(off) > 1.96) < 6
     # Nor are they so wide that nothing could fail.
     assert np.median(off) > 0.15
-
-
-@pytest.mark.skipif(not hand_mesh.MESH.exists(), reason=f"no hand mesh at {hand_mesh.MESH}")
-def test_three_silhouettes_of_one_mesh():
-    local, faces, chosen = hand_mesh.middle_finger()
-    x, y, z = np.eye(3)
-    tip = faces[(local[faces][:, :, 1] > -22).all(axis=1)]
-    views = {"palmar": (faces, z, y), "distal": (tip, z, -x), "radial": (faces, x, y)}
-    scale = Scale(hand_mesh.MM_PER_PX)
-    # From the fingertip round to the pad, as one would mark it: no nail tells where the pad begins.
-    marks = {"radial": hand_mesh.outermost(local, chosen, x, y, [(0.05, -1), (8, 1), (16, 1)])}
-    found = {
-        face: measure_photograph(
-            hand_mesh.silhouette(local, *view),
-            face,
-            scale,
-            palmar="right" if face == "radial" else None,
-            points=marks.get(face),
-        )
-        for face, view in views.items()
-    }
-    palmar, distal, radial_ulnar = hand_mesh.pad_ellipsoid(local, chosen)
-    assert found["palmar"].semi_axes == pytest.approx((radial_ulnar, distal), rel=0.25)
-    assert found["distal"].semi_axes[0] == pytest.approx(radial_ulnar, rel=0.15)
-    side = found["radial"]
-    assert np.abs(side.semi_axes - (palmar, distal)).max() < 3 * max(side.semi_axes_mm_std.values())
-    # A body that is no ellipsoid: the faces disagree by more than their outlines are uncertain, and say so.
-    joint = combine_faces([one.face_semi_axes for one in found.values()])
-    assert joint.degrees_of_freedom == 3
-    assert joint.p_value < 0.01
-    assert max(abs(value) for face in joint.disagreements for value in face.values()) > 0.1
-
-
-HAND = hand_mesh.MESH.parents[1] / "opencv_hand_photo" / "handSrc.jpg"
-
-
-@pytest.mark.skipif(not HAND.exists(), reason=f"no photograph of a hand at {HAND}")
-@pytest.mark.parametrize("region", [None, (115, 455, 160, 505)])
-def test_photograph_of_whole_hand(region):
-    pixels = read_colour_image(HAND)
-    reasons, flags = "", frozenset()
-    try:
-        flags = measure_photograph(pixels, "palmar", Scale(0.4), tip="right", region_of_interest=region).flags
-    except (ImageError, FitError) as error:
-        reasons = str(error)
-    assert flags or ": " in reasons
 
 
 def blank(level=128):

@@ -16,13 +16,6 @@ def test_akaike_weights_fall_by_exp_of_half_the_difference() -> None:
     assert weights[2] == 0
 
 
-def test_one_model_keeps_its_estimate() -> None:
-    only = Estimate(value=1.0, std=0.3, interval=(0.2, 2.4))
-    found = average_models([only, Estimate.symmetric(50.0, 1.0)], [1.0, 0.0])
-    assert (found.value, found.std) == pytest.approx((1.0, 0.3))
-    assert (found.lower, found.upper) == pytest.approx((0.2, 2.4))
-
-
 def test_mean_variance_and_interval_are_those_of_the_mixture() -> None:
     models = [Estimate.symmetric(40.0, 1.0), Estimate.symmetric(44.0, 2.0), Estimate.symmetric(30.0, 0.5)]
     weights = [0.5, 0.3, 0.2]

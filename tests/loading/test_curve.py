@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from fingerpad._columns import ColumnsError
 from fingerpad.exceptions import LoadingError
-from fingerpad.loading import LoadingCurve, read_loading_curve
+from fingerpad.loading import read_loading_curve
 from fingerpad.loading.curve import unread_curve_columns
 
 
@@ -137,15 +137,6 @@ def test_columns_that_look_like_what_is_missing(
 ) -> None:
     path = write(tmp_path, f"{header}\n{','.join('1' * (header.count(',') + 1))}\n")
     assert unread_curve_columns(path) == unread
-
-
-def test_area_optional(tmp_path: Path) -> None:
-    assert read_loading_curve(write(tmp_path, "force_N,displacement_mm\n1,2\n")).area is None
-
-
-def test_noise_may_make_areas_negative() -> None:
-    area = [-0.4, 0.3, 5.0]
-    assert LoadingCurve(load=[0, 0, 1], indentation=[0, 1, 2], area=area).area.tolist() == area
 
 
 def test_columns_can_be_named(tmp_path: Path) -> None:

@@ -88,13 +88,6 @@ def test_reversed_record_is_detected(points: int, approach: float) -> None:
         fit_loading_curve(away)
 
 
-def test_yielding_pad_is_not_reversed() -> None:
-    depth, exponent = np.maximum(CURVE.indentation - 1, 0), 0.7
-    found = fit_loading_curve(replace(CURVE, load=depth**exponent + CURVE.load * 1e-3))
-    assert abs(found.contact_offset.value - 1) < 0.03
-    assert found.load_exponent.lower < exponent < found.load_exponent.upper
-
-
 @pytest.mark.parametrize("name", ["load", "indentation", "area", "time"])
 def test_nan_and_unequal_lengths_refused(name: str) -> None:
     values = getattr(CURVE, name).copy()

@@ -107,18 +107,6 @@ def test_all_that_is_uncertain_widens_what_depends_on_it(on_6_mm, known, wider, 
         assert added == pytest.approx(0.1**2, rel=0.02)
 
 
-def test_wrong_scales_are_held_by_their_uncertainty() -> None:
-    curve = curve_on(6.0)
-    scaled = LoadingCurve(
-        load=1.06 * curve.load, indentation=curve.indentation, time=curve.time, area=0.94 * curve.area
-    )
-    known = {"area_relative_std": 0.05, "load_relative_std": 0.05}
-    found = fit_layer_thickness(scaled, placement=SPHERE, radius_std=0.4, **known)
-    assert found.thickness.lower < 6 < found.thickness.upper
-    assert found.youngs_modulus.lower < PAD.modulus < found.youngs_modulus.upper
-    assert not found.flags
-
-
 def test_an_error_of_one_scale_is_one_error_of_pad_and_areas() -> None:
     """Radius and areas wrong together by a scale are no evidence of another layer."""
     curve, scale = curve_on(6.0), 1.04

@@ -166,14 +166,6 @@ def white_record(seed: int, count: int = 200) -> tuple[Noise, tuple, tuple]:
     return start, (force, area), (line, line)
 
 
-@pytest.mark.parametrize("drift", [False, True])
-def test_white_noise_is_given_no_drift(drift: bool) -> None:
-    kinds = ("white", "exponential") if drift else ("white",)
-    found = [estimate_noise(*white_record(seed), kinds) for seed in range(5)]
-    assert [each.drift_std for each in found] == [0.0] * 5
-    assert_allclose(np.median([each.force_std for each in found]), 0.004, rtol=0.1)
-
-
 def test_drift_is_found_only_where_it_is_looked_for_and_is_then_uncertain_too() -> None:
     start, (force, area), jacobians = white_record(1)
     drift = np.repeat(np.random.default_rng(2).normal(0, 0.02, 10), 20)

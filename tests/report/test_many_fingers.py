@@ -1,11 +1,8 @@
 """The report of many fingers: a page over all, and one for each finger that is drawn when it must be."""
 
 import math
-import os
 import re
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -19,16 +16,6 @@ from fingerpad.study.pipeline import run_study
 from fingerpad.study.results.result_set import result_files
 from fingerpad.study.results.study_result import StudyResult
 
-DRAW = """
-import sys
-from pathlib import Path
-from fingerpad.report import write, write_report
-from fingerpad.study.pipeline import run_study
-
-write._MOST_GROUPS = 3
-manifest, out = map(Path, sys.argv[1:])
-run_study(manifest, out, write_report=write_report, on_progress=lambda one: print(one.item))
-"""
 FINGERS, LOADS = ("left", "right", "thumb"), (1, 2)
 
 
@@ -133,14 +120,6 @@ def test_only_changed_pages_redrawn(finished: Path) -> None:
     assert finger_pages(items) == ["page of thumb"]
     after = pages(out)
     assert {name for name in after if after[name] != before[name]} == {"thumb"}
-
-
-def test_another_process_redraws_nothing(finished: Path) -> None:
-    command = [sys.executable, "-c", DRAW, str(finished / "study" / "study.toml"), str(finished / "out")]
-    # Words have another order in its sets.
-    environment = {**os.environ, "PYTHONHASHSEED": "1"}
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-    assert finger_pages(done.stdout.splitlines()) == []
 
 
 @pytest.mark.parametrize("lost", ["report/left.html", "figures/left_30deg_area.svg"])

@@ -185,12 +185,6 @@ def test_table_and_words(law, folder) -> None:
         assert expected in words
 
 
-def test_deep_tissue_has_no_bone(tmp_path) -> None:
-    files = export_finger(simulator_law(PLACE, fp.Tissue(0.08), (0.1, 1.0)), tmp_path, effective_mass=0.1)
-    assert "finger.inp" not in [file.name for file in files]
-    assert "without bone" in (tmp_path / "README.md").read_text(encoding="utf-8")
-
-
 BAD = {
     "thin": (lambda: layer_mesh(PLACE, 0.1), "thickness must be finite and at least"),
     "deep": (lambda: layer_mesh(PLACE, math.inf), "thickness must be finite"),

@@ -300,19 +300,6 @@ def test_what_both_angles_do_to_a_finger_is_shared() -> None:
     assert shared["palmar_mm"] == 0.0
 
 
-def test_the_share_of_the_wedge_is_that_of_a_run_without_the_rest(tmp_path: Path, runs: list[Path]) -> None:
-    exact = finger("l_index", 7.9, axes_std=1e-9)
-    alone = json.loads((ran(tmp_path / "exact", "Exact", exact) / "summary.json").read_text())["summaries"]
-    for row in alone:
-        for value in compare_studies(runs).values:
-            if (value.quantity, value.finger, value.wedge_angle_deg) == (
-                "mean_curvature_radius_mm",
-                "l_index",
-                row["wedge_angle_deg"],
-            ):
-                assert value.shared_std == pytest.approx(row["mean_curvature_radius_mm_std"], rel=0.01)
-
-
 def test_means_are_over_people_and_say_of_whom(runs: list[Path]) -> None:
     found = compare_studies(runs)
     counts = {mean.synthetic: (len(mean.people), mean.fingers) for mean in found.of("palmar_mm")[1]}

@@ -169,15 +169,6 @@ def run(folder: Path, *tables: Table) -> StudyResult:
     return run_study(write(folder, *tables), folder / "out")
 
 
-def test_circular_contacts_pool_with_others(tmp_path: Path) -> None:
-    axes = ((6.0, 6.0), (5.0, 5.0), (7.4, 5.0))
-    result = run(tmp_path, *(contact(f"x{i}", 1, each, axis="") for i, each in enumerate(axes)))
-    (summary,) = result.summaries
-    stds = [line["radius_from_indentation_mm_fixed_geometry_std"] for line in records(result.rows)]
-    assert min(stds) > 1e-4
-    assert summary.corrected_radius.count == 3
-
-
 @pytest.mark.parametrize("out", [".", "sub"])
 def test_results_are_never_written_over_inputs(tmp_path: Path, out: str) -> None:
     picture = tmp_path / out / "overlays" / "a.png"
@@ -236,12 +227,6 @@ def test_study_through_a_link(tmp_path: Path) -> None:
     (tmp_path / "mine" / "study.toml").symlink_to(real)
     result = run_study(tmp_path / "mine" / "study.toml", tmp_path / "out")
     assert set(result.provenance["inputs_sha256"]) == {"study.toml"}
-
-
-def test_a_study_of_failures_still_reports(tmp_path: Path) -> None:
-    result = run(tmp_path, shown("x", "study.toml"))
-    assert first_record(result.rows)["status"] == "failed"
-    assert result.summaries == []
 
 
 def test_a_pad_of_no_fingers_size_is_not_pooled(tmp_path: Path) -> None:

@@ -11,7 +11,6 @@ import pytest
 from benchmarks.claims import repeatability
 from tests.studies import finger, write_study
 
-from fingerpad._rounding import value_with_uncertainty
 from fingerpad.report.repeatability import repeatability_section
 from fingerpad.report.templates import templates
 from fingerpad.study.corrections.log import CorrectionLog
@@ -286,20 +285,6 @@ def test_a_run_tables_repeatability_or_says_that_it_is_missing(
     assert ("Repeatability is missing" in section) != known
     assert ("Two repeats agree" in section) == known
     assert ("repeatability missing" in section) != known
-
-
-@pytest.mark.parametrize(
-    ("value", "std", "text"),
-    [
-        (13.61796, 0.00025, "13.618 ± 0.001"),
-        (13.805, 0.018, "13.805 ± 0.018"),
-        (123456.0, 0.3, "123460 ± 10"),
-        (-0.0123456789, 1e-9, "-0.012346 ± 0.000001"),
-        (0.0, 0.00025, "0.00000 ± 0.00025"),
-    ],
-)
-def test_no_more_digits_than_can_be_known(value: float, std: float, text: str) -> None:
-    assert value_with_uncertainty(value, std) == text
 
 
 def test_limits_of_agreement_add_what_lies_within() -> None:

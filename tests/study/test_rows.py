@@ -201,17 +201,6 @@ def test_says_who_measured(picture: Path, keys: str, who: str) -> None:
     assert row_of(picture)["measured_by"] == "manual"
 
 
-def test_a_mask_cuts(picture: Path) -> None:
-    row = row_of(picture, row=IMAGE + "mask_px = [[5, 5], [5, 300], [200, 300], [200, 5]]")
-    assert "cut_by_mask" in row["flags"]
-    assert not row["pooled"]
-
-
-def test_poisson_ratio(tmp_path: Path) -> None:
-    row = row_of(tmp_path, top="poisson_ratio = 0.3")
-    assert row["youngs_modulus_kpa"] / row["reduced_modulus_kpa"] == pytest.approx(0.91)
-
-
 def test_indentation_over_thickness(tmp_path: Path) -> None:
     thin = row_of(tmp_path, finger="pad_thickness_mm = 6")
     assert thin["indentation_over_thickness"] == pytest.approx(thin["indentation_mm"] / 6)

@@ -124,12 +124,6 @@ def test_a_replaced_picture_is_measured_again_and_a_touched_one_is_not(folder: P
     assert run(folder)[0] == ["o1"]
 
 
-def test_a_lost_overlay_is_drawn_again(folder: Path) -> None:
-    (folder / "out" / "overlays" / "o3.png").unlink()
-    assert run(folder)[0] == ["o3"]
-    assert (folder / "out" / "overlays" / "o3.png").is_file()
-
-
 def test_fresh_measures_everything(folder: Path) -> None:
     assert len(run(folder, force=True)[0]) == COUNT
 

@@ -284,11 +284,3 @@ def test_the_layer_has_a_verdict_of_its_own(tmp_path: Path, stated: float, verdi
         assert modulus.reference == pytest.approx(found.truth[MODULUS], rel=0.1)
     else:
         assert modulus.reference > 1.4 * modulus.value
-
-
-def test_exact_inputs_are_judged_too(tmp_path: Path) -> None:
-    of_f, *others = tables(radius=20.0)
-    exact = pressed("of_f", std=1e-9), pressed("again", 4, std=1e-9)
-    _, (validity,) = run(tmp_path, of_f, *exact, others[-1], load_relative_std=0)
-    assert named(validity, "area_against_load").verdict == FAILS
-    assert math.isfinite(validity.headlines[MODULUS].model_relative_std)

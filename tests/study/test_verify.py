@@ -90,20 +90,6 @@ def test_changed_inputs_are_no_fault(study: Path) -> None:
     assert (code, found["changed_inputs"]) == (0, ["o1.png"])
 
 
-def test_what_was_removed_from_the_manifest_is_no_fault(study: Path, small_pieces: None) -> None:
-    manifest = study / "study.toml"
-    before = manifest.read_text()
-    start = before.index('[[observations]]\nname = "o4"')
-    manifest.write_text(before[:start] + before[before.index("[[sequences]]") :])
-    assert verify(study)[0] == 0
-    run_study(manifest, study / "out")
-    code, found = verify(study)
-    assert (code, found["faults"]) == (0, [])
-    manifest.write_text(before)
-    assert len(run_study(manifest, study / "out").rows) > 5
-    assert verify(study)[0] == 0
-
-
 def test_a_study_that_was_never_run(study: Path) -> None:
     shutil.rmtree(study / "out")
     code, found = verify(study)

@@ -24,11 +24,6 @@ def test_broadcasting() -> None:
     assert_allclose(inputs.at(1).mean, inputs.mean[1])
 
 
-def test_correlation_of_named_pair() -> None:
-    inputs = Inputs.of(a=(1, 2), b=(1, 3), c=(1, 5), correlations={("c", "a"): -0.5})
-    assert_allclose(inputs.covariance, [[4, 0, -5], [0, 9, 0], [-5, 0, 25]])
-
-
 def test_covariance_in_order_of_names() -> None:
     inputs = Inputs.of(a=(1, 2), b=(1, 3), c=(1, 5))
     changed = inputs.with_covariance(["c", "a"], [[1.0, 0.5], [0.5, 9.0]])

@@ -38,17 +38,6 @@ def test_the_interval_of_repeats_is_exact() -> None:
     assert_allclose(repeat.limit_of_agreement, 1.96 * np.sqrt(2) * repeat.std, rtol=1e-4)
 
 
-def test_one_level_is_the_analysis_of_variance() -> None:
-    values, groups = BALANCED[3].ravel() + np.repeat([0.0, 0.3, 0.1], 10), np.repeat(np.arange(3), 10)
-    found = nested_scatter(values, {"finger": groups})
-    within = values.reshape(3, 10).var(axis=1, ddof=1).mean()
-    between = values.reshape(3, 10).mean(axis=1).var(ddof=1) - within / 10
-    assert_allclose(found.components["repeat"].std, np.sqrt(within))
-    assert_allclose(found.components["finger"].std, np.sqrt(between))
-    assert_allclose(found.icc, between / (within + between))
-    assert found.icc_interval[0] < found.icc < found.icc_interval[1]
-
-
 def test_unequal_groups() -> None:
     rng = np.random.default_rng(10)
     groups = np.repeat(np.arange(400), rng.integers(1, 5, 400))
@@ -78,17 +67,6 @@ def test_conditions_are_compared_within_only() -> None:
     for level, found in twice.items():
         assert_allclose(found.std, one[level].std, rtol=1e-9)
         assert found.freedom == one[level].freedom * (2 if level == "repeat" else 1)
-
-
-def test_order_does_not_matter() -> None:
-    order = RNG.permutation(BALANCED.size)[:70]
-    some = {name: of[order] for name, of in LEVELS.items()}
-    one = nested_scatter(BALANCED.ravel()[order], some)
-    names = {name: np.array([f"g{of}" for of in of_all[::-1]]) for name, of_all in some.items()}
-    other = nested_scatter(BALANCED.ravel()[order][::-1], names)
-    assert_allclose(
-        [part.std for part in one.components.values()], [part.std for part in other.components.values()]
-    )
 
 
 def test_levels_that_cannot_be_told_apart_are_one() -> None:
