@@ -80,6 +80,7 @@ def test_text_has_the_same_numbers() -> None:
     assert " ".join(f"{number:.6g}" for number in record["mujoco"]["solimp"]) in out
 
 
+@pytest.mark.nightly
 def test_export(tmp_path) -> None:
     code, out, err = run(*USUAL, "--export", tmp_path / "new")
     assert (code, err) == (0, "")

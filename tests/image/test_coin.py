@@ -79,6 +79,7 @@ def found_in(truth):
         return None
 
 
+@pytest.mark.nightly
 def test_coins_in_photographs_are_found_flagged_or_refused():
     """One photograph of each kind that shows one whole coin."""
     scenes = {kind: scene(kind, 0) for kind in KINDS}

@@ -68,6 +68,7 @@ def test_known_numbers_are_found_within_their_errors():
     assert meanings(Line()) == {"slope": "a unit; slope", "std": "units; scatter"}
 
 
+@pytest.mark.nightly
 def test_solved_contacts_give_the_coefficients_of_the_fast_laws_again(capsys):
     used, found = laws.coefficients(), laws.fitted()
     assert capsys.readouterr().out  # what the known series leave

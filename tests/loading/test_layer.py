@@ -179,6 +179,7 @@ def shallow_press() -> LoadingCurve:
     return LoadingCurve(**{name: getattr(shallow, name)[rows] for name in columns})
 
 
+@pytest.mark.nightly
 def test_a_shallow_press_does_not_tell() -> None:
     fit = fit_layer_thickness(shallow_press(), placement=SPHERE, radius_std=3.0)
     assert not fit.thickness.known

@@ -145,6 +145,7 @@ def without_time(file: Path) -> bytes:
     return re.sub(rb"\d{4}-\d\d-\d\d( at |T| )[\d:+]*", b"", file.read_bytes())
 
 
+@pytest.mark.nightly
 def test_two_processes_equal_one(drawn: Path, tmp_path: Path) -> None:
     one, two = drawn / "out", tmp_path / "two"
     run_study(drawn / "study" / "study.toml", two, workers=2, write_report=write_report)

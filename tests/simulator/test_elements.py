@@ -20,6 +20,7 @@ def test_elements_of_a_flat_wide_layer_have_the_load_of_the_solver() -> None:
     assert ratio == pytest.approx(1, abs=0.03)
 
 
+@pytest.mark.nightly
 def test_sides_and_bend_take_load_away() -> None:
     ratios = [ratio for _, ratio in rows_of(fp.Tissue(0.05, 0.3, 8.0), DEPTHS, rings=5, layers=2)]
     assert (np.diff(ratios, axis=0) < -0.02).all()
@@ -36,6 +37,7 @@ def test_stiffness_is_that_of_scikit_fem() -> None:
     assert np.abs(own @ rigid).max() < 1e-12
 
 
+@pytest.mark.nightly
 def test_finite_elements_of_a_law() -> None:
     law = simulator_law(PLACE, fp.Tissue(0.05, thickness=8.0))
     found = law.finite_elements()

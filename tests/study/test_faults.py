@@ -84,6 +84,7 @@ def test_killed_at_any_moment(small_study: Path, undisturbed: list[dict], tmp_pa
     assert not list(out.rglob("*.part"))
 
 
+@pytest.mark.nightly
 def test_workers_end_with_a_killed_run(manifest: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "fingerpad", "run", str(manifest), "--workers", "2"]
     process = subprocess.Popen([*command, "--out", str(tmp_path / "out")], stderr=subprocess.DEVNULL)

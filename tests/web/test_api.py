@@ -509,6 +509,7 @@ def test_what_is_saved_while_it_is_read_is_read_again(studies_folder, monkeypatc
     assert opened.read().digest == load(folder / "study.toml").digest
 
 
+@pytest.mark.nightly
 def test_a_frame_is_measured_with_settings_of_the_frames_as_they_are(studies_folder):
     """Frames that are written over in place change neither the folder nor the frame that is looked at."""
     folder = studies_folder / "demo"

@@ -153,6 +153,7 @@ def launched(folder):
     return process, Client(base_url=base, headers=headers, timeout=30, trust_env=False)
 
 
+@pytest.mark.nightly
 def test_a_killed_page_loses_nothing_that_it_confirmed(studies_folder):
     """The page is killed in the midst of corrections: every one it confirmed is there after it."""
     confirmed = []

@@ -109,7 +109,8 @@ def test_two_launches_stand_side_by_side_until_each_is_stopped(studies_folder):
             process.communicate()
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_the_token_is_removed_on_signals_that_end_the_program(studies_folder, number):
     before = signal.signal(number, signal.SIG_DFL)  # under nohup the program would ignore it, as it should
     process = launched("demo", cwd=studies_folder)

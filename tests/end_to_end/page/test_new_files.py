@@ -42,6 +42,7 @@ def manifest_of(tab: Tab) -> dict:
     return tomllib.loads((tab.folder / "index-finger" / "study.toml").read_text())
 
 
+@pytest.mark.nightly
 def test_files_of_a_camera_become_a_plot(empty_tab: Tab, plain_names) -> None:
     """Twelve actions from the title to the plot, and no step but the first is opened."""
     page = empty_tab.open()

@@ -155,6 +155,7 @@ def test_late_results_of_another_part_are_not_shown(tab: Tab, left: str, then: s
     expect(page.locator(".results > *")).to_have_count(1)
 
 
+@pytest.mark.nightly
 def test_numbers_and_files_for_simulators(tab: Tab) -> None:
     tab.expected.append("422")
     page = tab.go("results/simulator")
